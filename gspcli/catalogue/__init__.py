@@ -1,0 +1,1 @@
+"""What types exist and what is known of each; standard library only."""

@@ -1,0 +1,84 @@
+"""The exceptions of the package, all `GspError`, and the exit code each one maps to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+class GspError(Exception):
+    """Base class of every error that a user can cause or should read.
+
+    The text of an error is one to three lines: where, what was found, what was expected or
+    what to do.
+    """
+
+    exit_code = 2
+
+
+class TypeNameError(GspError):
+    """A name that denotes no platform type, family or constraint kind."""
+
+
+@dataclass(frozen=True, order=True)
+class Location:
+    """A place in a file; `line` and `column` count from 1."""
+
+    file: str
+    line: int
+    column: int
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One mistake in an input file.
+
+    Parameters
+    ----------
+    location
+        Where in the file, or None when the mistake has no place.
+    path
+        The key path, as ``constraints[3].value``; empty for the whole document.
+    message
+        What was found, what was expected and what to do.
+    """
+
+    location: Location | None
+    path: str
+    message: str
+
+    def __str__(self) -> str:
+        parts = [str(part) for part in (self.location, self.path) if part]
+        return ": ".join([*parts, self.message])
+
+
+class SpecError(GspError):
+    """An instance file with mistakes; carries all of them."""
+
+    def __init__(self, problems: list[Problem]) -> None:
+        self.problems = tuple(problems)
+        super().__init__("\n".join(str(problem) for problem in problems))
+
+
+class DataError(GspError):
+    """Shipped data is missing or does not have the recorded content."""
+
+
+class CheckFailed(GspError):
+    """A check that was asked for did not hold."""
+
+    exit_code = 1
+
+
+class NotFiniteError(GspError):
+    """The solution set of an instance is not finite."""
+
+    exit_code = 3
+
+
+class IncompleteError(GspError):
+    """An answer could not be completed or certified."""
+
+    exit_code = 4

@@ -1,0 +1,1 @@
+"""Primitives, instances, poses, residuals and Jacobians."""

@@ -1,0 +1,114 @@
+"""An instance: a platform of some type with numbers in it, as an instance file states it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from enum import Enum
+from functools import cached_property
+
+from gspcli.catalogue.kinds import Kind
+from gspcli.catalogue.types import GspType
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Geometry
+
+
+class Side(Enum):
+    """On which side of the plane the point of a PH or HP distance lies."""
+
+    POSITIVE = "positive"
+    NEGATIVE = "negative"
+    BOTH = "both"
+
+
+class AngleUnit(Enum):
+    """The unit of the angles of an instance."""
+
+    DEGREE = "deg"
+    RADIAN = "rad"
+
+    @property
+    def in_radians(self) -> float:
+        """The unit in radians."""
+        return math.pi / 180 if self is AngleUnit.DEGREE else 1.0
+
+
+@dataclass(frozen=True)
+class Units:
+    """The units of an instance.
+
+    Attributes
+    ----------
+    length
+        The name of the length unit; it is only carried along.
+    angle
+        The unit of angle values.
+    """
+
+    length: str
+    angle: AngleUnit
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """One constraint of an instance.
+
+    Attributes
+    ----------
+    kind
+        What is measured between which primitives.
+    platform, base
+        The primitives, each in the frame of its body.
+    value
+        The distance in length units or the angle in angle units of the instance.
+    side
+        For DPH and DHP: where the point lies; `Side.BOTH` for all other kinds.
+    platform_name, base_name
+        The names of the primitives. Equal names on one body are one shared primitive.
+    """
+
+    kind: Kind
+    platform: Geometry
+    base: Geometry
+    value: Number
+    side: Side = Side.BOTH
+    platform_name: str = ""
+    base_name: str = ""
+
+
+@dataclass(frozen=True)
+class Instance:
+    """A generalized Stewart platform with numbers.
+
+    Attributes
+    ----------
+    constraints
+        Six constraints, in the order of the file.
+    units
+        The units of lengths and angles.
+    name, source
+        What the file says of itself, or None.
+    """
+
+    constraints: tuple[Constraint, ...]
+    units: Units
+    name: str | None = None
+    source: str | None = None
+
+    @cached_property
+    def type(self) -> GspType:
+        """The type of the platform.
+
+        Raises
+        ------
+        TypeNameError
+            If there are not six constraints or more than three are angles.
+        """
+        return GspType.of(constraint.kind for constraint in self.constraints)
+
+    def with_values(self, values: dict[int, Number]) -> Instance:
+        """Return the instance with other values for some constraints (indices from 0)."""
+        constraints = list(self.constraints)
+        for index, value in values.items():
+            constraints[index] = replace(constraints[index], value=value)
+        return replace(self, constraints=tuple(constraints))

@@ -1,0 +1,159 @@
+"""Exact real numbers: rationals and the closed expressions that an instance file may contain.
+
+A `Number` is an expression tree. Numerical code takes its `float`; certification evaluates the
+same tree in ball arithmetic, so that what is proved is about the number that was written.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any, Protocol, TypeVar
+
+Element = TypeVar("Element")
+
+
+class Field(Protocol[Element]):
+    """Arithmetic in which a `Number` can be evaluated; elements support ``+ - * /``."""
+
+    def rational(self, value: Fraction) -> Element:
+        """Return the element of a rational number."""
+        ...
+
+    def pi(self) -> Element:
+        """Return the element of pi."""
+        ...
+
+    def function(self, name: str, argument: Element) -> Element:
+        """Return sqrt, sin, cos, tan, asin, acos or atan of an element."""
+        ...
+
+
+#: The functions that an expression may use, for floating-point evaluation.
+FUNCTIONS: dict[str, Callable[[float], float]] = {
+    "sqrt": math.sqrt,
+    "sin": math.sin,
+    "cos": math.cos,
+    "tan": math.tan,
+    "asin": math.asin,
+    "acos": math.acos,
+    "atan": math.atan,
+}
+
+
+class _FloatField:
+    def rational(self, value: Fraction) -> float:
+        return value.numerator / value.denominator
+
+    def pi(self) -> float:
+        return math.pi
+
+    def function(self, name: str, argument: float) -> float:
+        return FUNCTIONS[name](argument)
+
+
+@dataclass(frozen=True)
+class Number:
+    """An exact real number as an expression tree.
+
+    Attributes
+    ----------
+    operation
+        ``rational``, ``pi``, one of ``+ - * /``, ``neg``, or a name of `FUNCTIONS`.
+    arguments
+        The operands; of a rational, its one `fractions.Fraction`.
+    """
+
+    operation: str
+    arguments: tuple[Any, ...] = ()
+
+    @classmethod
+    def of(cls, value: int | float | str | Fraction | Number) -> Number:
+        """Return a number exactly: a float by its binary value, a string by its decimals."""
+        if isinstance(value, Number):
+            return value
+        return cls("rational", (Fraction(value),))
+
+    @cached_property
+    def fraction(self) -> Fraction | None:
+        """The number as a fraction if its tree has only rational operations, else None."""
+        if self.operation == "rational":
+            value: Fraction = self.arguments[0]
+            return value
+        parts = [argument.fraction for argument in self.arguments]
+        if self.operation not in _RATIONAL_OPERATIONS or None in parts:
+            return None
+        result: Fraction = _RATIONAL_OPERATIONS[self.operation](*parts)
+        return result
+
+    @cached_property
+    def value(self) -> float:
+        """The number rounded to a float."""
+        exact = self.fraction
+        if exact is not None:
+            return exact.numerator / exact.denominator
+        return self.evaluate(_FloatField())
+
+    def evaluate(self, field: Field[Element]) -> Element:
+        """Evaluate the tree in other arithmetic, such as balls."""
+        if self.operation == "rational":
+            return field.rational(self.arguments[0])
+        if self.operation == "pi":
+            return field.pi()
+        parts: list[Any] = [argument.evaluate(field) for argument in self.arguments]
+        if self.operation in _RATIONAL_OPERATIONS:
+            result: Element = _RATIONAL_OPERATIONS[self.operation](*parts)
+            return result
+        return field.function(self.operation, parts[0])
+
+    def __float__(self) -> float:
+        return self.value
+
+    def __str__(self) -> str:
+        return _text(self, 0)
+
+
+_RATIONAL_OPERATIONS: dict[str, Callable[..., Any]] = {
+    "+": lambda a, b: a + b,
+    "-": lambda a, b: a - b,
+    "*": lambda a, b: a * b,
+    "/": lambda a, b: a / b,
+    "neg": lambda a: -a,
+}
+_PRECEDENCE = {"+": 1, "-": 1, "*": 2, "/": 2, "neg": 3}
+
+
+def _decimal(value: Fraction) -> str:
+    """Return a fraction as a finite decimal where there is one, else as p/q."""
+    denominator, twos, fives = value.denominator, 0, 0
+    while denominator % 2 == 0:
+        denominator, twos = denominator // 2, twos + 1
+    while denominator % 5 == 0:
+        denominator, fives = denominator // 5, fives + 1
+    if denominator != 1:
+        return str(value)
+    places = max(twos, fives)
+    digits = str(abs(value.numerator) * 10**places // value.denominator).rjust(places + 1, "0")
+    sign = "-" if value < 0 else ""
+    return sign + (f"{digits[:-places]}.{digits[-places:]}" if places else digits)
+
+
+def _text(number: Number, precedence: int) -> str:
+    operation = number.operation
+    if operation == "rational":
+        text = _decimal(number.arguments[0])
+        return f"({text})" if precedence and ("/" in text or text.startswith("-")) else text
+    if operation == "pi":
+        return "pi"
+    if operation in FUNCTIONS:
+        return f"{operation}({_text(number.arguments[0], 0)})"
+    own = _PRECEDENCE[operation]
+    if operation == "neg":
+        text = "-" + _text(number.arguments[0], own)
+    else:
+        left, right = number.arguments
+        text = f"{_text(left, own)} {operation} {_text(right, own + (operation in '-/'))}"
+    return f"({text})" if own < precedence or (operation == "neg" and precedence) else text

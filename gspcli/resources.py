@@ -1,0 +1,49 @@
+"""Where the files of `data/` are: inside an installed package, or beside it in a checkout."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from gspcli.errors import DataError
+
+_PACKAGE = Path(__file__).resolve().parent
+
+
+@cache
+def data_directory() -> Path:
+    """Return the directory that holds the shipped data.
+
+    Raises
+    ------
+    DataError
+        If neither the installed nor the checked-out location exists.
+    """
+    for candidate in (_PACKAGE / "data", _PACKAGE.parent / "data"):
+        if candidate.is_dir():
+            return candidate
+    message = f"the data directory of the package is missing (looked beside {_PACKAGE})"
+    raise DataError(message)
+
+
+def data_path(*parts: str) -> Path:
+    """Return the path of one shipped file.
+
+    Raises
+    ------
+    DataError
+        If there is no such file.
+    """
+    path = data_directory().joinpath(*parts)
+    if not path.is_file():
+        message = f"data file {'/'.join(parts)} is missing from {data_directory()}"
+        raise DataError(message)
+    return path
+
+
+@cache
+def data_json(*parts: str) -> Any:
+    """Return the parsed content of one shipped JSON file (shared; do not modify)."""
+    return json.loads(data_path(*parts).read_text(encoding="utf-8"))

@@ -1,0 +1,1 @@
+"""An instance in, its assembly modes out."""

@@ -1,0 +1,1 @@
+"""Equations, varieties and triangular sets, derived in sympy."""
