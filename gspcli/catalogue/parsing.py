@@ -1,0 +1,197 @@
+"""Reading names of kinds, types and families in every sensible spelling."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from difflib import get_close_matches
+from typing import NoReturn
+
+from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, KINDS, Kind
+from gspcli.catalogue.types import (
+    CLASSES,
+    CONSTRAINTS,
+    Family,
+    GspType,
+    PlatformClass,
+    type_by_number,
+)
+from gspcli.errors import TypeNameError
+
+_CLASSES_BY_ID = {platform_class.id: platform_class for platform_class in CLASSES}
+_SEPARATORS = re.compile(r"[\s,;+]+")
+_REPEATED = re.compile(r"(\d+)[*x]?([A-Z]{2,3})|([A-Z]{2,3})[*^](\d+)")
+
+
+def parse_class(text: str) -> PlatformClass:
+    """Return the class with a name such as ``3D3A``, in either case.
+
+    Raises
+    ------
+    TypeNameError
+        If there is no such class.
+    """
+    found = _CLASSES_BY_ID.get(text.strip().upper())
+    if found is None:
+        message = f"unknown class {text!r}: the classes are {', '.join(_CLASSES_BY_ID)}"
+        raise TypeNameError(message)
+    return found
+
+
+def parse_kind(text: str) -> Kind:
+    """Return the one kind with a name such as ``DPL``, ``PL`` or ``dpl``.
+
+    Raises
+    ------
+    TypeNameError
+        If there is no such kind, or if the name fits two (``LL`` is DLL or ALL).
+    """
+    found = parse_kinds(text)
+    if len(found) > 1:
+        names = " or ".join(kind.name for kind in found)
+        message = f"{text!r} is {names}: give the leading letter"
+        raise TypeNameError(message)
+    return found[0]
+
+
+def parse_kinds(text: str) -> tuple[Kind, ...]:
+    """Return the kinds that a name can mean: one, or for ``LL`` the distance and the angle.
+
+    Raises
+    ------
+    TypeNameError
+        If there is no such kind.
+    """
+    name = text.strip().upper()
+    found = tuple(kind for kind in KINDS if name in (kind.name, kind.short))
+    if not found:
+        _unknown_kind(text)
+    return found
+
+
+def _unknown_kind(text: str) -> NoReturn:
+    name = text.strip().upper()
+    names = [kind.name for kind in KINDS]
+    message = f"unknown constraint {text!r}"
+    swapped = name[:-2] + name[-2:][::-1]
+    if len(name) == 3 and name[0] in "DA" and all(letter in "PLH" for letter in name[1:]):
+        what, kinds = ("distance", DISTANCE_KINDS) if name[0] == "D" else ("angle", ANGLE_KINDS)
+        message += f": there is no {what} of this pair, only {_names(kinds)}"
+    elif near := get_close_matches(name, [*names, *(n[1:] for n in names)], n=3, cutoff=0.5):
+        message += f": did you mean {' or '.join(dict.fromkeys(near))}?"
+    elif swapped in names:
+        message += f": did you mean {swapped}?"
+    message += f"\nthe kinds are {' '.join(names)}"
+    raise TypeNameError(message)
+
+
+def _names(kinds: Sequence[Kind]) -> str:
+    return " ".join(kind.name for kind in kinds)
+
+
+def _words(text: str | Sequence[str]) -> list[str]:
+    joined = text if isinstance(text, str) else " ".join(text)
+    words: list[str] = []
+    for word in _SEPARATORS.split(joined.strip().upper()):
+        repeated = _REPEATED.fullmatch(word)
+        if repeated and word not in _CLASSES_BY_ID:
+            count, name = (repeated[1], repeated[2]) if repeated[1] else (repeated[4], repeated[3])
+            if int(count) > CONSTRAINTS:
+                message = f"{word!r}: a platform has six constraints"
+                raise TypeNameError(message)
+            words += [name] * int(count)
+        elif word:
+            words.append(word)
+    return words
+
+
+def parse_name(text: str | Sequence[str]) -> GspType | Family:
+    """Return the type or family that a name denotes.
+
+    Accepted are a stable number (``17``), six kinds in any order, separated by blanks or commas,
+    with or without leading letters where they are unambiguous (``DPL pl LP all alh AHH``),
+    repetitions (``6PP``, ``PL^2``), and families: a class with its distances
+    (``3D3A PL PL LP``). A family without angles is a type.
+
+    Raises
+    ------
+    TypeNameError
+        With what is wrong, what is near and how to write it.
+    """
+    words = _words(text)
+    if not words:
+        message = "no type given: write six kinds, a number, or a family as 3D3A PL PL LP"
+        raise TypeNameError(message)
+    if len(words) == 1 and words[0].lstrip("#").isdigit():
+        return type_by_number(int(words[0].lstrip("#")))
+    named = None
+    if words[0][0].isdigit():
+        named, words = parse_class(words[0]), words[1:]
+    return _assemble(named, [parse_kinds(word) for word in words])
+
+
+def _assemble(named: PlatformClass | None, choices: list[tuple[Kind, ...]]) -> GspType | Family:
+    count = len(choices)
+    if named is not None and count == named.distances != CONSTRAINTS:
+        distances = tuple(sorted(kind for kinds in choices for kind in kinds if kind.is_distance))
+        if len(distances) == count:
+            return Family(named, distances)
+    if count != CONSTRAINTS:
+        message = f"{count} constraint{'s' * (count != 1)} given, a platform has six"
+        if named is not None:
+            message += f"; the family form of {named} names its {named.distances} distances"
+        elif count < CONSTRAINTS:
+            message += "\na family is named by its class and distances, as in 3D3A PL PL LP"
+        raise TypeNameError(message)
+    _reject_ambiguity(named, choices)
+    if named is not None:
+        choices = _resolve_by_class(named, choices)
+    gsp_type = GspType.of(kinds[0] for kinds in choices)
+    if named is not None and gsp_type.platform_class != named:
+        message = f"{gsp_type.id} is of class {gsp_type.platform_class}, not {named}"
+        raise TypeNameError(message)
+    return gsp_type
+
+
+def _reject_ambiguity(named: PlatformClass | None, choices: list[tuple[Kind, ...]]) -> None:
+    if named is None and any(len(kinds) > 1 for kinds in choices):
+        names = " or ".join(kind.name for kinds in choices if len(kinds) > 1 for kind in kinds[:2])
+        message = (
+            f"LL can be {' or '.join(dict.fromkeys(names.split(' or ')))}: "
+            "give the leading letter, or the class first"
+        )
+        raise TypeNameError(message)
+
+
+def _resolve_by_class(
+    named: PlatformClass, choices: list[tuple[Kind, ...]]
+) -> list[tuple[Kind, ...]]:
+    """Let the class decide which of the names ``LL`` are distances and which are angles."""
+    missing = named.distances - sum(len(k) == 1 and k[0].is_distance for k in choices)
+    resolved = []
+    for kinds in choices:
+        if len(kinds) > 1:
+            wanted = missing > 0
+            missing -= wanted
+            resolved.append(tuple(kind for kind in kinds if kind.is_distance is wanted))
+        else:
+            resolved.append(kinds)
+    return resolved
+
+
+def parse_type(text: str | Sequence[str]) -> GspType:
+    """Return the type that a name denotes, in any spelling that `parse_name` accepts.
+
+    Raises
+    ------
+    TypeNameError
+        Also if the name denotes a family with its angles left open.
+    """
+    found = parse_name(text)
+    if isinstance(found, Family):
+        message = (
+            f"{found.id} is a family of {len(found.types)} types: add its "
+            f"{found.platform_class.angles} angles ({_names(ANGLE_KINDS)})"
+        )
+        raise TypeNameError(message)
+    return found

@@ -1,0 +1,35 @@
+"""Fixtures for all tests."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import pytest
+from hypothesis import settings
+
+settings.register_profile("gsp", deadline=None, derandomize=True, max_examples=50)
+settings.load_profile("gsp")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a run of the command line gave."""
+
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def gsp(capsys: pytest.CaptureFixture[str]) -> Callable[..., Outcome]:
+    """Run `gsp` in this process: `gsp("bound", "3D3A PL PL LP").out`."""
+    from gspcli.cli.main import run
+
+    def call(*arguments: str) -> Outcome:
+        capsys.readouterr()
+        code = run([str(argument) for argument in arguments])
+        captured = capsys.readouterr()
+        return Outcome(code, captured.out, captured.err)
+
+    return call
