@@ -1,0 +1,126 @@
+"""Systems of six equations on the Study quadric: what the solver is asked to solve."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gspcli.continuation.quadrics import COEFFICIENTS, LETTERS, ComplexArray
+
+EQUATIONS = 6
+
+
+@dataclass(frozen=True, order=True)
+class Structure:
+    """The shape of a system: which family each equation is of, and which are products.
+
+    Parameters
+    ----------
+    families
+        Six letters of ``apqls`` (`gspcli.continuation.quadrics`).
+    products
+        For each equation whether it is ``G H = tau N^2`` (else ``G = 0``).
+
+    Raises
+    ------
+    ValueError
+        If there are not six of both, or a letter is unknown.
+    """
+
+    families: str
+    products: tuple[bool, ...] = (False,) * EQUATIONS
+
+    def __post_init__(self) -> None:
+        if len(self.families) != EQUATIONS or not set(self.families) <= set(LETTERS):
+            message = f"families must be six letters of {LETTERS!r}, not {self.families!r}"
+            raise ValueError(message)
+        if len(self.products) != EQUATIONS:
+            message = f"products must be six truth values, not {len(self.products)}"
+            raise ValueError(message)
+
+    @cached_property
+    def order(self) -> tuple[int, ...]:
+        """Positions of the equations in canonical order: by letter, quadrics before products."""
+        key = [(LETTERS.index(x), p) for x, p in zip(self.families, self.products, strict=True)]
+        return tuple(sorted(range(EQUATIONS), key=key.__getitem__))
+
+    def canonical(self) -> Structure:
+        """Return the same structure with its equations in canonical order."""
+        return Structure(
+            "".join(self.families[i] for i in self.order),
+            tuple(self.products[i] for i in self.order),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class TargetSystem:
+    """Six equations ``G_i = 0`` or ``G_i H_i = tau_i N^2`` on the Study quadric ``e.f = 0``.
+
+    Coefficients are real or complex and need no particular scale, but T, U and rho should be
+    measured from origins near the geometry: an origin at a distance of 1e6 costs six digits.
+
+    Parameters
+    ----------
+    structure
+        Families and products.
+    g
+        Quadrics, shape (6, 27).
+    h
+        Second factors, shape (6, 27); rows of equations that are no products are ignored. May
+        be left out if there are no products.
+    tau
+        Right-hand sides of the products, shape (6,); likewise.
+
+    Raises
+    ------
+    ValueError
+        For a wrong shape or a number that is not finite.
+    """
+
+    structure: Structure
+    g: ComplexArray
+    h: ComplexArray
+    tau: ComplexArray
+
+    def __init__(
+        self,
+        structure: Structure,
+        g: ArrayLike,
+        h: ArrayLike | None = None,
+        tau: ArrayLike | None = None,
+    ) -> None:
+        if any(structure.products) and (h is None or tau is None):
+            message = "a system with products needs their second factors h and values tau"
+            raise ValueError(message)
+        products = np.array(structure.products)
+        shape = (EQUATIONS, COEFFICIENTS)
+        for name, value, wanted in (
+            ("g", g, shape),
+            ("h", np.zeros(shape) if h is None else h, shape),
+            ("tau", np.zeros(EQUATIONS) if tau is None else tau, (EQUATIONS,)),
+        ):
+            array = np.array(value, dtype=np.complex128)
+            if array.shape != wanted:
+                message = f"{name} must have shape {wanted}, not {array.shape}"
+                raise ValueError(message)
+            if name != "g":
+                array[~products] = 0
+            if not np.isfinite(array).all():
+                message = f"{name} has entries that are not finite"
+                raise ValueError(message)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        object.__setattr__(self, "structure", structure)
+
+    def reordered(self, order: Sequence[int]) -> TargetSystem:
+        """Return the system with its equations in another order (the same solutions)."""
+        index = list(order)
+        structure = Structure(
+            "".join(self.structure.families[i] for i in index),
+            tuple(self.structure.products[i] for i in index),
+        )
+        return TargetSystem(structure, self.g[index], self.h[index], self.tau[index])
