@@ -1,0 +1,40 @@
+# `make demo` and `make test` set up everything they need; a C++20 compiler and Python 3.11+ suffice.
+
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+STAMP  := $(VENV)/.installed
+NATIVE := $(wildcard native/*) CMakeLists.txt
+
+.DEFAULT_GOAL := help
+.PHONY: help install demo test lint types docs bench verify verify-fast verify-solve clean
+
+help: ## show this list
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
+
+$(STAMP): pyproject.toml $(NATIVE)
+	@$(PYTHON) -c 'import sys; sys.exit("gsp needs Python 3.11 or newer, this is %d.%d: make PYTHON=python3.12 ..." % sys.version_info[:2] if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --upgrade 'pip>=25.1'
+	$(BIN)/python -m pip install --quiet --group dev --editable .
+	@touch $@
+
+install: $(STAMP) ## virtual environment with gsp and all development tools
+
+demo: $(STAMP) ## the paper's tables checked, its platform and Dietmaier's solved
+	$(BIN)/gsp table all --check
+	$(BIN)/gsp solve data/examples/example-6.8.yaml
+	$(BIN)/gsp solve data/examples/dietmaier.yaml
+
+test: $(STAMP) ## the test suite (under five minutes on two cores)
+	$(BIN)/python -m pytest -q -n auto -m 'not slow'
+
+lint: $(STAMP) ## style of the code
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+
+types: $(STAMP) ## static types of the package
+	$(BIN)/mypy
+
+clean: ## remove the virtual environment and everything built
+	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

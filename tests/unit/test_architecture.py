@@ -1,0 +1,101 @@
+"""The house plan: imports point one way and heavy libraries stay in their rooms."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import gspcli
+
+PACKAGE = Path(gspcli.__file__).parent
+LAYERS = {
+    "cli": 5,
+    "paper": 4,
+    "solve": 4,
+    "certification": 3,
+    "continuation": 3,
+    "spec": 3,
+    "geometry": 2,
+    "symbolic": 2,
+    "catalogue": 1,
+    "errors": 0,
+    "resources": 0,
+    "progress": 0,
+}
+ROOMS = {
+    "sympy": {"symbolic"},
+    "flint": {"certification"},
+    "ruamel": {"spec"},
+    "pydantic": {"spec"},
+    "click": {"cli"},
+    "rich": {"cli"},
+}
+STANDARD_LIBRARY_ONLY = {"catalogue", "errors", "resources", "progress"}
+#: pandas is imported only inside the `to_frame` methods.
+FRAMES = "pandas"
+
+
+def _imports(path: Path) -> set[str]:
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            found |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return found
+
+
+def _sources() -> list[Path]:
+    return sorted(PACKAGE.rglob("*.py"))
+
+
+def _room(path: Path) -> str:
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+@pytest.mark.parametrize("path", _sources(), ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_imports_point_one_way(path: Path) -> None:
+    room = _room(path)
+    for name in _imports(path):
+        top, _, rest = name.partition(".")
+        if top == "gspcli" and room in LAYERS:
+            target = rest.split(".")[0]
+            if target in LAYERS and target != room:
+                assert LAYERS[target] < LAYERS[room] or (room, target) == ("paper", "solve"), name
+        if top in ROOMS:
+            assert room in ROOMS[top], f"{top} belongs in {ROOMS[top]}"
+        if room in STANDARD_LIBRARY_ONLY and top not in ("gspcli", "__future__", FRAMES):
+            assert top in sys.stdlib_module_names, name
+
+
+def _loaded_by(code: str) -> set[str]:
+    script = f"import sys\n{code}\nprint(*sys.modules)"
+    run = subprocess.run(  # the interpreter of the tests with a fixed script
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    return {name.partition(".")[0] for name in run.stdout.splitlines()[-1].split()}
+
+
+HEAVY = {"numpy", "sympy", "pandas", "flint", "pydantic", "ruamel", "rich", "scipy"}
+
+
+@pytest.mark.parametrize(
+    ("code", "forbidden"),
+    [
+        ("import gspcli", HEAVY | {"click"}),
+        ("from gspcli.cli.main import run; run(['--help'])", HEAVY),
+        ("from gspcli.cli.main import run; run(['--version'])", HEAVY),
+        (
+            "from gspcli.cli.main import run; run(['enumerate', '--format', 'csv'])",
+            HEAVY,
+        ),
+        ("from gspcli.cli.main import run; run(['bound', '17', '--format', 'json'])", HEAVY),
+    ],
+)
+def test_start_up_loads_only_what_is_needed(code: str, forbidden: set[str]) -> None:
+    assert not _loaded_by(code) & forbidden
