@@ -1,0 +1,112 @@
+"""The varieties of rigid motions in each set of coordinates (Section 3).
+
+`equations` generates a prime ideal: the rotations, cut out by ``RᵀR = RRᵀ = I`` and ``R = cof R``
+(together they give det R = 1), form a smooth irreducible group scheme; adding blocks that are
+polynomials in R and T takes the graph of a map on it times the space of T; and T×R alone is cut
+out by equations linear in it, a vector bundle over the rotations. The affine Hilbert function of
+the ideal is therefore the dimension of the space of polynomials up to a degree, restricted to the
+motions; `sampled_hilbert_function` finds it from motions alone, without any Gröbner basis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from math import comb
+from random import Random
+from typing import Any
+
+import numpy as np
+import sympy
+from sympy import Expr, eye
+
+from gspcli.symbolic.coordinates import (
+    EXPRESSIONS,
+    MOTIONS,
+    SYMBOLS,
+    CoordinateSystem,
+    cofactors,
+)
+from gspcli.symbolic.motions import (
+    Motion,
+    Residues,
+    monomials,
+    random_motion,
+    rank,
+    residues,
+)
+
+
+def equations(coordinates: CoordinateSystem) -> tuple[Expr, ...]:
+    """Return integer polynomials that generate the ideal of the motions in these coordinates."""
+    r = SYMBOLS["R"]
+    matrices = [r.T * r - eye(3), r * r.T - eye(3), r - cofactors(r)]
+    for block, ways in EXPRESSIONS.items():
+        if block in coordinates.blocks:
+            matrices += [
+                SYMBOLS[block] - way(r, SYMBOLS[other])
+                for other, way in ways.items()
+                if other in coordinates.blocks
+            ]
+    if "TxR" in coordinates.blocks:
+        w = SYMBOLS["TxR"]
+        # (T×R) Rᵀ = [T] and Rᵀ (T×R) = [U] are skew.
+        matrices += [r * w.T + w * r.T, r.T * w + w.T * r]
+    expanded = (sympy.expand(entry).primitive()[1] for matrix in matrices for entry in matrix)
+    # The symmetric matrices hold some equations twice.
+    return tuple(dict.fromkeys(entry for entry in expanded if entry != 0))
+
+
+@cache
+def _evaluator(coordinates: CoordinateSystem) -> Any:
+    blocks = MOTIONS.expressions
+    entries = [entry for block in coordinates.blocks for entry in blocks[block]]
+    return sympy.lambdify(MOTIONS.symbols, entries, modules=[{}], cse=True)
+
+
+def coordinates_at(coordinates: CoordinateSystem, motions: Sequence[Motion]) -> Residues:
+    """Return the coordinates of exact motions modulo `PRIME`, shape (motions, coordinates)."""
+    evaluate = _evaluator(coordinates)
+    return residues([evaluate(*m.rotation.flat, *m.translation) for m in motions])
+
+
+def hilbert_function(numerator: Sequence[int], dimension: int, degree: int) -> int:
+    """Return the dimension of the polynomials up to a degree restricted to a variety.
+
+    Parameters
+    ----------
+    numerator
+        Coefficients of h in the Hilbert series h(t) / (1 - t)^(dimension + 1) of the
+        projective closure.
+    dimension
+        Dimension of the variety.
+    degree
+        The highest total degree of the polynomials.
+    """
+    terms = (
+        coefficient * comb(degree - power + dimension, dimension)
+        for power, coefficient in enumerate(numerator[: degree + 1])
+    )
+    return sum(terms)
+
+
+def sampled_hilbert_function(
+    coordinates: CoordinateSystem, degree: int, points: int, *, seed: int = 0
+) -> int:
+    """Return the rank of all monomials up to a degree at random rational motions.
+
+    It is a proved lower bound of the Hilbert function (a rank modulo a prime, at points of the
+    variety), and equal to it for random motions as soon as `points` exceeds it.
+    """
+    random = Random(seed)
+    motions = [random_motion(random) for _ in range(points)]
+    return rank(monomials(coordinates_at(coordinates, motions), degree))
+
+
+def motion_variables(motion: Motion) -> dict[sympy.Symbol, sympy.Rational]:
+    """Return the exact values of the coordinates (R, T), to substitute for the symbols."""
+    values = np.concatenate([motion.rotation.ravel(), motion.translation])
+    return {
+        symbol: sympy.Rational(value.numerator, value.denominator)
+        for symbol, value in zip(MOTIONS.symbols, values, strict=True)
+    }
