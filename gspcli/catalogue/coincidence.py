@@ -127,7 +127,7 @@ def coincident_types(gsp_type: GspType) -> Iterator[Sharing]:
     >>> print(next(patterns).notation)
     P1-p1 P2-p2 P3-p3 P4-p4 P5-p5 P6-p6
     >>> print(next(patterns).notation)
-    P1-p1 P2-p2 P3-p3 P4-p4 P5-p5 P6-p5
+    P1-p1 P2-p1 P3-p2 P4-p3 P5-p4 P6-p5
     """
     numbers = count(1)
     for word in _least_words(gsp_type.kinds, ()):

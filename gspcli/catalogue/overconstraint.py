@@ -1,0 +1,127 @@
+"""Patterns of shared primitives that can never fix the platform, with the proof by counting.
+
+Take some primitives, of either body, where the pose puts them, and the motions of the platform that
+leave them all in place (a line along itself, a plane in itself). If each of some constraints
+has an end among those primitives, then such a motion changes none of their values: moving
+the platform's end moves nothing, and moving the base's end is the same motion seen the other way.
+So if the motions have s freedoms, at most 6 - s of these constraints are independent; more than
+6 - s of them make the whole pattern dependent in every pose, and its direct kinematics has
+no solution or infinitely many. An angle sees no more of a line or plane than its direction.
+
+The converse is a computation, not part of this module: the tests find six independent gradients, in
+exact arithmetic, for patterns without such a part.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from gspcli.catalogue.coincidence import Bond
+from gspcli.catalogue.types import CONSTRAINTS
+
+#: How much of a primitive the constraints see: sort, or "direction" of a line or plane.
+_POINT, _LINE, _PLANE, _DIRECTION = "P", "L", "H", "direction"
+
+
+@dataclass(frozen=True)
+class OverConstraint:
+    """Constraints of which not all can be independent.
+
+    Attributes
+    ----------
+    primitives
+        Primitives, or directions of primitives, that have an end of each of the constraints.
+    freedoms
+        The freedoms of the motions that leave these primitives in place.
+    constraints
+        The constraints, by index from 0; there are more than six less `freedoms`.
+    """
+
+    primitives: tuple[str, ...]
+    freedoms: int
+    constraints: tuple[int, ...]
+
+    @property
+    def reason(self) -> str:
+        """The proof in a sentence."""
+        fixed = " and ".join(self.primitives)
+        plural = "s" * (self.freedoms != 1)
+        return (
+            f"motions that keep {fixed} in place have {self.freedoms} freedom{plural}, so at most "
+            f"{CONSTRAINTS - self.freedoms} of these {len(self.constraints)} constraints "
+            "are independent"
+        )
+
+
+def motion_freedoms(points: int, lines: int, planes: int, directions: int) -> int:
+    """Return the freedoms of the motions that leave primitives in general position in place.
+
+    In special positions the motions can only be more. `directions` counts primitives of which only
+    the direction stays.
+
+    >>> motion_freedoms(1, 0, 0, 0), motion_freedoms(0, 1, 0, 0), motion_freedoms(0, 0, 1, 0)
+    (3, 2, 3)
+    """
+    different = lines + planes + directions
+    if different >= 2:
+        # No rotation keeps two directions; of the translations a line leaves one, a plane two.
+        return max(0, 3 - 3 * points - 2 * lines - planes)
+    if different == 1 and points == 0:
+        return 1 + 3 - 2 * lines - planes
+    if different == 1:
+        # The rotation about the parallel through the point, unless a line or point is beside it.
+        return int(points == 1 and lines == 0)
+    return {0: 6, 1: 3, 2: 1}.get(points, 0)
+
+
+def over_constraint(bonds: Iterable[Bond]) -> OverConstraint | None:
+    """Return constraints that cannot all be independent, or None if counting shows none.
+
+    >>> from gspcli.catalogue.coincidence import parse_sharing
+    >>> print(over_constraint(parse_sharing("P1-p1 P1-p2 P1-p3 P2-p4 P3-p4 P4-p4").bonds).reason)
+    motions that keep P1 and p4 in place have 1 freedom, so at most 5 of these 6 constraints are \
+independent
+    """
+    return _search(_features(tuple(bonds)), (), frozenset())
+
+
+#: A primitive or its direction: its name, what is seen of it, and the constraints that end there.
+_Feature = tuple[str, str, frozenset[int]]
+
+
+def _features(bonds: tuple[Bond, ...]) -> list[_Feature]:
+    distances: defaultdict[str, set[int]] = defaultdict(set)
+    angles: defaultdict[str, set[int]] = defaultdict(set)
+    for index, bond in enumerate(bonds):
+        for name in (bond.platform_name, bond.base_name):
+            (distances if bond.kind.is_distance else angles)[name].add(index)
+    directions = [(name, _DIRECTION, frozenset(ends)) for name, ends in angles.items()]
+    whole = [
+        (name, name[0].upper(), frozenset(ends | angles.get(name, set())))
+        for name, ends in distances.items()
+    ]
+    return directions + whole
+
+
+def _search(
+    candidates: list[_Feature], kept: tuple[_Feature, ...], covered: frozenset[int]
+) -> OverConstraint | None:
+    """Add one more of the candidates in every way that leaves a motion."""
+    for position, feature in enumerate(candidates):
+        name, _, ends = feature
+        if any(name == other for other, _, _ in kept):
+            continue
+        now = (*kept, feature)
+        seen = [sort for _, sort, _ in now]
+        freedoms = motion_freedoms(*map(seen.count, (_POINT, _LINE, _PLANE, _DIRECTION)))
+        if freedoms == 0:
+            continue
+        reached = covered | ends
+        if len(reached) > CONSTRAINTS - freedoms:
+            names = tuple(f"the direction of {n}" if s == _DIRECTION else n for n, s, _ in now)
+            return OverConstraint(names, freedoms, tuple(sorted(reached)))
+        if found := _search(candidates[position + 1 :], now, reached):
+            return found
+    return None
