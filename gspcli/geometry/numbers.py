@@ -155,5 +155,5 @@ def _text(number: Number, precedence: int) -> str:
         text = "-" + _text(number.arguments[0], own)
     else:
         left, right = number.arguments
-        text = f"{_text(left, own)} {operation} {_text(right, own + (operation in '-/'))}"
+        text = f"{_text(left, own)} {operation} {_text(right, own + 1)}"
     return f"({text})" if own < precedence or (operation == "neg" and precedence) else text

@@ -1,1 +1,10 @@
-"""Instance files in YAML, in and out."""
+"""The instance file: YAML in and out, with every mistake in it reported at its place.
+
+`load` and `loads` return an `Instance`, `read` and `read_text` also the warnings; `dump` and
+`dumps` write one; `set_values` changes values as ``--set 1=5.2`` does.
+"""
+
+from gspcli.spec.reading import Reading, load, loads, read, read_text, set_values
+from gspcli.spec.writing import dump, dumps
+
+__all__ = ["Reading", "dump", "dumps", "load", "loads", "read", "read_text", "set_values"]

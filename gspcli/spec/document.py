@@ -1,0 +1,213 @@
+"""YAML text as values that know where they stand in the file.
+
+Only the shape of YAML is used: every scalar is the text that was written. So ``1_000``, ``yes`` or
+``1:30`` never turn into something else, and decimals are exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, TypeVar
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.events import (
+    AliasEvent,
+    DocumentStartEvent,
+    Event,
+    MappingEndEvent,
+    MappingStartEvent,
+    ScalarEvent,
+    SequenceEndEvent,
+    SequenceStartEvent,
+    StreamEndEvent,
+)
+from ruamel.yaml.reader import ReaderError
+
+from gspcli.errors import Location, Problem, SpecError
+from gspcli.spec.wording import shown
+
+MAX_BYTES = 100_000
+MAX_DEPTH = 12
+_NULLS = ("", "~", "null", "Null", "NULL")
+_HINTS = {
+    "'\\t' that cannot start": "indent with blanks, not with tabs",
+    "mapping values are not allowed": "check the indentation, and the quotes around texts with a :",
+    "<block end>": "check the indentation of this line",
+    "',' or": "check the brackets and commas",
+    "could not find expected ':'": "write a blank after the : of a key",
+    "end of stream": "a quotation mark or bracket is not closed",
+    "<stream end>": "a bracket is not closed",
+    "cannot start any token": "put the text between quotation marks",
+    "<scalar>": "check the indentation, and the blank after each :",
+}
+
+
+class Scalar(str):
+    """A scalar as written; empty if the file says nothing there or null."""
+
+    location: Location
+    path: str
+
+
+class Sequence(list[Any]):
+    """A list of located values."""
+
+    location: Location
+    path: str
+
+
+class Mapping(dict[Scalar, Any]):
+    """A mapping from located keys to located values, in the order of the file."""
+
+    location: Location
+    path: str
+
+
+Value = Scalar | Sequence | Mapping
+
+
+class Missing(Scalar):
+    """Stands where a value is missing or unusable; that has been reported already."""
+
+
+Located = TypeVar("Located", Scalar, Sequence, Mapping)
+
+
+def locate(value: Located, location: Location, path: str) -> Located:
+    """Return the value with its place noted in it."""
+    value.location, value.path = location, path
+    return value
+
+
+def decode(content: bytes, file: str) -> str:
+    """Return the text of a file.
+
+    Raises
+    ------
+    SpecError
+        If the file is too large, not UTF-8 or not text.
+    """
+    if len(content) > MAX_BYTES:
+        message = f"found {len(content)} bytes, expected an instance file of at most {MAX_BYTES}"
+        raise SpecError([Problem(Location(file, 1, 1), "", message)])
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        column = error.start - content.rfind(b"\n", 0, error.start)
+        message = f"found the byte 0x{content[error.start]:02x}, expected text in UTF-8"
+        raise SpecError([Problem(Location(file, line, column), "", message)]) from error
+
+
+def parse(text: str, file: str, problems: list[Problem]) -> Value:
+    """Return the located content of a YAML text with one document.
+
+    Mistakes that do not stop the reading are added to `problems`.
+
+    Raises
+    ------
+    SpecError
+        With all problems so far, if the text is not YAML, too large or has no content.
+    """
+    if len(text) > MAX_BYTES:
+        message = f"found {len(text)} characters, expected an instance of at most {MAX_BYTES}"
+        raise SpecError([Problem(Location(file, 1, 1), "", message)])
+    try:
+        return _Builder(text.removeprefix("\ufeff"), file, problems).document()
+    except ReaderError as error:
+        line = text.count("\n", 0, error.position) + 1
+        column = error.position - text.rfind("\n", 0, error.position)
+        message = f"found the character U+{ord(text[error.position]):04X}, expected printable text"
+        raise SpecError([*problems, Problem(Location(file, line, column), "", message)]) from error
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        location = Location(file, mark.line + 1, mark.column + 1) if mark else None
+        problem = " ".join(str(error.problem or error.context).split())
+        hint = next((f": {hint}" for key, hint in _HINTS.items() if key in problem), "")
+        message = f"not valid YAML: {problem}{hint}"
+        raise SpecError([*problems, Problem(location, "", message)]) from error
+    except (YAMLError, ValueError, OverflowError) as error:
+        # ruamel.yaml lets bad escapes such as "\UFFFFFFFF" fail inside `chr`, without a place.
+        message = f"not valid YAML: {shown(str(error))}"
+        raise SpecError([*problems, Problem(Location(file, 1, 1), "", message)]) from error
+
+
+class _Builder:
+    """Builds located values from the events of the YAML parser."""
+
+    def __init__(self, text: str, file: str, problems: list[Problem]) -> None:
+        self.events: Iterator[Event] = YAML(typ="safe", pure=True).parse(text)
+        self.file = file
+        self.problems = problems
+
+    def _location(self, event: Event) -> Location:
+        return Location(self.file, event.start_mark.line + 1, event.start_mark.column + 1)
+
+    def _note(self, location: Location, path: str, message: str) -> None:
+        self.problems.append(Problem(location, path, message))
+
+    def document(self) -> Value:
+        next(self.events)
+        event = next(self.events)
+        if not isinstance(event, DocumentStartEvent):
+            self._note(Location(self.file, 1, 1), "", "found nothing, expected an instance")
+            raise SpecError(self.problems)
+        root = self._value(next(self.events), "", 0)
+        next(self.events)
+        end = next(self.events)
+        if not isinstance(end, StreamEndEvent):
+            self._note(self._location(end), "", "found a second document, expected one a file")
+        return root
+
+    def _value(self, event: Event, path: str, depth: int) -> Value:
+        location = self._location(event)
+        if depth > MAX_DEPTH:
+            self._note(location, path, f"found more than {MAX_DEPTH} levels of nesting")
+            raise SpecError(self.problems)
+        if isinstance(event, AliasEvent):
+            message = "found an alias (*), expected the value itself: aliases are not supported"
+            self._note(location, path, message)
+            return locate(Missing(), location, path)
+        assert isinstance(event, ScalarEvent | SequenceStartEvent | MappingStartEvent)
+        if event.tag is not None:
+            self._note(location, path, f"found the tag {shown(str(event.tag))}, expected none")
+        if isinstance(event, ScalarEvent):
+            plain = event.implicit[0]
+            text = "" if plain and event.value in _NULLS else event.value
+            return locate(Scalar(text), location, path)
+        if isinstance(event, SequenceStartEvent):
+            return locate(self._sequence(path, depth), location, path)
+        return locate(self._mapping(path, depth), location, path)
+
+    def _sequence(self, path: str, depth: int) -> Sequence:
+        sequence = Sequence()
+        while not isinstance(event := next(self.events), SequenceEndEvent):
+            sequence.append(self._value(event, f"{path}[{len(sequence) + 1}]", depth + 1))
+        return sequence
+
+    def _mapping(self, path: str, depth: int) -> Mapping:
+        mapping = Mapping()
+        places: dict[str, Location] = {}
+        while not isinstance(event := next(self.events), MappingEndEvent):
+            key = self._value(event, path, depth + 1)
+            name = key if isinstance(key, Scalar) else Scalar()
+            inner = f"{path}.{name}" if path else str(name)
+            if not name.isprintable() or len(name) > 60:
+                inner = f"{path}[…]"
+            value = self._value(next(self.events), inner, depth + 1)
+            if value == "":
+                # The parser places an absent value at whatever comes next.
+                value.location = key.location
+            if isinstance(key, Missing):
+                continue
+            if not name:
+                self._note(key.location, path, "found no plain word as a key, expected one")
+            elif name in mapping:
+                first = places[name]
+                message = f"found {shown(name)} twice, first in line {first.line}"
+                self._note(key.location, inner, message)
+            else:
+                places[name] = key.location
+                mapping[locate(name, key.location, inner)] = value
+        return mapping

@@ -1,0 +1,194 @@
+"""The numbers of an instance file: decimals and closed expressions, read exactly.
+
+The grammar, with any blanks between the tokens::
+
+    sum     = product { ("+" | "-") product }
+    product = signed { ("*" | "/") signed }
+    signed  = { "+" | "-" } atom
+    atom    = decimal | "pi" | function "(" sum ")" | "(" sum ")"
+
+The functions are those of `gspcli.geometry.numbers.FUNCTIONS`; the trigonometric ones take and
+give radians. Subexpressions that are rational are kept as one fraction.
+"""
+
+from __future__ import annotations
+
+import re
+from difflib import get_close_matches
+from fractions import Fraction
+
+from gspcli.geometry.numbers import FUNCTIONS, Number
+from gspcli.spec.wording import shown
+
+MAX_LENGTH = 400
+MAX_NESTING = 20
+#: A number is zero or of a magnitude in this range: its fourth power is still a finite float.
+SMALLEST, LARGEST = 1e-60, 1e60
+
+_TOKEN = re.compile(
+    r"\s*(?:(?P<decimal>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
+    r"|(?P<name>[A-Za-z][A-Za-z0-9]*)|(?P<symbol>[-+*/()]))"
+)
+_MAX_EXPONENT = 100
+_HINTS = {
+    "−": "write the minus sign as -",
+    "–": "write the minus sign as -",
+    "π": "write pi",
+    "√": "write sqrt(...)",
+    "×": "write *",
+    "·": "write *",
+    "°": "angles are in the unit that units.angle states",
+    "^": "write a power as a product, x*x",
+    "_": "write digits without separators",
+    ",": "write decimals with a point",
+    ":": "write 1:30 as 1.5",
+}
+
+
+def parse_number(text: str) -> Number:
+    """Return the exact number that a text denotes.
+
+    Raises
+    ------
+    ValueError
+        If it denotes none; the message says what was found and what is expected.
+    """
+    if not text.strip():
+        message = "found nothing, expected a number"
+        raise ValueError(message)
+    if len(text) > MAX_LENGTH:
+        message = f"found {len(text)} characters, expected a number of at most {MAX_LENGTH}"
+        raise ValueError(message)
+    number = _Parser(text).number()
+    if number.fraction == 0 or SMALLEST <= abs(number.value) <= LARGEST:
+        return number
+    if number.fraction is None and abs(number.value) < SMALLEST:
+        message = (
+            f"found {shown(text)}, which cannot be told from zero: write 0, or a simpler expression"
+        )
+        raise ValueError(message)
+    message = f"found {shown(text)}, expected 0 or a magnitude from {SMALLEST:g} to {LARGEST:g}"
+    raise ValueError(message)
+
+
+class _Parser:
+    """Recursive descent over one expression."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.tokens = self._tokens()
+        self.position = 0
+        self.nesting = 0
+
+    def _tokens(self) -> list[tuple[str, str]]:
+        tokens, end = [], 0
+        while end < len(self.text.rstrip()):
+            match = _TOKEN.match(self.text, end)
+            if match is None:
+                character = self.text[end:].lstrip()[0]
+                raise self._error(shown(character), "a number", _HINTS.get(character))
+            tokens.append((str(match.lastgroup), match[str(match.lastgroup)]))
+            end = match.end()
+        return [*tokens, ("end", "the end")]
+
+    def _error(self, found: str, expected: str, hint: str | None = None) -> ValueError:
+        where = "" if found == shown(self.text) else f" in {shown(self.text)}"
+        return ValueError(f"found {found}{where}, expected {expected}" + (f": {hint}" * bool(hint)))
+
+    def _unexpected(self, expected: str, hint: str | None = None) -> ValueError:
+        kind, token = self.tokens[self.position]
+        return self._error(token if kind == "end" else shown(token), expected, hint)
+
+    def _take(self, *symbols: str) -> str | None:
+        kind, token = self.tokens[self.position]
+        if kind == "symbol" and token in symbols:
+            self.position += 1
+            return token
+        return None
+
+    def number(self) -> Number:
+        number = self._sum()
+        kind, _ = self.tokens[self.position]
+        if kind != "end":
+            product = "write a product with *" if kind in ("name", "decimal") else None
+            raise self._unexpected("an operator or the end", product)
+        return number
+
+    def _sum(self) -> Number:
+        number = self._product()
+        while symbol := self._take("+", "-"):
+            number = self._apply(symbol, number, self._product())
+        return number
+
+    def _product(self) -> Number:
+        number = self._signed()
+        while symbol := self._take("*", "/"):
+            if symbol == "*" and self.tokens[self.position] == ("symbol", "*"):
+                raise self._unexpected("a number", _HINTS["^"])
+            number = self._apply(symbol, number, self._signed())
+        return number
+
+    def _signed(self) -> Number:
+        negative = False
+        while sign := self._take("+", "-"):
+            negative ^= sign == "-"
+        number = self._atom()
+        return self._apply("neg", number) if negative else number
+
+    def _atom(self) -> Number:
+        kind, token = self.tokens[self.position]
+        if kind == "decimal":
+            self.position += 1
+            return self._decimal(token)
+        if kind == "name":
+            self.position += 1
+            return self._named(token)
+        if self._take("("):
+            return self._parenthesis()
+        raise self._unexpected("a number")
+
+    def _decimal(self, token: str) -> Number:
+        exponent = token.lower().partition("e")[2]
+        if exponent and abs(int(exponent)) > _MAX_EXPONENT:
+            raise self._error(shown(token), f"an exponent of at most {_MAX_EXPONENT}")
+        return Number("rational", (Fraction(token),))
+
+    def _named(self, name: str) -> Number:
+        if name == "pi":
+            return Number("pi")
+        known = ["pi", *FUNCTIONS]
+        if name not in FUNCTIONS:
+            self.position -= 1
+            near = get_close_matches(name.lower(), known, n=1)
+            hint = f"did you mean {near[0]}?" if near else None
+            raise self._unexpected(f"a number, {', '.join(known[:-1])} or {known[-1]}", hint)
+        if not self._take("("):
+            raise self._unexpected(f"( after {name}")
+        return self._apply(name, self._parenthesis())
+
+    def _parenthesis(self) -> Number:
+        self.nesting += 1
+        if self.nesting > MAX_NESTING:
+            raise self._error(f"more than {MAX_NESTING} nested parentheses", "a simpler expression")
+        number = self._sum()
+        if not self._take(")"):
+            raise self._unexpected(")")
+        self.nesting -= 1
+        return number
+
+    def _apply(self, operation: str, *arguments: Number) -> Number:
+        """Return the number of an operation, checked to exist; a fraction if it is rational."""
+        number = Number(operation, arguments)
+        try:
+            exact = number.fraction
+            # Evaluated at each step, so that no intermediate value can grow without limit.
+            _ = number.value
+        except ZeroDivisionError:
+            raise self._error("a division by zero", "a nonzero divisor") from None
+        except OverflowError:
+            raise self._error("a number that is too large", f"at most {LARGEST:g}") from None
+        except ValueError:
+            argument = arguments[0].value
+            domain = "an argument of at least 0" if operation == "sqrt" else "one from -1 to 1"
+            raise self._error(f"{operation} of {argument:.6g}", domain) from None
+        return number if exact is None else Number("rational", (exact,))

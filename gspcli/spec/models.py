@@ -1,0 +1,310 @@
+"""The shape of an instance file as pydantic models; their JSON Schema is published in `docs/`.
+
+A broken element never hides the mistakes in another: it is noted with its place in the list that is
+given as the validation context, and None stands in for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, Any, ClassVar, Literal, TypeVar
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    WithJsonSchema,
+    WrapValidator,
+    model_validator,
+)
+from pydantic.json_schema import SkipJsonSchema
+
+from gspcli.errors import Problem
+from gspcli.geometry.numbers import Number
+from gspcli.spec.document import Mapping, Missing, Scalar, Sequence, Value, locate
+from gspcli.spec.expressions import parse_number
+from gspcli.spec.wording import listed, nearest, shown, suggestion
+
+FORMAT_VERSION = 1
+MAX_TEXT = 1000
+MAX_NAME = 60
+#: Directions whose irrational components are all below this cannot be told from zero.
+_ROUNDING = 1e-12
+
+Item = TypeVar("Item")
+
+
+def found(value: Value) -> str:
+    """Return what stands in the file, as an error message says it."""
+    if isinstance(value, Mapping):
+        return f"a mapping with {listed(map(str, value), 'and')}" if value else "an empty mapping"
+    if isinstance(value, Sequence):
+        return f"a list of {len(value)}"
+    return shown(value) if value else "nothing"
+
+
+def _complain(value: Value, expected: str) -> ValueError:
+    return ValueError(f"found {found(value)}, expected {expected}")
+
+
+def note(error: ValidationError, problems: list[Problem]) -> None:
+    """Add the problems of a validation error, each at the place of the value it is about."""
+    for detail in error.errors(include_url=False):
+        value = detail["input"]
+        # None stands in for optional and for broken elements only; no file contains it.
+        if isinstance(value, Missing) or detail["type"] == "none_required":
+            continue
+        cause = detail.get("ctx", {}).get("error")
+        message = str(cause) if cause else detail["msg"]
+        problems.append(Problem(value.location, value.path, message))
+
+
+def _problems(info: ValidationInfo) -> list[Problem]:
+    problems: list[Problem] = info.context  # type: ignore[assignment]
+    return problems
+
+
+def _tolerate(value: Any, handler: Callable[[Any], Item], info: ValidationInfo) -> Item | None:
+    try:
+        return handler(value)
+    except ValidationError as error:
+        note(error, _problems(info))
+        return None
+
+
+Tolerant = Annotated[Item | SkipJsonSchema[None], WrapValidator(_tolerate)]
+
+
+def _list(expected: str, length: int | None = None) -> BeforeValidator:
+    """Check that a value is a list, of a certain length."""
+
+    def check(value: Value) -> Value:
+        if not isinstance(value, Sequence):
+            raise _complain(value, expected)
+        if length is not None and len(value) != length:
+            message = f"found {len(value)} entries, expected {expected}"
+            raise ValueError(message)
+        return value
+
+    return BeforeValidator(check)
+
+
+def _scalar(value: Value, expected: str) -> str:
+    if not isinstance(value, Scalar) or not value:
+        raise _complain(value, expected)
+    return str(value)
+
+
+def _text(value: Value) -> str:
+    text = _scalar(value, "a text")
+    if len(text) > MAX_TEXT:
+        message = f"found {len(text)} characters, expected at most {MAX_TEXT}"
+        raise ValueError(message)
+    if not all(character.isprintable() or character in " \t\n" for character in text):
+        raise _complain(value, "a printable text")
+    return text
+
+
+def _optional_text(value: Value) -> str | None:
+    return None if value == "" else _text(value)
+
+
+def _body(value: Value, info: ValidationInfo) -> Mapping:
+    if not isinstance(value, Mapping):
+        raise _complain(value, "a mapping of names to primitives")
+    for name in value:
+        if len(name) > MAX_NAME or any(c.isspace() or not c.isprintable() for c in name):
+            message = (
+                f"found the name {shown(name)}, expected at most {MAX_NAME} characters, no blanks"
+            )
+            _problems(info).append(Problem(name.location, name.path, message))
+    return value
+
+
+def _number(value: Value) -> Number:
+    return parse_number(_scalar(value, "a number or an expression like sqrt(3)/2"))
+
+
+def _one_of(*choices: str) -> BeforeValidator:
+    def check(value: Value) -> str:
+        if value not in choices:
+            near = suggestion(value, choices) if isinstance(value, Scalar) else ""
+            message = f"found {found(value)}, expected {listed(choices)}{near}"
+            raise ValueError(message)
+        return str(value)
+
+    return BeforeValidator(check)
+
+
+def _version(value: Value) -> int:
+    if value != str(FORMAT_VERSION):
+        raise _complain(value, f"{FORMAT_VERSION}, the version of the file format")
+    return FORMAT_VERSION
+
+
+def _nonzero(components: list[Number]) -> list[Number]:
+    if all(
+        number.fraction == 0 or (number.fraction is None and abs(number.value) < _ROUNDING)
+        for number in components
+    ):
+        message = "found the zero vector, expected a direction: any nonzero vector"
+        raise ValueError(message)
+    return components
+
+
+Text = Annotated[str, BeforeValidator(_text)]
+OptionalText = Annotated[str | SkipJsonSchema[None], BeforeValidator(_optional_text)]
+Name = Annotated[str, WithJsonSchema({"type": "string", "pattern": rf"^\S{{1,{MAX_NAME}}}$"})]
+Named = Annotated[Name, BeforeValidator(lambda value: _scalar(value, "the name of a primitive"))]
+Real = Annotated[
+    Number,
+    BeforeValidator(_number),
+    WithJsonSchema(
+        {
+            "type": ["number", "string"],
+            "description": "A number, exactly as written, or an expression such as sqrt(3)/2.",
+        }
+    ),
+]
+Vector = Annotated[
+    list[Real], Field(min_length=3, max_length=3), _list("three numbers [x, y, z]", 3)
+]
+Direction = Annotated[Vector, AfterValidator(_nonzero)]
+
+
+def _schema_of(schema: dict[str, Any], model: type[Section]) -> None:
+    if model.one_of:
+        schema["oneOf"] = [{"required": [key]} for key in model.one_of]
+    for entry in schema["properties"].values():
+        entry.pop("default", None)
+        entry.pop("title", None)
+
+
+class Section(BaseModel):
+    """A mapping with known keys.
+
+    Attributes
+    ----------
+    one_of
+        Keys of which exactly one must be given.
+    """
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, arbitrary_types_allowed=True, json_schema_extra=_schema_of
+    )
+    one_of: ClassVar[tuple[str, ...]] = ()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _check_keys(cls, section: Value, info: ValidationInfo) -> Mapping:
+        """Note wrong keys and return the section without them; `Missing` where one lacks."""
+        known = list(cls.model_fields)
+        if not isinstance(section, Mapping):
+            raise _complain(section, f"a mapping with {listed(cls.one_of or known)}")
+        problems = _problems(info)
+        kept, misspelt = Mapping(), set()
+        for key, value in section.items():
+            if key in known:
+                kept[key] = value
+                continue
+            near = nearest(key, [name for name in known if name not in section])
+            misspelt.add(near)
+            hint = f": did you mean {near}?" if near else ""
+            message = f"found the unknown key {shown(key)}, expected {listed(known)}{hint}"
+            problems.append(Problem(key.location, key.path, message))
+        required = [name for name, field in cls.model_fields.items() if field.is_required()]
+        for name in required:
+            if name not in kept:
+                kept[Scalar(name)] = locate(Missing(), section.location, section.path)
+                if name not in misspelt:
+                    message = f"the key {name} is missing"
+                    problems.append(Problem(section.location, section.path, message))
+        given = [name for name in cls.one_of if name in kept]
+        if len(given) > 1 or (cls.one_of and not given and not misspelt & set(cls.one_of)):
+            what = listed(given, "and") if given else "none of them"
+            message = f"found {what}, expected exactly one of {listed(cls.one_of)}"
+            problems.append(Problem(section.location, section.path, message))
+        return locate(kept, section.location, section.path)
+
+
+class UnitsModel(Section):
+    """The units of all numbers in the file."""
+
+    length: Text = Field(description="The unit of length, by any name.")
+    angle: Annotated[Literal["deg", "rad"], _one_of("deg", "rad")] = Field(
+        description="The unit of angle values."
+    )
+
+
+class LineModel(Section):
+    """A line: a point on it and its direction, a nonzero vector of any length."""
+
+    point: Vector
+    direction: Direction
+
+
+class PlaneModel(Section):
+    """A plane: a point in it and its normal, a nonzero vector; it points to the positive side."""
+
+    point: Vector
+    normal: Direction
+
+
+class PrimitiveModel(Section):
+    """A point, a line or a plane, in the frame of its body."""
+
+    one_of = ("point", "line", "plane")
+
+    point: Vector | SkipJsonSchema[None] = None
+    line: LineModel | SkipJsonSchema[None] = None
+    plane: PlaneModel | SkipJsonSchema[None] = None
+
+
+Pair = Annotated[
+    list[Named],
+    Field(min_length=2, max_length=2),
+    _list("two names: [platform's primitive, base's primitive]", 2),
+]
+
+
+class ConstraintModel(Section):
+    """A distance or an angle between a primitive of the platform and one of the base."""
+
+    one_of = ("distance", "angle")
+
+    distance: Pair | SkipJsonSchema[None] = None
+    angle: Pair | SkipJsonSchema[None] = None
+    value: Real
+    side: Annotated[
+        Literal["positive", "negative", "both"] | SkipJsonSchema[None],
+        _one_of("positive", "negative", "both"),
+    ] = Field(None, description="The side of the plane on which the point lies. Default: both.")
+
+
+Body = Annotated[dict[Name, Tolerant[PrimitiveModel]], BeforeValidator(_body)]
+
+
+class InstanceModel(Section):
+    """A generalized Stewart platform with numbers."""
+
+    gsp: Tolerant[Annotated[Literal[1], BeforeValidator(_version)]] = Field(
+        description="The version of the file format."
+    )
+    name: Tolerant[OptionalText] = Field(None, description="A name of the instance.")
+    source: Tolerant[OptionalText] = Field(None, description="Where the numbers come from.")
+    type: Tolerant[OptionalText] = Field(
+        None, description="The type of the platform, in any spelling; it is checked."
+    )
+    units: Tolerant[UnitsModel]
+    platform: Tolerant[Body] = Field(description="The primitives of the moving platform.")
+    base: Tolerant[Body] = Field(description="The primitives of the base.")
+    constraints: Tolerant[
+        Annotated[list[Tolerant[ConstraintModel]], _list("a list of six constraints")]
+    ] = Field(
+        description="Six distances and angles, the platform's primitive first.",
+        json_schema_extra={"minItems": 6, "maxItems": 6},
+    )

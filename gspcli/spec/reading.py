@@ -1,0 +1,322 @@
+"""From a file to an `Instance`, or to all the mistakes in the file."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO, TextIO
+
+from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, KINDS_BY_NAME, Kind
+from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES
+from gspcli.errors import Problem, SpecError, TypeNameError
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
+from gspcli.spec.document import Mapping, Scalar, Sequence, Value, decode, parse
+from gspcli.spec.expressions import parse_number
+from gspcli.spec.meaning import remarks, wrong_value
+from gspcli.spec.models import ConstraintModel, InstanceModel, PrimitiveModel
+from gspcli.spec.wording import listed, shown, suggestion
+
+_SORTS = {Point: "point", Line: "line", Plane: "plane"}
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What a file says.
+
+    Attributes
+    ----------
+    instance
+        The instance.
+    warnings
+        What is allowed, but perhaps not meant: unused primitives, values that are not one equation.
+    """
+
+    instance: Instance
+    warnings: tuple[Problem, ...]
+
+
+def read(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> Reading:
+    """Read an instance file and also say what is unusual in it.
+
+    Parameters
+    ----------
+    source
+        A path, ``-`` for standard input, or an open file.
+    name
+        How error messages name the source; by default its path.
+
+    Raises
+    ------
+    SpecError
+        With all mistakes in the file, or because it cannot be read.
+    """
+    content: str | bytes
+    if isinstance(source, str | Path):
+        name = name or ("standard input" if str(source) == "-" else str(source))
+        try:
+            content = sys.stdin.buffer.read() if str(source) == "-" else Path(source).read_bytes()
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            message = f"{name}: cannot be read: {reason}"
+            raise SpecError([Problem(None, "", message)]) from error
+    else:
+        name = name or str(getattr(source, "name", "input"))
+        try:
+            content = source.read()
+        except UnicodeDecodeError as error:
+            message = f"{name}: found {error.reason}, expected text in UTF-8"
+            raise SpecError([Problem(None, "", message)]) from error
+    return read_text(decode(content, name) if isinstance(content, bytes) else content, name=name)
+
+
+def read_text(text: str, *, name: str = "instance") -> Reading:
+    """Read the text of an instance file; as `read`."""
+    problems: list[Problem] = []
+    root = parse(text, name, problems)
+    if not isinstance(root, Mapping):
+        message = "found no keys, expected an instance: gsp, units, platform, base, constraints"
+        raise SpecError([*problems, Problem(root.location, "", message)])
+    model = InstanceModel.model_validate(root, context=problems)
+    reader = _Reader(root, model, problems)
+    instance = reader.instance()
+    if instance is None or problems:
+        raise SpecError(sorted(problems, key=_place))
+    return Reading(instance, tuple(sorted(reader.warnings(instance), key=_place)))
+
+
+def load(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> Instance:
+    """Return the instance in a file; as `read`, without the warnings."""
+    return read(source, name=name).instance
+
+
+def loads(text: str, *, name: str = "instance") -> Instance:
+    """Return the instance in the text of a file; as `read`, without the warnings."""
+    return read_text(text, name=name).instance
+
+
+def set_values(instance: Instance, settings: Iterable[str]) -> Instance:
+    """Return the instance with other values for some constraints.
+
+    Parameters
+    ----------
+    instance
+        The instance.
+    settings
+        Texts such as ``1=5.2`` or ``3=sqrt(2)``: the number of a constraint, from 1, and its value.
+
+    Raises
+    ------
+    SpecError
+        With all mistakes in the settings.
+    """
+    problems, values = [], {}
+    count = len(instance.constraints)
+    for setting in settings:
+        key, equals, text = setting.partition("=")
+        index = int(key) - 1 if key.strip().isdecimal() and len(key) < 5 else -1
+        message = ""
+        if not equals:
+            message = "expected NUMBER=VALUE, as 1=5.2"
+        elif not 0 <= index < count:
+            message = f"found constraint {shown(key)}, expected a number from 1 to {count}"
+        elif index in values:
+            message = f"found constraint {index + 1} twice"
+        else:
+            try:
+                values[index] = parse_number(text)
+            except ValueError as error:
+                message = str(error)
+            else:
+                kind, unit = instance.constraints[index].kind, instance.units.angle
+                if wrong := wrong_value(kind, values[index], unit):
+                    message = f"found {shown(text)}, {wrong}"
+        if message:
+            problems.append(Problem(None, f"--set {setting}", message))
+    if problems:
+        raise SpecError(problems)
+    return instance.with_values(values)
+
+
+def _place(problem: Problem) -> tuple[int, int]:
+    location = problem.location
+    return (location.line, location.column) if location else (0, 0)
+
+
+def _vector(components: list[Number]) -> Vector:
+    x, y, z = components
+    return (x, y, z)
+
+
+def _geometry(model: PrimitiveModel | None) -> Geometry | None:
+    if model is None:
+        return None
+    if model.line is not None:
+        return Line(_vector(model.line.point), _vector(model.line.direction))
+    if model.plane is not None:
+        return Plane(_vector(model.plane.point), _vector(model.plane.normal))
+    return None if model.point is None else Point(_vector(model.point))
+
+
+Body = dict[str, Geometry | None]
+
+
+class _Reader:
+    """Checks what the shape of a file does not tell: names, kinds, ranges, sums."""
+
+    def __init__(self, root: Mapping, model: InstanceModel, problems: list[Problem]) -> None:
+        self.root = root
+        self.model = model
+        self.problems = problems
+        self.platform = self._body(model.platform)
+        self.base = self._body(model.base)
+        self.unit = AngleUnit(model.units.angle) if model.units else None
+
+    @staticmethod
+    def _body(models: dict[str, PrimitiveModel | None] | None) -> Body | None:
+        if models is None:
+            return None
+        return {name: _geometry(model) for name, model in models.items()}
+
+    def _note(self, value: Value, message: str) -> None:
+        self.problems.append(Problem(value.location, value.path, message))
+
+    def instance(self) -> Instance | None:
+        """Return the instance, or None if there are problems."""
+        models = self.model.constraints
+        if models is None:
+            return None
+        nodes = self.root[Scalar("constraints")]
+        constraints = [self._constraint(*pair) for pair in zip(nodes, models, strict=True)]
+        self._check_repetitions(nodes, constraints)
+        self._check_numbers(nodes)
+        complete = tuple(constraint for constraint in constraints if constraint is not None)
+        units = self.model.units
+        if self.problems or units is None or len(complete) != CONSTRAINTS:
+            return None
+        instance = Instance(
+            complete,
+            Units(units.length, AngleUnit(units.angle)),
+            self.model.name,
+            self.model.source,
+        )
+        self._check_type(instance)
+        return instance
+
+    def _constraint(self, node: Value, model: ConstraintModel | None) -> Constraint | None:
+        if not isinstance(node, Mapping):
+            return None
+        quantity = "distance" if "distance" in node else "angle"
+        pair = node.get(Scalar(quantity))
+        if not isinstance(pair, Sequence) or len(pair) != 2:
+            return None
+        platform = self._primitive(pair[0], "platform", self.platform, self.base)
+        base = self._primitive(pair[1], "base", self.base, self.platform)
+        if platform is None or base is None:
+            return None
+        kind = self._kind(pair, quantity, platform, base)
+        if kind is None or model is None:
+            return None
+        if self.unit is not None and (wrong := wrong_value(kind, model.value, self.unit)):
+            value = node[Scalar("value")]
+            self._note(value, f"found {shown(value)}, {wrong}")
+        if model.side is not None and not kind.has_sides:
+            message = f"found a side for {kind.name}, expected one only for DPH and DHP"
+            self._note(node[Scalar("side")], message)
+        side = Side(model.side or "both")
+        return Constraint(kind, platform, base, model.value, side, str(pair[0]), str(pair[1]))
+
+    def _primitive(
+        self, name: Value, where: str, body: Body | None, other: Body | None
+    ) -> Geometry | None:
+        if body is None or not isinstance(name, Scalar) or not name:
+            return None
+        if name not in body:
+            if other is not None and name in other:
+                hint = ": the platform's primitive comes first, the base's second"
+            else:
+                hint = suggestion(name, body) or (f": {listed(body)}" if 0 < len(body) < 10 else "")
+            message = f"found the unknown name {shown(name)}, expected a primitive of the {where}"
+            self._note(name, message + hint)
+        return body.get(name)
+
+    def _kind(
+        self, pair: Sequence, quantity: str, platform: Geometry, base: Geometry
+    ) -> Kind | None:
+        sorts = platform.primitive.value + base.primitive.value
+        kind = KINDS_BY_NAME.get(quantity[0].upper() + sorts)
+        if kind is None:
+            exist = DISTANCE_KINDS if quantity == "distance" else ANGLE_KINDS
+            what = f"{quantity} of a {_SORTS[type(platform)]} and a {_SORTS[type(base)]}"
+            names = " ".join(kind.short for kind in exist)
+            self._note(pair, f"found the {what}, expected one of {names}: there is no other")
+        return kind
+
+    def _check_repetitions(self, nodes: Sequence, constraints: list[Constraint | None]) -> None:
+        first: dict[tuple[Kind, str, str], str] = {}
+        for node, constraint in zip(nodes, constraints, strict=True):
+            if constraint is None:
+                continue
+            key = (constraint.kind, constraint.platform_name, constraint.base_name)
+            if key in first:
+                what = "distance" if constraint.kind.is_distance else "angle"
+                message = f"found the {what} of {first[key]} again, expected each only once"
+                self._note(node, message)
+            first.setdefault(key, f"{node.path} ({key[1]}, {key[2]})")
+
+    def _check_numbers(self, nodes: Sequence) -> None:
+        if len(nodes) != CONSTRAINTS:
+            plural = "" if len(nodes) == 1 else "s"
+            message = f"found {len(nodes)} constraint{plural}, expected exactly six"
+            self._note(nodes, message)
+        angles = [node for node in nodes if isinstance(node, Mapping) and "angle" in node]
+        for node in angles[MAX_ANGLES:]:
+            message = (
+                f"found {len(angles)} angles, expected at most three: "
+                "three fix the orientation (Definition 2.1)"
+            )
+            self._note(node, message)
+            break
+
+    def _check_type(self, instance: Instance) -> None:
+        if self.model.type is None:
+            return
+        node = self.root[Scalar("type")]
+        try:
+            stated = parse_type(self.model.type)
+        except TypeNameError as error:
+            self._note(node, str(error))
+            return
+        if stated != instance.type:
+            message = f"found {stated}, but the constraints make {instance.type}"
+            self._note(node, message)
+
+    def warnings(self, instance: Instance) -> list[Problem]:
+        """Return what is unusual about a correct file."""
+        nodes = self.root[Scalar("constraints")]
+        found = [
+            Problem(nodes[index].location, nodes[index].path, message)
+            for index, message in remarks(instance)
+        ]
+        used = {
+            "platform": {constraint.platform_name for constraint in instance.constraints},
+            "base": {constraint.base_name for constraint in instance.constraints},
+        }
+        for where, body in (("platform", self.platform), ("base", self.base)):
+            places: dict[Geometry, str] = {}
+            for key in self.root[Scalar(where)]:
+                geometry = (body or {})[key]
+                message = ""
+                if key not in used[where]:
+                    message = "not used by any constraint"
+                elif geometry in places:
+                    message = f"the same as {places[geometry]}: one name would show the sharing"
+                elif geometry is not None:
+                    places[geometry] = str(key)
+                if message:
+                    found.append(Problem(key.location, key.path, message))
+        return found

@@ -1,0 +1,112 @@
+"""From an `Instance` to the text of a file; what is written reads back as the same instance."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import TextIO
+
+from gspcli.errors import GspError
+from gspcli.geometry.instance import Constraint, Instance, Side
+from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
+
+_PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_.']*( [A-Za-z0-9_.']+)*")
+_NOT_TEXT = {"null", "true", "false", "yes", "no", "on", "off", "y", "n"}
+
+
+def dump(instance: Instance, file: TextIO) -> None:
+    """Write an instance to an open text file; as `dumps`."""
+    file.write(dumps(instance))
+
+
+def dumps(instance: Instance) -> str:
+    """Return the text of a file for an instance: readable, and exact for every number.
+
+    Primitives without a name get one: P1, L1, H1 and so on.
+
+    Raises
+    ------
+    GspError
+        If one name stands for two different primitives of a body.
+    """
+    platform = _Body("platform", (c.platform_name for c in instance.constraints))
+    base = _Body("base", (c.base_name for c in instance.constraints))
+    constraints = [
+        _constraint(
+            constraint,
+            platform.named(constraint.platform_name, constraint.platform),
+            base.named(constraint.base_name, constraint.base),
+        )
+        for constraint in instance.constraints
+    ]
+    header = ["gsp: 1"]
+    if instance.name is not None:
+        header.append(f"name: {scalar(instance.name)}")
+    if instance.source is not None:
+        header.append(f"source: {scalar(instance.source)}")
+    units = instance.units
+    header.append(f"units: {{length: {scalar(units.length)}, angle: {units.angle.value}}}")
+    lines = [*header, *platform.lines(), *base.lines(), "constraints:", *constraints]
+    return "\n".join(lines) + "\n"
+
+
+def scalar(text: str) -> str:
+    """Return a text as a YAML scalar, between quotation marks where it must be."""
+    if _PLAIN.fullmatch(text) and text.lower() not in _NOT_TEXT:
+        return text
+    return '"' + "".join(map(_escaped, text)) + '"'
+
+
+def _escaped(character: str) -> str:
+    if character in '"\\':
+        return "\\" + character
+    if character.isprintable():
+        return character
+    return f"\\u{ord(character):04x}" if ord(character) < 0x10000 else f"\\U{ord(character):08x}"
+
+
+class _Body:
+    """The primitives of one body as they are met."""
+
+    def __init__(self, key: str, names: Iterable[str]) -> None:
+        self.key = key
+        self.reserved = set(names)
+        self.primitives: dict[str, Geometry] = {}
+
+    def named(self, name: str, geometry: Geometry) -> str:
+        """Return the name of a primitive, as a YAML scalar."""
+        if not name:
+            letter, number = geometry.primitive.value, 1
+            while (name := f"{letter}{number}") in self.reserved:
+                number += 1
+            self.reserved.add(name)
+        if self.primitives.setdefault(name, geometry) != geometry:
+            message = f"the name {name} stands for two different primitives of the {self.key}"
+            raise GspError(message)
+        return scalar(name)
+
+    def lines(self) -> list[str]:
+        """Return the section of the file."""
+        rows = [f"  {scalar(name)}: {_primitive(g)}" for name, g in self.primitives.items()]
+        return [f"{self.key}:", *rows]
+
+
+def _vector(vector: Vector) -> str:
+    return "[" + ", ".join(map(str, vector)) + "]"
+
+
+def _primitive(geometry: Geometry) -> str:
+    position = _vector(geometry.position)
+    match geometry:
+        case Point():
+            return f"{{point: {position}}}"
+        case Line():
+            return f"{{line: {{point: {position}, direction: {_vector(geometry.direction)}}}}}"
+        case Plane():
+            return f"{{plane: {{point: {position}, normal: {_vector(geometry.normal)}}}}}"
+
+
+def _constraint(constraint: Constraint, platform: str, base: str) -> str:
+    quantity = "distance" if constraint.kind.is_distance else "angle"
+    side = "" if constraint.side is Side.BOTH else f", side: {constraint.side.value}"
+    return f"  - {{{quantity}: [{platform}, {base}], value: {constraint.value}{side}}}"
