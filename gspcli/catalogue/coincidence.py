@@ -180,7 +180,7 @@ def _parse_bond(word: str) -> Bond:
     kind = KINDS_BY_NAME.get(_QUANTITIES[mark] + platform + base.upper())
     if kind is None:
         what = {"-": "distance", "^": "angle"}[mark]
-        message = f"{word!r}: there is no {what} of {platform} and {base}"
+        message = f"{word!r}: there is no {what} of {platform} and {base.upper()}"
         raise TypeNameError(message)
     return Bond(kind, int(i), int(j))
 
