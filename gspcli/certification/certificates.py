@@ -1,0 +1,344 @@
+"""Proofs about approximate poses of an instance: existence, uniqueness, reality, distinctness."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+import numpy as np
+from flint import acb, ctx
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.certification import study
+from gspcli.certification.balls import float_above
+from gspcli.certification.distinct import close_pairs, same
+from gspcli.certification.isolation import Isolation, refine_point
+from gspcli.certification.measures import (
+    Measurement,
+    PoseBall,
+    measure,
+    pose_of_floats,
+    pose_of_point,
+    residual,
+)
+from gspcli.certification.system import System, length_scale
+from gspcli.geometry.instance import Instance, Side
+
+#: Bits of the first attempt: candidates are floats, and a limb of FLINT has 64 bits.
+FIRST_PRECISION = 64
+#: Default limit of the precision.
+MAX_PRECISION = 1024
+#: Default limit of the difference between a candidate and the solution proved near it.
+TOLERANCE = 1e-6
+
+
+class Outcome(Enum):
+    """Why a candidate is certified or not."""
+
+    CERTIFIED = "certified"
+    NOT_ISOLATED = "no isolated simple solution could be proved nearby"
+    TOO_FAR = "the solution nearby is farther away than the tolerance"
+    NOT_AS_STATED = "the solution nearby does not meet the constraints as stated"
+    NOT_A_NUMBER = "the pose or the instance has a coefficient that is not a finite number"
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What is proved of one candidate.
+
+    Attributes
+    ----------
+    outcome
+        `Outcome.CERTIFIED`, or why nothing is claimed.
+    real
+        True: the solution is proved real. False: it is proved not to be. None: neither.
+    error
+        Proved bound of the distance between the solution and `isolation.centre`, in Study
+        coordinates (lengths by the scale of the instance).
+    uniqueness
+        Radius of the ball about that centre in which there is no other solution with the
+        same sides.
+    deviation
+        Proved bound of the difference between the candidate and the solution in any entry of R
+        and of T, the latter divided by the scale of the instance.
+    residual_bound
+        For real solutions: proved bound of the difference between what is measured on
+        the candidate, exactly as it was given, and what the constraints state, in
+        the units of the instance.
+    sides
+        For real solutions: for each constraint the side on which the point is proved to lie;
+        None where a constraint has no sides or the distance is zero.
+    same_as
+        Index of the first candidate that is proved to approximate the same solution.
+    unresolved
+        Indices of the candidates with solutions not proved to be the same nor different.
+    precision
+        Bits of the last attempt.
+    isolation
+        The proof, from which the solution can be refined.
+    """
+
+    outcome: Outcome
+    precision: int
+    real: bool | None = None
+    error: float | None = None
+    uniqueness: float | None = None
+    deviation: float | None = None
+    residual_bound: float | None = None
+    sides: tuple[Side | None, ...] | None = None
+    same_as: int | None = None
+    unresolved: tuple[int, ...] = ()
+    isolation: Isolation | None = field(default=None, repr=False)
+
+    @property
+    def certified(self) -> bool:
+        """Whether exactly one simple solution is proved near the candidate."""
+        return self.outcome is Outcome.CERTIFIED
+
+
+@dataclass(frozen=True)
+class Certificates(Sequence[Certificate]):
+    """The certificates of all candidates, in their order.
+
+    Attributes
+    ----------
+    items
+        One for each candidate.
+    scale
+        The length, a power of two, by which translations are divided in errors.
+    """
+
+    items: tuple[Certificate, ...]
+    scale: float
+
+    def __getitem__(self, index: Any) -> Any:
+        """Return one certificate, or several by a slice."""
+        return self.items[index]
+
+    def __len__(self) -> int:
+        """Return the number of candidates."""
+        return len(self.items)
+
+    @property
+    def certified(self) -> int:
+        """How many candidates are certified, duplicates included."""
+        return sum(item.certified for item in self.items)
+
+    @property
+    def distinct(self) -> int:
+        """How many pairwise different solutions are proved to exist among the candidates."""
+        return len(self._representatives())
+
+    @property
+    def real(self) -> int:
+        """How many pairwise different solutions are proved to exist and to be real."""
+        return sum(self.items[k].real is True for k in self._representatives())
+
+    def _representatives(self) -> list[int]:
+        chosen: set[int] = set()
+        for index, item in enumerate(self.items):
+            if item.certified and item.same_as is None and not chosen & set(item.unresolved):
+                chosen.add(index)
+        return sorted(chosen)
+
+
+class _Candidate:
+    """A candidate on its way through the precisions."""
+
+    def __init__(self, point: NDArray[np.complex128], patch: int, given: PoseBall) -> None:
+        self.point = [acb(x) for x in point.tolist()]
+        self.patch = patch
+        self.given = given
+        self.sides: tuple[int, ...] | None = None
+        self.isolation: Isolation | None = None
+        self.pose: PoseBall | None = None
+        self.measurements: list[Measurement] = []
+        self.deviation = float("inf")
+        self.precision = 0
+        self.outcome = Outcome.NOT_ISOLATED
+        self.is_open = True
+
+    def attempt(self, system: System, tolerance: float) -> None:
+        """Try to decide everything about the candidate at the precision of the system."""
+        self.precision = system.precision
+        if self.sides is None:
+            self.sides = system.sides_at(self.point)
+        result = refine_point(system, self.point, self.patch, self.sides)
+        if not isinstance(result, Isolation):
+            self.point = result
+            return
+        self.point = list(result.centre)
+        pose = pose_of_point(result.point, system.scale)
+        if pose is None:
+            return
+        self.isolation, self.pose = result, pose
+        self.deviation = float_above(pose.deviation(self.given, system.scale))
+        real = result.real
+        self.measurements = measure(system.instance, pose) if real else []
+        self.outcome, self.is_open = self._judge(tolerance, real)
+
+    def _judge(self, tolerance: float, real: bool | None) -> tuple[Outcome, bool]:
+        """Return the outcome, and whether a higher precision could change or complete it."""
+        assert self.isolation is not None
+        if self.deviation > tolerance:
+            # The error of the solution is part of the bound, and shrinks with the precision.
+            return Outcome.TOO_FAR, float(self.isolation.error) > tolerance / 1024
+        if any(not m.value.overlaps(m.stated) for m in self.measurements):
+            return Outcome.NOT_AS_STATED, False
+        decided = all(m.value.is_finite() for m in self.measurements) and not any(
+            m.height is not None and m.height.contains(0) and not m.stated.is_zero()
+            for m in self.measurements
+        )
+        return Outcome.CERTIFIED, real is None or not decided
+
+    def certificate(self, instance: Instance, **relations: Any) -> Certificate:
+        """Return the record of what was proved."""
+        isolation = self.isolation
+        if isolation is None:
+            return Certificate(self.outcome, self.precision)
+        if self.outcome is not Outcome.CERTIFIED:
+            return Certificate(self.outcome, self.precision, deviation=self.deviation)
+        real = isolation.real
+        stated = real and bool(self.measurements)
+        return Certificate(
+            self.outcome,
+            self.precision,
+            real,
+            float_above(isolation.error),
+            isolation.uniqueness,
+            self.deviation,
+            float_above(residual(measure(instance, self.given))) if stated else None,
+            tuple(_side(m) for m in self.measurements) if stated else None,
+            isolation=isolation,
+            **relations,
+        )
+
+
+def _side(measurement: Measurement) -> Side | None:
+    height = measurement.height
+    if height is None or height.contains(0):
+        return None
+    return Side.POSITIVE if height > 0 else Side.NEGATIVE
+
+
+def certify(
+    instance: Instance,
+    R: ArrayLike,
+    T: ArrayLike,
+    *,
+    tolerance: float = TOLERANCE,
+    max_precision: int = MAX_PRECISION,
+) -> Certificates:
+    """Prove what can be proved about approximate solutions of an instance.
+
+    A candidate is certified if it is proved that a solution differs from it by at most the
+    tolerance, is simple, and is the only one in a ball about it. The numbers of the instance
+    are taken exactly. The precision is doubled until everything is decided or the limit
+    is reached. Multiple solutions, and points of solution curves, can never be certified.
+
+    Parameters
+    ----------
+    instance
+        The instance.
+    R
+        Rotations, real or complex, shape (n, 3, 3).
+    T
+        Translations in length units, real or complex, shape (n, 3).
+    tolerance
+        Largest difference of a candidate from its solution in any entry of R, and of T divided by
+        `Certificates.scale`.
+    max_precision
+        Largest number of bits to work with.
+
+    Returns
+    -------
+    Certificates
+        One certificate for each candidate, and how many different solutions they prove.
+    """
+    rotations = np.asarray(R, dtype=np.complex128).reshape(-1, 3, 3)
+    translations = np.asarray(T, dtype=np.complex128).reshape(-1, 3)
+    scale = length_scale(instance)
+    with np.errstate(all="ignore"):
+        points, patches = study.study_points(rotations, translations / scale)
+    with ctx.workprec(FIRST_PRECISION):
+        candidates = [
+            _Candidate(point, int(patch), pose_of_floats(rotation, translation))
+            for point, patch, rotation, translation in zip(
+                points, patches, rotations, translations, strict=True
+            )
+        ]
+    for candidate, finite in zip(candidates, np.isfinite(points).all(axis=1), strict=True):
+        if not finite:
+            candidate.outcome, candidate.is_open = Outcome.NOT_A_NUMBER, False
+    precision = FIRST_PRECISION
+    while True:
+        with ctx.workprec(precision):
+            _attempt_open(System(instance, precision), candidates, tolerance)
+            pairs = _unknown_and_same(candidates)
+        following = 2 * precision
+        for index in {k for pair in pairs[0] for k in pair}:
+            candidates[index].is_open = True
+        if following > max_precision or not any(c.is_open for c in candidates):
+            break
+        precision = following
+    with ctx.workprec(precision):
+        return _record(instance, candidates, *pairs, scale)
+
+
+def _attempt_open(system: System, candidates: Sequence[_Candidate], tolerance: float) -> None:
+    for candidate in candidates:
+        if not candidate.is_open:
+            continue
+        if system.is_finite:
+            candidate.attempt(system, tolerance)
+        else:
+            candidate.outcome = Outcome.NOT_A_NUMBER
+            candidate.precision = system.precision
+
+
+Pairs = list[tuple[int, int]]
+
+
+def _unknown_and_same(candidates: Sequence[_Candidate]) -> tuple[Pairs, Pairs]:
+    """Return the pairs of certified candidates that are not proved different."""
+    certified = [k for k, c in enumerate(candidates) if c.outcome is Outcome.CERTIFIED]
+    poses = [pose for k in certified if (pose := candidates[k].pose) is not None]
+    unknown: Pairs = []
+    equal: Pairs = []
+    for i, j in close_pairs(poses):
+        first, second = candidates[certified[i]].isolation, candidates[certified[j]].isolation
+        assert first is not None
+        assert second is not None
+        (equal if same(first, second) else unknown).append((certified[i], certified[j]))
+    return unknown, equal
+
+
+def _record(
+    instance: Instance,
+    candidates: Sequence[_Candidate],
+    unknown: Pairs,
+    equal: Pairs,
+    scale: float,
+) -> Certificates:
+    same_as: dict[int, int] = {}
+    for i, j in sorted(equal):
+        same_as[j] = min(i, same_as.get(j, i))
+    unresolved: dict[int, list[int]] = {}
+    for i, j in unknown:
+        unresolved.setdefault(i, []).append(j)
+        unresolved.setdefault(j, []).append(i)
+    return Certificates(
+        tuple(
+            candidate.certificate(
+                instance,
+                same_as=same_as.get(k),
+                unresolved=tuple(sorted(unresolved.get(k, ()))),
+            )
+            if candidate.outcome is Outcome.CERTIFIED
+            else candidate.certificate(instance)
+            for k, candidate in enumerate(candidates)
+        ),
+        scale,
+    )

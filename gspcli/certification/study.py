@@ -1,0 +1,105 @@
+"""Study coordinates of rigid motions: poses to points and back, and the forms of Section 4.
+
+A pose (R, T) is a point (e0..e3, f0..f3) with ``e . f = 0`` and ``N = e . e != 0``, up to a
+common factor: e is the quaternion of R, scalar first, and ``f = T e / 2``. Then N times each of
+the entries of R, T, ``U = R^T T``, ``rho = T . T`` and ``T x R`` is a quadratic form, and every
+constraint is made of these forms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+from flint import fmpz_mat
+from numpy.typing import NDArray
+
+from gspcli.geometry.poses import Field, study_from_pose
+
+#: Positions of the forms in the list that `forms` returns: N, then N times R (rows), T, U, rho
+#: and W with W[i][j] = (T x R e_j)_i (rows), then e . f.
+NORM = 0
+ROTATION = tuple(tuple(1 + 3 * i + j for j in range(3)) for i in range(3))
+TRANSLATION = (10, 11, 12)
+BODY = (13, 14, 15)
+RHO = 16
+MOMENT = tuple(tuple(17 + 3 * i + j for j in range(3)) for i in range(3))
+STUDY = 26
+COUNT = 27
+
+
+def product(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
+    """Return the product of two quaternions."""
+    p0, p1, p2, p3 = p
+    q0, q1, q2, q3 = q
+    return [
+        p0 * q0 - p1 * q1 - p2 * q2 - p3 * q3,
+        p0 * q1 + p1 * q0 + p2 * q3 - p3 * q2,
+        p0 * q2 + p2 * q0 + p3 * q1 - p1 * q3,
+        p0 * q3 + p3 * q0 + p1 * q2 - p2 * q1,
+    ]
+
+
+def motion(point: Sequence[Any]) -> tuple[Any, list[list[Any]], list[Any]]:
+    """Return N, N R by rows and N T of a Study point, in the arithmetic of its coordinates."""
+    w, x, y, z = point[:4]
+    ww, xx, yy, zz = w * w, x * x, y * y, z * z
+    wx, wy, wz, xy, xz, yz = w * x, w * y, w * z, x * y, x * z, y * z
+    rotation = [
+        [ww + xx - yy - zz, 2 * (xy - wz), 2 * (xz + wy)],
+        [2 * (xy + wz), ww - xx + yy - zz, 2 * (yz - wx)],
+        [2 * (xz - wy), 2 * (yz + wx), ww - xx - yy + zz],
+    ]
+    moved = product(point[4:], [w, -x, -y, -z])
+    return ww + xx + yy + zz, rotation, [2 * entry for entry in moved[1:]]
+
+
+def forms(point: Sequence[Any]) -> list[Any]:
+    """Return all forms at a Study point, in the order of the constants above."""
+    e, f = list(point[:4]), list(point[4:])
+    conjugate = [e[0], -e[1], -e[2], -e[3]]
+    norm, rotation, translation = motion(point)
+    body = [2 * entry for entry in product(conjugate, f)[1:]]
+    rho = 4 * sum(entry * entry for entry in f)
+    units = [[int(i == j + 1) for i in range(4)] for j in range(3)]
+    columns = [product(product(f, unit), conjugate)[1:] for unit in units]
+    moments = [2 * columns[j][i] for i in range(3) for j in range(3)]
+    study = sum(a * b for a, b in zip(e, f, strict=True))
+    return [norm, *sum(rotation, []), *translation, *body, rho, *moments, study]
+
+
+@cache
+def hessians() -> fmpz_mat:
+    """Return the Hessian matrices of all forms, one flattened 8x8 integer matrix a row."""
+    units = np.eye(8, dtype=int)
+    single = np.array([forms(list(unit)) for unit in units])
+    result = np.empty((COUNT, 8, 8), dtype=int)
+    for j in range(8):
+        for k in range(8):
+            both = np.array(forms(list(units[j] + units[k])))
+            result[:, j, k] = both - single[j] - single[k]
+    return fmpz_mat(COUNT, 64, [int(entry) for entry in result.ravel()])
+
+
+def study_points(R: Field, T: Field) -> tuple[Field, NDArray[np.intp]]:
+    """Return Study points of poses, each in a real patch.
+
+    Parameters
+    ----------
+    R, T
+        Complex rotations, shape (n, 3, 3), and translations, shape (n, 3).
+
+    Returns
+    -------
+    points
+        Complex, shape (n, 8); the coordinate of the patch is 1.
+    patches
+        For each point the index of the largest coordinate of e, shape (n,).
+    """
+    points = np.concatenate(study_from_pose(R, T), axis=-1)
+    patches = np.argmax(np.abs(points[:, :4]), axis=-1)
+    points /= np.take_along_axis(points, patches[:, None], axis=-1)
+    np.put_along_axis(points, patches[:, None], 1, axis=-1)
+    return points, patches
