@@ -1,0 +1,234 @@
+// Python bindings: arrays in, arrays out, the global interpreter lock released in between.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tracker.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace gsp {
+namespace {
+
+constexpr int kCoefficients = 27;  // as in gspcli.continuation.quadrics
+
+using Points = nb::ndarray<const std::complex<double>, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Matrix = Points;
+using Vector = nb::ndarray<const std::complex<double>, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Matrices = nb::ndarray<const std::complex<double>, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
+
+struct Build {
+  const char* name;
+  TrackFunction track;
+};
+
+// The quickest build that this processor can run.
+Build choose_build() {
+#if defined(GSP_X86)
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
+    return {"avx512", track_avx512};
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return {"avx2", track_avx2};
+#endif
+  return {"portable", track_portable};
+}
+
+Build build_named(const std::string& name) {
+  const Build best = choose_build();
+  if (name.empty() || name == best.name) return best;
+  if (name == "portable") return {"portable", track_portable};
+#if defined(GSP_X86)
+  if (name == "avx2" && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+    return {"avx2", track_avx2};
+#endif
+  throw std::invalid_argument("this processor has no build named " + name);
+}
+
+// Coefficients of e_i e_j, e_i f_j, f.f to those of the features of tracker.hpp (modulo e.f).
+void to_features(const std::complex<double>* q, std::complex<double>* out) {
+  const auto b = [&](int i, int j) { return q[10 + 4 * i + j]; };
+  for (int i = 0; i < 10; ++i) out[i] = q[i];
+  for (int i = 1; i < 4; ++i) {
+    const int j = i % 3 + 1, k = j % 3 + 1;
+    const std::complex<double> d = 0.25 * (b(0, i) - b(i, 0)), x = 0.25 * (b(j, k) - b(k, j));
+    out[kOffsetT + i - 1] = d + x;
+    out[kOffsetU + i - 1] = d - x;
+  }
+  int n = kOffsetS;
+  for (int i = 0; i < 4; ++i)
+    for (int j = i + 1; j < 4; ++j) out[n++] = 0.5 * (b(i, j) + b(j, i));
+  for (int i = 1; i < 4; ++i) out[n++] = b(i, i) - b(0, 0);
+  out[kOffsetRho] = q[26];
+}
+
+// Scales to norm 1, without what is rounding noise; returns the norm.
+double normalize(std::complex<double>* q) {
+  double size = 0.0;
+  for (int i = 0; i < kFeatures; ++i) size += std::norm(q[i]);
+  size = std::sqrt(size);
+  if (!(size > 0.0)) return 1.0;
+  for (int i = 0; i < kFeatures; ++i) {
+    q[i] /= size;
+    if (std::abs(q[i]) < 1e-15) q[i] = 0.0;
+  }
+  return size;
+}
+
+bool uses(const std::complex<double>* q, int begin, int end) {
+  return std::any_of(q + begin, q + end, [](const auto& x) { return x != 0.0; });
+}
+
+unsigned groups(const std::complex<double>* q) {
+  return (uses(q, kOffsetT, kOffsetT + 3) ? kT : 0) | (uses(q, kOffsetU, kOffsetU + 3) ? kU : 0) |
+         (uses(q, kOffsetS, kOffsetS + 9) ? kS : 0) | (uses(q, kOffsetRho, kOffsetRho + 1) ? kRho : 0);
+}
+
+Complex plain(const std::complex<double>& x) { return {x.real(), x.imag()}; }
+
+// One end of a homotopy: six first and six second factors, and tau of the products.
+struct Side {
+  const std::complex<double>* g;
+  const std::complex<double>* h;
+  const std::complex<double>* tau;
+};
+
+void make_homotopy(const bool* products, const Side& start, const Side& target, Homotopy& H) {
+  double size[2][kQuadrics];
+  for (int i = 0; i < kQuadrics; ++i) {
+    const int row = i % kEquations;
+    if (i >= kEquations && !products[row]) continue;
+    std::complex<double> ends[2][kFeatures];
+    const Side* sides[2] = {&start, &target};
+    unsigned used = 0;
+    for (int s = 0; s < 2; ++s) {
+      to_features((i < kEquations ? sides[s]->g : sides[s]->h) + row * kCoefficients, ends[s]);
+      size[s][i] = normalize(ends[s]);
+      used |= groups(ends[s]);
+    }
+    H.quadric[i].groups = used;
+    for (int k = 0; k < kFeatures; ++k) {
+      H.quadric[i].start[k] = plain(ends[0][k]);
+      H.quadric[i].change[k] = plain(ends[1][k] - ends[0][k]);
+    }
+  }
+  for (int i = 0; i < kEquations; ++i) {
+    H.product[i] = products[i];
+    H.tau_start[i] = H.tau_change[i] = {0.0, 0.0};
+    if (!products[i]) continue;
+    const auto tau0 = start.tau[i] / (size[0][i] * size[0][i + kEquations]);
+    const auto tau1 = target.tau[i] / (size[1][i] * size[1][i + kEquations]);
+    H.tau_start[i] = plain(tau0);
+    H.tau_change[i] = plain(tau1 - tau0);
+  }
+}
+
+template <class T>
+nb::ndarray<nb::numpy, T> owned(std::unique_ptr<T[]> data, std::initializer_list<std::size_t> shape) {
+  T* raw = data.release();
+  nb::capsule owner(raw, [](void* p) noexcept { delete[] static_cast<T*>(p); });
+  return nb::ndarray<nb::numpy, T>(raw, shape, owner);
+}
+
+void require(bool condition, const char* message) {
+  if (!condition) throw std::invalid_argument(message);
+}
+
+nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu> products,
+                Matrix start_g, Matrix start_h, Vector start_tau, Matrices target_g,
+                Matrices target_h, Matrix target_tau, Points points, double predictor_tolerance,
+                double contraction, double radius_fraction, double min_step, double waypoint,
+                int max_steps, int jobs, const std::string& build) {
+  const std::size_t targets = target_g.shape(0), paths = points.shape(0);
+  require(products.shape(0) == kEquations && start_tau.shape(0) == kEquations, "six equations");
+  require(start_g.shape(0) == kEquations && start_g.shape(1) == kCoefficients &&
+              start_h.shape(0) == kEquations && start_h.shape(1) == kCoefficients,
+          "start coefficients must have shape (6, 27)");
+  require(target_g.shape(1) == kEquations && target_g.shape(2) == kCoefficients &&
+              target_h.shape(0) == targets && target_h.shape(1) == kEquations &&
+              target_h.shape(2) == kCoefficients && target_tau.shape(0) == targets &&
+              target_tau.shape(1) == kEquations,
+          "target coefficients must have shapes (targets, 6, 27), (targets, 6, 27), (targets, 6)");
+  require(points.shape(1) == kVariables, "points must have shape (paths, 8)");
+  const Build chosen = build_named(build);
+  const Options options{predictor_tolerance, contraction, radius_fraction,
+                        min_step,            waypoint,    max_steps};
+
+  const std::size_t total = targets * paths;
+  auto point = std::make_unique<std::complex<double>[]>(total * kVariables);
+  auto t = std::make_unique<double[]>(total);
+  auto status = std::make_unique<std::uint8_t[]>(total);
+  auto steps = std::make_unique<std::int32_t[]>(total);
+  auto condition = std::make_unique<double[]>(total);
+  auto residual = std::make_unique<double[]>(total);
+  auto correction = std::make_unique<double[]>(total);
+  {
+    nb::gil_scoped_release release;
+    // Work is dealt out in pieces of one target's paths; long ones are cut for the threads' sake.
+    const std::size_t piece = std::max<std::size_t>(64, (paths + 4 * jobs - 1) / (4 * jobs));
+    const std::size_t pieces_each = jobs == 1 ? 1 : std::max<std::size_t>(1, (paths + piece - 1) / piece);
+    const std::size_t length = (paths + pieces_each - 1) / std::max<std::size_t>(1, pieces_each);
+    const std::size_t pieces = paths == 0 ? 0 : targets * pieces_each;
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+      auto homotopy = std::make_unique<Homotopy>();
+      std::size_t prepared = targets;
+      for (std::size_t i = next++; i < pieces; i = next++) {
+        const std::size_t b = i / pieces_each, begin = (i % pieces_each) * length;
+        if (begin >= paths) continue;
+        const std::size_t count = std::min(length, paths - begin);
+        if (prepared != b) {
+          const std::size_t stride = kEquations * kCoefficients;
+          make_homotopy(products.data(), {start_g.data(), start_h.data(), start_tau.data()},
+                        {target_g.data() + b * stride, target_h.data() + b * stride,
+                         target_tau.data() + b * kEquations},
+                        *homotopy);
+          prepared = b;
+        }
+        const std::size_t at = b * paths + begin;
+        chosen.track(*homotopy, options, static_cast<int>(count),
+                     reinterpret_cast<const Complex*>(points.data() + begin * kVariables),
+                     {reinterpret_cast<Complex*>(point.get() + at * kVariables), t.get() + at,
+                      status.get() + at, steps.get() + at, condition.get() + at,
+                      residual.get() + at, correction.get() + at});
+      }
+    };
+    std::vector<std::thread> threads;
+    for (int i = 1; i < jobs; ++i) threads.emplace_back(work);
+    work();
+    for (std::thread& thread : threads) thread.join();
+  }
+  const std::size_t eight = kVariables;
+  return nb::make_tuple(owned(std::move(point), {targets, paths, eight}),
+                        owned(std::move(t), {targets, paths}),
+                        owned(std::move(status), {targets, paths}),
+                        owned(std::move(steps), {targets, paths}),
+                        owned(std::move(condition), {targets, paths}),
+                        owned(std::move(residual), {targets, paths}),
+                        owned(std::move(correction), {targets, paths}));
+}
+
+}  // namespace
+}  // namespace gsp
+
+NB_MODULE(_kernel, m) {
+  m.doc() = "The native path tracker of gspcli.continuation.";
+  m.def("track", &gsp::track, "products"_a, "start_g"_a, "start_h"_a, "start_tau"_a, "target_g"_a,
+        "target_h"_a, "target_tau"_a, "points"_a, nb::kw_only(), "predictor_tolerance"_a,
+        "contraction"_a, "radius_fraction"_a, "min_step"_a, "waypoint"_a, "max_steps"_a, "jobs"_a,
+        "build"_a = "",
+        "Track every point from the start system to each target; see gspcli.continuation.tracker.");
+  m.def("build", [] { return gsp::choose_build().name; },
+        "Name of the build that this processor runs: avx512, avx2 or portable.");
+}

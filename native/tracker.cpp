@@ -1,0 +1,612 @@
+// Adaptive tracking of up to eight paths at a time, one in each lane of a vector.
+//
+// A step: evaluate the Taylor series of every lane at its own step length (the last term summed as
+// a geometric series, a Pade approximant with the common pole), factor the Jacobian matrix there
+// once, correct twice with that factorization, and, in lanes where the corrections contract as they
+// should, compute the next Taylor series with the same factorization.
+//
+// Points are in C^8 of norm 1. The seven equations (six and e.f = 0) have a Jacobian matrix J of
+// seven rows with J z = 0 on solutions, so least-norm solutions of J dz = b are orthogonal to z: the
+// row conj(z).dz = 0 of a moving patch is there without being written. J = L Q with L lower
+// triangular and orthonormal rows of Q, by modified Gram-Schmidt, which needs no pivoting and so no
+// branches between lanes.
+#include "tracker.hpp"
+
+#ifndef GSP_TRACK
+#error "GSP_TRACK must name the entry point of this build"
+#endif
+
+namespace gsp {
+namespace {
+
+constexpr int W = kLanes;
+constexpr int N = kVariables;
+constexpr int kRows = kEquations + 1;
+#ifndef GSP_ORDER
+#define GSP_ORDER 7
+#endif
+constexpr int kOrder = GSP_ORDER;  // of the Taylor series
+
+typedef double V __attribute__((vector_size(8 * W)));
+typedef long long Mask __attribute__((vector_size(8 * W)));
+
+struct C {
+  V re, im;
+};
+
+#define INLINE inline __attribute__((always_inline))
+
+INLINE V splat(double x) { return V{} + x; }
+INLINE C operator+(const C& a, const C& b) { return {a.re + b.re, a.im + b.im}; }
+INLINE C operator-(const C& a, const C& b) { return {a.re - b.re, a.im - b.im}; }
+INLINE C operator*(const C& a, const C& b) {
+  return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+}
+INLINE C operator*(const V& a, const C& b) { return {a * b.re, a * b.im}; }
+INLINE C operator*(const Complex& a, const C& b) {
+  return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+}
+INLINE void add_product(C& s, const C& a, const C& b) {
+  s.re += a.re * b.re;
+  s.re -= a.im * b.im;
+  s.im += a.re * b.im;
+  s.im += a.im * b.re;
+}
+INLINE void add_product(C& s, const Complex& a, const C& b) {
+  s.re += a.re * b.re;
+  s.re -= a.im * b.im;
+  s.im += a.re * b.im;
+  s.im += a.im * b.re;
+}
+INLINE void subtract_product(C& s, const C& a, const C& b) {
+  s.re -= a.re * b.re;
+  s.re += a.im * b.im;
+  s.im -= a.re * b.im;
+  s.im -= a.im * b.re;
+}
+// s += conj(a) b
+INLINE void add_conjugate_product(C& s, const C& a, const C& b) {
+  s.re += a.re * b.re;
+  s.re += a.im * b.im;
+  s.im += a.re * b.im;
+  s.im -= a.im * b.re;
+}
+INLINE V square(const C& a) { return a.re * a.re + a.im * a.im; }
+INLINE V root(const V& x) {
+  V r;
+  for (int i = 0; i < W; ++i) r[i] = __builtin_sqrt(x[i]);
+  return r;
+}
+INLINE V minimum(const V& a, const V& b) { return a < b ? a : b; }
+INLINE V maximum(const V& a, const V& b) { return a > b ? a : b; }
+INLINE C select(const Mask& m, const C& a, const C& b) {
+  return {m ? a.re : b.re, m ? a.im : b.im};
+}
+INLINE C line(const Complex& start, const Complex& change, const V& t) {
+  return {start.re + t * change.re, start.im + t * change.im};
+}
+INLINE V norm(const C* x) {
+  V s = square(x[0]);
+  for (int i = 1; i < N; ++i) s += square(x[i]);
+  return root(s);
+}
+
+// x^(1/8), of positive finite numbers
+static_assert(kOrder == 3 || kOrder == 7, "the step length takes the root of order kOrder + 1");
+INLINE V order_root(const V& x) {
+  const V r = root(root(x));
+  return kOrder == 7 ? root(r) : r;
+}
+
+// The sum over i + j = k of products of the coefficients of two series.
+struct Pairs {
+  C ee[10], ef[4][4], ff;
+};
+
+INLINE void clear(Pairs& p) { p = Pairs{}; }
+
+INLINE void add_pairs(Pairs& p, const C* x, const C* y) {
+  int n = 0;
+  for (int i = 0; i < 4; ++i)
+    for (int j = i; j < 4; ++j) add_product(p.ee[n++], x[i], y[j]);
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) add_product(p.ef[i][j], x[i], y[4 + j]);
+  for (int i = 0; i < 4; ++i) add_product(p.ff, x[4 + i], y[4 + i]);
+}
+
+INLINE void features(const Pairs& p, C* phi) {
+  for (int i = 0; i < 10; ++i) phi[i] = p.ee[i];
+  for (int i = 1; i < 4; ++i) {
+    const int j = i % 3 + 1, k = j % 3 + 1;
+    const C d = p.ef[0][i] - p.ef[i][0], x = p.ef[j][k] - p.ef[k][j];
+    phi[kOffsetT + i - 1] = d + x;
+    phi[kOffsetU + i - 1] = d - x;
+  }
+  int n = kOffsetS;
+  for (int i = 0; i < 4; ++i)
+    for (int j = i + 1; j < 4; ++j) phi[n++] = p.ef[i][j] + p.ef[j][i];
+  for (int i = 1; i < 4; ++i) phi[n++] = p.ef[i][i];
+  phi[kOffsetRho] = p.ff;
+}
+
+INLINE C norm_form(const Pairs& p) { return p.ee[0] + p.ee[4] + p.ee[7] + p.ee[9]; }
+
+// Calls f(begin, end) for the ranges of features that a quadric uses.
+template <class F>
+INLINE void ranges(unsigned groups, F&& f) {
+  f(0, 10);
+  if (groups & kT) f(kOffsetT, kOffsetT + 3);
+  if (groups & kU) f(kOffsetU, kOffsetU + 3);
+  if (groups & kS) f(kOffsetS, kOffsetS + 9);
+  if (groups & kRho) f(kOffsetRho, kOffsetRho + 1);
+}
+
+INLINE C value(const Quadric& q, const C* phi, const V& t) {
+  C s{};
+  ranges(q.groups, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) add_product(s, line(q.start[i], q.change[i], t), phi[i]);
+  });
+  return s;
+}
+
+// start.x + change.y
+INLINE C value(const Quadric& q, const C* x, const C* y) {
+  C s{}, r{};
+  ranges(q.groups, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      add_product(s, q.start[i], x[i]);
+      add_product(r, q.change[i], y[i]);
+    }
+  });
+  return s + r;
+}
+
+// The gradient of a quadric at z; returns its value.
+INLINE C gradient(const Quadric& q, const C* z, const V& t, C* g) {
+  const C *e = z, *f = z + 4;
+  for (int i = 0; i < N; ++i) g[i] = C{};
+  const auto coefficient = [&](int i) { return line(q.start[i], q.change[i], t); };
+  int n = 0;
+  for (int i = 0; i < 4; ++i) {
+    const C square_term = coefficient(n++);
+    add_product(g[i], square_term + square_term, e[i]);
+    for (int j = i + 1; j < 4; ++j) {
+      const C c = coefficient(n++);
+      add_product(g[i], c, e[j]);
+      add_product(g[j], c, e[i]);
+    }
+  }
+  if (q.groups & (kT | kU)) {
+    for (int i = 1; i < 4; ++i) {
+      C a{}, b{};  // of e0 f_i - e_i f0 and of (e x f)_i
+      if (q.groups & kT) a = b = coefficient(kOffsetT + i - 1);
+      if (q.groups & kU) {
+        const C u = coefficient(kOffsetU + i - 1);
+        a = a + u;
+        b = b - u;
+      }
+      const int j = i % 3 + 1, k = j % 3 + 1;
+      add_product(g[0], a, f[i]);
+      subtract_product(g[i], a, f[0]);
+      add_product(g[4 + i], a, e[0]);
+      subtract_product(g[4], a, e[i]);
+      add_product(g[j], b, f[k]);
+      subtract_product(g[k], b, f[j]);
+      add_product(g[4 + k], b, e[j]);
+      subtract_product(g[4 + j], b, e[k]);
+    }
+  }
+  if (q.groups & kS) {
+    n = kOffsetS;
+    for (int i = 0; i < 4; ++i)
+      for (int j = i + 1; j < 4; ++j) {
+        const C c = coefficient(n++);
+        add_product(g[i], c, f[j]);
+        add_product(g[j], c, f[i]);
+        add_product(g[4 + i], c, e[j]);
+        add_product(g[4 + j], c, e[i]);
+      }
+    for (int i = 1; i < 4; ++i) {
+      const C c = coefficient(n++);
+      add_product(g[i], c, f[i]);
+      add_product(g[4 + i], c, e[i]);
+    }
+  }
+  if (q.groups & kRho) {
+    C c = coefficient(kOffsetRho);
+    c = c + c;
+    for (int i = 0; i < 4; ++i) add_product(g[4 + i], c, f[i]);
+  }
+  C s{};
+  for (int i = 0; i < N; ++i) add_product(s, g[i], z[i]);
+  return {0.5 * s.re, 0.5 * s.im};
+}
+
+// What one lane-wide step works with.
+struct Workspace {
+  C row[kRows][N];        // of the Jacobian matrix, then of Q; row 0 is that of e.f
+  C lower[kRows][kRows];  // L below its diagonal
+  V inverse[kRows];       // of L's diagonal
+  V length[kRows];        // of the rows of the Jacobian matrix
+  C factor[kQuadrics][N]; // gradients of the factors of products
+  C f[kRows];             // values
+  C series[kOrder + 1][N];
+  // Series of the factors and of N, for products.
+  C g[kEquations][kOrder + 1], h[kEquations][kOrder + 1], n[kOrder + 1];
+};
+
+INLINE C study(const C* z) {
+  C s{};
+  for (int i = 0; i < 4; ++i) add_product(s, z[i], z[4 + i]);
+  return s;
+}
+
+// Values and Jacobian matrix at (z, t).
+void linearize(const Homotopy& H, Workspace& w, const C* z, const V& t) {
+  w.f[0] = study(z);
+  for (int i = 0; i < N; ++i) w.row[0][i] = z[(i + 4) % N];
+  for (int i = 0; i < kEquations; ++i) {
+    C* row = w.row[i + 1];
+    if (!H.product[i]) {
+      w.f[i + 1] = gradient(H.quadric[i], z, t, row);
+      continue;
+    }
+    C *dg = w.factor[i], *dh = w.factor[i + kEquations];
+    const C g = gradient(H.quadric[i], z, t, dg);
+    const C h = gradient(H.quadric[i + kEquations], z, t, dh);
+    C n{};
+    for (int j = 0; j < 4; ++j) add_product(n, z[j], z[j]);
+    const C tau_n = line(H.tau_start[i], H.tau_change[i], t) * n;
+    w.f[i + 1] = g * h - tau_n * n;
+    for (int j = 0; j < N; ++j) {
+      row[j] = g * dh[j];
+      add_product(row[j], h, dg[j]);
+      if (j < 4) row[j] = row[j] - splat(4.0) * (tau_n * z[j]);
+    }
+  }
+}
+
+// Values at (z, t).
+void evaluate(const Homotopy& H, Workspace& w, const C* z, const V& t) {
+  Pairs pairs;
+  C phi[kFeatures];
+  clear(pairs);
+  add_pairs(pairs, z, z);
+  features(pairs, phi);
+  w.f[0] = study(z);
+  w.n[0] = norm_form(pairs);
+  for (int i = 0; i < kEquations; ++i) {
+    const C g = value(H.quadric[i], phi, t);
+    if (!H.product[i]) {
+      w.f[i + 1] = g;
+      continue;
+    }
+    const C h = value(H.quadric[i + kEquations], phi, t);
+    w.g[i][0] = g;
+    w.h[i][0] = h;
+    w.f[i + 1] = g * h - line(H.tau_start[i], H.tau_change[i], t) * (w.n[0] * w.n[0]);
+  }
+}
+
+// J = L Q; the rows of J become those of Q.
+void factorize(Workspace& w) {
+  for (int i = 0; i < kRows; ++i) w.length[i] = norm(w.row[i]);
+  for (int j = 0; j < kRows; ++j) {
+    C* q = w.row[j];
+    const V scale = 1.0 / norm(q);
+    w.inverse[j] = scale;
+    for (int k = 0; k < N; ++k) q[k] = scale * q[k];
+    for (int i = j + 1; i < kRows; ++i) {
+      C* r = w.row[i];
+      C s{};
+      for (int k = 0; k < N; ++k) add_conjugate_product(s, q[k], r[k]);
+      for (int k = 0; k < N; ++k) subtract_product(r[k], s, q[k]);
+      w.lower[i][j] = s;
+    }
+  }
+}
+
+// The least-norm solution of J x = b; b becomes L^-1 b.
+void solve(const Workspace& w, C* b, C* x) {
+  for (int i = 0; i < kRows; ++i) {
+    C s = b[i];
+    for (int j = 0; j < i; ++j) subtract_product(s, w.lower[i][j], b[j]);
+    b[i] = w.inverse[i] * s;
+  }
+  for (int k = 0; k < N; ++k) {
+    C s{};
+    for (int j = 0; j < kRows; ++j) add_conjugate_product(s, w.row[j][k], b[j]);
+    x[k] = s;
+  }
+}
+
+// Largest ratio of the length of a row to its distance from the rows before it.
+INLINE V skewness(const Workspace& w) {
+  V s = w.length[0] * w.inverse[0];
+  for (int i = 1; i < kRows; ++i) s = maximum(s, w.length[i] * w.inverse[i]);
+  return s;
+}
+
+// The Taylor series of the paths through series[0] at t, with the factorization at hand; evaluate()
+// has left the values of the factors at t.
+void expand(const Homotopy& H, Workspace& w, const V& t, C (*series)[N]) {
+  Pairs pairs;
+  C phi[kFeatures], before[kFeatures], mixed[kFeatures], b[kRows];
+  clear(pairs);
+  add_pairs(pairs, series[0], series[0]);
+  features(pairs, before);
+  bool any_product = false;
+  for (int i = 0; i < kEquations; ++i) any_product |= H.product[i];
+  for (int k = 1; k <= kOrder; ++k) {
+    clear(pairs);
+    for (int i = 1; i < k; ++i) add_pairs(pairs, series[i], series[k - i]);
+    features(pairs, phi);
+    for (int i = 0; i < kFeatures; ++i) {
+      mixed[i].re = t * phi[i].re + before[i].re;
+      mixed[i].im = t * phi[i].im + before[i].im;
+    }
+    b[0] = C{};
+    for (int i = 0; i < 4; ++i) b[0] = b[0] - pairs.ef[i][i];
+    if (any_product) w.n[k] = norm_form(pairs);
+    for (int i = 0; i < kEquations; ++i) {
+      const C g = value(H.quadric[i], phi, mixed);
+      if (!H.product[i]) {
+        b[i + 1] = C{} - g;
+        continue;
+      }
+      w.g[i][k] = g;
+      w.h[i][k] = value(H.quadric[i + kEquations], phi, mixed);
+      C s{}, n{}, m{};
+      for (int j = 0; j <= k; ++j) {
+        add_product(s, w.g[i][j], w.h[i][k - j]);
+        add_product(n, w.n[j], w.n[k - j]);
+        if (j < k) add_product(m, w.n[j], w.n[k - 1 - j]);
+      }
+      b[i + 1] = line(H.tau_start[i], H.tau_change[i], t) * n - s;
+      add_product(b[i + 1], H.tau_change[i], m);
+    }
+    C* x = series[k];
+    solve(w, b, x);
+    if (k == kOrder) break;
+    // Complete the terms of order k by those that are linear in x.
+    for (int i = 0; i < kEquations; ++i) {
+      if (!H.product[i]) continue;
+      for (int j = 0; j < N; ++j) {
+        add_product(w.g[i][k], w.factor[i][j], x[j]);
+        add_product(w.h[i][k], w.factor[i + kEquations][j], x[j]);
+      }
+    }
+    add_pairs(pairs, series[0], x);
+    add_pairs(pairs, x, series[0]);
+    w.n[k] = norm_form(pairs);
+    features(pairs, before);
+  }
+}
+
+// The state of the eight paths under way.
+struct Lanes {
+  C series[kOrder + 1][N];
+  C pole;     // 1 / (common pole of the last two terms)
+  V t, next;  // where the series is expanded; where the step goes
+  V leading;  // the error of the prediction is about surplus * leading * step^(order + 1)
+  V surplus;
+  V bend;     // estimate of the norm of J^-1 D^2 F
+  C waypoint[N];
+  Mask passed;  // the waypoint
+  int path[W];  // -1: idle
+  std::int32_t steps[W];
+};
+
+// The series at `step`, its last term summed as a geometric series.
+INLINE void predict(const Lanes& s, const V& step, C* z) {
+  C d{1.0 - step * s.pole.re, -(step * s.pole.im)};
+  const V size = square(d);
+  const Mask far = size > 0.09;
+  const V scale = 1.0 / size;
+  C top = {far ? d.re * scale : splat(1.0), far ? -(d.im * scale) : splat(0.0)};
+  for (int i = 0; i < N; ++i) {
+    C x = top * s.series[kOrder][i];
+    for (int k = kOrder; k-- > 0;) {
+      x.re = x.re * step + s.series[k][i].re;
+      x.im = x.im * step + s.series[k][i].im;
+    }
+    z[i] = x;
+  }
+}
+
+INLINE void normalize(C* z) {
+  const V scale = 1.0 / norm(z);
+  for (int i = 0; i < N; ++i) z[i] = scale * z[i];
+}
+
+// Newton's method with a new factorization each time, at t = 1, for up to eight end points.
+void refine(const Homotopy& H, Workspace& w, int count, const int* index, const Results& out) {
+  constexpr int kIterations = 3;
+  C z[N];
+  for (int i = 0; i < N; ++i)
+    for (int l = 0; l < W; ++l) {
+      const Complex& x = out.point[index[l < count ? l : 0] * N + i];
+      z[i].re[l] = x.re;
+      z[i].im[l] = x.im;
+    }
+  const V one = splat(1.0);
+  V last = splat(0.0);
+  for (int k = 0; k < kIterations; ++k) {
+    C dz[N];
+    linearize(H, w, z, one);
+    factorize(w);
+    solve(w, w.f, dz);
+    for (int i = 0; i < N; ++i) z[i] = z[i] - dz[i];
+    last = norm(dz);
+    normalize(z);
+    bool done = true;
+    for (int l = 0; l < count; ++l) done &= last[l] < 1e-13;
+    if (done) break;
+  }
+  // The Frobenius norm of the inverse of L with the rows of J scaled to 1.
+  V condition = splat(0.0);
+  for (int c = 0; c < kRows; ++c) {
+    C x[kRows];
+    x[c] = {w.inverse[c] * w.length[c], splat(0.0)};
+    condition += square(x[c]);
+    for (int i = c + 1; i < kRows; ++i) {
+      C s{};
+      for (int j = c; j < i; ++j) subtract_product(s, w.lower[i][j], x[j]);
+      x[i] = w.inverse[i] * s;
+      condition += square(x[i]);
+    }
+  }
+  condition = root(condition);
+  evaluate(H, w, z, one);
+  V residual = square(w.f[0]);
+  for (int i = 1; i < kRows; ++i) residual = maximum(residual, square(w.f[i]));
+  residual = root(residual);
+  for (int l = 0; l < count; ++l) {
+    const int p = index[l];
+    for (int i = 0; i < N; ++i) out.point[p * N + i] = {z[i].re[l], z[i].im[l]};
+    out.condition[p] = condition[l];
+    out.residual[p] = residual[l];
+    out.correction[p] = last[l];
+  }
+}
+
+void track(const Homotopy& H, const Options& options, int paths, const Complex* points,
+           const Results& out) {
+  alignas(64) Workspace w;
+  alignas(64) Lanes s;
+  const double waypoint = 1.0 - options.waypoint;
+  const double nearest = 1.0 - 1e-3 * options.waypoint;
+  int upcoming = 0, under_way = 0;
+
+  const auto load = [&](int l) {
+    s.path[l] = upcoming < paths ? upcoming++ : -1;
+    if (s.path[l] >= 0) ++under_way;
+    const Complex* z = points + (s.path[l] >= 0 ? s.path[l] : 0) * N;
+    double size = 0.0;
+    for (int i = 0; i < N; ++i) size += z[i].re * z[i].re + z[i].im * z[i].im;
+    const double scale = 1.0 / __builtin_sqrt(size);
+    for (int i = 0; i < N; ++i) {
+      for (int k = 0; k <= kOrder; ++k) s.series[k][i].re[l] = s.series[k][i].im[l] = 0.0;
+      s.series[0][i].re[l] = z[i].re * scale;
+      s.series[0][i].im[l] = z[i].im * scale;
+    }
+    // The first step goes nowhere: it corrects the start point and expands there.
+    s.pole.re[l] = s.pole.im[l] = s.t[l] = s.next[l] = s.leading[l] = s.bend[l] = 0.0;
+    s.surplus[l] = 1.0;
+    s.passed[l] = 0;
+    s.steps[l] = 0;
+  };
+  const auto finish = [&](int l, Status status, const C* z, double t) {
+    const int p = s.path[l];
+    for (int i = 0; i < N; ++i) out.point[p * N + i] = {z[i].re[l], z[i].im[l]};
+    out.t[p] = t;
+    out.status[p] = status;
+    out.steps[p] = s.steps[l];
+    out.condition[p] = out.residual[p] = out.correction[p] = -1.0;
+    --under_way;
+    load(l);
+  };
+
+  for (int l = 0; l < W; ++l) load(l);
+  while (under_way > 0) {
+    C z[N], first[N], second[N];
+    const V step = s.next - s.t;
+    predict(s, step, z);
+    normalize(z);
+    linearize(H, w, z, s.next);
+    factorize(w);
+    solve(w, w.f, first);
+    for (int i = 0; i < N; ++i) z[i] = z[i] - first[i];
+    evaluate(H, w, z, s.next);
+    solve(w, w.f, second);
+    for (int i = 0; i < N; ++i) z[i] = z[i] - second[i];
+    normalize(z);
+
+    const V n1 = norm(first), n2 = norm(second);
+    const V noise = 1e-15 * skewness(w);
+    const Mask good = (n1 <= 10.0 * options.predictor_tolerance) &
+                      ((n2 <= options.contraction * n1) | ((n2 <= 8.0 * noise) & (n2 <= 1e-6)));
+    Mask accepted = good;
+    for (int l = 0; l < W; ++l)
+      if (s.path[l] < 0) accepted[l] = 0;
+
+    // The new series, kept in the lanes that accepted the step.
+    C series[kOrder + 1][N];
+    for (int i = 0; i < N; ++i) series[0][i] = z[i];
+    expand(H, w, s.next, series);
+    for (int k = 0; k <= kOrder; ++k)
+      for (int i = 0; i < N; ++i) s.series[k][i] = select(accepted, series[k][i], s.series[k][i]);
+
+    const V a0 = norm(series[kOrder]) + 1e-100, a1 = norm(series[kOrder - 1]),
+            a2 = norm(series[kOrder - 2]);
+    C pole{};
+    for (int i = 0; i < N; ++i) add_conjugate_product(pole, series[kOrder - 1][i], series[kOrder][i]);
+    pole = (1.0 / (a1 * a1 + 1e-200)) * pole;
+    s.pole = select(accepted, pole, s.pole);
+    const V radius = minimum(a1 / a0, root(a2 / a0));
+    const V step2 = step * step, step4 = step2 * step2;
+    const V power = kOrder == 7 ? step4 * step4 : step4;
+    const V measured = n1 / (s.leading * power + 1e-300);
+    V surplus = maximum(measured, 0.3 * s.surplus);
+    surplus = minimum(maximum(surplus, splat(1e-4)), splat(1e4));
+    surplus = step > 0.0 ? surplus : splat(1.0);
+    s.surplus = accepted ? surplus : s.surplus;
+    const V leading = a0 / radius;
+    s.leading = accepted ? leading : s.leading;
+    const V curved = n2 > 8.0 * noise ? 2.0 * n2 / (n1 * n1) : splat(0.0);
+    s.bend = accepted ? maximum(curved, 0.5 * s.bend) : s.bend;
+
+    const V aim = minimum(splat(options.predictor_tolerance),
+                          0.4 * options.contraction / (s.bend + 1e-100));
+    V onward = minimum(order_root(aim / (s.surplus * s.leading)), options.radius_fraction * radius);
+    const V here = accepted ? s.next : s.t;
+    V length = accepted ? onward : 0.5 * step;
+    V next = here + length;
+    next = next >= 1.0 ? splat(1.0) : next;
+    next = (accepted & (here < waypoint) & (next > waypoint) & (next < 1.0)) ? splat(waypoint) : next;
+    const V arrived = s.next;
+    s.t = here;
+    s.next = next;
+
+    for (int l = 0; l < W; ++l) {
+      if (s.path[l] < 0) continue;
+      ++s.steps[l];
+      if (accepted[l]) {
+        if (arrived[l] == 1.0) {
+          finish(l, kRegular, z, 1.0);
+          continue;
+        }
+        if (arrived[l] == waypoint) {
+          s.passed[l] = -1;
+          for (int i = 0; i < N; ++i) {
+            s.waypoint[i].re[l] = z[i].re[l];
+            s.waypoint[i].im[l] = z[i].im[l];
+          }
+        }
+      }
+      const bool stuck = !(s.next[l] - s.t[l] > options.min_step) || s.steps[l] >= options.max_steps;
+      if (s.passed[l] && (stuck || (s.t[l] > nearest && s.next[l] < 1.0)))
+        finish(l, kSingular, s.waypoint, waypoint);
+      else if (stuck)
+        finish(l, kFailed, s.series[0], s.t[l]);
+    }
+  }
+
+  int index[W], count = 0;
+  for (int p = 0; p < paths; ++p) {
+    if (out.status[p] == kRegular) index[count++] = p;
+    if (count == W || (count > 0 && p == paths - 1)) {
+      refine(H, w, count, index, out);
+      count = 0;
+    }
+  }
+}
+
+}  // namespace
+
+void GSP_TRACK(const Homotopy& homotopy, const Options& options, int paths, const Complex* points,
+               const Results& results) {
+  track(homotopy, options, paths, points, results);
+}
+
+}  // namespace gsp

@@ -1,0 +1,72 @@
+// The path tracker: what the three builds of tracker.cpp (one an instruction set) have in common.
+//
+// Nothing here but plain data: a translation unit compiled for AVX-512 must not emit functions
+// that the linker could merge with those of the portable build.
+#pragma once
+
+#include <cstdint>
+
+namespace gsp {
+
+constexpr int kLanes = 8;      // paths tracked side by side, one in each lane of a vector
+constexpr int kVariables = 8;  // e0..e3, f0..f3
+constexpr int kEquations = 6;  // besides e.f = 0
+constexpr int kQuadrics = 2 * kEquations;
+
+// The functions that a quadric is a combination of: monomials e_i e_j (i <= j, row by row), then
+// T and U (without their factor 2), then e_i f_j + e_j f_i (i < j, row by row) and e_i f_i (i > 0),
+// then f.f. On e.f = 0 this is a basis. Groups that a homotopy does not use are skipped.
+constexpr int kFeatures = 26;
+enum Group : unsigned { kT = 1, kU = 2, kS = 4, kRho = 8 };
+constexpr int kOffsetT = 10, kOffsetU = 13, kOffsetS = 16, kOffsetRho = 25;
+
+struct Complex {
+  double re, im;
+};
+
+// A quadric whose coefficients run along the straight line start + t change.
+struct Quadric {
+  unsigned groups;
+  Complex start[kFeatures];
+  Complex change[kFeatures];
+};
+
+// Six equations: quadric i alone, or quadric i times quadric 6 + i = tau N^2.
+struct Homotopy {
+  bool product[kEquations];
+  Quadric quadric[kQuadrics];
+  Complex tau_start[kEquations];
+  Complex tau_change[kEquations];
+};
+
+struct Options {
+  double predictor_tolerance;  // aimed length of the first Newton correction (points have norm 1)
+  double contraction;          // largest ratio of second to first Newton correction
+  double radius_fraction;      // largest step as a part of the estimated radius of convergence
+  double min_step;             // a step in t below this fails
+  double waypoint;             // 1 - t at which paths that cannot reach t = 1 are handed back
+  int max_steps;
+};
+
+enum Status : std::uint8_t { kRegular = 0, kSingular = 1, kFailed = 2 };
+
+// Arrays over the paths of one homotopy.
+struct Results {
+  Complex* point;          // (paths, 8), norm 1
+  double* t;               // where the point belongs to
+  std::uint8_t* status;
+  std::int32_t* steps;     // accepted and rejected
+  double* condition;       // of the Jacobian matrix with rows scaled to 1, Frobenius
+  double* residual;        // largest equation at the point
+  double* correction;      // length of the last Newton correction
+};
+
+// Tracks the paths of one homotopy that start at `points` (paths, 8) from t = 0 to t = 1.
+using TrackFunction = void (*)(const Homotopy&, const Options&, int paths, const Complex* points,
+                               const Results&);
+
+void track_portable(const Homotopy&, const Options&, int, const Complex*, const Results&);
+void track_avx2(const Homotopy&, const Options&, int, const Complex*, const Results&);
+void track_avx512(const Homotopy&, const Options&, int, const Complex*, const Results&);
+
+}  // namespace gsp
