@@ -24,8 +24,8 @@ import sympy
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from gspcli.symbolic.coordinates import SYSTEMS, CoordinateSystem  # noqa: E402
-from gspcli.symbolic.varieties import equations  # noqa: E402
+from gspcli.symbolic.coordinates import SYSTEMS, CoordinateSystem
+from gspcli.symbolic.varieties import equations
 
 TARGET = Path(__file__).resolve().parents[1] / "data" / "varieties.json"
 COMMAND = "python tools/build_varieties.py"

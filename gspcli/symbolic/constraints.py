@@ -1,0 +1,346 @@
+"""The constraint equations of the ten kinds, derived from the definition of distance and angle.
+
+The distance of two primitives is the least distance of a point of one from a point of the other
+(paper, Section 4). With ``w = R p + T − q`` from a point of the base primitive to one of the
+platform primitive, and their directions d_i, it is the minimum of ``|w + Σ λ_i d_i|²``, a quotient
+of Gram determinants (`squared_distance`). Everything else here follows from that quotient.
+
+Names: on the platform the point Y, the line (B, v) and the plane (B, normal v); on the base X,
+(A, u) and (A, normal u); v and u are unit vectors.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import sympy
+from sympy import Expr, Matrix, Symbol
+
+from gspcli.catalogue.kinds import Kind, Primitive
+from gspcli.symbolic.coordinates import (
+    MOTIONS,
+    SYSTEMS,
+    CoordinateSystem,
+)
+from gspcli.symbolic.forms import (
+    TRANSLATION,
+    Frame,
+    Sum,
+    Vector,
+    base,
+    degree,
+    dot,
+    inner,
+    on_rotation,
+    platform,
+    triple,
+    units,
+)
+
+DISTANCE, ANGLE = Symbol("d"), Symbol("alpha")
+_ONE = sympy.Integer(1)
+
+
+@dataclass(frozen=True)
+class Element:
+    """A primitive by its vectors.
+
+    Attributes
+    ----------
+    point
+        A point of it.
+    axis
+        The unit vector of a line, the unit normal of a plane; None for a point.
+    directions
+        Orthonormal directions in it: none, the line's, or two of the plane's.
+    """
+
+    point: Vector
+    axis: Vector | None
+    directions: tuple[Vector, ...]
+
+
+def element(primitive: Primitive, frame: Frame) -> Element:
+    """Return the vectors of a primitive of the platform or the base."""
+    vector, names = (platform, "YBv") if frame is Frame.PLATFORM else (base, "XAu")
+    point, axis = vector(names[1]), vector(names[2])
+    match primitive:
+        case Primitive.POINT:
+            return Element(vector(names[0]), None, ())
+        case Primitive.LINE:
+            return Element(point, axis, (axis,))
+        case Primitive.PLANE:
+            return Element(point, axis, (vector(f"{names[2]}1"), vector(f"{names[2]}2")))
+
+
+@dataclass(frozen=True)
+class Setting:
+    """The vectors of a constraint.
+
+    Attributes
+    ----------
+    platform, base
+        The two primitives.
+    offset
+        The vector w from the base primitive's point to the platform primitive's.
+    """
+
+    platform: Element
+    base: Element
+    offset: Sum
+
+    @property
+    def directions(self) -> tuple[Vector, ...]:
+        """The directions of both primitives."""
+        return (*self.platform.directions, *self.base.directions)
+
+    @property
+    def axes(self) -> tuple[Vector, ...]:
+        """The unit vectors of lines and planes, the platform's first."""
+        return tuple(axis for axis in (self.platform.axis, self.base.axis) if axis is not None)
+
+
+def setting(kind: Kind) -> Setting:
+    """Return the vectors of a constraint."""
+    moving = element(kind.platform, Frame.PLATFORM)
+    fixed = element(kind.base, Frame.BASE)
+    offset = Sum(((_ONE, moving.point), (_ONE, TRANSLATION), (-_ONE, fixed.point)))
+    return Setting(moving, fixed, offset)
+
+
+@cache
+def squared_distance(kind: Kind) -> tuple[Expr, Expr]:
+    """Return numerator and denominator of the squared distance, in atoms.
+
+    Minimizes ``|w + Σ λ_i d_i|²`` over the λ_i: the gradient vanishes at one point, since the form
+    is positive definite.
+    """
+    where = setting(kind)
+    steps = sympy.symbols(f"lambda:{len(where.directions)}")
+    moved = Sum((*where.offset.terms, *zip(steps, where.directions, strict=True)))
+    square = _orthonormal(inner(moved, moved), where)
+    gradient = [sympy.diff(square, step) for step in steps]
+    least = square.subs(sympy.solve(gradient, steps, dict=True)[0]) if steps else square
+    numerator, denominator = sympy.fraction(sympy.cancel(sympy.together(least)))
+    # The Gram determinant of the directions is 1 where they are orthonormal.
+    scale = denominator.subs(dict.fromkeys(denominator.atoms(on_rotation), 0))
+    return sympy.expand(numerator / scale), sympy.expand(denominator / scale)
+
+
+def _orthonormal(form: Expr, where: Setting) -> Expr:
+    values = {}
+    for part in (where.platform, where.base):
+        for a in part.directions:
+            for b in part.directions:
+                values[dot(a.name, b.name)] = _ONE if a == b else sympy.Integer(0)
+    return sympy.expand(form).xreplace(values)
+
+
+@dataclass(frozen=True)
+class Equation:
+    """One way to write a constraint: ``left = right``, polynomials in atoms.
+
+    Attributes
+    ----------
+    left, right
+        The two sides; `right` holds the value d or alpha.
+    form
+        How it is written: ``gram`` (inner products), ``base`` or ``platform`` (squares of
+        components in the axes of that frame), ``product`` (one inner or triple product).
+    """
+
+    left: Expr
+    right: Expr
+    form: str
+
+
+def equations(kind: Kind, *, one_sided: bool = False) -> tuple[Equation, ...]:
+    """Return the ways to write a constraint, all with the same zeros on the rigid motions.
+
+    The Gram determinant of three vectors is the square of their triple product, and
+    ``|w × d|² = |w|² − (w·d)²`` for a unit vector d: both are identities in the components.
+
+    Parameters
+    ----------
+    kind
+        The kind of constraint.
+    one_sided
+        Whether the side of a DPH or DHP is chosen: the sign d is that of the point with respect to
+        the plane's normal. Makes no difference to the other kinds.
+    """
+    where = setting(kind)
+    if not kind.is_distance:
+        return (Equation(inner(*where.axes), _angle_value(kind), "product"),)
+    if kind.has_sides and one_sided:
+        return (Equation(_height(kind), DISTANCE, "product"),)
+    numerator, denominator = squared_distance(kind)
+    offset, axes = where.offset, where.axes
+    # The simplest first: it is taken where another one has the same degree.
+    if kind.has_sides:
+        ways = {"product": _height(kind) ** 2, "gram": numerator}
+        ways |= {
+            name: inner(offset, offset) - square
+            for name, square in _moments(offset, axes[0]).items()
+        }
+    elif len(axes) == 2:
+        ways = {"product": triple(offset, *axes) ** 2, "gram": numerator}
+    elif len(axes) == 1:
+        ways = {"gram": inner(offset, offset) - inner(offset, axes[0]) ** 2}
+        ways |= _moments(offset, axes[0])
+    else:
+        ways = {"gram": numerator}
+        ways |= {
+            name: sympy.Add(*(inner(offset, e) ** 2 for e in units(frame)))
+            for name, frame in _FRAMES.items()
+        }
+    return tuple(Equation(left, DISTANCE**2 * denominator, name) for name, left in ways.items())
+
+
+_FRAMES = {"base": Frame.BASE, "platform": Frame.PLATFORM}
+
+
+def _moments(offset: Sum, axis: Vector) -> dict[str, Expr]:
+    """Return |w × axis|² by its components in the axes of either frame."""
+    return {
+        name: sympy.Add(*(triple(offset, axis, e) ** 2 for e in units(frame)))
+        for name, frame in _FRAMES.items()
+    }
+
+
+def _height(kind: Kind) -> Expr:
+    """Return the signed height of the point above the plane, on the side of its normal."""
+    where = setting(kind)
+    (normal,) = where.axes
+    from_plane = where.offset if kind.base is Primitive.PLANE else _negated(where.offset)
+    return inner(from_plane, normal)
+
+
+def _negated(vectors: Sum) -> Sum:
+    return Sum(tuple((-coefficient, vector) for coefficient, vector in vectors.terms))
+
+
+def _angle_value(kind: Kind) -> Expr:
+    """Return the inner product of the two unit vectors at the angle alpha.
+
+    Two lines enclose the angle of their directions; a line and a plane the complement of that of
+    direction and normal; two planes the supplement of that of their normals, as seen from within
+    the wedge that both normals leave (the sign of the paper's equation for AHH).
+    """
+    planes = (kind.platform, kind.base).count(Primitive.PLANE)
+    angle_of_vectors = (ANGLE, sympy.pi / 2 - ANGLE, sympy.pi - ANGLE)[planes]
+    return sympy.cos(angle_of_vectors)
+
+
+def equation(
+    kind: Kind, coordinates: CoordinateSystem, *, one_sided: bool = False
+) -> tuple[Equation, int] | None:
+    """Return an equation of lowest degree in the given coordinates, and that degree.
+
+    None if the coordinates do not determine what the constraint measures. That no polynomial of
+    lower degree has the zeros of the constraint is shown in `gspcli.symbolic.degrees`.
+    """
+    found: tuple[Equation, int] | None = None
+    for candidate in equations(kind, one_sided=one_sided):
+        its_degree = degree(candidate.left - candidate.right, coordinates)
+        if its_degree is not None and (found is None or its_degree < found[1]):
+            found = candidate, its_degree
+    return found
+
+
+def difference_degree(kind: Kind, coordinates: CoordinateSystem) -> int | None:
+    """Return the degree of the difference of two constraints of a kind.
+
+    Less than that of one of them where their leading forms agree whatever the geometry: |T|² for
+    DPP (the argument of Theorem 5.3).
+    """
+    degrees = []
+    for candidate in equations(kind):
+        form = candidate.left - candidate.right
+        renamed = form.xreplace(
+            {Symbol(name): Symbol(name + "'") for name in ("Y", "B", "v", "X", "A", "u", "d")}
+        )
+        degrees.append(degree(sympy.expand(form - renamed), coordinates))
+    return min((d for d in degrees if d is not None), default=None)
+
+
+def paper_degree(kind: Kind, coordinates: CoordinateSystem, *, one_sided: bool = False) -> int:
+    """Return the degree of the equation as the paper writes it (Section 4, Proposition 4.1).
+
+    The paper writes every constraint in R and T and reads off the degree, except DPP, which it
+    first rewrites in U and, in Mourrain's coordinates, ρ (equations (5) and (6)).
+    """
+    if not setting(kind).directions:
+        found = equation(kind, coordinates)
+        assert found is not None, coordinates
+        return found[1]
+    written = written_equation(kind, one_sided=one_sided)
+    return int(sympy.Poly(written, *MOTIONS.symbols).total_degree())
+
+
+def written_equation(kind: Kind, *, one_sided: bool = False) -> Expr:
+    """Return the paper's equation (Section 4) as a polynomial in the entries of R and T.
+
+    Nothing is reduced by the equations of the rigid motions. The vectors of the geometry have
+    small integer components; those of the degree are general enough if their result is that of
+    other vectors.
+    """
+    numbers = {
+        "Y": (2, 3, 5),
+        "X": (7, -3, 1),
+        "B": (1, 4, -2),
+        "A": (-5, 2, 3),
+        "v": (2, -1, 7),
+        "u": (3, 5, -1),
+    }
+    rotation, translation = MOTIONS.expressions["R"], MOTIONS.expressions["T"]
+    where = setting(kind)
+
+    def carried(vector: Vector) -> Matrix:
+        column = Matrix(numbers[str(vector.name)])
+        return rotation * column if vector.frame is Frame.PLATFORM else column
+
+    offset = carried(where.platform.point) + translation - carried(where.base.point)
+    axes = [carried(axis) for axis in where.axes]
+    if not kind.is_distance:
+        return axes[0].dot(axes[1]) - sympy.cos(ANGLE)
+    if kind.has_sides:
+        height = offset.dot(axes[0])
+        return height - DISTANCE if one_sided else height**2 - DISTANCE**2
+    if len(axes) == 1:
+        moment = offset.cross(axes[0])
+        return moment.dot(moment) - DISTANCE**2
+    if len(axes) == 2:
+        normal = axes[0].cross(axes[1])
+        return offset.dot(normal) ** 2 - DISTANCE**2 * normal.dot(normal)
+    return offset.dot(offset) - DISTANCE**2
+
+
+@dataclass(frozen=True)
+class LowestDegree:
+    """The lowest degree of a constraint and the smallest coordinates in which it is reached.
+
+    Attributes
+    ----------
+    degree
+        The degree.
+    coordinates
+        The coordinates.
+    equation
+        The equation.
+    """
+
+    degree: int
+    coordinates: CoordinateSystem
+    equation: Equation
+
+
+def lowest_degree(kind: Kind, *, one_sided: bool = False) -> LowestDegree:
+    """Search the coordinates for the lowest degree of a constraint; the smallest ones win."""
+    best: LowestDegree | None = None
+    for coordinates in SYSTEMS:
+        found = equation(kind, coordinates, one_sided=one_sided)
+        if found is not None and (best is None or found[1] < best.degree):
+            best = LowestDegree(found[1], coordinates, found[0])
+    assert best is not None, kind
+    return best

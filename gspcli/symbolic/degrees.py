@@ -1,0 +1,51 @@
+"""Proof that no polynomial of lower degree describes a constraint.
+
+A polynomial of degree s in some coordinates that vanishes where a constraint holds, but not on all
+rigid motions, would lower the rank of the monomials up to degree s at motions that satisfy the
+constraint below their rank on all motions, the Hilbert function of the variety. Equal ranks
+exclude it. The rank is taken at exact rational motions, modulo a prime, which can only lower it:
+finding the full rank is a proof.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from random import Random
+
+from gspcli.catalogue.kinds import Kind
+from gspcli.symbolic.coordinates import CoordinateSystem
+from gspcli.symbolic.motions import Motion, monomials, rank
+from gspcli.symbolic.samples import sample
+from gspcli.symbolic.varieties import coordinates_at
+
+#: Points beyond the rank that is expected; random motions need hardly any.
+SPARE_POINTS = 8
+
+
+def constrained_motions(
+    kind: Kind, count: int, *, one_sided: bool = False, seed: int = 0
+) -> list[Motion]:
+    """Return exact motions that satisfy one random instance of a kind of constraint."""
+    random = Random(seed)
+    instance = sample(kind, random)
+    return [instance.motion(random, side=1 if one_sided else None) for _ in range(count)]
+
+
+def excludes_degree(
+    coordinates: CoordinateSystem, motions: Sequence[Motion], degree: int, hilbert_value: int
+) -> bool:
+    """Return whether every polynomial up to a degree that vanishes at the motions is trivial.
+
+    Parameters
+    ----------
+    coordinates
+        The coordinates of the polynomials.
+    motions
+        At least `hilbert_value` of them.
+    degree
+        The highest total degree.
+    hilbert_value
+        The Hilbert function of the variety of all motions at that degree.
+    """
+    points = coordinates_at(coordinates, motions[: hilbert_value + SPARE_POINTS])
+    return rank(monomials(points, degree)) == hilbert_value

@@ -1,0 +1,185 @@
+"""Multilinear forms in the vectors of a platform, written in coordinates of rigid motions.
+
+A vector belongs to the platform (and is carried by R), to the base, or is the translation T. Inner
+and triple products of such vectors are expanded by linearity into *atoms*, each linear in one block
+of coordinates, because R preserves inner and triple products::
+
+    dot(x, y)   x·y               R(x, y)    x·Ry               T(x)   x·T
+    U(y)        T·Ry = y·U        TxR(x, y)  x·(T×Ry)           rho    T·T
+
+The atoms are SymPy applied functions of the names of vectors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+import sympy
+from sympy import Expr, Function, Symbol
+
+from gspcli.symbolic.coordinates import SYMBOLS, CoordinateSystem
+
+
+class Frame(Enum):
+    """Where a vector belongs."""
+
+    TRANSLATION = 0
+    PLATFORM = 1
+    BASE = 2
+
+
+@dataclass(frozen=True)
+class Vector:
+    """A vector by its name, a symbol or a cross product of two.
+
+    Attributes
+    ----------
+    name
+        The name.
+    frame
+        Where it belongs.
+    """
+
+    name: Expr
+    frame: Frame
+
+
+@dataclass(frozen=True)
+class Sum:
+    """A linear combination of vectors: pairs (coefficient, vector)."""
+
+    terms: tuple[tuple[Expr, Vector], ...]
+
+
+cross = Function("cross")
+dot = Function("dot")
+on_rotation = Function("R")
+on_translation = Function("T")
+on_pullback = Function("U")
+on_moment = Function("TxR")
+#: The atom T·T.
+RHO: Symbol = SYMBOLS["rho"][0]
+#: The translation as a vector.
+TRANSLATION = Vector(Symbol("T"), Frame.TRANSLATION)
+_ATOMS = (on_rotation, on_translation, on_pullback, on_moment)
+
+
+def platform(name: str) -> Vector:
+    """Return a vector of the platform."""
+    return Vector(Symbol(name), Frame.PLATFORM)
+
+
+def base(name: str) -> Vector:
+    """Return a vector of the base."""
+    return Vector(Symbol(name), Frame.BASE)
+
+
+def units(frame: Frame) -> tuple[Vector, ...]:
+    """Return the three unit vectors of the axes of a frame."""
+    return tuple(Vector(Symbol(f"e{k}"), frame) for k in (1, 2, 3))
+
+
+def _terms(vector: Vector | Sum) -> tuple[tuple[Expr, Vector], ...]:
+    return vector.terms if isinstance(vector, Sum) else ((sympy.Integer(1), vector),)
+
+
+def inner(a: Vector | Sum, b: Vector | Sum) -> Expr:
+    """Return the inner product of two vectors in the base frame, in atoms."""
+    return sympy.Add(*(s * t * _inner(x, y) for s, x in _terms(a) for t, y in _terms(b)))
+
+
+def _inner(a: Vector, b: Vector) -> Expr:
+    x, y = sorted((a, b), key=lambda vector: (vector.frame.value, str(vector.name)))
+    match x.frame, y.frame:
+        case Frame.TRANSLATION, Frame.TRANSLATION:
+            return RHO
+        case Frame.TRANSLATION, Frame.PLATFORM:
+            return on_pullback(y.name)
+        case Frame.TRANSLATION, Frame.BASE:
+            return on_translation(y.name)
+        case Frame.PLATFORM, Frame.BASE:
+            return on_rotation(y.name, x.name)
+        case _:
+            return dot(x.name, y.name)
+
+
+def triple(a: Vector | Sum, b: Vector, c: Vector) -> Expr:
+    """Return det(a, b, c) in the base frame, in atoms; only `a` may contain T."""
+    return sympy.Add(*(s * _triple(x, b, c) for s, x in _terms(a)))
+
+
+def _triple(*vectors: Vector) -> Expr:
+    order = sorted(range(3), key=lambda k: (vectors[k].frame.value, k))
+    sign = sympy.LeviCivita(*order)
+    x, y, z = (vectors[k] for k in order)
+    if y.frame is z.frame:
+        # x · (y × z), and a cross product of two vectors of a body is a vector of that body
+        return sign * _inner(x, Vector(cross(y.name, z.name), z.frame))
+    if x.frame is y.frame:
+        return sign * _inner(Vector(cross(x.name, y.name), x.frame), z)
+    return sign * on_moment(z.name, y.name)
+
+
+def degree(form: Expr, coordinates: CoordinateSystem) -> int | None:
+    """Return the total degree of a polynomial in atoms, written in the given coordinates.
+
+    None if they do not determine all the blocks that occur.
+    """
+    degrees = coordinates.degrees
+    blocks = {RHO: "rho", **{head: head.__name__ for head in _ATOMS}}
+    used = {blocks[head] for head in blocks if form.has(head)}
+    if not used <= set(degrees):
+        return None
+    grade = Symbol("grade")
+    graded = form.subs(RHO, RHO * grade ** degrees.get("rho", 0))
+    for head in _ATOMS:
+        weight = degrees.get(head.__name__, 0)
+        graded = graded.replace(head, _graded(head, grade**weight))
+    return int(sympy.Poly(sympy.expand(graded), grade).degree())
+
+
+def _graded(head: Any, factor: Expr) -> Callable[..., Expr]:
+    return lambda *arguments: factor * head(*arguments)
+
+
+def evaluate(form: Expr, vectors: Mapping[str, Any], blocks: Mapping[str, Any]) -> Expr:
+    """Return a form with its atoms replaced by components.
+
+    Parameters
+    ----------
+    form
+        A polynomial in atoms.
+    vectors
+        The components of each named vector, matrices of shape (3, 1).
+    blocks
+        The blocks of coordinates, as by `motion_blocks` or `CoordinateSystem.expressions`.
+    """
+    known = dict(vectors) | dict(zip(("e1", "e2", "e3"), _unit_columns(), strict=True))
+
+    def vector(name: Expr) -> Any:
+        if name.func == cross:
+            return vector(name.args[0]).cross(vector(name.args[1]))
+        return known[str(name)]
+
+    def pairing(block: str) -> Callable[[Expr, Expr], Expr]:
+        return lambda x, y: (vector(x).T * blocks[block] * vector(y))[0]
+
+    replacements: list[tuple[Any, Callable[..., Expr]]] = [
+        (dot, lambda x, y: vector(x).dot(vector(y))),
+        (on_rotation, pairing("R")),
+        (on_moment, pairing("TxR")),
+        (on_translation, lambda x: vector(x).dot(blocks["T"])),
+        (on_pullback, lambda y: vector(y).dot(blocks["U"])),
+    ]
+    values = {RHO: blocks["rho"][0]} if form.has(RHO) else {}
+    for head, value in replacements:
+        values |= {atom: value(*atom.args) for atom in form.atoms(head)}
+    return form.xreplace(values)
+
+
+def _unit_columns() -> Iterable[Any]:
+    identity = sympy.eye(3)
+    return (identity[:, k] for k in range(3))
