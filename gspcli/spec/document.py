@@ -32,14 +32,13 @@ MAX_DEPTH = 12
 _NULLS = ("", "~", "null", "Null", "NULL")
 _HINTS = {
     "'\\t' that cannot start": "indent with blanks, not with tabs",
-    "mapping values are not allowed": "check the indentation, and the quotes around texts with a :",
-    "<block end>": "check the indentation of this line",
-    "',' or": "check the brackets and commas",
-    "could not find expected ':'": "write a blank after the : of a key",
-    "end of stream": "a quotation mark or bracket is not closed",
+    "mapping values are not allowed": "check the indentation, and quote texts with a :",
+    "<block end>": "check the indentation, and the blank after each :",
+    "',' or": "check the brackets and commas here and in the line above",
+    "could not find expected ':'": "write a : and a blank after a key",
+    "end of stream": "a quotation mark is not closed",
     "<stream end>": "a bracket is not closed",
     "cannot start any token": "put the text between quotation marks",
-    "<scalar>": "check the indentation, and the blank after each :",
 }
 
 

@@ -217,12 +217,16 @@ class Section(BaseModel):
             message = f"found the unknown key {shown(key)}, expected {listed(known)}{hint}"
             problems.append(Problem(key.location, key.path, message))
         required = [name for name, field in cls.model_fields.items() if field.is_required()]
-        for name in required:
-            if name not in kept:
-                kept[Scalar(name)] = locate(Missing(), section.location, section.path)
-                if name not in misspelt:
-                    message = f"the key {name} is missing"
-                    problems.append(Problem(section.location, section.path, message))
+        absent = [name for name in required if name not in kept]
+        for name in absent:
+            kept[Scalar(name)] = locate(Missing(), section.location, section.path)
+        if unnamed := [name for name in absent if name not in misspelt]:
+            words = (
+                f"key {unnamed[0]} is"
+                if len(unnamed) == 1
+                else f"keys {listed(unnamed, 'and')} are"
+            )
+            problems.append(Problem(section.location, section.path, f"the {words} missing"))
         given = [name for name in cls.one_of if name in kept]
         if len(given) > 1 or (cls.one_of and not given and not misspelt & set(cls.one_of)):
             what = listed(given, "and") if given else "none of them"

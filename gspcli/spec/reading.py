@@ -136,7 +136,7 @@ def set_values(instance: Instance, settings: Iterable[str]) -> Instance:
                 if wrong := wrong_value(kind, values[index], unit):
                     message = f"found {shown(text)}, {wrong}"
         if message:
-            problems.append(Problem(None, f"--set {setting}", message))
+            problems.append(Problem(None, f"--set {shown(setting)}", message))
     if problems:
         raise SpecError(problems)
     return instance.with_values(values)
