@@ -1,0 +1,448 @@
+"""Intersections of n quadrics in projective n-space, n = 0, 1, 2, 3, over the complex numbers.
+
+A quadric is a symmetric matrix Q of order n + 1, its equation ``z^T Q z = 0``. By Bezout's
+theorem n quadrics meet in 2^n points counted with multiplicity, or in infinitely many. The
+points come from Macaulay's matrix: the products of the quadrics with all monomials of degree
+n - 1. These are forms of degree n + 1, the smallest degree in which the kernel tells both the
+points and how the coordinates multiply; the joint eigenvalues of those multiplications are the
+points. See D. Cox, J. Little, D. O'Shea, *Using Algebraic Geometry*, chapters 2 and 3.
+
+`generic_roots` is quick and takes batches, and says where its answer is not to be trusted.
+`all_roots` takes one system and expects everything: multiple points and infinitely many.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from itertools import combinations_with_replacement
+from math import factorial, prod
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.geometry.poses import Field
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Index = NDArray[np.int64]
+
+#: Points of norm 1 that are nearer than this are left to `all_roots`, ...
+_SEPARATION = 1e-4
+#: ... and so are systems with a point whose error is larger than this.
+_ACCURACY = 1e-11
+_EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True, eq=False)
+class _Layout:
+    """Where things stand in Macaulay's matrix of n quadrics.
+
+    The columns are the monomials of degree n + 1. The last 2^n of them are the basis: those at
+    most linear in each of z_1 ... z_n.
+    """
+
+    #: Column of each coefficient of a quadric times each multiplier: (multipliers, triangle).
+    columns: Index
+    #: The square choice of rows: quadric and multiplier of each, shape (columns - 2^n,).
+    quadrics: Index
+    multipliers: Index
+    #: For each coordinate z_i the columns of ``z_i m``, m of degree n: shape (n + 1, ...).
+    products: Index
+    #: Column of ``b z_1 / z_0`` for each element b of the basis, shape (2^n,).
+    images: Index
+    #: Positions in the basis of ``z_0^(n+1)`` and ``z_0^n z_i``, shape (n + 1,).
+    linear: Index
+    #: Square roots of the multinomial coefficients of the columns and of the m above. With
+    #: these weights unitary changes of coordinates act unitarily (Bombieri's norm).
+    weights: Array
+    product_weights: Array
+    #: Upper triangle of a symmetric matrix, and the factor 1 or 2 of its elements.
+    triangle: tuple[Index, Index]
+    factor: Array
+
+
+def _exponents(variables: int, degree: int) -> list[tuple[int, ...]]:
+    indices = combinations_with_replacement(range(variables), degree)
+    return [tuple(chosen.count(i) for i in range(variables)) for chosen in indices]
+
+
+def _weight(exponents: tuple[int, ...]) -> float:
+    return float(np.sqrt(factorial(sum(exponents)) / prod(map(factorial, exponents))))
+
+
+@cache
+def _layout(n: int) -> _Layout:
+    monomials = _exponents(n + 1, n + 1)
+    monomials.sort(key=lambda m: max(m[1:]) <= 1)
+    column = {m: i for i, m in enumerate(monomials)}
+    multipliers = _exponents(n + 1, n - 1)
+    below = _exponents(n + 1, n)
+    triangle = np.triu_indices(n + 1)
+
+    def shifted(m: tuple[int, ...], *indices: int) -> tuple[int, ...]:
+        return tuple(e + indices.count(i) for i, e in enumerate(m))
+
+    # Macaulay's choice: the monomial m is led by quadric k if z_k is the first with z_k^2 | m.
+    others, basis = monomials[: -(2**n)], monomials[-(2**n) :]
+    leaders = [next(k for k in range(1, n + 1) if m[k] > 1) for m in others]
+    rests = [
+        tuple(e - 2 * (i == k) for i, e in enumerate(m))
+        for m, k in zip(others, leaders, strict=True)
+    ]
+    return _Layout(
+        columns=np.array(
+            [
+                [column[shifted(m, i, j)] for i, j in zip(*triangle, strict=True)]
+                for m in multipliers
+            ]
+        ),
+        quadrics=np.array(leaders) - 1,
+        multipliers=np.array([multipliers.index(rest) for rest in rests]),
+        products=np.array([[column[shifted(m, i)] for m in below] for i in range(n + 1)]),
+        images=np.array([column[(b[0] - 1, b[1] + 1, *b[2:])] for b in basis]),
+        linear=np.array([basis.index(shifted((n, *[0] * n), i)) for i in range(n + 1)]),
+        weights=np.array([_weight(m) for m in monomials]),
+        product_weights=np.array([_weight(m) for m in below]),
+        triangle=(triangle[0], triangle[1]),
+        factor=np.where(triangle[0] == triangle[1], 1.0, 2.0),
+    )
+
+
+@cache
+def _turn(size: int) -> Array:
+    """Return a fixed orthogonal matrix without special position, shape (size, size)."""
+    return np.linalg.qr(np.random.default_rng(1120).normal(size=(size, size)))[0]
+
+
+def _normalised(z: Field) -> Field:
+    norms = np.sqrt((z.real**2 + z.imag**2).sum(axis=-1, keepdims=True))
+    return z / norms
+
+
+def _newton(forms: Field, z: Field) -> tuple[Field, Field]:
+    """Return values ``(..., p, n)`` of the forms at p points, and inverse Jacobian matrices.
+
+    The last row of the Jacobian matrix, ``conj(z)``, keeps corrections orthogonal to the point.
+    """
+    halves = np.einsum("...kij,...pj->...pki", forms, z)
+    values = np.einsum("...pki,...pi->...pk", halves, z)
+    matrix = np.concatenate((2 * halves, z.conj()[..., None, :]), axis=-2)
+    return values, np.linalg.inv(matrix)
+
+
+def _corrected(z: Field, inverse: Field, values: Field) -> tuple[Field, Array]:
+    """Return the points after a Newton step, and the lengths of the steps."""
+    step = np.einsum("...ik,...k->...i", inverse[..., :-1], values)
+    return _normalised(z - step), np.linalg.norm(step, axis=-1)
+
+
+def generic_roots(forms: Field) -> tuple[Field, Array, NDArray[np.bool_]]:
+    """Return the points of systems in general position.
+
+    Parameters
+    ----------
+    forms
+        Symmetric matrices of n quadrics for each system, shape (..., n, n + 1, n + 1); n = 0
+        to 3. Real ones give points that are exactly real or come in exactly conjugate pairs,
+        one directly after the other.
+
+    Returns
+    -------
+    points
+        Shape (..., 2^n, n + 1), norm 1.
+    errors
+        Estimated distance of each from the exact point, shape (..., 2^n).
+    ok
+        Which systems have been solved, shape (...): 2^n accurate points that are well apart.
+        By Bezout's theorem there are no others. Use `all_roots` on the rest.
+    """
+    n, batch = forms.shape[-3], forms.shape[:-3]
+    count = 2**n
+    if n == 0:
+        return np.ones((*batch, 1, 1)), np.zeros((*batch, 1)), np.ones(batch, bool)
+    turn = _turn(n + 1)
+    forms = turn.T @ forms @ turn
+    forms = forms / np.sqrt((np.abs(forms) ** 2).sum(axis=(-2, -1), keepdims=True))
+    try:
+        z = _normalised(_eigenpoints(forms))
+        values, inverse = _newton(forms, z)
+        z, _ = _corrected(z, inverse, values)
+        # The second step with the matrix of the first measures the error of the first.
+        values = np.einsum("...pi,...kij,...pj->...pk", z, forms, z)
+        z, step = _corrected(z, inverse, values)
+    except np.linalg.LinAlgError:
+        return _separately(turn @ forms @ turn.T)
+    errors = step + 4 * _EPS * np.linalg.norm(inverse, axis=(-2, -1))
+    overlaps = np.abs(z @ np.swapaxes(z.conj(), -1, -2)) * (1 - np.eye(count))
+    ok = (errors < _ACCURACY).all(axis=-1) & (overlaps < 1 - _SEPARATION**2).all(axis=(-2, -1))
+    return z @ turn.T, errors, ok
+
+
+def _separately(forms: Field) -> tuple[Field, Array, NDArray[np.bool_]]:
+    """Return `generic_roots` of a batch in which some matrix is exactly singular."""
+    n, batch = forms.shape[-3], forms.shape[:-3]
+    count = 2**n
+    points = np.full((*batch, count, n + 1), np.nan + 0j)
+    errors = np.full((*batch, count), np.inf)
+    ok = np.zeros(batch, bool)
+    if batch and np.prod(batch) > 1:
+        for index in np.ndindex(batch):
+            points[index], errors[index], ok[index] = generic_roots(forms[index])
+    return points, errors, ok
+
+
+def _eigenpoints(forms: Field) -> Field:
+    """Return the points as joint eigenvectors, not yet polished, shape (..., 2^n, n + 1)."""
+    n, batch = forms.shape[-3], forms.shape[:-3]
+    layout, count = _layout(n), 2**n
+    size = len(layout.quadrics)
+    coefficients = forms[..., layout.triangle[0], layout.triangle[1]] * layout.factor
+    matrix = np.zeros((*batch, size, size + count), forms.dtype)
+    columns = layout.columns[layout.multipliers]
+    matrix[..., np.arange(size)[:, None], columns] = coefficients[..., layout.quadrics, :]
+    reduced = -np.linalg.solve(matrix[..., :size], matrix[..., size:])
+    identity = np.broadcast_to(np.eye(count), (*batch, count, count))
+    multiplication = np.concatenate((reduced, identity), axis=-2)[..., layout.images, :]
+    # Its eigenvectors are the values of the basis at the points: z_0, z_1 ... z_n among them.
+    _, vectors = np.linalg.eig(multiplication)
+    return np.swapaxes(vectors, -1, -2)[..., layout.linear]
+
+
+@dataclass(frozen=True, eq=False)
+class RootSet:
+    """The intersection of n quadrics in n-space.
+
+    Attributes
+    ----------
+    points
+        The isolated points, shape (k, n + 1), norm 1.
+    multiplicity
+        Of each, shape (k,).
+    errors
+        Estimated distance of each from the exact point, shape (k,).
+    samples
+        Points on positive-dimensional components, shape (m, n + 1); none if the intersection
+        is finite.
+    lost
+        How many of the 2^n points, with multiplicity, could not be made out.
+    """
+
+    points: Complex
+    multiplicity: Index
+    errors: Array
+    samples: Complex
+    lost: int
+
+
+#: Macaulay's matrix loses rank exactly when the intersection is infinite. A singular value
+#: below the first number is taken for zero, one above the second for not zero.
+_RANK = (1e-13, 1e-10)
+#: Largest value of normalised quadrics at a point that counts as a point of theirs.
+_ON = 1e-12
+#: Radii at which eigenvalues are taken together as one multiple point, tried in turn.
+_RADII = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 5e-2)
+
+
+def all_roots(forms: Field) -> RootSet:
+    """Return the whole intersection of n quadrics, multiple points and components included.
+
+    Parameters
+    ----------
+    forms
+        Symmetric matrices, none of them zero, shape (n, n + 1, n + 1); n = 0 to 3.
+    """
+    n = len(forms)
+    if n == 0:
+        one = np.ones((1, 1), complex)
+        return RootSet(one, np.ones(1, int), np.zeros(1), one[:0], 0)
+    forms = forms / np.linalg.norm(forms, axis=(-2, -1), keepdims=True)
+    rng = np.random.default_rng(1120)
+    turn = np.linalg.qr(rng.normal(size=(n + 1, n + 1)) + 1j * rng.normal(size=(n + 1, n + 1)))[0]
+    turned = turn.T @ forms @ turn
+    kernel, gap = _kernel(turned)
+    if gap > _RANK[1]:
+        points, multiplicity, errors = _isolated(turned, kernel, rng)
+        lost = 2**n - int(multiplicity.sum())
+        return RootSet(points @ turn.T, multiplicity, errors, np.zeros((0, n + 1), complex), lost)
+    if gap > _RANK[0]:
+        nothing = np.zeros((0, n + 1), complex)
+        return RootSet(nothing, np.zeros(0, int), np.zeros(0), nothing, 2**n)
+    points, errors, samples = _with_components(turned, rng)
+    multiplicity = np.ones(len(points), int)
+    lost = 2**n - len(points) - len(samples)
+    return RootSet(points @ turn.T, multiplicity, errors, samples @ turn.T, lost)
+
+
+def _kernel(forms: Field) -> tuple[Complex, float]:
+    """Return a basis of the kernel of Macaulay's matrix, and the smallest singular value above.
+
+    The basis has shape (columns, 2^n) and belongs to unweighted monomials.
+    """
+    n = len(forms)
+    layout = _layout(n)
+    coefficients = forms[:, layout.triangle[0], layout.triangle[1]] * layout.factor
+    multipliers, columns = len(layout.columns), len(layout.weights)
+    matrix = np.zeros((n, multipliers, columns), complex)
+    rows = np.arange(multipliers)[:, None]
+    matrix[:, rows, layout.columns] = coefficients[:, None, :]
+    matrix = (matrix / layout.weights).reshape(-1, columns)
+    matrix /= np.linalg.norm(matrix, axis=1, keepdims=True)
+    _, values, right = np.linalg.svd(matrix)
+    rank = columns - 2**n
+    return right[rank:].conj().T / layout.weights[:, None], float(values[rank - 1] / values[0])
+
+
+def _isolated(
+    forms: Field, kernel: Complex, rng: np.random.Generator
+) -> tuple[Complex, Index, Array]:
+    """Return points, multiplicities and errors of a finite intersection."""
+    n = len(forms)
+    layout = _layout(n)
+    below = kernel[layout.products] * layout.product_weights[:, None]
+    base = below[0]
+    multiplications = np.array([np.linalg.lstsq(base, part)[0] for part in below[1:]])
+    weights = rng.normal(size=n) + 1j * rng.normal(size=n)
+    mixed = np.einsum("k,kij->ij", weights, multiplications)
+    eigenvalues, vectors = np.linalg.eig(mixed)
+    found: list[tuple[Complex, int, float]] = []
+    left = list(range(2**n))
+    for radius in _RADII:
+        for cluster in _clusters(eigenvalues, left, radius):
+            if len(cluster) == 1:
+                v = vectors[:, cluster[0]]
+                affine = np.einsum("i,kij,j->k", v.conj(), multiplications, v)
+                root = _simple(forms, affine, _gap(eigenvalues, cluster))
+            else:
+                root = _multiple(forms, mixed, multiplications, eigenvalues, cluster)
+            if root is not None:
+                found.append((root[0], len(cluster), root[1]))
+                left = [i for i in left if i not in cluster]
+    points = np.array([z for z, _, _ in found], complex).reshape(-1, n + 1)
+    counts = np.array([m for _, m, _ in found], int)
+    return points, counts, np.array([error for _, _, error in found], float)
+
+
+def _gap(eigenvalues: Complex, cluster: list[int]) -> float:
+    """Return the distance from a cluster to the other eigenvalues (at most 1)."""
+    others = np.delete(eigenvalues, cluster)
+    distances = np.abs(eigenvalues[cluster][:, None] - others)
+    return min(1.0, float(distances.min())) if others.size else 1.0
+
+
+def _clusters(eigenvalues: Complex, indices: list[int], radius: float) -> list[list[int]]:
+    """Return the components of the graph of eigenvalues nearer than a relative radius."""
+    clusters: list[list[int]] = []
+    for i in indices:
+        scale = radius * (1 + abs(eigenvalues[i]))
+        near = [c for c in clusters if any(abs(eigenvalues[i] - eigenvalues[j]) < scale for j in c)]
+        clusters = [c for c in clusters if c not in near] + [[i, *(j for c in near for j in c)]]
+    return clusters
+
+
+def _simple(forms: Field, affine: Complex, gap: float) -> tuple[Complex, float] | None:
+    """Return a point polished by Newton's method and its error, or None if it is not simple."""
+    start = _normalised(np.concatenate(([1.0], affine)))
+    z = start[None]
+    error = np.inf
+    for _ in range(8):
+        try:
+            values, inverse = _newton(forms, z)
+        except np.linalg.LinAlgError:
+            return None
+        z, step = _corrected(z, inverse, values)
+        error = float(step[0] + 4 * _EPS * np.linalg.norm(inverse))
+        if step[0] < 1e-15:
+            break
+    # Eigenvalues and points differ in scale by the norm of (1, affine), squared at most.
+    room = gap / (1 + float(np.linalg.norm(affine)) ** 2)
+    moved = np.sqrt(max(0.0, 1 - abs(np.vdot(z[0], start)) ** 2))
+    return (z[0], error) if error < 0.02 * room and moved < 0.3 * room else None
+
+
+def _multiple(
+    forms: Field,
+    mixed: Complex,
+    multiplications: Complex,
+    eigenvalues: Complex,
+    cluster: list[int],
+) -> tuple[Complex, float] | None:
+    """Return a multiple point as the mean over its cluster, or None if it is not one point.
+
+    The eigenvalues of a multiple point scatter widely, but their mean is as accurate as a
+    simple one. It is taken with the spectral projector, an integral over a circle.
+    """
+    n = len(multiplications)
+    centre = eigenvalues[cluster].mean()
+    inner = max(float(np.abs(eigenvalues[cluster] - centre).max()), 1e-6)
+    others = np.delete(eigenvalues, cluster)
+    outer = float(np.abs(others - centre).min()) if others.size else 100 * inner
+    if outer < 2 * inner:
+        return None
+    circle = np.sqrt(inner * outer) * np.exp(2j * np.pi * np.arange(64) / 64)
+    resolvent = np.linalg.inv((centre + circle)[:, None, None] * np.eye(2**n) - mixed)
+    projector = np.einsum("c,cij->ij", circle, resolvent) / 64
+    if abs(np.trace(projector) - len(cluster)) > 1e-6:
+        return None
+    affine = np.einsum("ij,kji->k", projector, multiplications) / len(cluster)
+    z = _normalised(np.concatenate(([1.0], affine)))
+    values = np.einsum("i,kij,j->k", z, forms, z)
+    if np.abs(values).max() > _ON:
+        return None
+    return z, float(_EPS * np.linalg.norm(projector) * 100)
+
+
+def _with_components(forms: Field, rng: np.random.Generator) -> tuple[Complex, Array, Complex]:
+    """Return isolated simple points, their errors, and points on the components.
+
+    The points of a slightly different system lie near both. Those that Newton's method
+    carries to a simple point of the given system are isolated; the others are moved onto it
+    by the shortest correction.
+    """
+    n = len(forms)
+    noise = rng.normal(size=forms.shape) + 1j * rng.normal(size=forms.shape)
+    noise += np.swapaxes(noise, -1, -2)
+    near = forms + 1e-4 * noise / np.linalg.norm(noise, axis=(-2, -1), keepdims=True)
+    starts, _, _ = _isolated(near, _kernel(near)[0], rng)
+    points, errors, samples = [], [], []
+    for start in starts:
+        root = _simple(forms, start[1:] / start[0], 1.0)
+        if root is not None and root[1] < 1e-9:
+            if all(abs(np.vdot(root[0], z)) < 1 - _SEPARATION**2 for z in points):
+                points.append(root[0])
+                errors.append(root[1])
+            continue
+        z = start
+        for _ in range(30):
+            halves = forms @ z
+            matrix = np.concatenate((2 * halves, z.conj()[None]))
+            right = np.concatenate((halves @ z, [0]))
+            z = _normalised(z - np.linalg.lstsq(matrix, right, rcond=1e-6)[0])
+        if np.abs(np.einsum("i,kij,j->k", z, forms, z)).max() < _ON:
+            samples.append(z)
+    return (
+        np.array(points, complex).reshape(-1, n + 1),
+        np.array(errors, float),
+        np.array(samples, complex).reshape(-1, n + 1),
+    )
+
+
+def real_points(points: Complex) -> NDArray[np.bool_]:
+    """Return which points of a set closed under conjugation are real, shape (k, n + 1) -> (k,).
+
+    A point is real if of all points of the set its conjugate is nearest to itself. This
+    decides without a threshold when the points are further apart than their errors.
+    """
+    overlaps = np.abs(points @ points.T)
+    return (
+        np.asarray(overlaps.argmax(axis=-1) == np.arange(len(points)))
+        if len(points)
+        else (np.zeros(0, bool))
+    )
+
+
+def made_real(points: Complex) -> Array:
+    """Return real representatives of real points, norm 1, shape (..., n + 1)."""
+    largest = np.abs(points).argmax(axis=-1)[..., None]
+    pivot = np.take_along_axis(points, largest, axis=-1)
+    return np.asarray(_normalised((points / pivot).real))

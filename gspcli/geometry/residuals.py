@@ -1,0 +1,314 @@
+"""What the constraints measure at a pose, how far that is from their values, and how it moves.
+
+The quantities are those of the paper's Section 4, in floating point and also at complex poses:
+a distance is the complex square root of the complex square. A pose may be anything in leading
+batch axes; the last axis of results runs over the constraints.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import AHH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.poses import Field, apply, cross, dot
+from gspcli.geometry.primitives import Geometry, Point
+
+Array = NDArray[np.float64]
+
+_SIGNS = {Side.POSITIVE: 1, Side.NEGATIVE: -1, Side.BOTH: 0}
+#: Lines that meet at a smaller angle than this (radians) are measured as parallel ones.
+_PARALLEL = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Arrangement:
+    """The numbers of an instance in floating point.
+
+    Attributes
+    ----------
+    kinds
+        The kinds of the n constraints, in the order of the instance.
+    y, x
+        A point of each platform and of each base primitive, shape (n, 3), length units.
+    u, v
+        Unit direction or normal of each platform and of each base primitive, shape (n, 3);
+        zero for points.
+    values
+        The distances and angles, shape (n,), in the units of the instance.
+    sides
+        1, -1 or, for both, 0; shape (n,). A DPH or DHP distance of zero has only one side.
+    in_radians
+        The angle unit in radians.
+    """
+
+    kinds: tuple[Kind, ...]
+    y: Array
+    x: Array
+    u: Array
+    v: Array
+    values: Array
+    sides: NDArray[np.int64]
+    in_radians: float
+
+    @classmethod
+    def of(cls, instance: Instance) -> Arrangement:
+        """Return the numbers of an instance."""
+        rows = instance.constraints
+        return cls(
+            kinds=tuple(row.kind for row in rows),
+            y=np.array([row.platform.point for row in rows]),
+            x=np.array([row.base.point for row in rows]),
+            u=np.array([_direction(row.platform) for row in rows]),
+            v=np.array([_direction(row.base) for row in rows]),
+            values=np.array([row.value.value for row in rows]),
+            sides=np.array(
+                [
+                    1 if row.kind.has_sides and row.value.value == 0 else _SIGNS[row.side]
+                    for row in rows
+                ]
+            ),
+            in_radians=instance.units.angle.in_radians,
+        )
+
+    @cached_property
+    def distances(self) -> NDArray[np.int64]:
+        """Indices of the distance constraints."""
+        return np.array([i for i, kind in enumerate(self.kinds) if kind.is_distance])
+
+    @cached_property
+    def angles(self) -> NDArray[np.int64]:
+        """Indices of the angle constraints."""
+        return np.array([i for i, kind in enumerate(self.kinds) if not kind.is_distance], dtype=int)
+
+    @cached_property
+    def targets(self) -> Array:
+        """The values with angles in radians, shape (n,)."""
+        targets = self.values.copy()
+        targets[self.angles] *= self.in_radians
+        return targets
+
+    @cached_property
+    def cosines(self) -> Array:
+        """The values of ``R u . v`` that the angles ask for (Section 4), in order of `angles`."""
+        values = self.targets[self.angles]
+        cosine = np.array([self.kinds[i] in (ALL, AHH) for i in self.angles], dtype=bool)
+        sign = np.array([-1.0 if self.kinds[i] is AHH else 1.0 for i in self.angles])
+        return sign * np.where(cosine, np.cos(values), np.sin(values))
+
+    @cached_property
+    def platform_centre(self) -> Array:
+        """Mean of the platform points of the distance constraints, shape (3,)."""
+        return np.asarray(self.y[self.distances].mean(axis=0))
+
+    @cached_property
+    def base_centre(self) -> Array:
+        """Mean of the base points of the distance constraints, shape (3,)."""
+        return np.asarray(self.x[self.distances].mean(axis=0))
+
+    @cached_property
+    def length(self) -> float:
+        """A typical length: the largest extent of the points about their centres, or value.
+
+        It is one if all of these vanish.
+        """
+        k = self.distances
+        extents = (
+            np.linalg.norm(self.y[k] - self.platform_centre, axis=1),
+            np.linalg.norm(self.x[k] - self.base_centre, axis=1),
+            np.abs(self.values[k]),
+        )
+        return float(np.max(extents)) or 1.0
+
+
+def _direction(geometry: Geometry) -> Array:
+    return np.zeros(3) if isinstance(geometry, Point) else geometry.unit
+
+
+def _select(arrangement: Arrangement, *kinds: Kind) -> list[int]:
+    return [i for i, kind in enumerate(arrangement.kinds) if kind in kinds]
+
+
+def _root(square: Field) -> Field:
+    """Return a square root, real for real squares (rounding may make those negative)."""
+    return np.sqrt(square) if np.iscomplexobj(square) else np.sqrt(np.maximum(square, 0.0))
+
+
+def _perpendicular(r: Field, w: Field) -> Field:
+    """Return the part of r perpendicular to the unit vector w."""
+    return r - dot(r, w)[..., None] * w
+
+
+def measured(arrangement: Arrangement, R: Field, T: Field) -> Field:
+    """Return what each constraint measures, ``(..., 3, 3), (..., 3) -> (..., n)``.
+
+    Distances to planes are signed by the normal; line-line distances are signed by the
+    orientation of the lines; angles are in radians. A complex distance is one of two square
+    roots, a complex angle one branch of the inverse function.
+    """
+    r, w = _placed(arrangement, R, T)
+    v = arrangement.v
+    values = np.zeros(r.shape[:-1], dtype=np.result_type(R, T))
+    for kind in set(arrangement.kinds):
+        k = _select(arrangement, kind)
+        r_k, w_k, v_k = r[..., k, :], w[..., k, :], v[k]
+        if kind is DPP:
+            value = _root(dot(r_k, r_k))
+        elif kind is DPL:
+            across = _perpendicular(r_k, v_k)
+            value = _root(dot(across, across))
+        elif kind is DLP:
+            across = _perpendicular(r_k, w_k)
+            value = _root(dot(across, across))
+        elif kind is DPH:
+            value = dot(r_k, v_k)
+        elif kind is DHP:
+            value = -dot(r_k, w_k)
+        elif kind is DLL:
+            value = _line_distance(r_k, w_k, v_k)
+        else:
+            value = _angle(kind, w_k, v_k)
+        values[..., k] = value
+    return values
+
+
+def _placed(arrangement: Arrangement, R: Field, T: Field) -> tuple[Field, Field]:
+    """Return ``r = R y + T - x`` and ``w = R u``, each ``(..., n, 3)``."""
+    turned = np.swapaxes(R, -1, -2)
+    return arrangement.y @ turned + T[..., None, :] - arrangement.x, arrangement.u @ turned
+
+
+def _line_distance(r: Field, w: Field, v: Field) -> Field:
+    normal = cross(w, np.broadcast_to(v, w.shape))
+    square = dot(normal, normal)
+    parallel = np.abs(square) < _PARALLEL**2
+    across = _perpendicular(r, v)
+    skew = dot(r, normal) / np.sqrt(np.where(parallel, 1.0, square))
+    return np.where(parallel, _root(dot(across, across)), skew)
+
+
+def _angle(kind: Kind, w: Field, v: Field) -> Field:
+    """Return the angle of directions by half angles, exact also near 0 and 180 degrees."""
+    w = -w if kind is AHH else w
+    near, far = w - v, w + v
+    sine, cosine = _root(dot(near, near)), _root(dot(far, far))
+    if np.iscomplexobj(sine):
+        # arctan of the smaller quotient; its two forms differ by a quarter turn.
+        small = np.abs(sine) <= np.abs(cosine)
+        a, b = np.where(small, sine, cosine), np.where(small, cosine, sine)
+        half = np.arctan(a / b)
+        half = np.where(small, half, np.pi / 2 - half)
+    else:
+        half = np.arctan2(sine, cosine)
+    return 2 * half if kind in (ALL, AHH) else np.pi / 2 - 2 * half
+
+
+def residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
+    """Return how far each constraint is from its value, in the units of the instance.
+
+    Measured on the constraint as stated, ``(..., 3, 3), (..., 3) -> (..., n)``: the distance
+    or angle itself, not its square or cosine. Where the sign of a measured distance means
+    nothing (or both sides are allowed) the nearer sign counts.
+    """
+    values = measured(arrangement, R, T)
+    targets = arrangement.targets
+    difference = np.abs(values - targets)
+    free = np.array([kind.is_distance for kind in arrangement.kinds]) & (arrangement.sides == 0)
+    opposite = np.where(free, np.abs(values + targets), np.inf)
+    signed = np.abs(values - np.where(arrangement.sides < 0, -targets, targets))
+    result = np.where(free, np.minimum(difference, opposite), signed)
+    result[..., arrangement.angles] /= arrangement.in_radians
+    return np.asarray(result)
+
+
+def sides_of(arrangement: Arrangement, R: Field, T: Field) -> NDArray[np.int64]:
+    """Return on which side each DPH and DHP point lies: 1, -1, or 0 for other kinds."""
+    values = measured(arrangement, R, T).real
+    sided = np.array([kind.has_sides for kind in arrangement.kinds])
+    sign = np.where(values < 0, -1, 1)
+    return np.where(sided, np.where(arrangement.sides == 0, sign, arrangement.sides), 0)
+
+
+def jacobian(arrangement: Arrangement, R: Field, T: Field) -> Field:
+    """Return the derivatives of `measured` with respect to a twist, ``(..., n, 6)``.
+
+    The twist (omega, tau) moves the pose to ``exp([s omega]x) R`` and ``T + s tau``: a
+    rotation in the axes of the base about the origin of the platform, and a translation. At a
+    distance or sine of zero the measured value has no derivative, and neither has the row.
+    """
+    r, w = _placed(arrangement, R, T)
+    v = arrangement.v
+    turned = r - T[..., None, :] + arrangement.x
+    rows = np.zeros((*r.shape[:-1], 6), dtype=np.result_type(R, T))
+    for kind in set(arrangement.kinds):
+        k = _select(arrangement, kind)
+        r_k, w_k, y_k = r[..., k, :], w[..., k, :], turned[..., k, :]
+        v_k = np.broadcast_to(v[k], w_k.shape)
+        if kind.is_distance:
+            force, moment = _distance_gradient(kind, r_k, w_k, v_k)
+            rows[..., k, :3] = cross(y_k, force) + moment
+            rows[..., k, 3:] = force
+        else:
+            rows[..., k, :3] = _angle_gradient(kind, w_k, v_k)
+    return rows
+
+
+def _distance_gradient(kind: Kind, r: Field, w: Field, v: Field) -> tuple[Field, Field]:
+    """Return the derivative with respect to r, and that with respect to turning w."""
+    if kind is DPP:
+        return r / _root(dot(r, r))[..., None], np.zeros_like(r)
+    if kind is DPL:
+        across = _perpendicular(r, v)
+        return across / _root(dot(across, across))[..., None], np.zeros_like(r)
+    if kind is DLP:
+        across = _perpendicular(r, w)
+        distance = _root(dot(across, across))[..., None]
+        return across / distance, -dot(r, w)[..., None] / distance * cross(w, r)
+    if kind is DPH:
+        return v, np.zeros_like(r)
+    if kind is DHP:
+        return -w, -cross(w, r)
+    normal = cross(w, v)
+    square = dot(normal, normal)[..., None]
+    parallel = np.abs(square) < _PARALLEL**2
+    length = np.sqrt(np.where(parallel, 1.0, square))
+    n = normal / length
+    g = (r - dot(r, n)[..., None] * n) / length
+    across = _perpendicular(r, v)
+    distance = _root(dot(across, across))[..., None]
+    along = across / np.where(distance == 0, 1.0, distance)
+    force = np.where(parallel, along, n)
+    return force, np.where(parallel, 0.0, cross(w, cross(v, g)))
+
+
+def _angle_gradient(kind: Kind, w: Field, v: Field) -> Field:
+    # The cosine of a line-plane angle is the sine of the angle of the directions.
+    turn = cross(w, v)
+    return (-turn if kind is ALL else turn) / _root(dot(turn, turn))[..., None]
+
+
+def condition_numbers(arrangement: Arrangement, R: Field, T: Field) -> Array:
+    """Return the condition number of each pose, free of units, ``(..., 3, 3) -> (...)``.
+
+    It is the ratio of the largest to the smallest singular value of the 6x6 Jacobian matrix
+    whose twists turn about the centre of the platform points, whose turning columns are
+    divided by the typical length of the arrangement, and whose rows are scaled to norm one. It
+    depends neither on frames nor on units, and is infinite at a singular pose.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rows = jacobian(arrangement, R, T)
+    # About the centre c of the platform: T + s (omega x R c moved back) leaves R c + T alone.
+    offset = apply(R, arrangement.platform_centre)[..., None, :]
+    rows[..., :3] -= cross(np.broadcast_to(offset, rows[..., 3:].shape), rows[..., 3:])
+    rows[..., :3] /= arrangement.length
+    norms = np.linalg.norm(rows, axis=-1, keepdims=True)
+    defined = np.isfinite(norms).all(axis=(-1, -2)) & (norms > 0).all(axis=(-1, -2))
+    rows = np.where(defined[..., None, None], rows / np.where(norms > 0, norms, 1.0), 0.0)
+    values = np.linalg.svd(rows, compute_uv=False)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        condition = values[..., 0] / values[..., -1]
+    return np.where(defined, condition, np.inf)
