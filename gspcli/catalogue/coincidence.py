@@ -21,6 +21,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count
+from typing import Protocol
 
 from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind
 from gspcli.catalogue.types import GspType
@@ -34,6 +35,25 @@ Pair = tuple[int, int]
 _MARKS = {"D": "-", "A": "^"}
 _QUANTITIES = {mark: letter for letter, mark in _MARKS.items()}
 _BOND = re.compile(r"([PLH])(\d+)([-^])([plh])(\d+)")
+
+
+class Connection(Protocol):
+    """A constraint between two named primitives: a `Bond`, or a constraint of an instance.
+
+    Equal names on one body are one primitive; an empty name is a primitive of its own.
+    """
+
+    @property
+    def kind(self) -> Kind:
+        """The kind; it gives the sorts of both primitives."""
+
+    @property
+    def platform_name(self) -> str:
+        """The name of the platform's primitive."""
+
+    @property
+    def base_name(self) -> str:
+        """The name of the base's primitive."""
 
 
 @dataclass(frozen=True)

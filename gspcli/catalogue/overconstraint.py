@@ -18,7 +18,7 @@ from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from gspcli.catalogue.coincidence import Bond
+from gspcli.catalogue.coincidence import Connection
 from gspcli.catalogue.types import CONSTRAINTS
 
 #: How much of a primitive the constraints see: sort, or "direction" of a line or plane.
@@ -76,7 +76,7 @@ def motion_freedoms(points: int, lines: int, planes: int, directions: int) -> in
     return {0: 6, 1: 3, 2: 1}.get(points, 0)
 
 
-def over_constraint(bonds: Iterable[Bond]) -> OverConstraint | None:
+def over_constraint(connections: Iterable[Connection]) -> OverConstraint | None:
     """Return constraints that cannot all be independent, or None if counting shows none.
 
     >>> from gspcli.catalogue.coincidence import parse_sharing
@@ -84,23 +84,30 @@ def over_constraint(bonds: Iterable[Bond]) -> OverConstraint | None:
     motions that keep P1 and p4 in place have 1 freedom, so at most 5 of these 6 constraints are \
 independent
     """
-    return _search(_features(tuple(bonds)), (), frozenset())
+    return _search(_features(tuple(connections)), (), frozenset())
 
 
-#: A primitive or its direction: its name, what is seen of it, and the constraints that end there.
-_Feature = tuple[str, str, frozenset[int]]
+#: A primitive as constraints see it: body and name, the sort, and the constraints that end there.
+_Feature = tuple[tuple[str, str], str, frozenset[int]]
 
 
-def _features(bonds: tuple[Bond, ...]) -> list[_Feature]:
-    distances: defaultdict[str, set[int]] = defaultdict(set)
-    angles: defaultdict[str, set[int]] = defaultdict(set)
-    for index, bond in enumerate(bonds):
-        for name in (bond.platform_name, bond.base_name):
-            (distances if bond.kind.is_distance else angles)[name].add(index)
-    directions = [(name, _DIRECTION, frozenset(ends)) for name, ends in angles.items()]
+def _features(connections: tuple[Connection, ...]) -> list[_Feature]:
+    distances: defaultdict[tuple[str, str], set[int]] = defaultdict(set)
+    angles: defaultdict[tuple[str, str], set[int]] = defaultdict(set)
+    sorts = {}
+    for index, connection in enumerate(connections):
+        kind = connection.kind
+        for body, name, sort in (
+            ("platform", connection.platform_name, kind.platform.value),
+            ("base", connection.base_name, kind.base.value),
+        ):
+            primitive = (body, name or f"that of constraint {index + 1}")
+            sorts[primitive] = sort
+            (distances if kind.is_distance else angles)[primitive].add(index)
+    directions = [(primitive, _DIRECTION, frozenset(ends)) for primitive, ends in angles.items()]
     whole = [
-        (name, name[0].upper(), frozenset(ends | angles.get(name, set())))
-        for name, ends in distances.items()
+        (primitive, sorts[primitive], frozenset(ends | angles.get(primitive, set())))
+        for primitive, ends in distances.items()
     ]
     return directions + whole
 
@@ -110,8 +117,8 @@ def _search(
 ) -> OverConstraint | None:
     """Add one more of the candidates in every way that leaves a motion."""
     for position, feature in enumerate(candidates):
-        name, _, ends = feature
-        if any(name == other for other, _, _ in kept):
+        primitive, _, ends = feature
+        if any(primitive == other for other, _, _ in kept):
             continue
         now = (*kept, feature)
         seen = [sort for _, sort, _ in now]
@@ -120,7 +127,10 @@ def _search(
             continue
         reached = covered | ends
         if len(reached) > CONSTRAINTS - freedoms:
-            names = tuple(f"the direction of {n}" if s == _DIRECTION else n for n, s, _ in now)
+            names = tuple(
+                f"the direction of {name}" if sort == _DIRECTION else name
+                for (_, name), sort, _ in now
+            )
             return OverConstraint(names, freedoms, tuple(sorted(reached)))
         if found := _search(candidates[position + 1 :], now, reached):
             return found
