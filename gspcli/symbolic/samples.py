@@ -111,10 +111,13 @@ class Sample:
             # Positive where the point is on the side of the normal; w leads to the platform.
             sign = side or random.choice((-1, 1))
             height = sign * self.distance * (1 if self.kind.base is Primitive.PLANE else -1)
-            return np.array([random_fraction(random), random_fraction(random), height])
+            return np.array(
+                [random_fraction(random), random_fraction(random), height], dtype=object
+            )
         if Primitive.LINE in primitives:
             x, y = circle_point(random)
-            return np.array([self.distance * x, self.distance * y, random_fraction(random)])
+            along = random_fraction(random)
+            return np.array([self.distance * x, self.distance * y, along], dtype=object)
         direction: Exact = random_rotation(random)[:, 2]
         return self.distance * direction
 

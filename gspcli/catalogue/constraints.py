@@ -1,0 +1,144 @@
+"""What is recorded of each kind of constraint: equations, degrees, loci."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+
+from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind, Primitive
+from gspcli.resources import data_json
+
+_NOUNS = {Primitive.POINT: "point", Primitive.LINE: "line", Primitive.PLANE: "plane"}
+
+
+@dataclass(frozen=True)
+class Writing:
+    """A formula in plain text and in LaTeX."""
+
+    text: str
+    latex: str
+
+
+@dataclass(frozen=True)
+class Degrees:
+    """Degrees of one constraint.
+
+    Attributes
+    ----------
+    two_sided
+        With the side of a DPH or DHP left open.
+    one_sided
+        With that side chosen; the same number for all other kinds.
+    """
+
+    two_sided: int
+    one_sided: int
+
+    def of(self, *, one_sided: bool) -> int:
+        """Return the one or the other."""
+        return self.one_sided if one_sided else self.two_sided
+
+
+@dataclass(frozen=True)
+class LowestDegrees(Degrees):
+    """The lowest degrees in one set of coordinates.
+
+    Attributes
+    ----------
+    difference
+        Degree of the difference of two constraints of the kind, where that is lower.
+    """
+
+    difference: int | None = None
+
+
+@dataclass(frozen=True)
+class Locus:
+    """The locus of a point of the platform primitive under a fixed orientation.
+
+    Attributes
+    ----------
+    surface
+        P, S or C (Proposition 6.7).
+    text
+        The surface in words.
+    """
+
+    surface: str
+    text: str
+
+
+@dataclass(frozen=True)
+class ConstraintFacts:
+    """All that is recorded of one kind of constraint.
+
+    Attributes
+    ----------
+    kind
+        The kind.
+    definition
+        The constraint in R and T (Section 4).
+    equations
+        Its equations of lowest degree by coordinates: Lazard's, Mourrain's, and those of
+        `lowest_coordinates`.
+    paper_lazard, paper_mourrain
+        The degrees by Proposition 4.1 in the two sets of coordinates.
+    lowest
+        The lowest degrees of all.
+    lowest_coordinates
+        The smallest coordinates in which they are reached.
+    degrees
+        The lowest degrees in every set of coordinates that can express the constraint.
+    loci
+        ``generic`` and, for two lines, ``parallel``; empty for angles.
+    """
+
+    kind: Kind
+    definition: Writing
+    equations: Mapping[str, Writing]
+    paper_lazard: Degrees
+    paper_mourrain: Degrees
+    lowest: Degrees
+    lowest_coordinates: str
+    degrees: Mapping[str, LowestDegrees]
+    loci: Mapping[str, Locus]
+
+    @property
+    def surface(self) -> str | None:
+        """The letter of the locus, LL counted as planes; None for angles."""
+        return self.loci["generic"].surface if self.loci else None
+
+    @property
+    def meaning(self) -> str:
+        """What is measured, in words."""
+        quantity = "distance of a" if self.kind.is_distance else "angle between a"
+        joint = "from" if self.kind.is_distance else "and"
+        platform, base = _NOUNS[self.kind.platform], _NOUNS[self.kind.base]
+        return f"{quantity} {platform} of the platform {joint} a {base} of the base"
+
+
+@cache
+def constraint_facts(kind: Kind) -> ConstraintFacts:
+    """Return what is recorded of a kind of constraint."""
+    return _all_facts()[kind]
+
+
+@cache
+def _all_facts() -> dict[Kind, ConstraintFacts]:
+    facts = {}
+    for record in data_json("constraints.json")["constraints"]:
+        kind = KINDS_BY_NAME[record["kind"]]
+        lowest = record["lowest"]
+        facts[kind] = ConstraintFacts(
+            kind,
+            Writing(**record["definition"]),
+            {name: Writing(**both) for name, both in record["equations"].items()},
+            Degrees(**record["paper_degrees"]["lazard"]),
+            Degrees(**record["paper_degrees"]["mourrain"]),
+            Degrees(lowest["two_sided"], lowest["one_sided"]),
+            lowest["coordinates"],
+            {name: LowestDegrees(**row) for name, row in record["degrees"].items()},
+            {case: Locus(**locus) for case, locus in record["loci"].items()},
+        )
+    return facts

@@ -1,0 +1,119 @@
+"""All that is derived about one kind of constraint, as the data file holds it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from gspcli.catalogue.kinds import Kind
+from gspcli.catalogue.varieties import varieties
+from gspcli.symbolic.constraints import (
+    difference_degree,
+    equation,
+    lowest_degree,
+    paper_degree,
+)
+from gspcli.symbolic.coordinates import (
+    LAZARD,
+    MOURRAIN,
+    SYSTEMS,
+    CoordinateSystem,
+    system,
+)
+from gspcli.symbolic.degrees import SPARE_POINTS, constrained_motions, excludes_degree
+from gspcli.symbolic.loci import loci
+from gspcli.symbolic.notation import LATEX, TEXT, definition, written
+from gspcli.symbolic.varieties import hilbert_function
+
+
+def degree_table(kind: Kind) -> dict[str, dict[str, int]]:
+    """Return the lowest degrees of a kind in each set of coordinates that can express it.
+
+    Keys of a row: ``two_sided`` and ``one_sided``, the degree of one constraint, and
+    ``difference``, the degree of the difference of two where it is lower.
+    """
+    table: dict[str, dict[str, int]] = {}
+    for coordinates in SYSTEMS:
+        two_sided = equation(kind, coordinates)
+        one_sided = equation(kind, coordinates, one_sided=True)
+        difference = difference_degree(kind, coordinates)
+        if two_sided is None or one_sided is None or difference is None:
+            continue
+        row = {"two_sided": two_sided[1], "one_sided": one_sided[1]}
+        if difference < one_sided[1]:
+            row["difference"] = difference
+        table[coordinates.name] = row
+    return table
+
+
+def constraint_facts(kind: Kind) -> dict[str, Any]:
+    """Derive equations, degrees and loci of one kind of constraint."""
+    lowest = lowest_degree(kind)
+    shown = dict.fromkeys((LAZARD, MOURRAIN, lowest.coordinates))
+    return {
+        "kind": kind.name,
+        "definition": {"text": definition(kind), "latex": definition(kind, LATEX)},
+        "equations": {coordinates.name: _equation(kind, coordinates) for coordinates in shown},
+        "paper_degrees": {
+            name: {
+                "two_sided": paper_degree(kind, coordinates),
+                "one_sided": paper_degree(kind, coordinates, one_sided=True),
+            }
+            for name, coordinates in (("lazard", LAZARD), ("mourrain", MOURRAIN))
+        },
+        "lowest": {
+            "coordinates": lowest.coordinates.name,
+            "two_sided": lowest.degree,
+            "one_sided": lowest_degree(kind, one_sided=True).degree,
+            "form": lowest.equation.form,
+        },
+        "degrees": degree_table(kind),
+        "loci": {case: asdict(locus) for case, locus in loci(kind).items()},
+    }
+
+
+def _equation(kind: Kind, coordinates: CoordinateSystem) -> dict[str, str]:
+    found = equation(kind, coordinates)
+    assert found is not None, (kind, coordinates)
+    return {
+        name: written(found[0], kind, coordinates, style)
+        for name, style in (("text", TEXT), ("latex", LATEX))
+    }
+
+
+def unproved_degrees(kind: Kind, *, highest: int | None = None, seed: int = 0) -> list[str]:
+    """Return the recorded degrees of a kind below which another polynomial may exist.
+
+    Parameters
+    ----------
+    kind
+        The kind of constraint.
+    highest
+        Look only at degrees up to this one.
+    seed
+        Of the random instance and motions.
+    """
+    unproved = []
+    table = degree_table(kind)
+    for side in ("two_sided", "one_sided"):
+        wanted = {
+            name: row[side] - 1
+            for name, row in table.items()
+            if highest is None or row[side] <= highest
+        }
+        values = {}
+        for name, degree in wanted.items():
+            variety = varieties()[name]
+            values[name] = hilbert_function(variety.hilbert_numerator, variety.dimension, degree)
+        if not values:
+            continue
+        count = max(values.values()) + SPARE_POINTS
+        motions = constrained_motions(kind, count, one_sided=side == "one_sided", seed=seed)
+        unproved += [
+            f"{kind} {side} in ({name}): degree {degree} is not excluded"
+            for name, degree in wanted.items()
+            if not excludes_degree(system(name), motions, degree, values[name])
+        ]
+        if not kind.has_sides:
+            break
+    return unproved
