@@ -1,0 +1,181 @@
+"""The ten intersections of three surfaces as triangular sets (paper, Proposition 6.7).
+
+Planes, spheres and cylinders are those of equation (15), the cylinder being any quadric. The
+unknowns are the coordinates of a point, ``x < y < z`` as in equation (16).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+from gspcli.symbolic import eliminations
+from gspcli.symbolic.eliminations import Reduction
+from gspcli.symbolic.triangular import (
+    Element,
+    Elimination,
+    Polynomial,
+    Relation,
+    TriangularSet,
+)
+
+VARIABLES = ("x", "y", "z")
+
+#: The monomials that the coefficients of each surface belong to, as in equation (15).
+_FORMS = {
+    "P": ("x", "y", "z", ""),
+    "S": ("x", "y", "z", ""),
+    "C": ("x x", "y y", "z z", "y z", "x z", "z", "x y", "y", "x", ""),
+}
+_WORDS = {"P": "plane", "S": "sphere", "C": "cylinder"}
+_METHODS: dict[str, Callable[[Elimination, Sequence[Polynomial]], Reduction]] = {
+    "PPP": eliminations.three_planes,
+    "PPC": eliminations.line_and_quadric,
+    "PPS": eliminations.line_and_quadric,
+    "SSS": eliminations.three_spheres,
+    "PSS": eliminations.plane_and_two_spheres,
+    "PCC": eliminations.two_conics,
+    "SSC": eliminations.two_spheres,
+    "PSC": eliminations.two_conics,
+    "CCC": eliminations.three_quadrics,
+    "SCC": eliminations.three_quadrics,
+}
+#: The intersections in the order of Table 3.
+INTERSECTIONS = tuple(_METHODS)
+_SYMBOLS = {letter: [f"{letter}{i}" for i in range(1, 60)] for letter in "kz"}
+
+_CYLINDER_NOTE = (
+    "C is any quadric. For the cylinder of radius r about the line through a along u it is "
+    "|u|²|p − a|² − (u·(p − a))² − |u|²r² with p = (x, y, z)."
+)
+_NOTES = {
+    "PSC": ("The paper prints the third polynomial of (16) with d1·z in place of d1·x.",),
+    "SCC": ("The set holds for any sphere and two quadrics; h1 carries the constant factor k1³.",),
+    "CCC": ("The set holds for any three quadrics; h1 carries the constant factor k1³.",),
+}
+
+
+def derive_intersection(case: str) -> TriangularSet:
+    """Derive the triangular set of one of the `INTERSECTIONS`."""
+    parameters = [f"d{i}" for i in range(1, sum(len(_FORMS[letter]) for letter in case) + 1)]
+    ring = Elimination(VARIABLES, parameters, _SYMBOLS)
+    letters = iter(ring[" ".join(parameters)])
+    surfaces = [_surface(ring, letter, letters) for letter in case]
+    reduction = _METHODS[case](ring, surfaces)
+    notes = _NOTES.get(case, ())
+    return TriangularSet(
+        case=case,
+        title=_title(case),
+        source="Proposition 6.7" + (", equation (16)" if case == "PSC" else ""),
+        variables=VARIABLES,
+        parameters=tuple(parameters),
+        system=tuple(map(Relation, _names(case), surfaces)),
+        definitions=tuple(ring.definitions),
+        elements=tuple(map(Element, ("h1", "h2", "h3"), VARIABLES, reduction.elements)),
+        conditions=reduction.conditions,
+        steps=reduction.steps,
+        notes=(*notes, _CYLINDER_NOTE) if "C" in case else notes,
+    )
+
+
+def derive_example_6_8() -> TriangularSet:
+    """Derive the triangular set (18): the three cylinders (17) are linear in the squares."""
+    parameters = ("r1", "r2", "r3")
+    ring = Elimination(VARIABLES, parameters, {})
+    x, y, z = ring["x y z"]
+    r1, r2, r3 = ring["r1 r2 r3"]
+    cylinders = (x**2 + y**2 - r1**2, x**2 + z**2 - r2**2, y**2 + z**2 - r3**2)
+    value, rests = eliminations.cramer(cylinders, VARIABLES, ((2, 0, 0), (0, 2, 0), (0, 0, 2)))
+    squares = [-(value * unknown**2 + rest) for unknown, rest in zip((x, y, z), rests, strict=True)]
+    return TriangularSet(
+        case="6.8",
+        title="Example 6.8: three cylinders about the axes of coordinates",
+        source="Example 6.8, equations (17) and (18)",
+        variables=VARIABLES,
+        parameters=parameters,
+        system=tuple(map(Relation, _names("CCC"), cylinders)),
+        definitions=(),
+        elements=tuple(map(Element, ("h1", "h2", "h3"), VARIABLES, squares)),
+        conditions=(),
+        notes=(
+            "The paper prints (18), and Table 2, with r2 and r3 exchanged.",
+            "The initials are constants: the set always describes all the solutions, with "
+            "multiplicity where x, y or z is 0.",
+        ),
+    )
+
+
+def _surface(ring: Elimination, letter: str, letters: Iterator[Polynomial]) -> Polynomial:
+    x, y, z = ring["x y z"]
+    surface = x**2 + y**2 + z**2 if letter == "S" else ring.ring.zero
+    for form in _FORMS[letter]:
+        term = next(letters)
+        for variable in ring[form]:
+            term *= variable
+        surface += term
+    return surface
+
+
+def _names(case: str) -> list[str]:
+    """Return S1, S2, P for SSP: numbered where a letter is not alone."""
+    return [
+        letter + (str(case[: i + 1].count(letter)) if case.count(letter) > 1 else "")
+        for i, letter in enumerate(case)
+    ]
+
+
+def _title(case: str) -> str:
+    articles = ("", "a ", "two ", "three ")
+    words = [
+        f"{articles[case.count(letter)]}{_WORDS[letter]}{'s' if case.count(letter) > 1 else ''}"
+        for letter in dict.fromkeys(case)
+    ]
+    return " and ".join(words) if len(words) < 3 else f"{', '.join(words[:-1])} and {words[-1]}"
+
+
+# Numbers for the letters: used to put actual surfaces into a triangular set.
+
+
+def plane_coefficients(point: Sequence[Any], normal: Sequence[Any]) -> list[Any]:
+    """Return d1..d4 of equation (15) for the plane through a point."""
+    return [*normal, -_dot(normal, point)]
+
+
+def sphere_coefficients(centre: Sequence[Any], square: Any) -> list[Any]:
+    """Return d5..d8 of equation (15) for a sphere, given the square of its radius."""
+    return [*(-2 * c for c in centre), _dot(centre, centre) - square]
+
+
+def cylinder_coefficients(point: Sequence[Any], direction: Sequence[Any], square: Any) -> list[Any]:
+    """Return d9..d18 of equation (15) for a cylinder of revolution.
+
+    Parameters
+    ----------
+    point
+        A point of the axis.
+    direction
+        A vector along the axis, of any length.
+    square
+        The square of the radius.
+
+    Notes
+    -----
+    The cylinder is ``|u|² |p − a|² − (u·(p − a))² = |u|² r²``.
+    """
+    u, a = direction, point
+    length, along = _dot(u, u), _dot(u, a)
+    linear = [2 * (along * ui - length * ai) for ui, ai in zip(u, a, strict=True)]
+    return [
+        *(length - ui * ui for ui in u),
+        -2 * u[1] * u[2],
+        -2 * u[0] * u[2],
+        linear[2],
+        -2 * u[0] * u[1],
+        linear[1],
+        linear[0],
+        length * (_dot(a, a) - square) - along**2,
+    ]
+
+
+def _dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
+    return sum(p * q for p, q in zip(a, b, strict=True))

@@ -1,0 +1,182 @@
+"""The ten intersections: every common point satisfies the set, and there are 1, 2, 4 or 8."""
+
+import random
+
+import pytest
+from sympy import QQ, Matrix, Poly, Rational, symbols
+
+from gspcli.symbolic.closed_forms import CASES, derive
+from gspcli.symbolic.surfaces import (
+    INTERSECTIONS,
+    cylinder_coefficients,
+    plane_coefficients,
+    sphere_coefficients,
+)
+from gspcli.symbolic.triangular import (
+    TriangularSet,
+    coefficient,
+    coefficients,
+    evaluate,
+    parametrise,
+    symbols_of,
+)
+
+#: Proposition 6.7.
+SOLUTIONS = {
+    "PPP": 1, "PPC": 2, "PPS": 2, "SSS": 2, "PSS": 2,
+    "PCC": 4, "SSC": 4, "PSC": 4, "CCC": 8, "SCC": 8,
+}  # fmt: skip
+
+
+def _number(rng: random.Random) -> Rational:
+    return Rational(rng.randint(-9, 9), rng.randint(1, 5))
+
+
+def _vector(rng: random.Random) -> list[Rational]:
+    while not any(vector := [_number(rng) for _ in range(3)]):
+        pass
+    return vector
+
+
+def _surface_through(letter: str, point: list[Rational], rng: random.Random) -> list[Rational]:
+    """Return the coefficients of a random plane, sphere or cylinder through a point."""
+    if letter == "P":
+        return plane_coefficients(point, _vector(rng))
+    centre = _vector(rng)
+    apart = Matrix(point) - Matrix(centre)
+    if letter == "S":
+        return sphere_coefficients(centre, apart.dot(apart))
+    axis = Matrix(_vector(rng))
+    across = apart.cross(axis)
+    return cylinder_coefficients(centre, list(axis), across.dot(across) / axis.dot(axis))
+
+
+def _instance(case: str, point: list[Rational], rng: random.Random) -> dict[str, Rational]:
+    numbers = [d for letter in case for d in _surface_through(letter, point, rng)]
+    return {f"d{i}": number for i, number in enumerate(numbers, start=1)}
+
+
+def test_proposition_6_7():
+    assert {case: derive(case).solutions for case in INTERSECTIONS} == SOLUTIONS
+
+
+@pytest.mark.parametrize("case", INTERSECTIONS)
+def test_a_common_point_of_random_surfaces_satisfies_the_set(case):
+    rng = random.Random(f"point {case}")
+    for _ in range(4):
+        point = _vector(rng)
+        elements = derive(case).at(_instance(case, point, rng))
+        assert [element.evaluate(list(zip(element.ring.gens, point))) for element in elements] == [
+            0, 0, 0,
+        ]  # fmt: skip
+
+
+@pytest.mark.parametrize("case", INTERSECTIONS)
+def test_the_set_has_as_many_solutions_and_all_solve_the_surfaces(case):
+    """In QQ[x]/(h1): h1 is squarefree, the initials are units, the surfaces vanish."""
+    rng = random.Random(f"count {case}")
+    given = _instance(case, _vector(rng), rng)
+    triangular = derive(case)
+    first, unknowns = parametrise(triangular.at(given))
+    assert first.degree() == SOLUTIONS[case]
+    assert first.gcd(first.diff()).degree() == 0
+    one = Poly(1, first.gen, domain=QQ)
+    for surface in triangular.system_at(given):
+        assert evaluate(surface, unknowns, one).rem(first).is_zero
+
+
+@pytest.mark.parametrize("case", INTERSECTIONS)
+def test_no_spurious_factor(case):
+    """At surfaces with random coefficients h1 is irreducible, hence so it is in general."""
+    rng = random.Random(f"irreducible {case}")
+    triangular = derive(case)
+    given = {name: rng.randint(-9, 9) for name in triangular.parameters}
+    first, _ = parametrise(triangular.at(given))
+    assert first.degree() == SOLUTIONS[case]
+    assert first.is_irreducible
+
+
+@pytest.mark.parametrize("case", ["CCC", "SCC"])
+def test_h1_of_three_quadrics_is_their_resultant(case):
+    """Sylvester's determinant for three ternary quadrics is 512 times the resultant."""
+    rng = random.Random(f"resultant {case}")
+    triangular = derive(case)
+    y, z, w = symbols("y z w")
+    for _ in range(3):
+        given = {name: rng.randint(-5, 5) for name in triangular.parameters}
+        at = Rational(rng.randint(-5, 5))
+        value = triangular.at(given)[0].as_expr().subs("x", at)
+        forms = [
+            Poly(surface.as_expr().subs("x", at), y, z).homogenize(w).as_expr()
+            for surface in triangular.system_at(given)
+        ]
+        jacobian = Matrix(forms).jacobian([y, z, w]).det()
+        rows = [*forms, *(jacobian.diff(variable) for variable in (y, z, w))]
+        monomials = [y**2, y * z, z**2, y * w, z * w, w**2]
+        sylvester = Matrix(
+            [[Poly(row, y, z, w).coeff_monomial(m) for m in monomials] for row in rows]
+        ).det()
+        divisor = triangular.values(given, QQ.one)["k1"]
+        assert abs(512 * value) == abs(divisor**3 * sylvester)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_shape(case):
+    triangular = derive(case)
+    assert [element.leading for element in triangular.elements] == list(triangular.variables)
+    order = list(triangular.variables)
+    known = set(triangular.parameters)
+    for definition in triangular.definitions:
+        assert symbols_of(definition.numerator) | symbols_of(definition.divisor) <= known
+        known.add(definition.symbol)
+    for position, element in enumerate(triangular.elements):
+        unknowns = symbols_of(element.polynomial) & set(order)
+        assert order[position] in unknowns <= set(order[: position + 1])
+        assert symbols_of(element.polynomial) <= known | set(order)
+    guarded = {name for condition in triangular.conditions for name in condition.elements}
+    for element in triangular.elements:
+        assert element.initial.is_ground or element.name in guarded
+
+
+@pytest.mark.parametrize("case", [case for case in CASES if case not in ("CCC", "SCC", "AAA")])
+def test_expanded_means_the_same(case):
+    rng = random.Random(f"expanded {case}")
+    triangular = derive(case)
+    expanded = triangular.expanded()
+    given = {name: rng.randint(-9, 9) for name in triangular.parameters}
+    assert triangular.at(given) == expanded.at(given)
+    for definition in expanded.definitions:
+        assert symbols_of(definition.numerator) <= set(expanded.parameters)
+        assert definition.divisor == 1
+
+
+def test_expanded_coefficients_of_equation_16_have_no_common_factor():
+    triangular: TriangularSet = derive("PSC").expanded()
+    values = {item.symbol: item.numerator for item in triangular.definitions}
+    assert list(values) == [f"z{i}" for i in range(1, 11)]
+    for symbols_ in (("z1", "z2", "z3", "z4", "z5"), ("z6", "z7", "z8", "z9", "z10")):
+        common = values[symbols_[0]]
+        for symbol in symbols_[1:]:
+            common = common.gcd(values[symbol])
+        assert common == 1
+
+
+def test_cylinder_coefficients_are_the_definition():
+    a, u, p = (symbols(f"{name}1:4") for name in "aup")
+    (r,) = symbols("r,")
+    across = (Matrix(p) - Matrix(a)).cross(Matrix(u))
+    expected = across.dot(across) - Matrix(u).dot(Matrix(u)) * r**2
+    x, y, z = p
+    monomials = [x * x, y * y, z * z, y * z, x * z, z, x * y, y, x, 1]
+    actual = sum(c * m for c, m in zip(cylinder_coefficients(a, u, r**2), monomials))
+    assert (expected - actual).expand() == 0
+
+
+def test_coefficients_are_ordered_by_the_last_variable():
+    ring = derive("PSC").ring
+    x, y, z = ring.gens[:3]
+    parts = coefficients(3 * x**2 + x * y - y + 5 * z, ("x", "y"))
+    assert list(parts) == [(1, 1), (0, 1), (2, 0), (0, 0)]
+    assert parts[0, 0] == 5 * z
+    assert coefficient(x * y - y, "y", 1) == x - 1
+    assert evaluate(x * y - y, {"x": QQ(3), "y": QQ(1, 2)}, QQ.one) == 1
