@@ -1,10 +1,23 @@
 """The instance file: YAML in and out, with every mistake in it reported at its place.
 
 `load` and `loads` return an `Instance`, `read` and `read_text` also the warnings; `dump` and
-`dumps` write one; `set_values` changes values as ``--set 1=5.2`` does.
+`dumps` write one; `set_values` changes values as ``--set 1=5.2`` does; `sharing` and `bonds` say
+which primitives several constraints share.
 """
 
+from gspcli.spec.meaning import bonds, sharing
 from gspcli.spec.reading import Reading, load, loads, read, read_text, set_values
 from gspcli.spec.writing import dump, dumps
 
-__all__ = ["Reading", "dump", "dumps", "load", "loads", "read", "read_text", "set_values"]
+__all__ = [
+    "Reading",
+    "bonds",
+    "dump",
+    "dumps",
+    "load",
+    "loads",
+    "read",
+    "read_text",
+    "set_values",
+    "sharing",
+]

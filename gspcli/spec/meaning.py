@@ -1,12 +1,16 @@
-"""What the values of constraints may be, and which values are special."""
+"""What the values of constraints may be, and what is unusual about an instance."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from dataclasses import replace
 from fractions import Fraction
 
+from gspcli.catalogue.coincidence import Bond
 from gspcli.catalogue.kinds import DLL, DLP, DPL, DPP, Kind
-from gspcli.geometry.instance import AngleUnit, Constraint, Instance
+from gspcli.catalogue.overconstraint import over_constraint
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
 
 #: A quarter turn in each unit; the one in radians is only rounded.
@@ -68,14 +72,59 @@ def remarks(instance: Instance) -> list[tuple[int, str]]:
         if count > 1:
             message = (
                 f"{kind.name} with value {value} is {count} equations, not one (Section 2): "
-                "the solution set need not be finite, or the count lower"
+                "perhaps no solution, or infinitely many"
             )
             found.append((index, message))
         elif kind.is_distance and value.value == 0:
-            if kind.has_sides:
-                message = f"{kind.name} with value 0 has no sides: both are the same solutions"
+            if kind.has_sides and constraint.side is not Side.BOTH:
+                message = f"{kind.name} with value 0 has no sides: they are the same"
                 found.append((index, message))
             elif kind is DLL:
-                message = "DLL with value 0: the lines meet, every solution is a double one"
+                message = "DLL with value 0: the lines meet, and every solution counts twice"
                 found.append((index, message))
-    return found
+    return found + _dependence(instance)
+
+
+def sharing(instance: Instance) -> tuple[dict[str, list[int]], dict[str, list[int]]]:
+    """Return the shared primitives of platform and base: names, and constraint numbers from 1."""
+    users: tuple[dict[str, list[int]], dict[str, list[int]]] = ({}, {})
+    for number, constraint in enumerate(instance.constraints, start=1):
+        users[0].setdefault(constraint.platform_name, []).append(number)
+        users[1].setdefault(constraint.base_name, []).append(number)
+    platform, base = ({n: use for n, use in body.items() if len(use) > 1} for body in users)
+    return platform, base
+
+
+def bonds(instance: Instance) -> list[Bond]:
+    """Return the constraints with their primitives numbered, equal names as one primitive."""
+    platform: dict[str, int] = {}
+    base: dict[str, int] = {}
+    return [
+        Bond(
+            constraint.kind,
+            platform.setdefault(constraint.platform_name, len(platform) + 1),
+            base.setdefault(constraint.base_name, len(base) + 1),
+        )
+        for constraint in instance.constraints
+    ]
+
+
+def _dependence(instance: Instance) -> list[tuple[int, str]]:
+    """Return the proof that the constraints are never independent, if counting gives one."""
+    numbered = bonds(instance)
+    found = over_constraint(numbered)
+    if found is None:
+        return []
+    names = {}
+    for bond, constraint in zip(numbered, instance.constraints, strict=True):
+        names[bond.platform_name] = f"the platform's {constraint.platform_name}"
+        names[bond.base_name] = f"the base's {constraint.base_name}"
+    named = replace(found, primitives=tuple(_renamed(text, names) for text in found.primitives))
+    numbers = " ".join(str(index + 1) for index in found.constraints)
+    message = f"no solution, or infinitely many: {named.reason} (constraints {numbers})"
+    return [(found.constraints[0], message)]
+
+
+def _renamed(text: str, names: Mapping[str, str]) -> str:
+    words, _, name = text.rpartition(" ")
+    return f"{words} {names[name]}".strip()

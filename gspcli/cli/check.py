@@ -1,0 +1,130 @@
+"""`gsp check`: is an instance file correct, and what does it describe."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.output import Column, Output, Table, emit, output_options
+from gspcli.errors import Problem, SpecError
+
+if TYPE_CHECKING:
+    from gspcli.geometry.instance import Instance
+
+_COLUMNS = (
+    Column("file", essential=True),
+    Column("valid", essential=True),
+    Column("class"),
+    Column("number", "no.", align="right"),
+    Column("type"),
+    Column("shared"),
+    Column("bound", align="right"),
+    Column("warnings", align="right"),
+)
+
+
+@click.command()
+@click.argument("specs", metavar="SPEC...", nargs=-1, required=True)
+@output_options()
+def command(specs: tuple[str, ...], output: Output) -> None:
+    """Check instance files and say which platforms they describe.
+
+    Every mistake in every file is reported with its line and column. Warnings tell what is
+    allowed but perhaps not meant: values that are not one equation, primitives that no
+    constraint uses, sharing that can never fix the platform. The bound is the refined one,
+    for the sides that the file asks for.
+
+    SPEC is a file, or - for standard input. The exit code is 2 if a file has mistakes.
+
+    \b
+    Examples:
+      gsp check platform.yaml
+      gsp check data/examples/*.yaml --format csv
+      gsp new 6PP | gsp check -
+    """
+    from gspcli.spec import read
+
+    rows: list[dict[str, Any]] = []
+    entries: list[dict[str, Any]] = []
+    notes: list[str] = []
+    problems: list[Problem] = []
+    for spec in specs:
+        try:
+            reading = read(spec)
+        except SpecError as error:
+            problems += error.problems
+            rows.append({"file": spec, "valid": False})
+            found = [_problem(problem) for problem in error.problems]
+            entries.append({"file": spec, "valid": False, "problems": found})
+        else:
+            facts = _facts(reading.instance)
+            row = {**facts, "shared": _shared(facts["shared"]), "warnings": len(reading.warnings)}
+            rows.append({"file": spec, "valid": True, **row, **_type_cells(reading.instance)})
+            found = [_problem(warning) for warning in reading.warnings]
+            entries.append({"file": spec, "valid": True, **facts, "warnings": found})
+            notes += [f"warning: {warning}" for warning in reading.warnings]
+    document = {"schema": "gsp.check/1", "files": entries}
+    emit(output, Table(_COLUMNS, rows, notes=notes), document=document)
+    if problems:
+        raise SpecError(problems)
+
+
+def _facts(instance: Instance) -> dict[str, Any]:
+    from gspcli.catalogue.coincidence import canonical_bonds
+    from gspcli.spec import bonds, sharing
+
+    platform, base = sharing(instance)
+    gsp_type = instance.type
+    return {
+        "name": instance.name,
+        "type": {
+            "id": gsp_type.id,
+            "number": gsp_type.number,
+            "class": gsp_type.platform_class.id,
+        },
+        "units": {"length": instance.units.length, "angle": instance.units.angle.value},
+        "shared": {"platform": platform, "base": base},
+        "pattern": " ".join(map(str, canonical_bonds(bonds(instance)))),
+        "bound": _bound(instance),
+    }
+
+
+def _bound(instance: Instance) -> int:
+    """Return the refined bound for the sides asked for; a distance of zero has one side."""
+    from gspcli.catalogue.bounds import bounds
+    from gspcli.geometry.instance import Side
+
+    two_sided = sum(
+        constraint.kind.has_sides and constraint.side is Side.BOTH and float(constraint.value) != 0
+        for constraint in instance.constraints
+    )
+    return int(bounds(instance.type).refined_one_sided.value) << two_sided
+
+
+def _type_cells(instance: Instance) -> dict[str, object]:
+    gsp_type = instance.type
+    return {
+        "class": gsp_type.platform_class.id,
+        "number": gsp_type.number,
+        "type": gsp_type.id,
+    }
+
+
+def _shared(shared: dict[str, dict[str, list[int]]]) -> str:
+    """Return the shared primitives with the numbers of their constraints, as ``P1(4 5 6)``."""
+    return ", ".join(
+        f"{body} {name}({' '.join(map(str, numbers))})"
+        for body, names in shared.items()
+        for name, numbers in names.items()
+    )
+
+
+def _problem(problem: Problem) -> dict[str, object]:
+    location = problem.location
+    return {
+        "line": location.line if location else None,
+        "column": location.column if location else None,
+        "path": problem.path,
+        "message": problem.message,
+    }
