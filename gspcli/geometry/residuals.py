@@ -7,7 +7,7 @@ batch axes; the last axis of results runs over the constraints.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -123,6 +123,26 @@ class Arrangement:
             np.abs(self.values[k]),
         )
         return float(np.max(extents)) or 1.0
+
+    @cached_property
+    def normalised(self) -> Arrangement:
+        """The same with lengths of order one, and frames at the centres of the points.
+
+        A translation T of this one is ``length T + base_centre - R platform_centre`` in the
+        given frames.
+        """
+        values = self.values.copy()
+        values[self.distances] /= self.length
+        return replace(
+            self,
+            y=(self.y - self.platform_centre) / self.length,
+            x=(self.x - self.base_centre) / self.length,
+            values=values,
+        )
+
+    def restored(self, R: Field, T: Field) -> Field:
+        """Return the translations in the given frames of poses of `normalised`."""
+        return self.length * T + self.base_centre - apply(R, self.platform_centre)
 
 
 def _direction(geometry: Geometry) -> Array:

@@ -80,7 +80,7 @@ def intersection_number(planes: int, spheres: int, cylinders: int) -> int:
 @cache
 def _signs(free: tuple[bool, ...], fixed: tuple[int, ...]) -> Array:
     choices = [(1, -1) if f else (s,) for f, s in zip(free, fixed, strict=True)]
-    return np.array(list(product(*choices)), float).reshape(-1, len(free))
+    return np.array(list(product(*choices)), float)
 
 
 def signs_of(arrangement: Arrangement, planes: list[int]) -> Array:
@@ -318,9 +318,12 @@ def _reduced(planes: Complex, quadrics: Complex) -> tuple[Complex, Complex] | No
             return None
         frame = frame @ subspace
         quadrics = subspace.T @ quadrics @ subspace
+        # A quadric that contains the subspace says nothing more.
+        norms = np.linalg.norm(quadrics, axis=(-2, -1))
+        _rank(norms)
+        quadrics = quadrics[norms >= _RANK[1]] / norms[norms >= _RANK[1], None, None]
         if not len(quadrics):
             return frame, quadrics
-        quadrics = quadrics / np.linalg.norm(quadrics, axis=(-2, -1), keepdims=True)
         parts = quadrics[:, 1:, 1:].reshape(len(quadrics), -1)
         left, values, _ = np.linalg.svd(parts)
         values = np.concatenate((values, np.zeros(len(quadrics))))[: len(quadrics)]
