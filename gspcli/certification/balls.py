@@ -7,20 +7,24 @@ Every function works at the precision of the current `flint.ctx`; an `arb` is a 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import TypeVar
 
+import numpy as np
 from flint import acb, arb, fmpq
+from numpy.typing import NDArray
 
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Vector
 
 Ball = TypeVar("Ball", arb, acb)
 
 #: Outward rounding of a sum or product of at most a few hundred nonnegative floats: each
 #: operation loses a relative 2^-53 at most, and this factor makes up for four thousand of them.
 OUTWARD = 1 + 2.0**-40
+
+#: Less than this is lost where a result leaves the normal range of floats.
+TINY = 2.0**-1000
 
 
 class _BallField:
@@ -43,18 +47,6 @@ _FIELD = _BallField()
 def ball(number: Number) -> arb:
     """Return a ball that contains an exact number."""
     return number.evaluate(_FIELD)
-
-
-def length_vector(vector: Vector, scale: arb) -> list[arb]:
-    """Return balls of a position in units of `scale`."""
-    return [ball(number) / scale for number in vector]
-
-
-def direction_vector(vector: Vector) -> list[arb]:
-    """Return balls of a direction, scaled by a power of two to a length near one."""
-    largest = max(abs(number.value) for number in vector)
-    factor = power_of_two(largest)
-    return [ball(number) / factor for number in vector]
 
 
 def power_of_two(size: float) -> arb:
@@ -96,10 +88,15 @@ def largest(values: Sequence[Ball]) -> arb:
     return max(bounds)
 
 
-def float_above(value: arb) -> float:
-    """Return a float that is not below any number of a nonnegative ball."""
-    # The float nearest to the upper end may lie below it, but its successor cannot.
-    return math.nextafter(float(value.abs_upper()), math.inf)
+def floats_above(values: Iterable[Ball]) -> NDArray[np.float64]:
+    """Return floats that are not below the moduli of any numbers in balls."""
+    # `TINY` makes up for what becomes a subnormal float.
+    return np.array([float(value.abs_upper()) for value in values]) * OUTWARD + TINY
+
+
+def float_above(value: Ball) -> float:
+    """Return a float that is not below the modulus of any number in a ball."""
+    return float(floats_above([value])[0])
 
 
 def float_ends(value: arb) -> tuple[float, float]:

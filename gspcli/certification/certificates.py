@@ -15,15 +15,10 @@ from gspcli.certification import study
 from gspcli.certification.balls import float_above
 from gspcli.certification.distinct import close_pairs, same
 from gspcli.certification.isolation import Isolation, refine_point
-from gspcli.certification.measures import (
-    Measurement,
-    PoseBall,
-    measure,
-    pose_of_floats,
-    pose_of_point,
-    residual,
-)
-from gspcli.certification.system import System, length_scale
+from gspcli.certification.measures import Measurement, measure, residual
+from gspcli.certification.poses import PoseBall, pose_of_floats, pose_of_point
+from gspcli.certification.statement import length_scale
+from gspcli.certification.system import System
 from gspcli.geometry.instance import Instance, Side
 
 #: Bits of the first attempt: candidates are floats, and a limb of FLINT has 64 bits.
@@ -39,6 +34,7 @@ class Outcome(Enum):
 
     CERTIFIED = "certified"
     NOT_ISOLATED = "no isolated simple solution could be proved nearby"
+    REFUTED = "it is proved that no solution is within the tolerance"
     TOO_FAR = "the solution nearby is farther away than the tolerance"
     NOT_AS_STATED = "the solution nearby does not meet the constraints as stated"
     NOT_A_NUMBER = "the pose or the instance has a coefficient that is not a finite number"
@@ -166,18 +162,20 @@ class _Candidate:
         if self.sides is None:
             self.sides = system.sides_at(self.point)
         result = refine_point(system, self.point, self.patch, self.sides)
-        if not isinstance(result, Isolation):
-            self.point = result
+        pose = pose_of_point(result.point) if isinstance(result, Isolation) else None
+        if not isinstance(result, Isolation) or pose is None:
+            self.point = result if isinstance(result, list) else list(result.centre)
+            if self.isolation is None and system.excludes(self.given.widened(tolerance)):
+                self.outcome, self.is_open = Outcome.REFUTED, False
             return
         self.point = list(result.centre)
-        pose = pose_of_point(result.point, system.scale)
-        if pose is None:
-            return
         self.isolation, self.pose = result, pose
-        self.deviation = float_above(pose.deviation(self.given, system.scale))
+        self.deviation = float_above(pose.deviation(self.given))
         real = result.real
-        self.measurements = measure(system.instance, pose) if real else []
+        self.measurements = measure(system, pose) if real else []
         self.outcome, self.is_open = self._judge(tolerance, real)
+        if self.outcome is Outcome.TOO_FAR and system.excludes(self.given.widened(tolerance)):
+            self.outcome, self.is_open = Outcome.REFUTED, False
 
     def _judge(self, tolerance: float, real: bool | None) -> tuple[Outcome, bool]:
         """Return the outcome, and whether a higher precision could change or complete it."""
@@ -193,7 +191,7 @@ class _Candidate:
         )
         return Outcome.CERTIFIED, real is None or not decided
 
-    def certificate(self, instance: Instance, **relations: Any) -> Certificate:
+    def certificate(self, system: System, **relations: Any) -> Certificate:
         """Return the record of what was proved."""
         isolation = self.isolation
         if isolation is None:
@@ -209,7 +207,7 @@ class _Candidate:
             float_above(isolation.error),
             isolation.uniqueness,
             self.deviation,
-            float_above(residual(measure(instance, self.given))) if stated else None,
+            float_above(residual(measure(system, self.given))) if stated else None,
             tuple(_side(m) for m in self.measurements) if stated else None,
             isolation=isolation,
             **relations,
@@ -264,27 +262,25 @@ def certify(
         points, patches = study.study_points(rotations, translations / scale)
     with ctx.workprec(FIRST_PRECISION):
         candidates = [
-            _Candidate(point, int(patch), pose_of_floats(rotation, translation))
+            _Candidate(point, int(patch), pose_of_floats(rotation, translation, scale))
             for point, patch, rotation, translation in zip(
                 points, patches, rotations, translations, strict=True
             )
         ]
-    for candidate, finite in zip(candidates, np.isfinite(points).all(axis=1), strict=True):
-        if not finite:
+    for candidate in candidates:
+        if not all(entry.is_finite() for entry in [*candidate.point, *candidate.given.entries]):
             candidate.outcome, candidate.is_open = Outcome.NOT_A_NUMBER, False
     precision = FIRST_PRECISION
     while True:
         with ctx.workprec(precision):
-            _attempt_open(System(instance, precision), candidates, tolerance)
-            pairs = _unknown_and_same(candidates)
-        following = 2 * precision
-        for index in {k for pair in pairs[0] for k in pair}:
-            candidates[index].is_open = True
-        if following > max_precision or not any(c.is_open for c in candidates):
-            break
-        precision = following
-    with ctx.workprec(precision):
-        return _record(instance, candidates, *pairs, scale)
+            system = System(instance, precision)
+            _attempt_open(system, candidates, tolerance)
+            unknown, equal = _unknown_and_same(candidates)
+            for index in {k for pair in unknown for k in pair}:
+                candidates[index].is_open = True
+            if 2 * precision > max_precision or not any(c.is_open for c in candidates):
+                return _record(system, candidates, unknown, equal)
+        precision *= 2
 
 
 def _attempt_open(system: System, candidates: Sequence[_Candidate], tolerance: float) -> None:
@@ -316,11 +312,7 @@ def _unknown_and_same(candidates: Sequence[_Candidate]) -> tuple[Pairs, Pairs]:
 
 
 def _record(
-    instance: Instance,
-    candidates: Sequence[_Candidate],
-    unknown: Pairs,
-    equal: Pairs,
-    scale: float,
+    system: System, candidates: Sequence[_Candidate], unknown: Pairs, equal: Pairs
 ) -> Certificates:
     same_as: dict[int, int] = {}
     for i, j in sorted(equal):
@@ -332,13 +324,13 @@ def _record(
     return Certificates(
         tuple(
             candidate.certificate(
-                instance,
+                system,
                 same_as=same_as.get(k),
                 unresolved=tuple(sorted(unresolved.get(k, ()))),
             )
             if candidate.outcome is Outcome.CERTIFIED
-            else candidate.certificate(instance)
+            else candidate.certificate(system)
             for k, candidate in enumerate(candidates)
         ),
-        scale,
+        system.scale,
     )

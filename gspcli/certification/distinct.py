@@ -8,7 +8,7 @@ from flint import arb
 
 from gspcli.certification.balls import float_ends
 from gspcli.certification.isolation import Isolation
-from gspcli.certification.measures import PoseBall
+from gspcli.certification.poses import PoseBall
 
 #: Fractional parts of multiples of the golden ratio: a linear form that no symmetry respects.
 _WEIGHTS = tuple((k * 0.6180339887498949) % 1 for k in range(1, 25))

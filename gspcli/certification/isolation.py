@@ -11,8 +11,8 @@ a matrix, both exact, all norms maximum norms on C^7. Suppose
 With ``r = min(REACH, (1 - a) / (2 b))`` the map ``z -> z - Y F(z)`` has a Lipschitz constant of
 at most ``q = a + b r < 1`` on the closed ball of radius r. If ``delta <= (1 - q) r``, it maps that
 ball into itself, so F has exactly one zero there (Y is regular because q < 1); the zero
-is simple and within ``delta / (1 - q)`` of x. This is Krawczyk's test in norm form. It holds for all F
-whose coefficients are in the balls that were used, so for the exact ones.
+is simple and within ``delta / (1 - q)`` of x. This is Krawczyk's test in norm form. It holds for
+all F whose coefficients are in the balls that were used, so for the exact ones.
 """
 
 from __future__ import annotations
@@ -20,10 +20,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
 from flint import acb, acb_mat, arb
 
-from gspcli.certification.balls import OUTWARD, float_above, largest
+from gspcli.certification.balls import OUTWARD, floats_above, largest
 from gspcli.certification.system import System
 
 #: Largest radius of a uniqueness ball. Coordinates of e are at most about one.
@@ -157,17 +156,13 @@ def _newton(
     return _Newton(centre, jacobian, inverse, step, length) if length.is_finite() else None
 
 
-def _prove(
-    system: System, newton: _Newton, patch: int, sides: tuple[int, ...]
-) -> Isolation | None:
+def _prove(system: System, newton: _Newton, patch: int, sides: tuple[int, ...]) -> Isolation | None:
     defect = newton.inverse * newton.jacobian - acb_mat(7, 7, [int(i % 8 == 0) for i in range(49)])
-    moduli = np.array([[float_above(x) for x in row] for row in defect.tolist()])
-    a = float(moduli.sum(axis=1).max() * OUTWARD)
+    a = float(floats_above(defect.entries()).reshape(7, 7).sum(axis=1).max() * OUTWARD)
     if not a < 1:
         return None
-    reach = np.array([float_above(abs(x)) for x in newton.centre]) + REACH
-    inverse = np.array([[float_above(abs(x)) for x in row] for row in newton.inverse.tolist()])
-    b = float((inverse @ system.curvatures(reach * OUTWARD, sides)).max() * OUTWARD)
+    curvatures = system.curvatures((floats_above(newton.centre) + REACH) * OUTWARD, sides)
+    b = float((floats_above(newton.inverse.entries()).reshape(7, 7) @ curvatures).max() * OUTWARD)
     # Any radius may be tried; what counts is that q is rounded up and tested below.
     radius = min(REACH, (1 - a) / (2 * b))
     q = (a + b * radius) * OUTWARD

@@ -1,4 +1,4 @@
-"""Poses as balls, and the constraints measured on them as they are stated.
+"""The constraints measured as they are stated, on a pose in balls.
 
 What is measured here is the distance or the angle itself (paper, Section 4), not the polynomial
 that `system` solves: a check of the one against the other.
@@ -9,62 +9,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from flint import acb, arb
-from numpy.typing import NDArray
+from flint import arb
 
-from gspcli.catalogue.kinds import ALL, ALH, AHL, DHP, DLL, DLP, DPH, DPL, DPP
-from gspcli.certification import study
-from gspcli.certification.balls import (
-    Ball,
-    ball,
-    cross,
-    dot,
-    largest,
-    length_vector,
-    norm,
-    rotated,
-)
-from gspcli.certification.system import direction
-from gspcli.geometry.instance import AngleUnit, Constraint, Instance
-
-
-@dataclass(frozen=True)
-class PoseBall:
-    """Balls that contain a rotation, by rows, and a translation in length units."""
-
-    rotation: list[list[acb]]
-    translation: list[acb]
-
-    @property
-    def entries(self) -> list[acb]:
-        """The twelve numbers."""
-        return [*sum(self.rotation, []), *self.translation]
-
-    def deviation(self, other: PoseBall, scale: float) -> arb:
-        """Bound the largest difference of two poses' numbers, translations by `scale`."""
-        ours, theirs = self.entries, other.entries
-        turn = [x - y for x, y in zip(ours[:9], theirs[:9], strict=True)]
-        shift = [(x - y) / scale for x, y in zip(ours[9:], theirs[9:], strict=True)]
-        return largest(turn + shift)
-
-
-def pose_of_point(point: Sequence[acb], scale: float) -> PoseBall | None:
-    """Return the pose of a Study point, or None if N is not proved to differ from zero."""
-    n, rotation, translation = study.motion(point)
-    if n.contains(0):
-        return None
-    unit = 1 / n
-    factor = unit * scale
-    return PoseBall(
-        [[entry * unit for entry in row] for row in rotation],
-        [entry * factor for entry in translation],
-    )
-
-
-def pose_of_floats(R: NDArray[np.complex128], T: NDArray[np.complex128]) -> PoseBall:
-    """Return a pose whose numbers are given, exactly: shapes (3, 3) and (3,)."""
-    return PoseBall([[acb(x) for x in row] for row in R.tolist()], [acb(x) for x in T.tolist()])
+from gspcli.catalogue.kinds import AHL, ALH, ALL, DLL, DLP, DPH, DPL, DPP
+from gspcli.certification.balls import cross, dot, largest, norm, rotated
+from gspcli.certification.poses import PoseBall
+from gspcli.certification.statement import Statement
+from gspcli.certification.system import System
 
 
 @dataclass(frozen=True)
@@ -86,47 +37,38 @@ class Measurement:
     height: arb | None = None
 
 
-def measure(instance: Instance, pose: PoseBall) -> list[Measurement]:
+def measure(system: System, pose: PoseBall) -> list[Measurement]:
     """Measure all constraints on a real pose."""
     R = [[entry.real for entry in row] for row in pose.rotation]
     T = [entry.real for entry in pose.translation]
-    return [_measure(constraint, instance.units.angle, R, T) for constraint in instance.constraints]
+    return [_measure(statement, R, T) for statement in system.statements]
 
 
-def _measure(
-    constraint: Constraint, unit: AngleUnit, R: list[list[arb]], T: list[arb]
-) -> Measurement:
-    kind, stated = constraint.kind, ball(constraint.value)
+def _measure(given: Statement, R: list[list[arb]], T: list[arb]) -> Measurement:
+    kind, stated = given.kind, given.value * given.unit
+    u = rotated(R, given.u) if given.u else []
     if not kind.is_distance:
-        u, v = rotated(R, direction(constraint.platform)), direction(constraint.base)
-        angle = _angle(u, v)
+        angle = _angle(u, given.v)
         if kind in (ALH, AHL):
             angle = arb.pi() / 2 - angle
         elif kind is not ALL:
             angle = arb.pi() - angle
-        if unit is AngleUnit.DEGREE:
-            angle = angle * 180 / arb.pi()
-        return Measurement(angle, stated)
-    a = length_vector(constraint.platform.position, arb(1))
-    b = length_vector(constraint.base.position, arb(1))
-    w = [x + t - y for x, t, y in zip(rotated(R, a), T, b, strict=True)]
+        return Measurement(angle * given.unit, stated)
+    w = [x + t - y for x, t, y in zip(rotated(R, given.a), T, given.b, strict=True)]
     if kind is DPP:
-        return Measurement(norm(w), stated)
-    if kind in (DPL, DPH):
-        along = direction(constraint.base)
-    else:
-        along = rotated(R, direction(constraint.platform))
+        return Measurement(norm(w) * given.unit, stated)
+    if kind is DLL:
+        common = cross(u, given.v)
+        return Measurement(abs(dot(w, common)) / norm(common) * given.unit, stated)
+    axis = u or given.v
     if kind in (DPL, DLP):
-        return Measurement(norm(cross(w, along)) / norm(along), stated)
-    if kind in (DPH, DHP):
-        height = dot(w, along) / norm(along)
-        height = height if kind is DPH else -height
-        return Measurement(abs(height), stated, height)
-    common = cross(along, direction(constraint.base))
-    return Measurement(abs(dot(w, common)) / norm(common), stated)
+        return Measurement(norm(cross(w, axis)) / norm(axis) * given.unit, stated)
+    height = dot(w, axis) / norm(axis) * given.unit
+    height = height if kind is DPH else -height
+    return Measurement(abs(height), stated, height)
 
 
-def _angle(u: list[Ball], v: list[Ball]) -> arb:
+def _angle(u: list[arb], v: list[arb]) -> arb:
     """Return the angle of two vectors, in [0, pi]; good near 0 and pi too."""
     return arb.atan2(norm(cross(u, v)), dot(u, v))
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -67,7 +68,19 @@ def forms(point: Sequence[Any]) -> list[Any]:
     columns = [product(product(f, unit), conjugate)[1:] for unit in units]
     moments = [2 * columns[j][i] for i in range(3) for j in range(3)]
     study = sum(a * b for a, b in zip(e, f, strict=True))
-    return [norm, *sum(rotation, []), *translation, *body, rho, *moments, study]
+    return [norm, *chain(*rotation), *translation, *body, rho, *moments, study]
+
+
+def forms_of_pose(R: Sequence[Sequence[Any]], T: Sequence[Any]) -> list[Any]:
+    """Return all forms of a pose with N = 1, in the same order."""
+    body = [sum(R[i][j] * T[i] for i in range(3)) for j in range(3)]
+    rho = sum(entry * entry for entry in T)
+    moments = [
+        T[(i + 1) % 3] * R[(i + 2) % 3][j] - T[(i + 2) % 3] * R[(i + 1) % 3][j]
+        for i in range(3)
+        for j in range(3)
+    ]
+    return [1, *chain(*R), *T, *body, rho, *moments, 0]
 
 
 @cache

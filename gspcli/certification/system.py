@@ -15,7 +15,6 @@ the input itself contains) are irrational.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -23,23 +22,17 @@ import numpy as np
 from flint import acb, acb_mat, arb, arb_mat
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import ALL, ALH, AHL, DHP, DLL, DLP, DPH, DPL, DPP
+from gspcli.catalogue.kinds import DHP, DLL, DLP, DPL, DPP
 from gspcli.certification import study
-from gspcli.certification.balls import (
-    OUTWARD,
-    ball,
-    cross,
-    direction_vector,
-    dot,
-    float_above,
-    length_vector,
-    norm,
-)
-from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
-from gspcli.geometry.primitives import Geometry, Line, Plane, Point
+from gspcli.certification.balls import OUTWARD, cross, dot, floats_above, norm
+from gspcli.certification.poses import PoseBall
+from gspcli.certification.statement import Statement, length_scale, statements
+from gspcli.geometry.instance import Instance, Side
 
 #: A quadratic form: coefficients of the forms of `study`, by their position.
 Form = dict[int, arb]
+
+_SIGNS = {Side.POSITIVE: (1,), Side.NEGATIVE: (-1,), Side.BOTH: (1, -1)}
 
 
 @dataclass(frozen=True)
@@ -50,43 +43,11 @@ class Equation:
     squares: tuple[int, ...] = ()
 
 
-def direction(geometry: Geometry) -> list[arb]:
-    """Return balls of a line's direction or a plane's normal, up to a positive factor."""
-    if isinstance(geometry, Line):
-        return direction_vector(geometry.direction)
-    if isinstance(geometry, Plane):
-        return direction_vector(geometry.normal)
-    message = "a point has no direction"
-    raise TypeError(message)
-
-
-def angle_cosine(constraint: Constraint, unit: AngleUnit) -> arb:
-    """Return ``R u1 . u2`` of an angle constraint, for unit vectors (paper, Section 4)."""
-    angle = ball(constraint.value)
-    if unit is AngleUnit.DEGREE:
-        angle = angle * arb.pi() / 180
-    if constraint.kind is ALL:
-        return angle.cos()
-    if constraint.kind in (ALH, AHL):
-        return angle.sin()
-    return -angle.cos()
-
-
-def length_scale(instance: Instance) -> float:
-    """Return a power of two near the largest length in an instance."""
-    lengths = [abs(c.value.value) for c in instance.constraints if c.kind.is_distance]
-    for constraint in instance.constraints:
-        for geometry in (constraint.platform, constraint.base):
-            lengths += [abs(number.value) for number in geometry.position]
-    size = max(lengths)
-    return 2.0 ** math.frexp(size)[1] if 0 < size < math.inf else 1.0
-
-
 class System:
     """The equations of an instance at the working precision.
 
-    Lengths are in units of `length_scale`, a power of two, so that all coordinates are
-    of a similar size.
+    Lengths are in units of `length_scale`, a power of two, so that all coordinates are of a
+    similar size.
 
     Parameters
     ----------
@@ -97,94 +58,86 @@ class System:
     """
 
     def __init__(self, instance: Instance, precision: int) -> None:
-        self.instance = instance
         self.precision = precision
         self.scale = length_scale(instance)
+        self.statements = statements(instance)
         self._forms: list[Form] = [{study.NORM: arb(1)}, {study.STUDY: arb(1)}]
         #: For each constraint its equation, or those of its positive and its negative side.
-        self.equations = tuple(self._equations(constraint) for constraint in instance.constraints)
+        self.equations = tuple(self._equations(statement) for statement in self.statements)
         rows = [[form.get(k, arb(0)) for k in range(study.COUNT)] for form in self._forms]
         count = len(rows)
+        self._coefficients = acb_mat(arb_mat(rows))
         hessians = arb_mat(rows) * arb_mat(study.hessians())
         self._hessians = acb_mat(arb_mat(8 * count, 8, hessians.entries()))
-        self._moduli = np.array([float_above(entry) for entry in hessians.entries()])
-        self._moduli.shape = (count, 8, 8)
+        self._moduli = floats_above(hessians.entries()).reshape(count, 8, 8)
 
     @property
     def is_finite(self) -> bool:
         """Whether every coefficient is a number (``acos(2)`` is none)."""
         return bool(np.isfinite(self._moduli).all())
 
-    def _add(self, form: Form) -> int:
-        self._forms.append(form)
-        return len(self._forms) - 1
-
-    def _equations(self, constraint: Constraint) -> tuple[Equation, ...]:
-        if not constraint.kind.is_distance:
-            u, v = direction(constraint.platform), direction(constraint.base)
-            cosine = angle_cosine(constraint, self.instance.units.angle)
+    def _equations(self, given: Statement) -> tuple[Equation, ...]:
+        kind, a, b, u, v = given.kind, given.a, given.b, given.u, given.v
+        if not kind.is_distance:
             form = _rotation_form(v, u)
-            form[study.NORM] = -cosine * norm(u) * norm(v)
+            form[study.NORM] = -given.cosine * norm(u) * norm(v)
             return (Equation(self._add(form)),)
-        scale = arb(self.scale)
-        a = length_vector(constraint.platform.position, scale)
-        b = length_vector(constraint.base.position, scale)
-        d = ball(constraint.value) / scale
-        if constraint.kind is DPP:
-            return (Equation(self._add(_square_distance(a, b, d))),)
-        if constraint.kind is DPL:
-            along = direction(constraint.base)
-            return (self._distance_to_line(a, b, d, along, _base_height(a, b, along)),)
-        if constraint.kind is DLP:
-            along = direction(constraint.platform)
-            return (self._distance_to_line(a, b, d, along, _platform_height(a, b, along)),)
-        if constraint.kind in (DPH, DHP):
-            if constraint.kind is DPH:
-                normal = direction(constraint.base)
-                height = _base_height(a, b, normal)
-            else:
-                normal = direction(constraint.platform)
-                height = _scaled(_platform_height(a, b, normal), arb(-1))
-            return self._heights(height, d * norm(normal), constraint)
-        return (self._distance_of_lines(a, b, d, constraint),)
-
-    def _heights(self, height: Form, value: arb, constraint: Constraint) -> tuple[Equation, ...]:
-        sides = {Side.POSITIVE: (1,), Side.NEGATIVE: (-1,), Side.BOTH: (1, -1)}[constraint.side]
+        if kind is DPP:
+            return (Equation(self._add(_square_distance(a, b, given.value))),)
+        if kind is DLL:
+            return (self._distance_of_lines(given),)
+        # Of the other four, the point's height over the line's foot or over the plane.
+        height = _base_height(a, b, v) if v else _platform_height(a, b, u)
+        if kind in (DPL, DLP):
+            square = _square_distance(a, b, given.value)
+            axis = u or v
+            main = self._add(_scaled(square, dot(axis, axis)))
+            return (Equation(main, (self._add(height),)),)
+        if kind is DHP:
+            height = _scaled(height, arb(-1))
+        value = given.value * norm(u or v)
         return tuple(
             Equation(self._add({**height, study.NORM: height[study.NORM] - sign * value}))
-            for sign in sides
+            for sign in _SIGNS[given.side]
         )
 
-    def _distance_to_line(
-        self, a: list[arb], b: list[arb], d: arb, along: list[arb], height: Form
-    ) -> Equation:
-        square = _scaled(_square_distance(a, b, d), dot(along, along))
-        return Equation(self._add(square), (self._add(height),))
-
-    def _distance_of_lines(
-        self, a: list[arb], b: list[arb], d: arb, constraint: Constraint
-    ) -> Equation:
-        u, v = direction(constraint.platform), direction(constraint.base)
-        # (R a + T - b) . (R u x v) = v . R (a x u) + v . (T x R u) - R u . (v x b)
+    def _distance_of_lines(self, given: Statement) -> Equation:
+        a, b, u, v, d = given.a, given.b, given.u, given.v, given.value
+        # (R a + T - b) . (R u x v) = v . R (a x u) + v . (T x R u) - (v x b) . R u
         moment = _rotation_form(v, cross(a, u))
         for index, coefficient in _rotation_form(cross(v, b), u).items():
             moment[index] -= coefficient
         for i in range(3):
             for j in range(3):
                 moment[study.MOMENT[i][j]] = v[i] * u[j]
-        if constraint.value.fraction == 0:
+        if given.is_zero:
             return Equation(self._add(moment))
         main: Form = {study.NORM: d * d * dot(u, u) * dot(v, v)}
         cosine = _scaled(_rotation_form(v, u), d)
         return Equation(self._add(main), (self._add(moment), self._add(cosine)))
 
+    def _add(self, form: Form) -> int:
+        self._forms.append(form)
+        return len(self._forms) - 1
+
     def sides_at(self, point: Sequence[acb]) -> tuple[int, ...]:
         """Return for each constraint the index of the side whose equation is nearer to zero."""
+        if all(len(sides) == 1 for sides in self.equations):
+            return (0,) * len(self.equations)
         column = acb_mat(8, 1, list(point))
         values = self._values(column, self._gradients(column))
         return tuple(
             min(range(len(sides)), key=lambda k: float(values[sides[k].main].abs_upper()))
             for sides in self.equations
+        )
+
+    def excludes(self, pose: PoseBall) -> bool:
+        """Whether it is proved that no pose in these balls meets all constraints."""
+        forms = study.forms_of_pose(pose.rotation, pose.translation)
+        quadrics = (self._coefficients * acb_mat(study.COUNT, 1, forms)).entries()
+        return any(
+            not any(_value(equation, quadrics).contains(0) for equation in equations)
+            for equations in self.equations
         )
 
     def _gradients(self, column: acb_mat) -> acb_mat:
@@ -217,15 +170,14 @@ class System:
         outer[0][1] = acb(1)
         for row, (equations, side) in enumerate(zip(self.equations, sides, strict=True), 1):
             equation = equations[side]
-            value, derivative = quadrics[equation.main], acb(1)
+            values.append(_value(equation, quadrics))
             if equation.squares:
-                outer[row][study.NORM] += value
-                value, derivative = value * quadrics[0], quadrics[0]
-            outer[row][equation.main] += derivative
+                outer[row][study.NORM] += quadrics[equation.main]
+                outer[row][equation.main] += quadrics[study.NORM]
+            else:
+                outer[row][equation.main] += 1
             for index in equation.squares:
                 outer[row][index] -= 2 * quadrics[index]
-                value -= quadrics[index] * quadrics[index]
-            values.append(value)
         return acb_mat(7, 1, values), acb_mat(outer) * gradients
 
     def curvatures(self, moduli: NDArray[np.float64], sides: Sequence[int]) -> NDArray[np.float64]:
@@ -257,6 +209,15 @@ class System:
                 bound += 2 * (first[b] ** 2 + value[b] * second[b])
             bounds.append(bound)
         return np.array(bounds) * OUTWARD
+
+
+def _value(equation: Equation, quadrics: Sequence[acb]) -> acb:
+    if not equation.squares:
+        return quadrics[equation.main]
+    value = quadrics[study.NORM] * quadrics[equation.main]
+    for index in equation.squares:
+        value -= quadrics[index] * quadrics[index]
+    return value
 
 
 def _scaled(form: Form, factor: arb) -> Form:

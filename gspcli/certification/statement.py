@@ -1,0 +1,95 @@
+"""The numbers of an instance as balls, at the working precision and in one unit of length."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+from flint import arb
+
+from gspcli.catalogue.kinds import AHL, ALH, ALL, Kind
+from gspcli.certification.balls import ball, power_of_two
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
+from gspcli.geometry.primitives import Line, Plane, Point, Vector
+
+
+@dataclass(frozen=True, eq=False)
+class Statement:
+    """A constraint with balls for its numbers.
+
+    Attributes
+    ----------
+    kind, side
+        As in the constraint.
+    a, b
+        A point of the platform and of the base primitive, in units of the scale.
+    u, v
+        Direction or normal of the platform and of the base primitive, of length near one; empty
+        for points.
+    value
+        The distance in units of the scale, or the angle in radians.
+    is_zero
+        Whether the value is exactly zero.
+    unit
+        The factor that turns `value` into the units of the instance.
+    """
+
+    kind: Kind
+    side: Side
+    a: list[arb]
+    b: list[arb]
+    u: list[arb]
+    v: list[arb]
+    value: arb
+    is_zero: bool
+    unit: arb
+
+    @cached_property
+    def cosine(self) -> arb:
+        """``R u . v`` of an angle constraint, for unit vectors (paper, Section 4)."""
+        if self.kind is ALL:
+            return self.value.cos()
+        if self.kind in (ALH, AHL):
+            return self.value.sin()
+        return -self.value.cos()
+
+
+def length_scale(instance: Instance) -> float:
+    """Return a power of two next above the largest length in an instance, 1 if all vanish."""
+    lengths = [abs(c.value.value) for c in instance.constraints if c.kind.is_distance]
+    for constraint in instance.constraints:
+        for geometry in (constraint.platform, constraint.base):
+            lengths += [abs(number.value) for number in geometry.position]
+    size = max(lengths)
+    return 2.0 ** math.frexp(size)[1] if 0 < size < math.inf else 1.0
+
+
+def statements(instance: Instance) -> tuple[Statement, ...]:
+    """Return the constraints of an instance in balls, lengths in units of `length_scale`."""
+    scale = arb(length_scale(instance))
+    degree = arb.pi() / 180 if instance.units.angle is AngleUnit.DEGREE else arb(1)
+    return tuple(_statement(row, scale, degree) for row in instance.constraints)
+
+
+def _statement(constraint: Constraint, scale: arb, degree: arb) -> Statement:
+    factor = 1 / scale if constraint.kind.is_distance else degree
+    return Statement(
+        constraint.kind,
+        constraint.side,
+        [ball(number) / scale for number in constraint.platform.position],
+        [ball(number) / scale for number in constraint.base.position],
+        _direction(constraint.platform),
+        _direction(constraint.base),
+        ball(constraint.value) * factor,
+        constraint.value.fraction == 0,
+        1 / factor,
+    )
+
+
+def _direction(geometry: Point | Line | Plane) -> list[arb]:
+    if isinstance(geometry, Point):
+        return []
+    vector: Vector = geometry.direction if isinstance(geometry, Line) else geometry.normal
+    factor = power_of_two(max(abs(number.value) for number in vector))
+    return [ball(number) / factor for number in vector]
