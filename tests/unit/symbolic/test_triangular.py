@@ -66,9 +66,8 @@ def test_a_common_point_of_random_surfaces_satisfies_the_set(case):
     for _ in range(4):
         point = _vector(rng)
         elements = derive(case).at(_instance(case, point, rng))
-        assert [element.evaluate(list(zip(element.ring.gens, point))) for element in elements] == [
-            0, 0, 0,
-        ]  # fmt: skip
+        at = dict(zip("xyz", point, strict=True))
+        assert [evaluate(element, at, Rational(1)) for element in elements] == [0, 0, 0]
 
 
 @pytest.mark.parametrize("case", INTERSECTIONS)
@@ -168,7 +167,8 @@ def test_cylinder_coefficients_are_the_definition():
     expected = across.dot(across) - Matrix(u).dot(Matrix(u)) * r**2
     x, y, z = p
     monomials = [x * x, y * y, z * z, y * z, x * z, z, x * y, y, x, 1]
-    actual = sum(c * m for c, m in zip(cylinder_coefficients(a, u, r**2), monomials))
+    numbers = cylinder_coefficients(a, u, r**2)
+    actual = sum(c * m for c, m in zip(numbers, monomials, strict=True))
     assert (expected - actual).expand() == 0
 
 
