@@ -77,8 +77,16 @@ def monomials(points: NDArray[np.inexact]) -> NDArray[np.inexact]:
 
 def evaluate(quadrics: NDArray[np.inexact], points: NDArray[np.inexact]) -> NDArray[np.inexact]:
     """Return the values ``(..., P, K)`` of quadrics ``(..., K, 27)`` at points ``(..., P, 8)``."""
-    values: NDArray[np.inexact] = monomials(points) @ np.swapaxes(quadrics, -1, -2)
-    return values
+    return np.asarray(monomials(points) @ np.swapaxes(quadrics, -1, -2))
+
+
+def gradients(quadrics: NDArray[np.inexact], points: NDArray[np.inexact]) -> NDArray[np.inexact]:
+    """Return the gradients ``(P, K, 8)`` of quadrics ``(K, 27)`` at points ``(P, 8)``."""
+    a, b, c = unpack(quadrics)
+    e, f = points[:, None, :4], points[:, None, 4:]
+    by_e = np.einsum("kij,psj->pki", 2 * a, e) + np.einsum("kij,psj->pki", b, f)
+    by_f = np.einsum("kij,psi->pkj", b, e) + 2 * c[:, None] * f
+    return np.concatenate([by_e, by_f], axis=-1)
 
 
 def _rotation_forms() -> FloatArray:
@@ -144,12 +152,12 @@ def swap_quadrics(quadrics: NDArray[np.inexact]) -> NDArray[np.inexact]:
     ``z*`` is the inverse motion, so that T becomes -U and U becomes -T: the family p becomes
     q and q becomes p; the others stay. The map is its own inverse.
     """
-    return quadrics * _CONJUGATION
+    return np.asarray(quadrics * _CONJUGATION)
 
 
 def swap_points(points: NDArray[np.inexact]) -> NDArray[np.inexact]:
     """Return the inverse motions ``(e*, f*)`` of Study points ``(..., 8)``."""
-    return points * _POINT_CONJUGATION
+    return np.asarray(points * _POINT_CONJUGATION)
 
 
 def swap_letters(families: str) -> str:

@@ -5,11 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from gspcli.continuation.quadrics import COEFFICIENTS, LETTERS, ComplexArray
+from gspcli.continuation.quadrics import (
+    COEFFICIENTS,
+    LETTERS,
+    NORM,
+    ComplexArray,
+    evaluate,
+    gradients,
+)
 
 EQUATIONS = 6
 
@@ -54,6 +62,59 @@ class Structure:
             "".join(self.families[i] for i in self.order),
             tuple(self.products[i] for i in self.order),
         )
+
+
+class Coefficients(NamedTuple):
+    """The numbers of one system, or of many along leading axes."""
+
+    g: ComplexArray
+    """Quadrics or first factors, shape (..., 6, 27)."""
+    h: ComplexArray
+    """Second factors, shape (..., 6, 27); zero where there is no product."""
+    tau: ComplexArray
+    """Right-hand sides of the products, shape (..., 6); zero where there is none."""
+
+    def normalized(self) -> Coefficients:
+        """Return the same equations with every factor scaled to norm 1."""
+        size_g = np.linalg.norm(self.g, axis=-1)
+        size_h = np.linalg.norm(self.h, axis=-1)
+        size_g = np.where(size_g > 0, size_g, 1.0)
+        size_h = np.where(size_h > 0, size_h, 1.0)
+        return Coefficients(
+            self.g / size_g[..., None], self.h / size_h[..., None], self.tau / (size_g * size_h)
+        )
+
+    def scaled(self, g: ComplexArray, h: ComplexArray) -> Coefficients:
+        """Return the same equations with their factors multiplied by `g` and `h`, shape (6,)."""
+        return Coefficients(self.g * g[:, None], self.h * h[:, None], self.tau * g * h)
+
+    def towards(self, target: Coefficients, t: complex) -> Coefficients:
+        """Return the point `t` of the line from these coefficients (0) to `target` (1)."""
+        return Coefficients(
+            *(x + t * (y - x) for x, y in zip(self, target, strict=True)),
+        )
+
+    def take(self, index: int | slice | NDArray[np.intp]) -> Coefficients:
+        """Return some of many systems, by their index on the first axis."""
+        return Coefficients(self.g[index], self.h[index], self.tau[index])
+
+    def values(self, products: NDArray[np.bool_], points: ComplexArray) -> ComplexArray:
+        """Return e.f and the six equations of one system at points (P, 8): shape (P, 7)."""
+        e, f = points[:, :4], points[:, 4:]
+        g, h = evaluate(self.g, points), evaluate(self.h, points)
+        n = evaluate(NORM[None], points)
+        rows = np.where(products, g * h - self.tau * n**2, g)
+        return np.concatenate([(e * f).sum(axis=1, keepdims=True), rows], axis=1)
+
+    def jacobians(self, products: NDArray[np.bool_], points: ComplexArray) -> ComplexArray:
+        """Return the derivatives of `values` at points (P, 8): shape (P, 7, 8)."""
+        g, h = evaluate(self.g, points)[..., None], evaluate(self.h, points)[..., None]
+        n = evaluate(NORM[None], points)[..., None]
+        dg, dh = gradients(self.g, points), gradients(self.h, points)
+        product = h * dg + g * dh - 2 * n * self.tau[:, None] * gradients(NORM[None], points)
+        rows = np.where(products[:, None], product, dg)
+        study = np.roll(points, 4, axis=1)[:, None, :]
+        return np.concatenate([study, rows], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +176,11 @@ class TargetSystem:
             array.setflags(write=False)
             object.__setattr__(self, name, array)
         object.__setattr__(self, "structure", structure)
+
+    @property
+    def coefficients(self) -> Coefficients:
+        """The numbers of the system."""
+        return Coefficients(self.g, self.h, self.tau)
 
     def reordered(self, order: Sequence[int]) -> TargetSystem:
         """Return the system with its equations in another order (the same solutions)."""

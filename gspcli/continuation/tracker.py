@@ -1,28 +1,127 @@
-"""Tracking of solution paths between two systems of one structure."""
+"""Tracking of solution paths between systems of one structure, by the native kernel."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
 
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli import _kernel
+from gspcli.continuation.quadrics import ComplexArray, FloatArray
+from gspcli.continuation.systems import Coefficients
+
 
 class PathStatus(IntEnum):
     """How a path ended."""
 
     REGULAR = 0
-    """At a solution of the target with an invertible Jacobian matrix."""
+    """It reached the target, and Newton's method was run there."""
     SINGULAR = 1
-    """Stopped in front of the target, where the Jacobian matrix degenerates: endgame."""
+    """It was stopped in front of the target, where the Jacobian matrix degenerates; its point
+    belongs to the waypoint `t`."""
     FAILED = 2
-    """Stopped on the way: the step became too small, or the steps too many."""
+    """It was stopped on the way: the step became too small, or the steps too many."""
 
 
 @dataclass(frozen=True)
 class TrackerOptions:
-    """Settings of the path tracker. The presets are `DEFAULT`, `CAREFUL` and `PARANOID`."""
+    """Settings of the path tracker; the presets are `DEFAULT`, `CAREFUL` and `PARANOID`."""
 
-    max_steps: int = 500
-    """Steps (accepted and rejected) after which a path is given up."""
+    predictor_tolerance: float = 1e-4
+    """Aimed length of the first Newton correction; points have norm 1."""
+    contraction: float = 0.05
+    """Largest accepted ratio of the second to the first Newton correction."""
+    radius_fraction: float = 0.7
+    """Largest step, as a part of the estimated radius of convergence of the Taylor series."""
+    min_step: float = 1e-13
+    """A step in t below this fails."""
+    waypoint: float = 1e-3
+    """Distance 1 - t from which paths are handed to the endgame if they come within a
+    thousandth of it and still cannot step to the target."""
+    max_steps: int = 1000
+    """Accepted and rejected steps after which a path fails."""
 
 
 DEFAULT = TrackerOptions()
+CAREFUL = TrackerOptions(predictor_tolerance=1e-6, contraction=0.02, radius_fraction=0.4)
+PARANOID = TrackerOptions(
+    predictor_tolerance=1e-8, contraction=0.01, radius_fraction=0.2, max_steps=10_000
+)
+
+
+@dataclass(frozen=True, eq=False)
+class PathResults:
+    """The ends of P paths to each of B targets."""
+
+    points: ComplexArray
+    """Study points of norm 1, shape (B, P, 8)."""
+    t: FloatArray
+    """Where on the way from 0 to 1 the points are, shape (B, P)."""
+    status: NDArray[np.uint8]
+    """`PathStatus`, shape (B, P)."""
+    steps: NDArray[np.int32]
+    """Steps taken, shape (B, P)."""
+    condition: FloatArray
+    """Frobenius norm of the inverse of the Jacobian matrix with rows scaled to 1, shape (B, P);
+    like the next two, -1 unless the status is `REGULAR`."""
+    residual: FloatArray
+    """Largest absolute value of the seven equations, shape (B, P)."""
+    correction: FloatArray
+    """Length of the last Newton correction, shape (B, P)."""
+
+
+def track(
+    products: NDArray[np.bool_],
+    start: Coefficients,
+    targets: Coefficients,
+    points: ComplexArray,
+    *,
+    options: TrackerOptions = DEFAULT,
+    jobs: int = 1,
+    build: str = "",
+) -> PathResults:
+    """Track solutions of one system to each of many targets along straight lines.
+
+    The coefficients run along the line from `start` to each target as they are given: scale and
+    multiply them by random phases before. Nothing is said about paths that run into each other
+    or jump: compare the number of distinct ends with that of the paths.
+
+    Parameters
+    ----------
+    products
+        Which equations are products, shape (6,).
+    start
+        One system.
+    targets
+        B systems, with a leading axis.
+    points
+        Solutions of the start system, shape (P, 8), nonzero.
+    options
+        Settings.
+    jobs
+        Threads; the result does not depend on them.
+    build
+        Name of a build of the kernel (``portable``, ``avx2``, ``avx512``); the quickest if empty.
+
+    Returns
+    -------
+    PathResults
+        In the order of targets and points.
+    """
+    arrays = [np.ascontiguousarray(x, dtype=np.complex128) for x in (*start, *targets, points)]
+    return PathResults(
+        *_kernel.track(
+            np.ascontiguousarray(products, dtype=np.bool_),
+            *arrays,
+            predictor_tolerance=options.predictor_tolerance,
+            contraction=options.contraction,
+            radius_fraction=options.radius_fraction,
+            min_step=options.min_step,
+            waypoint=options.waypoint,
+            max_steps=options.max_steps,
+            jobs=jobs,
+            build=build,
+        )
+    )

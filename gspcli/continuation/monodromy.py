@@ -1,0 +1,177 @@
+"""Generic solution counts from nothing: monodromy loops and trace tests.
+
+All pairs (system of a family, solution of it) form an irreducible variety, because the systems
+through a given point form a linear space. So loops in the space of systems permute the solutions
+of one generic system transitively, and one solution, made by choosing the system through a
+chosen point, leads to all. That all are there is confirmed by trace tests.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.continuation.quadrics import BASES, ComplexArray, evaluate, monomials
+from gspcli.continuation.systems import EQUATIONS, Coefficients
+from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
+
+_NO_PRODUCTS = np.zeros(EQUATIONS, dtype=np.bool_)
+_QUIET_LOOPS = 8
+_MAX_LOOPS = 500
+
+
+class MonodromyError(Exception):
+    """The loops did not come to rest, or the trace test failed."""
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedFamily:
+    """A generic system of six quadrics with all its solutions."""
+
+    quadrics: ComplexArray
+    """Shape (6, 27)."""
+    points: ComplexArray
+    """Shape (count, 8), norm 1."""
+    loops: int
+    """How many loops were run."""
+    trace: float
+    """The largest relative defect of the trace tests; see `trace_defects`."""
+
+
+def random_complex(rng: np.random.Generator, *shape: int) -> ComplexArray:
+    """Return complex standard normal numbers."""
+    return rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
+
+
+def random_phases(rng: np.random.Generator, *shape: int) -> ComplexArray:
+    """Return random complex numbers of absolute value 1."""
+    return np.exp(2j * np.pi * rng.random(shape))
+
+
+def random_point(rng: np.random.Generator) -> ComplexArray:
+    """Return a random complex point of the Study quadric, norm 1, shape (8,)."""
+    e, f = random_complex(rng, 2, 4)
+    point = np.concatenate([e, f - e * (e @ f) / (e @ e)])
+    return np.asarray(point / np.linalg.norm(point))
+
+
+def random_quadrics(families: str, rng: np.random.Generator) -> ComplexArray:
+    """Return random quadrics of norm 1, one of each family named, shape (len(families), 27)."""
+    rows = np.array([random_complex(rng, len(BASES[x])) @ BASES[x] for x in families])
+    return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))
+
+
+def _through(point: ComplexArray, families: str, quadrics: ComplexArray) -> ComplexArray:
+    """Return the nearest quadrics of the same families that vanish at a point."""
+    rows = []
+    for letter, quadric in zip(families, quadrics, strict=True):
+        basis = np.linalg.qr(BASES[letter].T)[0].T
+        values = basis @ monomials(point)
+        rows.append(
+            quadric
+            - (quadric @ monomials(point)) * (values.conj() @ basis) / np.vdot(values, values)
+        )
+    return np.array(rows)
+
+
+def _coefficients(quadrics: ComplexArray) -> Coefficients:
+    return Coefficients(
+        quadrics, np.zeros_like(quadrics), np.zeros(quadrics.shape[:-1], dtype=np.complex128)
+    )
+
+
+def move(
+    start: ComplexArray,
+    target: ComplexArray,
+    points: ComplexArray,
+    options: TrackerOptions = CAREFUL,
+) -> ComplexArray:
+    """Track solutions from one generic system of six quadrics to another; keep the regular ends.
+
+    Returns
+    -------
+    ndarray
+        Shape (at most P, 8).
+    """
+    results = track(
+        _NO_PRODUCTS, _coefficients(start), _coefficients(target[None]), points, options=options
+    )
+    return results.points[0][results.status[0] == PathStatus.REGULAR]
+
+
+def _merge(points: ComplexArray, others: ComplexArray) -> ComplexArray:
+    """Return the points and those others that are none of them."""
+    for other in others:
+        if np.abs(points.conj() @ other).max() < 1 - 1e-10:
+            points = np.vstack([points, other])
+    return points
+
+
+def solve_family(families: str, rng: np.random.Generator) -> SolvedFamily:
+    """Solve a random generic system of six quadrics by monodromy.
+
+    Parameters
+    ----------
+    families
+        Six letters.
+    rng
+        Source of every random choice.
+
+    Raises
+    ------
+    MonodromyError
+        If the loops do not come to rest or a trace test fails.
+    """
+    point = random_point(rng)
+    base = _through(point, families, random_quadrics(families, rng))
+    points, quiet, loops = point[None], 0, 0
+    while quiet < _QUIET_LOOPS:
+        if loops == _MAX_LOOPS:
+            message = f"{families}: still new solutions after {loops} loops ({len(points)})"
+            raise MonodromyError(message)
+        corners = [base, *(random_quadrics(families, rng) for _ in range(2)), base]
+        ends = points
+        for start, target in zip(corners[:-1], corners[1:], strict=True):
+            ends = move(start * random_phases(rng, EQUATIONS, 1), target, ends)
+        merged = _merge(points, ends)
+        quiet = quiet + 1 if len(merged) == len(points) else 0
+        points, loops = merged, loops + 1
+    trace = trace_defects(families, base, points, rng).max()
+    if not trace < 1e-8:
+        message = f"{families}: the trace test fails ({len(points)} solutions, defect {trace:.1e})"
+        raise MonodromyError(message)
+    return SolvedFamily(base, points, loops, float(trace))
+
+
+def trace_defects(
+    families: str, quadrics: ComplexArray, points: ComplexArray, rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """Return the relative defect of one trace test for each family present.
+
+    Five equations define a curve. On it, in the chart where a quadric k of the sixth equation's
+    family is 1, the solutions of ``g + s k = 0`` are the sections with parallel hyperplanes, so
+    the sum of another coordinate m / k over *all* of them is an affine function of s, and over
+    part of them in general is not (if the curve is irreducible; each family's curve is tried).
+
+    Returns
+    -------
+    ndarray
+        Second differences of the sums, relative to the sum of absolute values.
+    """
+    defects = []
+    for letter in sorted(set(families)):
+        i = families.index(letter)
+        chart, coordinate = random_quadrics(letter * 2, rng)
+        step = random_phases(rng, 1)[0]
+        sums, size = [], 0.0
+        for s in (-step, 0.0, step):
+            shifted = quadrics.copy()
+            shifted[i] += s * chart
+            ends = points if s == 0 else move(quadrics, shifted, points)
+            top, bottom = evaluate(np.array([coordinate, chart]), ends).T
+            sums.append((top / bottom).sum())
+            size += float(np.abs(top / bottom).sum())
+        defects.append(abs(sums[0] - 2 * sums[1] + sums[2]) / size)
+    return np.array(defects)

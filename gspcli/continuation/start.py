@@ -1,0 +1,155 @@
+"""Start systems: generic systems of every structure with all their solutions.
+
+Stored are the 119 families of six quadrics up to the exchange of p and q. What they need else is
+derived: the exchange, and for products ``G H = tau N^2`` the start ``tau = 0`` with generic G and
+H, whose solutions are those of the 2^m systems with one factor of each product.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cache
+from itertools import product
+
+import numpy as np
+
+from gspcli.continuation.quadrics import (
+    LETTERS,
+    ComplexArray,
+    swap_letters,
+    swap_points,
+    swap_quadrics,
+)
+from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure
+from gspcli.continuation.tracker import CAREFUL, DEFAULT, PARANOID, PathStatus, track
+from gspcli.errors import DataError
+from gspcli.resources import data_path
+
+FOLDER = "start-systems"
+_SEED = 119
+
+
+@dataclass(frozen=True, eq=False)
+class StartSystem:
+    """A generic system and all its solutions."""
+
+    structure: Structure
+    """In canonical order."""
+    coefficients: Coefficients
+    """Factors of norm 1; `tau` is zero."""
+    points: ComplexArray
+    """All solutions, shape (paths, 8), of single precision at least: the tracker corrects them."""
+
+
+def canonical_families() -> list[str]:
+    """Return the 119 families a^i p^j q^k l^m s^n with i <= 3 and j >= k, sorted by letters."""
+    exponents = product(range(4), *[range(EQUATIONS + 1)] * 4)
+    chosen = [n for n in exponents if sum(n) == EQUATIONS and n[1] >= n[2]]
+    return ["".join(x * k for x, k in zip(LETTERS, n, strict=True)) for n in chosen]
+
+
+def pack_points(points: ComplexArray) -> ComplexArray:
+    """Return Study points (n, 8) as stored: divided by e0, without it, in a fixed order."""
+    affine = points[:, 1:] / points[:, :1]
+    return affine[np.argsort(affine[:, 0].real)].astype(np.complex64)
+
+
+def distinct(points: ComplexArray) -> bool:
+    """Return whether no two of some points (n, 8) of norm 1 agree up to a factor."""
+    gram = np.abs(points.conj() @ points.T)
+    np.fill_diagonal(gram, 0.0)
+    return bool(gram.max(initial=0.0) < 1 - 1e-10)
+
+
+@cache
+def _stored() -> tuple[ComplexArray, ComplexArray, dict[str, slice]]:
+    """Return the factors (2, 6, 5, 27), all points (n, 8), and where each family's are."""
+    manifest = json.loads(data_path(FOLDER, "manifest.json").read_text(encoding="utf-8"))
+    factors = np.load(data_path(FOLDER, "factors.npy")).astype(np.complex128)
+    affine = np.load(data_path(FOLDER, "points.npy")).astype(np.complex128)
+    slices, begin = {}, 0
+    for families, count in manifest["counts"].items():
+        slices[families] = slice(begin, begin + count)
+        begin += count
+    if begin != len(affine):
+        message = f"{FOLDER}: the manifest counts {begin} points, the file has {len(affine)}"
+        raise DataError(message)
+    points = np.concatenate([np.ones((begin, 1), dtype=np.complex128), affine], axis=1)
+    return factors, points / np.linalg.norm(points, axis=1, keepdims=True), slices
+
+
+def generic_factors(factors: ComplexArray, families: str) -> tuple[ComplexArray, ComplexArray]:
+    """Return the first and second factors (6, 27) of a canonical family from the stored table."""
+    index = [LETTERS.index(x) for x in families]
+    g, h = factors[:, np.arange(EQUATIONS), index]
+    return g, h
+
+
+@cache
+def _base(families: str) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """Return first and second factors and the solutions of a family in canonical order."""
+    factors, points, slices = _stored()
+    if families in slices:
+        return *generic_factors(factors, families), points[slices[families]]
+    swapped = Structure(swap_letters(families))
+    order = np.argsort(swapped.order)
+    mirror = swapped.canonical().families
+    if mirror not in slices:
+        message = f"no start system for the families {families!r}: at most three may be a"
+        raise ValueError(message)
+    g, h = generic_factors(factors, mirror)
+    return swap_quadrics(g)[order], swap_quadrics(h)[order], swap_points(points[slices[mirror]])
+
+
+def intersection_number(families: str) -> int:
+    """Return the stored generic number of solutions of six quadrics of the given families.
+
+    Raises
+    ------
+    ValueError
+        If more than three are of family a, so that there is no finite number.
+    """
+    return len(_base(Structure(families).canonical().families)[2])
+
+
+def path_count(structure: Structure) -> int:
+    """Return the generic number of solutions of a structure: 2^products times I."""
+    return int(2 ** sum(structure.products) * intersection_number(structure.families))
+
+
+@cache
+def start_system(structure: Structure) -> StartSystem:
+    """Return the start system of a structure in canonical order; made on first use.
+
+    Raises
+    ------
+    ValueError
+        If more than three equations are of family a.
+    DataError
+        If the stored solutions do not lead to those of the products.
+    """
+    if structure != structure.canonical():
+        message = "the structure must be in canonical order"
+        raise ValueError(message)
+    g, h, points = _base(structure.families)
+    products = np.array(structure.products)
+    zero = np.zeros(EQUATIONS, dtype=np.complex128)
+    base = Coefficients(g, np.zeros_like(h), zero)
+    coefficients = Coefficients(g, np.where(products[:, None], h, 0), zero).normalized()
+    if not products.any():
+        return StartSystem(structure, coefficients, points)
+    choices = np.array(list(product(*[(False, True) if p else (False,) for p in products])))
+    chosen = np.where(choices[:, :, None], h, g)
+    sides = Coefficients(
+        chosen, np.zeros_like(chosen), np.zeros(choices.shape, dtype=np.complex128)
+    )
+    rng = np.random.default_rng(_SEED)
+    for options in (DEFAULT, CAREFUL, CAREFUL, PARANOID):
+        phases = np.exp(2j * np.pi * rng.random(EQUATIONS))
+        start = base.scaled(phases, phases)
+        ends = track(np.zeros(EQUATIONS, dtype=np.bool_), start, sides, points, options=options)
+        if (ends.status == PathStatus.REGULAR).all() and all(map(distinct, ends.points)):
+            return StartSystem(structure, coefficients, ends.points.reshape(-1, 8))
+    message = f"the start system of {structure} could not be derived from the stored one"
+    raise DataError(message)
