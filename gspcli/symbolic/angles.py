@@ -101,7 +101,7 @@ def derive_angles() -> TriangularSet:
             Condition(times, "two solutions have the same r32", ("h2",)),
             Condition(slope, "two solutions have the same r31 and r32", ("h3",)),
             Condition(q1, "s1 and s2, or s4 and s5, are parallel", ("h4",)),
-            Condition(r31, "the third row of R is (0, r32, d1)", ("h5",)),
+            Condition(r31, "a solution has r31 = 0, where h5 does not give r21", ("h5",)),
         ),
         steps=(
             Relation("r13", slope * r13 + at_r13),

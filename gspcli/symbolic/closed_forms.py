@@ -15,6 +15,7 @@ _OTHERS: dict[str, Callable[[], TriangularSet]] = {
     "6.2": derive_example_6_2,
     "6.8": derive_example_6_8,
 }
+_NEVER_EXPANDED = ("CCC", "SCC")
 #: All cases, the intersections first.
 CASES = (*INTERSECTIONS, *_OTHERS)
 
@@ -39,3 +40,20 @@ def parse_case(text: str) -> str:
 def derive(case: str) -> TriangularSet:
     """Derive the triangular set of one of the `CASES`."""
     return _OTHERS[case]() if case in _OTHERS else derive_intersection(case)
+
+
+def expand_case(case: str) -> TriangularSet:
+    """Return the triangular set of a case with the coefficients in the parameters alone.
+
+    Raises
+    ------
+    GspError
+        For CCC and SCC, whose coefficients are too large.
+    """
+    if case in _NEVER_EXPANDED:
+        message = (
+            f"{case} is not written out in the parameters: its coefficients are expansions of "
+            "resultants of three quadrics\nits hierarchical form, without --expand, is complete"
+        )
+        raise GspError(message)
+    return derive(case).expanded()

@@ -341,9 +341,16 @@ class Elimination:
     def define(
         self, value: Polynomial, letter: str = "z", divisor: Polynomial | None = None
     ) -> Polynomial:
-        """Let the next symbol of a series stand for a polynomial, or an exact quotient."""
+        """Let the next symbol of a series stand for a polynomial, or an exact quotient.
+
+        What has a symbol already keeps it.
+        """
+        divisor = divisor or self.ring.one
+        for known in self.definitions:
+            if (known.numerator, known.divisor) == (value, divisor):
+                return self[known.symbol][0]
         symbol = next(self._unused[letter])
-        self.definitions.append(Definition(symbol, value, divisor or self.ring.one))
+        self.definitions.append(Definition(symbol, value, divisor))
         return self[symbol][0]
 
     def named(

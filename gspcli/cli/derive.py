@@ -1,0 +1,70 @@
+"""`gsp derive`: the closed forms of Section 6."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from gspcli.cli.output import Column, Output, Table, emit, output_options
+
+if TYPE_CHECKING:
+    from gspcli.symbolic.triangular import TriangularSet
+
+
+@click.command()
+@click.argument("case", required=False)
+@click.option("--expand", is_flag=True, help="Write every coefficient in the parameters alone.")
+@output_options(formats=("text", "latex", "json"), default="text")
+def command(case: str | None, expand: bool, output: Output) -> None:
+    """Derive the triangular set of a CASE of the paper's Section 6; list the cases without one.
+
+    CASE is an intersection of three surfaces (P plane, S sphere, C cylinder), as PSC; AAA for
+    three angles; or 6.2 or 6.8 for the example of that number. The set is derived anew by
+    elimination: its polynomials, the degree of each in its leading variable, the coefficients
+    z1, z2, ... written out, and the initials with what it means when they vanish.
+
+    \b
+    Examples:
+      gsp derive
+      gsp derive PSC
+      gsp derive PSC --expand --format latex
+      gsp derive AAA -o angles.json
+      gsp derive 6.2
+    """
+    from gspcli.symbolic.closed_forms import CASES, derive, expand_case, parse_case
+    from gspcli.symbolic.presentation import to_document, to_latex, to_text
+
+    if case is None:
+        emit(output, _listing([derive(name) for name in CASES]))
+        return
+    name = parse_case(case)
+    triangular = expand_case(name) if expand else derive(name)
+    if output.format == "json":
+        emit(output, (), document=to_document(triangular))
+    else:
+        form = to_latex if output.format == "latex" else to_text
+        emit(output, (), texts={output.format: form(triangular)})
+
+
+def _listing(sets: list[TriangularSet]) -> Table:
+    return Table(
+        columns=[
+            Column("case", essential=True),
+            Column("title"),
+            Column("degrees"),
+            Column("solutions", align="right", essential=True),
+            Column("source"),
+        ],
+        rows=[
+            {
+                "case": item.case,
+                "title": item.title,
+                "degrees": "·".join(str(degree) for degree in item.degrees),
+                "solutions": item.solutions,
+                "source": item.source,
+            }
+            for item in sets
+        ],
+        notes=["degrees: of each polynomial in its leading variable; solutions: their product"],
+    )
