@@ -82,23 +82,28 @@ class Realization:
         return "leg turns about its own axis" if turning else "leg slides along its own axis"
 
 
-#: The chains of the paper's figures; those of DLP, DHP and AHL are mirrored.
+#: The chains of the paper's figures; those of DLP, DHP and AHL are their mirror images.
 _FIGURES = {
-    DPP: ("S:platform P*:leg S:base", "two spherical joints, a driven slide between them", 9),
-    DPL: ("S:platform P*:leg C:base", "a spherical and a cylindrical joint, a driven slide", 7),
-    DPH: ("S:platform P*:leg E:base", "a spherical and a planar joint, a driven slide", 5),
-    DLL: (
+    (DPP,): ("S:platform P*:leg S:base", "two spherical joints, a driven slide between them", 9),
+    (DPL,): ("S:platform P*:leg C:base", "a spherical and a cylindrical joint, a driven slide", 7),
+    (DPH,): ("S:platform P*:leg E:base", "a spherical and a planar joint, a driven slide", 5),
+    (DLL,): (
         "C:platform R:leg P*:leg C:base",
         "two cylindrical joints; between them a revolute joint and a driven slide",
         10,
     ),
-    ALL: (
+    (ALL,): (
         "C:platform P:leg R*:leg C:base",
         "two cylindrical joints; between them a slide and a driven revolute joint",
         11,
     ),
-    ALH: ("C:platform R*:leg E:base", "a cylindrical and a planar joint, a driven hinge", 12),
-    AHH: ("E:platform R*:leg E:base", "two planar joints, a driven hinge between them", 13),
+    (ALH,): ("C:platform R*:leg E:base", "a cylindrical and a planar joint, a driven hinge", 12),
+    (AHH,): ("E:platform R*:leg E:base", "two planar joints, a driven hinge between them", 13),
+    (DLL, ALL): (
+        "C:platform R*:leg P*:leg C:base",
+        "two cylindrical joints; between them a driven revolute joint and a driven slide",
+        14,
+    ),
 }
 
 _THREE_HINGES = (
@@ -106,37 +111,37 @@ _THREE_HINGES = (
     "three revolute joints, the middle one driven, on three slides: an angle has no place",
     0,
 )
-#: One other chain for each kind, without idle freedoms.
+#: One other chain for each, without idle freedoms.
 _ALTERNATIVES = {
-    DPP: (
+    (DPP,): (
         "S:platform P*:leg R:across R:across-too",
         "a universal joint (two crossing revolute joints) at one end stops the leg from spinning",
         0,
     ),
-    DPL: (
+    (DPL,): (
         "S:platform P*:leg P:base R:base",
         "the cylindrical joint as a revolute joint on a slide",
         0,
     ),
-    DPH: (
+    (DPH,): (
         "S:platform P*:leg P:across P:across-too",
         "two slides in the plane instead of the planar joint",
         6,
     ),
-    DLL: (
+    (DLL,): (
         "R:platform P:platform R:leg P*:leg P:base R:base",
         "each cylindrical joint as a revolute joint and a slide",
         0,
     ),
-    ALL: _THREE_HINGES,
-    ALH: _THREE_HINGES,
-    AHH: _THREE_HINGES,
+    (ALL,): _THREE_HINGES,
+    (ALH,): _THREE_HINGES,
+    (AHH,): _THREE_HINGES,
+    (DLL, ALL): (
+        "R:platform P:platform R*:leg P*:leg P:base R:base",
+        "each cylindrical joint as a revolute joint and a slide",
+        0,
+    ),
 }
-_BOTH = (
-    "C:platform R*:leg P*:leg C:base",
-    "two cylindrical joints; between them a driven revolute joint and a driven slide",
-    14,
-)
 
 
 @cache
@@ -147,24 +152,23 @@ def realization(*kinds: Kind) -> Realization:
     >>> realization(DLP).chain.name
     'C-P*-S'
     """
-    if len(kinds) > 1:
-        text, words, figure = _BOTH
-        return Realization(kinds, chain(text), words, figure)
-    return _from(_FIGURES, kinds[0])
+    return _from(_FIGURES, kinds)
 
 
 @cache
-def alternative(kind: Kind) -> Realization:
-    """Return another chain for the same constraint, without idle freedoms."""
-    return _from(_ALTERNATIVES, kind)
+def alternative(*kinds: Kind) -> Realization:
+    """Return another chain for the same constraints, without idle freedoms."""
+    return _from(_ALTERNATIVES, kinds)
 
 
-def _from(chains: Mapping[Kind, tuple[str, str, int]], kind: Kind) -> Realization:
-    if kind in chains:
-        text, words, figure = chains[kind]
-        return Realization((kind,), chain(text), words, figure)
-    text, words, figure = chains[kind.mirrored]
-    return Realization((kind,), chain(text).mirrored, words, figure)
+def _from(
+    chains: Mapping[tuple[Kind, ...], tuple[str, str, int]], kinds: tuple[Kind, ...]
+) -> Realization:
+    if kinds in chains:
+        text, words, figure = chains[kinds]
+        return Realization(kinds, chain(text), words, figure)
+    text, words, figure = chains[tuple(kind.mirrored for kind in kinds)]
+    return Realization(kinds, chain(text).mirrored, words, figure)
 
 
 #: A platform's and a base's primitive in general position: a point of each and its direction.

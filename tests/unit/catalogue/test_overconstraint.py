@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import random
+from collections import Counter
 from collections.abc import Iterable, Sequence
 
 import pytest
 
 from gspcli.catalogue.coincidence import Bond, Vertex, coincident_types, parse_sharing
+from gspcli.catalogue.coincidence_counts import count_coincident
 from gspcli.catalogue.overconstraint import over_constraint
 from gspcli.catalogue.types import GspType, all_types
 
@@ -88,6 +90,21 @@ def test_counting_finds_all_that_is_dependent(gsp_type: GspType) -> None:
     for pattern in coincident_types(gsp_type):
         independent = rank(gradient(bond, PLACE) for bond in pattern.bonds) == 6
         assert independent == (over_constraint(pattern.bonds) is None), pattern.notation
+
+
+@pytest.mark.slow
+def test_counting_finds_all_that_is_dependent_in_every_type() -> None:
+    dependent: Counter[str] = Counter()
+    for gsp_type in all_types():
+        patterns = 0
+        for pattern in coincident_types(gsp_type):
+            patterns += 1
+            found = over_constraint(pattern.bonds)
+            independent = rank(gradient(bond, PLACE) for bond in pattern.bonds) == 6
+            assert independent == (found is None), pattern.notation
+            dependent[gsp_type.platform_class.id] += found is not None
+        assert patterns == count_coincident(gsp_type)
+    print(dict(dependent))
 
 
 @pytest.mark.parametrize(

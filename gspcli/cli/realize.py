@@ -1,0 +1,170 @@
+"""`gsp realize`: a platform as a mechanism of links and joints."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from gspcli.catalogue.coincidence import Connection, coincident_types, parse_sharing
+from gspcli.catalogue.mechanism import Mechanism, MountedChain, mechanism
+from gspcli.catalogue.overconstraint import over_constraint
+from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.realization import Realization, alternative
+from gspcli.catalogue.types import GspType
+from gspcli.cli.output import Column, Output, Table, emit, output_options
+
+_SUFFIXES = (".yaml", ".yml", ".json")
+_BOND = re.compile(r"[PLH]\d+[-^]")
+
+_COLUMNS = [
+    Column("number", "", align="right", essential=True),
+    Column("constraints", align="right", essential=True),
+    Column("kinds", essential=True),
+    Column("platform"),
+    Column("base"),
+    Column("chain", essential=True),
+    Column("joint_freedoms", "Σf", align="right"),
+    Column("idle_freedoms", "idle", align="right"),
+    Column("idle_motion", "idle motion"),
+    Column("alternative"),
+    Column("held_freedoms", "held", align="right"),
+    Column("figure", align="right"),
+]
+
+
+@click.command()
+@click.argument("names", nargs=-1, required=True, metavar="TYPE|PATTERN|SPEC")
+@output_options()
+def command(names: tuple[str, ...], output: Output) -> None:
+    """Show a mechanism that realizes a platform: a chain of joints for each constraint.
+
+    A TYPE has distinct primitives; a PATTERN names those that constraints share
+    (P1-p2 is a distance, L1^l2 an angle); a SPEC is an instance file, or - for standard
+    input. DLL and ALL between the same two lines make one chain with two driven joints.
+
+    \b
+    Joints: R revolute, P prismatic, C cylindrical, S spherical, E planar; * is driven.
+    Σf is the sum of their freedoms; idle ones do not move the platform; held are those
+    that a chain leaves the platform when its driven joints are held.
+
+    \b
+    Examples:
+      gsp realize DPL DPL DPL ALL ALL ALL
+      gsp realize 6PP --format markdown
+      gsp realize "L1-l3 L1^l3 L2-l4 L2^l4 L1^l4 L2-l3"
+      gsp realize platform.yaml
+    """
+    title, gsp_type, connections = _platform(names)
+    built = mechanism(connections)
+    dependent = over_constraint(connections)
+    notes = [built.sum_shown]
+    notes += [f"{s.name}: {s.joints} (chains {_numbers(s.chains)})" for s in built.shared]
+    if dependent:
+        notes.append(f"the platform is never fixed: {dependent.reason}")
+    rows = [{"number": n, **_row(mounted)} for n, mounted in enumerate(built.chains, start=1)]
+    emit(
+        output,
+        Table(_COLUMNS, rows, title=title, notes=notes),
+        document={
+            "schema": "gsp.realize/1",
+            "type": {
+                "id": gsp_type.id,
+                "number": gsp_type.number,
+                "class": gsp_type.platform_class.id,
+            },
+            "chains": [_document(mounted) for mounted in built.chains],
+            "shared": [
+                {
+                    "body": shared.body,
+                    "name": shared.name,
+                    "joints": shared.joints,
+                    "chains": [index + 1 for index in shared.chains],
+                }
+                for shared in built.shared
+            ],
+            "mobility": _mobility(built),
+            "over_constraint": dependent.reason if dependent else None,
+        },
+    )
+
+
+def _platform(names: Sequence[str]) -> tuple[str, GspType, Sequence[Connection]]:
+    """Return what was named: its title, its type and its constraints."""
+    if len(names) == 1 and (names[0] == "-" or names[0].endswith(_SUFFIXES) or _is_file(names[0])):
+        from gspcli.spec import load
+
+        instance = load(names[0])
+        title = f"{instance.name}: {instance.type}" if instance.name else str(instance.type)
+        return title, instance.type, instance.constraints
+    text = " ".join(names)
+    if _BOND.match(text):
+        pattern = parse_sharing(text)
+        return f"{pattern.type} ({pattern.id})", pattern.type, pattern.bonds
+    gsp_type = parse_type(names)
+    return f"{gsp_type.id} ({gsp_type.number})", gsp_type, next(coincident_types(gsp_type)).bonds
+
+
+def _is_file(name: str) -> bool:
+    return Path(name).is_file()
+
+
+def _numbers(indices: Sequence[int]) -> str:
+    return " ".join(str(index + 1) for index in indices)
+
+
+def _row(mounted: MountedChain) -> dict[str, Any]:
+    realization = mounted.realization
+    return {
+        "constraints": _numbers(mounted.constraints),
+        "kinds": " ".join(kind.name for kind in realization.kinds),
+        "platform": mounted.platform_name,
+        "base": mounted.base_name,
+        "chain": realization.chain.drawing,
+        "joint_freedoms": realization.chain.freedoms,
+        "idle_freedoms": realization.idle_freedoms,
+        "idle_motion": realization.idle_motion or None,
+        "alternative": alternative(*realization.kinds).chain.name,
+        "held_freedoms": realization.held_freedoms,
+        "figure": realization.figure or None,
+    }
+
+
+def _document(mounted: MountedChain) -> dict[str, Any]:
+    return {
+        "constraints": [index + 1 for index in mounted.constraints],
+        "kinds": [kind.name for kind in mounted.realization.kinds],
+        "platform": mounted.platform_name,
+        "base": mounted.base_name,
+        **_chain(mounted.realization),
+        "alternative": _chain(alternative(*mounted.realization.kinds)),
+    }
+
+
+def _chain(realization: Realization) -> dict[str, Any]:
+    return {
+        "chain": realization.chain.name,
+        "description": realization.description,
+        "figure": realization.figure or None,
+        "joint_freedoms": realization.chain.freedoms,
+        "idle_freedoms": realization.idle_freedoms,
+        "idle_motion": realization.idle_motion or None,
+        "freedoms": realization.freedoms,
+        "held_freedoms": realization.held_freedoms,
+    }
+
+
+def _mobility(built: Mechanism) -> dict[str, Any]:
+    return {
+        "links": built.links,
+        "joints": built.joints,
+        "joint_freedoms": built.joint_freedoms,
+        "kutzbach_gruebler": built.mobility,
+        "idle_freedoms": built.idle_freedoms,
+        "moving_freedoms": built.moving_freedoms,
+        "driven": built.driven,
+        "sum": built.sum_shown,
+    }
