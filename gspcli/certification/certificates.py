@@ -170,19 +170,20 @@ class _Candidate:
             return
         self.point = list(result.centre)
         self.isolation, self.pose = result, pose
-        self.deviation = float_above(pose.deviation(self.given))
+        nearest, farthest = pose.deviation(self.given)
+        self.deviation = float_above(farthest)
         real = result.real
         self.measurements = measure(system, pose) if real else []
-        self.outcome, self.is_open = self._judge(tolerance, real)
-        if self.outcome is Outcome.TOO_FAR and system.excludes(self.given.widened(tolerance)):
+        if self.deviation <= tolerance:
+            self.outcome, self.is_open = self._judge(real)
+        elif system.excludes(self.given.widened(tolerance)):
             self.outcome, self.is_open = Outcome.REFUTED, False
-
-    def _judge(self, tolerance: float, real: bool | None) -> tuple[Outcome, bool]:
-        """Return the outcome, and whether a higher precision could change or complete it."""
-        assert self.isolation is not None
-        if self.deviation > tolerance:
+        else:
             # The error of the solution is part of the bound, and shrinks with the precision.
-            return Outcome.TOO_FAR, float(self.isolation.error) > tolerance / 1024
+            self.outcome, self.is_open = Outcome.TOO_FAR, not nearest > tolerance
+
+    def _judge(self, real: bool | None) -> tuple[Outcome, bool]:
+        """Return the outcome of a solution nearby, and whether something is still open."""
         if any(not m.value.overlaps(m.stated) for m in self.measurements):
             return Outcome.NOT_AS_STATED, False
         decided = all(m.value.is_finite() for m in self.measurements) and not any(

@@ -34,9 +34,10 @@ class PoseBall:
             [entry + around for entry in self.translation],
         )
 
-    def deviation(self, other: PoseBall) -> arb:
-        """Bound the largest difference of any of the numbers of two poses."""
-        return largest([x - y for x, y in zip(self.entries, other.entries, strict=True)])
+    def deviation(self, other: PoseBall) -> tuple[arb, arb]:
+        """Bound the largest difference of any of the numbers of two poses, below and above."""
+        gaps = [x - y for x, y in zip(self.entries, other.entries, strict=True)]
+        return max(gap.abs_lower() for gap in gaps), largest(gaps)
 
 
 def pose_of_point(point: Sequence[acb]) -> PoseBall | None:
