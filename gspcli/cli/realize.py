@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import click
@@ -15,9 +14,9 @@ from gspcli.catalogue.overconstraint import over_constraint
 from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.realization import Realization, alternative
 from gspcli.catalogue.types import GspType
+from gspcli.cli.names import is_file, load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 
-_SUFFIXES = (".yaml", ".yml", ".json")
 _BOND = re.compile(r"[PLH]\d+[-^]")
 
 _COLUMNS = [
@@ -94,10 +93,8 @@ def command(names: tuple[str, ...], output: Output) -> None:
 
 def _platform(names: Sequence[str]) -> tuple[str, GspType, Sequence[Connection]]:
     """Return what was named: its title, its type and its constraints."""
-    if len(names) == 1 and (names[0] == "-" or names[0].endswith(_SUFFIXES) or _is_file(names[0])):
-        from gspcli.spec import load
-
-        instance = load(names[0])
+    if len(names) == 1 and is_file(names[0]):
+        instance = load_instance(names[0])
         title = f"{instance.name}: {instance.type}" if instance.name else str(instance.type)
         return title, instance.type, instance.constraints
     text = " ".join(names)
@@ -106,10 +103,6 @@ def _platform(names: Sequence[str]) -> tuple[str, GspType, Sequence[Connection]]
         return f"{pattern.type} ({pattern.id})", pattern.type, pattern.bonds
     gsp_type = parse_type(names)
     return f"{gsp_type.id} ({gsp_type.number})", gsp_type, next(coincident_types(gsp_type)).bonds
-
-
-def _is_file(name: str) -> bool:
-    return Path(name).is_file()
 
 
 def _numbers(indices: Sequence[int]) -> str:
