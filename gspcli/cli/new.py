@@ -1,0 +1,130 @@
+"""`gsp new`: a random instance of a type, or a template to fill in."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from gspcli.cli.output import Output, write
+from gspcli.errors import GspError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from gspcli.catalogue.coincidence import Bond
+    from gspcli.catalogue.kinds import Kind
+    from gspcli.catalogue.types import GspType
+    from gspcli.geometry.instance import Instance
+
+_PATTERN_WORD = re.compile(r"[PLH]\d+[-^][plh]\d+")
+_SORTS = {"P": "point", "L": "line", "H": "plane"}
+#: Comments of a template, by the key that begins the line.
+_COMMENTS = {
+    "gsp": "version of the file format",
+    "units": "length: any name; angle: deg or rad",
+    "platform": "points, lines and planes of the moving body, in its own frame",
+    "base": "those of the fixed body, in its frame",
+    "constraints": "exactly six; the platform's primitive comes first",
+}
+_TEMPLATE_HEAD = """\
+# Replace the numbers by yours, then: gsp check FILE. They are taken exactly as written, and may be
+# expressions such as 1/3, sqrt(3)/2 or 2*cos(pi/5). A direction or normal may have any length.
+# A primitive may serve in several constraints: use its name again. Optional keys: name, source.
+"""
+
+
+@click.command()
+@click.argument("type_words", metavar="TYPE...", nargs=-1, required=True)
+@click.option("--template", is_flag=True, help="Write comments that explain how to fill it in.")
+@click.option("--seed", default=0, show_default=True, type=click.IntRange(min=0))
+@click.option(
+    "--digits",
+    default=3,
+    show_default=True,
+    type=click.IntRange(1, 15),
+    help="Decimals of every number.",
+)
+@click.option("--planar", is_flag=True, help="Put the points of each body in one plane.")
+@click.option("--one-sided", is_flag=True, help="State a side for each PH and HP distance.")
+@click.option("-o", "--output", "path", metavar="FILE", help="Write to FILE instead of stdout.")
+@click.option("--force", is_flag=True, help="Overwrite FILE.")
+def command(
+    type_words: tuple[str, ...],
+    template: bool,
+    seed: int,
+    digits: int,
+    planar: bool,
+    one_sided: bool,
+    path: str | None,
+    force: bool,
+) -> None:
+    """Write a random instance of a type, with at least one real pose, as YAML.
+
+    TYPE is a name in any spelling, a number from 1 to 3850, or a pattern of shared
+    primitives as `gsp enumerate --coincident` lists them: capitals on the platform,
+    small letters on the base, - for a distance and ^ for an angle.
+
+    \b
+    Examples:
+      gsp new 3D3A PL PL LP ALL ALH AHH
+      gsp new 6PP --planar --seed 7 -o planar.yaml
+      gsp new 6PH --one-sided | gsp check -
+      gsp new P1-p1 P1-p2 P2-p2 P2-p3 P3-p3 P3-p1
+      gsp new 421 --template -o platform.yaml
+    """
+    target = None if path in (None, "-") else Path(str(path))
+    if target is not None and target.exists() and not force:
+        message = f"{target}: exists already: choose another name, or overwrite it with --force"
+        raise GspError(message)
+    import numpy as np
+
+    from gspcli.solve.generate import random_instance
+    from gspcli.spec import dumps
+
+    rng = np.random.default_rng(seed)
+    instance, _ = random_instance(
+        _pattern(type_words), rng, digits=digits, planar=planar, one_sided=one_sided
+    )
+    gsp_type = instance.type
+    head = f"# {gsp_type.id} (type {gsp_type.number}, {gsp_type.platform_class})\n"
+    text = dumps(instance)
+    if template:
+        head += _TEMPLATE_HEAD
+        text = _commented(text, instance)
+    write(Output("yaml", target), head + text)
+
+
+def _pattern(words: tuple[str, ...]) -> GspType | Sequence[Bond]:
+    from gspcli.catalogue.coincidence import parse_sharing
+    from gspcli.catalogue.parsing import parse_type
+
+    joined = " ".join(words)
+    if any(_PATTERN_WORD.fullmatch(word) for word in joined.split()):
+        return parse_sharing(joined).bonds
+    return parse_type(joined)
+
+
+def _commented(text: str, instance: Instance) -> str:
+    """Return the text of an instance with a comment in the lines that need one."""
+    comments = iter(_explained(constraint.kind) for constraint in instance.constraints)
+    lines = []
+    for line in text.splitlines():
+        comment = _COMMENTS.get(line.partition(":")[0])
+        if line.startswith("  - "):
+            comment = next(comments)
+        lines.append(f"{line}  # {comment}" if comment else line)
+    return "\n".join(lines) + "\n"
+
+
+def _explained(kind: Kind) -> str:
+    what = "distance" if kind.is_distance else "angle"
+    platform, base = _SORTS[kind.platform.value], _SORTS[kind.base.value]
+    text = f"{kind.name}: {what} of a platform {platform} and a base {base}"
+    if kind.has_sides:
+        return text + "; side: positive, negative or both"
+    if not kind.is_distance:
+        return text + (", 0 to 180" if kind.platform is kind.base else ", -90 to 90")
+    return text
