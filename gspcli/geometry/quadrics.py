@@ -240,6 +240,8 @@ class RootSet:
 _RANK = (1e-13, 1e-10)
 #: Largest value of normalised quadrics at a point that counts as a point of theirs.
 _ON = 1e-12
+#: Largest estimated error of a multiple point.
+_CLUSTER_ACCURACY = 1e-10
 #: Radii at which eigenvalues are taken together as one multiple point, tried in turn.
 _RADII = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 5e-2)
 
@@ -374,22 +376,25 @@ def _multiple(
     """
     n = len(multiplications)
     centre = eigenvalues[cluster].mean()
-    inner = max(float(np.abs(eigenvalues[cluster] - centre).max()), 1e-6)
+    inner = float(np.abs(eigenvalues[cluster] - centre).max())
     others = np.delete(eigenvalues, cluster)
-    outer = float(np.abs(others - centre).min()) if others.size else 100 * inner
-    if outer < 2 * inner:
+    outer = min(float(np.abs(others - centre).min()), 1.0) if others.size else 1.0
+    if outer < 4 * inner:
         return None
-    circle = np.sqrt(inner * outer) * np.exp(2j * np.pi * np.arange(64) / 64)
+    # A wide circle: the resolvent of a multiple point grows fast towards its centre.
+    circle = outer / 2 * np.exp(2j * np.pi * np.arange(64) / 64)
     resolvent = np.linalg.inv((centre + circle)[:, None, None] * np.eye(2**n) - mixed)
     projector = np.einsum("c,cij->ij", circle, resolvent) / 64
-    if abs(np.trace(projector) - len(cluster)) > 1e-6:
+    error = float(100 * _EPS * np.linalg.norm(projector))
+    # A large projector belongs to a part of a larger cluster.
+    if abs(np.trace(projector) - len(cluster)) > 1e-6 or error > _CLUSTER_ACCURACY:
         return None
     affine = np.einsum("ij,kji->k", projector, multiplications) / len(cluster)
     z = _normalised(np.concatenate(([1.0], affine)))
     values = np.einsum("i,kij,j->k", z, forms, z)
     if np.abs(values).max() > _ON:
         return None
-    return z, float(_EPS * np.linalg.norm(projector) * 100)
+    return z, error
 
 
 def _with_components(forms: Field, rng: np.random.Generator) -> tuple[Complex, Array, Complex]:

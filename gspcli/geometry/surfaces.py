@@ -209,16 +209,37 @@ def generic_positions(given: Surfaces) -> tuple[Field, Array, NDArray[np.bool_]]
     bordered[..., k:, :] = _directions()[k:]
     try:
         inverse = np.linalg.inv(bordered)
+        size = np.sqrt((np.abs(inverse) ** 2).sum(axis=(-2, -1)))
+        basis = inverse[..., k:] / size[..., None, None]
+        across = np.swapaxes(basis, -1, -2)
+        points, errors, ok = generic_roots(
+            across[:, :, None] @ quadrics[:, None] @ basis[:, :, None]
+        )
+        X = _corrected(linear, quadrics, points @ across)
     except np.linalg.LinAlgError:
-        # Some planes are exactly parallel somewhere; the rest is solved all the same.
-        inverse = np.linalg.inv(bordered + 1e-30 * _directions())
-    size = np.sqrt((np.abs(inverse) ** 2).sum(axis=(-2, -1)))
-    basis = inverse[..., k:] / size[..., None, None]
-    restricted = np.swapaxes(basis, -1, -2)[:, :, None] @ quadrics[:, None] @ basis[:, :, None]
-    points, errors, ok = generic_roots(restricted)
-    X = points @ np.swapaxes(basis, -1, -2)
+        # Exactly singular somewhere: planes are parallel or surfaces touch.
+        shape = (f, s, 2 ** quadrics.shape[1])
+        return np.full((*shape, 4), np.nan), np.full(shape, np.inf), np.zeros((f, s), bool)
+    return X, (errors + _EPS) * size[..., None], ok & (size < _KERNEL)
+
+
+def _corrected(linear: Field, quadrics: Field, X: Field) -> Field:
+    """Return points after one Newton step on the planes and quadrics themselves, norm 1.
+
+    The basis in which the points were found may be ill-conditioned; the step repairs that.
+    """
     X = X / np.sqrt((np.abs(X) ** 2).sum(axis=-1, keepdims=True))
-    return X, errors * size[..., None] + _EPS * size[..., None], ok & (size < _KERNEL)
+    k = linear.shape[2]
+    halves = np.einsum("fmij,fspj->fspmi", quadrics, X)
+    matrix = np.empty((*X.shape, 4), X.dtype)
+    matrix[..., :k, :] = linear[:, :, None]
+    matrix[..., k:3, :] = 2 * halves
+    matrix[..., 3, :] = X.conj()
+    values = np.zeros((*X.shape, 1), X.dtype)
+    values[..., :k, 0] = X @ np.swapaxes(linear, -1, -2)
+    values[..., k:3, 0] = np.einsum("fspmi,fspi->fspm", halves, X)
+    X = X - np.linalg.solve(matrix, values)[..., 0]
+    return X / np.sqrt((np.abs(X) ** 2).sum(axis=-1, keepdims=True))
 
 
 @dataclass(frozen=True, eq=False)

@@ -140,9 +140,7 @@ class _Ledger:
         if np.iscomplexobj(R):
             self.isolated.append((R.conj(), T.conj(), real, multiplicity))
 
-    def _add_carefully(
-        self, given: Arrangement, R: Field, multiplicity: int, both: int
-    ) -> None:
+    def _add_carefully(self, given: Arrangement, R: Field, multiplicity: int, both: int) -> None:
         """Add the poses of one isolated rotation, whatever the position of its surfaces."""
         T, counts, samples, lost = _translations(given, R)
         real = np.zeros(len(T), bool)

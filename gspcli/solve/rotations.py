@@ -113,6 +113,7 @@ def _careful(forms: Field) -> Rotations:
         samples=rotation_from_quaternion(samples[on_curve]),
         at_infinity=int(mult[~finite].sum() + (~on_curve).sum()),
         on_curves=int(on_curve.sum()),
-        lost=ROTATIONS - int(mult[~finite].sum() + mult[real].sum() + 2 * mult[upper].sum())
+        lost=ROTATIONS
+        - int(mult[~finite].sum() + mult[real].sum() + 2 * mult[upper].sum())
         - len(samples),
     )
