@@ -90,6 +90,8 @@ class ConstraintFacts:
         The smallest coordinates in which they are reached.
     degrees
         The lowest degrees in every set of coordinates that can express the constraint.
+    fixed_orientation
+        The lowest degrees in T when R is constant; None for angles.
     loci
         ``generic`` and, for two lines, ``parallel``; empty for angles.
     """
@@ -102,6 +104,7 @@ class ConstraintFacts:
     lowest: Degrees
     lowest_coordinates: str
     degrees: Mapping[str, LowestDegrees]
+    fixed_orientation: LowestDegrees | None
     loci: Mapping[str, Locus]
 
     @property
@@ -139,6 +142,7 @@ def _all_facts() -> dict[Kind, ConstraintFacts]:
             Degrees(lowest["two_sided"], lowest["one_sided"]),
             lowest["coordinates"],
             {name: LowestDegrees(**row) for name, row in record["degrees"].items()},
+            LowestDegrees(**fixed) if (fixed := record["fixed_orientation"]) else None,
             {case: Locus(**locus) for case, locus in record["loci"].items()},
         )
     return facts

@@ -37,6 +37,11 @@ class Variety:
     degree: int
     hilbert_numerator: tuple[int, ...]
 
+    @property
+    def label(self) -> str:
+        """The coordinates as people write them, such as ``(R, T, U, ρ)``."""
+        return coordinates_label(self.coordinates)
+
 
 #: Lazard's coordinates and Mourrain's, with 16 and with 25 entries (Section 3).
 LAZARD = "R,T,U"
@@ -44,6 +49,15 @@ MOURRAIN_16 = "R,T,U,rho"
 MOURRAIN = "R,T,U,rho,TxR"
 #: The rotations alone.
 ROTATIONS = "R"
+
+
+def coordinates_label(coordinates: str) -> str:
+    """Return coordinates as people write them.
+
+    >>> coordinates_label("R,T,U,rho,TxR")
+    '(R, T, U, ρ, T×R)'
+    """
+    return f"({coordinates.replace('rho', 'ρ').replace('x', '×').replace(',', ', ')})"
 
 
 @cache

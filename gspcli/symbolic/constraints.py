@@ -11,6 +11,7 @@ Names: on the platform the point Y, the line (B, v) and the plane (B, normal v);
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
@@ -24,6 +25,7 @@ from gspcli.symbolic.coordinates import (
     CoordinateSystem,
 )
 from gspcli.symbolic.forms import (
+    RHO,
     TRANSLATION,
     Frame,
     Sum,
@@ -39,6 +41,8 @@ from gspcli.symbolic.forms import (
 )
 
 DISTANCE, ANGLE = Symbol("d"), Symbol("alpha")
+#: The degree of each block in T when R is constant.
+FIXED_ORIENTATION = {"R": 0, "T": 1, "U": 1, "rho": 2, "TxR": 1}
 _ONE = sympy.Integer(1)
 
 
@@ -233,22 +237,36 @@ def _angle_value(kind: Kind) -> Expr:
 
 
 def equation(
-    kind: Kind, coordinates: CoordinateSystem, *, one_sided: bool = False
+    kind: Kind, weights: Mapping[str, int], *, one_sided: bool = False
 ) -> tuple[Equation, int] | None:
-    """Return an equation of lowest degree in the given coordinates, and that degree.
+    """Return an equation of lowest degree and that degree.
 
-    None if the coordinates do not determine what the constraint measures. That no polynomial of
-    lower degree has the zeros of the constraint is shown in `gspcli.symbolic.degrees`.
+    That no polynomial of lower degree has the zeros of the constraint is shown in
+    `gspcli.symbolic.degrees`.
+
+    Parameters
+    ----------
+    kind
+        The kind of constraint.
+    weights
+        The degree of each block, `CoordinateSystem.degrees` or `FIXED_ORIENTATION`.
+    one_sided
+        Whether the side of a DPH or DHP is chosen.
+
+    Returns
+    -------
+    tuple or None
+        None if the blocks do not determine what the constraint measures.
     """
     found: tuple[Equation, int] | None = None
     for candidate in equations(kind, one_sided=one_sided):
-        its_degree = degree(candidate.left - candidate.right, coordinates)
+        its_degree = degree(candidate.left - candidate.right, weights)
         if its_degree is not None and (found is None or its_degree < found[1]):
             found = candidate, its_degree
     return found
 
 
-def difference_degree(kind: Kind, coordinates: CoordinateSystem) -> int | None:
+def difference_degree(kind: Kind, weights: Mapping[str, int]) -> int | None:
     """Return the degree of the difference of two constraints of a kind.
 
     Less than that of one of them where their leading forms agree whatever the geometry: |T|² for
@@ -258,9 +276,9 @@ def difference_degree(kind: Kind, coordinates: CoordinateSystem) -> int | None:
     for candidate in equations(kind):
         form = candidate.left - candidate.right
         renamed = form.xreplace(
-            {Symbol(name): Symbol(name + "'") for name in ("Y", "B", "v", "X", "A", "u", "d")}
+            {symbol: Symbol(f"{symbol}'") for symbol in form.free_symbols if symbol != RHO}
         )
-        degrees.append(degree(sympy.expand(form - renamed), coordinates))
+        degrees.append(degree(sympy.expand(form - renamed), weights))
     return min((d for d in degrees if d is not None), default=None)
 
 
@@ -271,7 +289,7 @@ def paper_degree(kind: Kind, coordinates: CoordinateSystem, *, one_sided: bool =
     first rewrites in U and, in Mourrain's coordinates, ρ (equations (5) and (6)).
     """
     if not setting(kind).directions:
-        found = equation(kind, coordinates)
+        found = equation(kind, coordinates.degrees)
         assert found is not None, coordinates
         return found[1]
     written = written_equation(kind, one_sided=one_sided)
@@ -339,7 +357,7 @@ def lowest_degree(kind: Kind, *, one_sided: bool = False) -> LowestDegree:
     """Search the coordinates for the lowest degree of a constraint; the smallest ones win."""
     best: LowestDegree | None = None
     for coordinates in SYSTEMS:
-        found = equation(kind, coordinates, one_sided=one_sided)
+        found = equation(kind, coordinates.degrees, one_sided=one_sided)
         if found is not None and (best is None or found[1] < best.degree):
             best = LowestDegree(found[1], coordinates, found[0])
     assert best is not None, kind

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.varieties import varieties
 from gspcli.symbolic.constraints import (
+    FIXED_ORIENTATION,
     difference_degree,
     equation,
     lowest_degree,
@@ -21,29 +23,26 @@ from gspcli.symbolic.coordinates import (
     system,
 )
 from gspcli.symbolic.degrees import SPARE_POINTS, constrained_motions, excludes_degree
+from gspcli.symbolic.equation_text import LATEX, TEXT, definition, written
 from gspcli.symbolic.loci import loci
-from gspcli.symbolic.notation import LATEX, TEXT, definition, written
 from gspcli.symbolic.varieties import hilbert_function
 
 
 def degree_table(kind: Kind) -> dict[str, dict[str, int]]:
-    """Return the lowest degrees of a kind in each set of coordinates that can express it.
+    """Return the lowest degrees of a kind in each set of coordinates that can express it."""
+    rows = {system.name: _degrees(kind, system.degrees) for system in SYSTEMS}
+    return {name: row for name, row in rows.items() if row is not None}
 
-    Keys of a row: ``two_sided`` and ``one_sided``, the degree of one constraint, and
-    ``difference``, the degree of the difference of two where it is lower.
-    """
-    table: dict[str, dict[str, int]] = {}
-    for coordinates in SYSTEMS:
-        two_sided = equation(kind, coordinates)
-        one_sided = equation(kind, coordinates, one_sided=True)
-        difference = difference_degree(kind, coordinates)
-        if two_sided is None or one_sided is None or difference is None:
-            continue
-        row = {"two_sided": two_sided[1], "one_sided": one_sided[1]}
-        if difference < one_sided[1]:
-            row["difference"] = difference
-        table[coordinates.name] = row
-    return table
+
+def _degrees(kind: Kind, weights: Mapping[str, int]) -> dict[str, int] | None:
+    """Return the degrees of one constraint, and of the difference of two where it is lower."""
+    two_sided = equation(kind, weights)
+    one_sided = equation(kind, weights, one_sided=True)
+    difference = difference_degree(kind, weights)
+    if two_sided is None or one_sided is None or difference is None:
+        return None
+    row = {"two_sided": two_sided[1], "one_sided": one_sided[1]}
+    return row | ({"difference": difference} if difference < one_sided[1] else {})
 
 
 def constraint_facts(kind: Kind) -> dict[str, Any]:
@@ -68,12 +67,13 @@ def constraint_facts(kind: Kind) -> dict[str, Any]:
             "form": lowest.equation.form,
         },
         "degrees": degree_table(kind),
+        "fixed_orientation": _degrees(kind, FIXED_ORIENTATION) if kind.is_distance else None,
         "loci": {case: asdict(locus) for case, locus in loci(kind).items()},
     }
 
 
 def _equation(kind: Kind, coordinates: CoordinateSystem) -> dict[str, str]:
-    found = equation(kind, coordinates)
+    found = equation(kind, coordinates.degrees)
     assert found is not None, (kind, coordinates)
     return {
         name: written(found[0], kind, coordinates, style)

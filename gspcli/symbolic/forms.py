@@ -20,7 +20,7 @@ from typing import Any
 import sympy
 from sympy import Expr, Function, Symbol
 
-from gspcli.symbolic.coordinates import SYMBOLS, CoordinateSystem
+from gspcli.symbolic.coordinates import SYMBOLS
 
 
 class Frame(Enum):
@@ -123,21 +123,29 @@ def _triple(*vectors: Vector) -> Expr:
     return sign * on_moment(z.name, y.name)
 
 
-def degree(form: Expr, coordinates: CoordinateSystem) -> int | None:
-    """Return the total degree of a polynomial in atoms, written in the given coordinates.
+def degree(form: Expr, weights: Mapping[str, int]) -> int | None:
+    """Return the total degree of a polynomial in atoms.
 
-    None if they do not determine all the blocks that occur.
+    Parameters
+    ----------
+    form
+        The polynomial.
+    weights
+        The degree of each block of coordinates, such as `CoordinateSystem.degrees`.
+
+    Returns
+    -------
+    int or None
+        None if a block occurs that has no weight.
     """
-    degrees = coordinates.degrees
     blocks = {RHO: "rho", **{head: head.__name__ for head in _ATOMS}}
-    used = {blocks[head] for head in blocks if form.has(head)}
-    if not used <= set(degrees):
+    used = {block for head, block in blocks.items() if form.has(head)}
+    if not used <= set(weights):
         return None
     grade = Symbol("grade")
-    graded = form.subs(RHO, RHO * grade ** degrees.get("rho", 0))
+    graded = form.subs(RHO, RHO * grade ** weights.get("rho", 0))
     for head in _ATOMS:
-        weight = degrees.get(head.__name__, 0)
-        graded = graded.replace(head, _graded(head, grade**weight))
+        graded = graded.replace(head, _graded(head, grade ** weights.get(head.__name__, 0)))
     return int(sympy.Poly(sympy.expand(graded), grade).degree())
 
 

@@ -119,7 +119,8 @@ class Sample:
             along = random_fraction(random)
             return np.array([self.distance * x, self.distance * y, along], dtype=object)
         direction: Exact = random_rotation(random)[:, 2]
-        return self.distance * direction
+        offset: Exact = self.distance * direction
+        return offset
 
 
 def circle_point(random: Random) -> tuple[Fraction, Fraction]:

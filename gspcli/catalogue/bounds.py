@@ -1,0 +1,308 @@
+"""Upper bounds on the number of solutions of a type: the paper's theorems and refined ones.
+
+All of them bound the complex solutions of platforms that have finitely many. The theorems use the
+degrees of Proposition 4.1, the refined bounds the lowest degrees. Bezout's theorem holds on the
+variety of rigid motions in any coordinates, so the refined bound is the least over all recorded
+sets of coordinates and, for 3D3A, the two steps of Section 6: orientations, then positions. The
+angles are linear everywhere and never count.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from math import prod
+
+from gspcli.catalogue.constraints import LowestDegrees, constraint_facts
+from gspcli.catalogue.kinds import DISTANCE_KINDS, DLL, DPH, DPP, Kind
+from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES, Family, GspType
+from gspcli.catalogue.varieties import LAZARD, MOURRAIN_16, ROTATIONS, varieties
+
+_NUMBER_WORDS = ("no", "one", "two", "three", "four", "five", "six")
+#: The letters of the surfaces in the order of Table 3.
+_SURFACES = "PSC"
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """A proved ceiling for the number of solutions.
+
+    Attributes
+    ----------
+    value
+        The number.
+    explain
+        Gives the reason; the catalogue has thousands of bounds and shows the reasons of few.
+    """
+
+    value: int
+    explain: Callable[[], str] = field(repr=False, compare=False)
+
+    @property
+    def reason(self) -> str:
+        """The theorem or the variety, with the product spelled out."""
+        return self.explain()
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """The bounds of a type or family.
+
+    Attributes
+    ----------
+    theorem_5_2, theorem_5_3
+        Two-sided, with the paper's degrees.
+    theorem_5_4
+        One-sided; only for the 35 types of DPH distances and angles.
+    table_3
+        The paper's N1, one-sided and with one of the two planes of a DLL; only for 3D3A.
+    refined_one_sided, refined_two_sided
+        With the side of each DPH and DHP chosen, or left open; both planes of a DLL.
+    """
+
+    theorem_5_2: Bound
+    theorem_5_3: Bound
+    theorem_5_4: Bound | None
+    table_3: Bound | None
+    refined_one_sided: Bound
+    refined_two_sided: Bound
+
+    def items(self) -> Iterator[tuple[str, Bound | None]]:
+        """Yield the names, as in the columns of the catalogue, with their bounds."""
+        for name in BOUND_NAMES:
+            yield name, getattr(self, name)
+
+    def values(self) -> dict[str, int | None]:
+        """Return the numbers by name; None where a theorem does not apply."""
+        return {name: None if bound is None else bound.value for name, bound in self.items()}
+
+
+#: The names of the bounds, in the order of the catalogue's columns.
+BOUND_NAMES = tuple(Bounds.__dataclass_fields__)
+
+
+def type_bounds(gsp_type: GspType) -> Bounds:
+    """Return the bounds of a type; the kinds of its angles make no difference."""
+    return _bounds(gsp_type.distances)
+
+
+def family_bounds(family: Family) -> Bounds:
+    """Return the bounds that all types of a family share."""
+    return _bounds(family.distances)
+
+
+@cache
+def _bounds(distances: tuple[Kind, ...]) -> Bounds:
+    return Bounds(
+        theorem_5_2=_theorem_5_2(distances),
+        theorem_5_3=_theorem_5_3(distances),
+        theorem_5_4=_theorem_5_4(distances),
+        table_3=_table_3(distances),
+        refined_one_sided=_refined(distances, one_sided=True),
+        refined_two_sided=_refined(distances, one_sided=False),
+    )
+
+
+def _theorem_5_2(distances: tuple[Kind, ...]) -> Bound:
+    return _by_paper_degrees("Theorem 5.2", varieties()[MOURRAIN_16].degree, distances)
+
+
+def _theorem_5_3(distances: tuple[Kind, ...]) -> Bound:
+    degree = varieties()[LAZARD].degree
+    if DPP not in distances:
+        return _by_paper_degrees("Theorem 5.3, no DPP", degree, distances)
+    # One DPP is of degree two, its differences from the others are linear.
+    first = constraint_facts(DPP).paper_lazard.two_sided
+    return _by_paper_degrees("Theorem 5.3, with DPP", degree * first, distances)
+
+
+def _by_paper_degrees(theorem: str, start: int, distances: tuple[Kind, ...]) -> Bound:
+    factors = _paper_factors(distances)
+    return Bound(_product(start, factors), lambda: f"{theorem}: {_spelled(start, factors)}")
+
+
+def _paper_factors(distances: tuple[Kind, ...]) -> list[tuple[Kind, int]]:
+    return [(kind, constraint_facts(kind).paper_mourrain.two_sided) for kind in distances]
+
+
+def _theorem_5_4(distances: tuple[Kind, ...]) -> Bound | None:
+    if any(kind != DPH for kind in distances):
+        return None
+    value = varieties()[LAZARD].degree
+    return Bound(
+        value,
+        lambda: (
+            f"Theorem 5.4: {value}, the degree of Lazard's variety; "
+            "one-sided DPH and angles are linear"
+        ),
+    )
+
+
+def _table_3(distances: tuple[Kind, ...]) -> Bound | None:
+    if len(distances) != CONSTRAINTS - MAX_ANGLES:
+        return None
+    # A plane is of degree one, also each of the two of a DLL.
+    meeting = _product(
+        1,
+        [
+            (kind, 1 if _surface(kind) == "P" else factor)
+            for kind, factor in _two_steps(one_sided=True).factors(distances)
+        ],
+    )
+    rotations = varieties()[ROTATIONS].degree
+    value = rotations * meeting
+
+    def explain() -> str:
+        letters = "".join(sorted(map(_surface, distances), key=_SURFACES.index))
+        reason = (
+            f"Table 3: {rotations} · {meeting} = {value}: {rotations} orientations, and in each "
+            f"the surfaces {letters} meet in {meeting} point{'s' * (meeting > 1)}"
+        )
+        if any(kind.has_sides for kind in distances):
+            reason += "; one-sided"
+        if DLL in distances:
+            reason += "; one of the two planes of a DLL"
+        return reason
+
+    return Bound(value, explain)
+
+
+def _surface(kind: Kind) -> str:
+    surface = constraint_facts(kind).surface
+    assert surface is not None, kind
+    return surface
+
+
+@dataclass(frozen=True)
+class _Space:
+    """A variety on which Bezout's theorem is applied.
+
+    Attributes
+    ----------
+    name
+        The coordinates, in words for people.
+    degree
+        The degree of the variety.
+    degrees
+        For each kind of distance the factors of the first constraint and of any other one.
+    """
+
+    name: str
+    degree: int
+    degrees: Mapping[Kind, tuple[int, int]]
+
+    def factors(self, distances: Sequence[Kind]) -> list[tuple[Kind, int]]:
+        """Return the factor of each constraint."""
+        return [
+            (kind, self.degrees[kind][min(distances[:position].count(kind), 1)])
+            for position, kind in enumerate(distances)
+        ]
+
+    def bound(self, counts: Mapping[Kind, int]) -> int:
+        """Return the product of the degrees."""
+        value = self.degree
+        for kind, count in counts.items():
+            first, other = self.degrees[kind]
+            value *= first * other ** (count - 1)
+        return value
+
+
+def _space(
+    name: str, degree: int, degrees: Mapping[Kind, LowestDegrees], *, one_sided: bool
+) -> _Space:
+    pairs = {}
+    for kind, lowest in degrees.items():
+        first = lowest.of(one_sided=one_sided)
+        pairs[kind] = (first, first if lowest.difference is None else lowest.difference)
+    return _Space(name, degree, pairs)
+
+
+@cache
+def _one_step(*, one_sided: bool) -> tuple[_Space, ...]:
+    """Return the varieties of all rigid motions, the smallest first."""
+    return tuple(
+        _space(
+            f"motions in {variety.label}",
+            variety.degree,
+            {kind: constraint_facts(kind).degrees[name] for kind in DISTANCE_KINDS},
+            one_sided=one_sided,
+        )
+        for name, variety in varieties().items()
+        if name != ROTATIONS
+    )
+
+
+@cache
+def _two_steps(*, one_sided: bool) -> _Space:
+    """Return the orientations that three angles leave, with the degrees in T for each of them."""
+    degrees = {kind: constraint_facts(kind).fixed_orientation for kind in DISTANCE_KINDS}
+    return _space(
+        "orientations in (R), then positions",
+        varieties()[ROTATIONS].degree,
+        {kind: lowest for kind, lowest in degrees.items() if lowest is not None},
+        one_sided=one_sided,
+    )
+
+
+def _refined(distances: tuple[Kind, ...], *, one_sided: bool) -> Bound:
+    counts = Counter(distances)
+    spaces = _one_step(one_sided=one_sided)
+    if len(distances) == CONSTRAINTS - MAX_ANGLES:
+        spaces = (*spaces, _two_steps(one_sided=one_sided))
+    # The first of equal bounds is that of the smallest variety.
+    values = [space.bound(counts) for space in spaces]
+    value = min(values)
+    best = spaces[values.index(value)]
+
+    def explain() -> str:
+        factors = best.factors(distances)
+        reason = f"Bezout on the {best.name}: {_spelled(best.degree, factors)}"
+        for kind, count in counts.items():
+            first, other = best.degrees[kind]
+            if count > 1 and other < first:
+                reason += f"; differences of {kind} have degree {other}"
+        if one_sided and any(kind.has_sides for kind in distances):
+            reason += "; one-sided"
+        theorem = _theorem_5_3(distances).value
+        if value < theorem:
+            reason += f"; Theorem 5.3 has {theorem}{_excess(distances, factors, best.degree)}"
+        return reason
+
+    return Bound(value, explain)
+
+
+def _excess(distances: tuple[Kind, ...], factors: Sequence[tuple[Kind, int]], degree: int) -> str:
+    """Return what makes Theorem 5.3 larger: degrees of constraints or of the variety."""
+    lower = dict(factors)
+    higher = [
+        f"{kind} of degree {paper}"
+        for kind, paper in dict.fromkeys(_paper_factors(distances))
+        if paper > lower[kind]
+    ]
+    lazard = varieties()[LAZARD].degree
+    if lazard > degree:
+        higher.append(f"a variety of degree {lazard}")
+    return f", with {' and '.join(higher)}" if higher else ""
+
+
+def _product(start: int, factors: Sequence[tuple[Kind, int]]) -> int:
+    return start * prod(factor for _, factor in factors)
+
+
+def _spelled(start: int, factors: Sequence[tuple[Kind, int]]) -> str:
+    """Return how a product comes about, factors of one left out."""
+    by_factor: dict[int, list[str]] = {}
+    for kind, factor in factors:
+        if factor > 1:
+            by_factor.setdefault(factor, []).append(kind.name)
+    if not by_factor:
+        return f"{start}, all constraints of degree 1"
+    powers = [f"{factor}^{len(names)}" for factor, names in sorted(by_factor.items())]
+    counts = [
+        f"{_NUMBER_WORDS[len(names)]} of degree {factor} ({', '.join(names)})"
+        for factor, names in sorted(by_factor.items())
+    ]
+    product = " · ".join([str(start), *powers])
+    return f"{product} = {_product(start, factors)}: {', '.join(counts)}"
