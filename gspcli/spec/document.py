@@ -33,7 +33,7 @@ _NULLS = ("", "~", "null", "Null", "NULL")
 _HINTS = {
     "'\\t' that cannot start": "indent with blanks, not with tabs",
     "mapping values are not allowed": "check the indentation, and quote texts with a :",
-    "<block end>": "check the indentation, and the blank after each :",
+    "<block end>": "check the indentation, the blank after each :, and quotation marks",
     "',' or": "check the brackets and commas here and in the line above",
     "could not find expected ':'": "write a : and a blank after a key",
     "end of stream": "a quotation mark is not closed",
@@ -112,8 +112,9 @@ def parse(text: str, file: str, problems: list[Problem]) -> Value:
     if len(text) > MAX_BYTES:
         message = f"found {len(text)} characters, expected an instance of at most {MAX_BYTES}"
         raise SpecError([Problem(Location(file, 1, 1), "", message)])
+    builder = _Builder(text.removeprefix("\ufeff"), file, problems)
     try:
-        return _Builder(text.removeprefix("\ufeff"), file, problems).document()
+        return builder.document()
     except ReaderError as error:
         line = text.count("\n", 0, error.position) + 1
         column = error.position - text.rfind("\n", 0, error.position)
@@ -127,9 +128,11 @@ def parse(text: str, file: str, problems: list[Problem]) -> Value:
         message = f"not valid YAML: {problem}{hint}"
         raise SpecError([*problems, Problem(location, "", message)]) from error
     except (YAMLError, ValueError, OverflowError) as error:
-        # ruamel.yaml lets bad escapes such as "\UFFFFFFFF" fail inside `chr`, without a place.
-        message = f"not valid YAML: {shown(str(error))}"
-        raise SpecError([*problems, Problem(Location(file, 1, 1), "", message)]) from error
+        # ruamel.yaml lets an escape such as "\UFFFFFFFF" fail inside `chr`, without its place.
+        message = (
+            "not valid YAML: found a backslash escape after this place that denotes no character"
+        )
+        raise SpecError([*problems, Problem(builder.place, "", message)]) from error
 
 
 class _Builder:
@@ -138,10 +141,12 @@ class _Builder:
     def __init__(self, text: str, file: str, problems: list[Problem]) -> None:
         self.events: Iterator[Event] = YAML(typ="safe", pure=True).parse(text)
         self.file = file
+        self.place = Location(file, 1, 1)
         self.problems = problems
 
     def _location(self, event: Event) -> Location:
-        return Location(self.file, event.start_mark.line + 1, event.start_mark.column + 1)
+        self.place = Location(self.file, event.start_mark.line + 1, event.start_mark.column + 1)
+        return self.place
 
     def _note(self, location: Location, path: str, message: str) -> None:
         self.problems.append(Problem(location, path, message))

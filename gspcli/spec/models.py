@@ -86,7 +86,8 @@ def _list(expected: str, length: int | None = None) -> BeforeValidator:
         if not isinstance(value, Sequence):
             raise _complain(value, expected)
         if length is not None and len(value) != length:
-            message = f"found {len(value)} entries, expected {expected}"
+            entries = "1 entry" if len(value) == 1 else f"{len(value)} entries"
+            message = f"found {entries}, expected {expected}"
             raise ValueError(message)
         return value
 
@@ -204,7 +205,8 @@ class Section(BaseModel):
         """Note wrong keys and return the section without them; `Missing` where one lacks."""
         known = list(cls.model_fields)
         if not isinstance(section, Mapping):
-            raise _complain(section, f"a mapping with {listed(cls.one_of or known)}")
+            keys = listed(cls.one_of) if cls.one_of else listed(known, "and")
+            raise _complain(section, f"a mapping with {keys}")
         problems = _problems(info)
         kept, misspelt = Mapping(), set()
         for key, value in section.items():

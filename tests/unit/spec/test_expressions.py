@@ -1,0 +1,88 @@
+"""Numbers of an instance file: what they mean and what is refused."""
+
+import math
+from fractions import Fraction
+
+import pytest
+
+from gspcli.spec.expressions import parse_number
+
+
+@pytest.mark.parametrize(
+    ("text", "exact"),
+    [
+        ("0", 0),
+        ("-1.50", Fraction(-3, 2)),
+        ("+.5", Fraction(1, 2)),
+        ("5.", 5),
+        ("1/3", Fraction(1, 3)),
+        ("1e-3", Fraction(1, 1000)),
+        ("0.1", Fraction(1, 10)),
+        ("2 * (3 - 1/2) / -5", -1),
+        ("--1", 1),
+        ("0.1234567890123456789", Fraction(1234567890123456789, 10**19)),
+    ],
+)
+def test_rational_numbers_are_exact(text, exact):
+    assert parse_number(text).fraction == exact
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("pi", math.pi),
+        ("sqrt(3)/2", math.sqrt(3) / 2),
+        ("pi / 6", math.pi / 6),
+        ("2*cos(pi/5)", (1 + math.sqrt(5)) / 2),
+        ("-pi * 2 - 1 - 1", -2 * math.pi - 2),
+        ("acos(1/3)", math.acos(1 / 3)),
+        ("atan(-tan(1))", -1),
+        ("asin(sin(1))", 1),
+    ],
+)
+def test_expressions_have_their_value(text, value):
+    assert parse_number(text).fraction is None
+    assert parse_number(text).value == pytest.approx(value, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (" ", "found nothing, expected a number"),
+        ("1_000", "found '_' in '1_000', expected a number: write digits without separators"),
+        ("1:30", "found ':' in '1:30', expected a number: write 1:30 as 1.5"),
+        ("1,5", "found ',' in '1,5', expected a number: write decimals with a point"),
+        ("−1", "found '−' in '−1', expected a number: write the minus sign as -"),
+        ("2pi", "found 'pi' in '2pi', expected an operator or the end: write a product with *"),
+        ("2^3", "found '^' in '2^3', expected a number: write a power as a product, x*x"),
+        ("2**3", "found '*' in '2**3', expected a number: write a power as a product, x*x"),
+        (
+            "sqr(2)",
+            "found 'sqr' in 'sqr(2)', expected a number, pi, sqrt, sin, cos, tan, asin, acos or "
+            "atan: did you mean sqrt?",
+        ),
+        ("sin 1", "found '1' in 'sin 1', expected ( after sin"),
+        ("(1", "found the end in '(1', expected )"),
+        ("1/(2-2)", "found a division by zero in '1/(2-2)', expected a nonzero divisor"),
+        ("sqrt(1-2)", "found sqrt of -1 in 'sqrt(1-2)', expected an argument of at least 0"),
+        ("asin(2)", "found asin of 2 in 'asin(2)', expected one from -1 to 1"),
+        ("1e999", "found '1e999', expected an exponent of at most 100"),
+        ("1e61", "found '1e61', expected 0 or a magnitude from 1e-60 to 1e+60"),
+        ("1e-61", "found '1e-61', expected 0 or a magnitude from 1e-60 to 1e+60"),
+        ("1" * 401, "found 401 characters, expected a number of at most 400"),
+        ("*".join(["1e99"] * 50), None),
+        ("/".join(["1e99"] * 50), None),
+        ("(" * 21 + "1" + ")" * 21, None),
+        ("sqrt(2) - sqrt(2)", None),
+        ("__import__('os')", None),
+        ("nan", None),
+        ("inf", None),
+        ("0x10", None),
+        ("１", None),
+    ],
+)
+def test_what_is_no_number_is_refused_with_a_reason(text, message):
+    with pytest.raises(ValueError, match=r"^found") as caught:
+        parse_number(text)
+    if message is not None:
+        assert str(caught.value) == message

@@ -1,0 +1,82 @@
+"""Instances as text: readable, exact, unambiguous."""
+
+import pytest
+
+from gspcli.catalogue.kinds import DPH, DPP
+from gspcli.errors import GspError
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Plane, Point, vector
+from gspcli.spec import dumps, loads
+from gspcli.spec.writing import scalar
+
+
+def a_point(x, name="", value=1):
+    return Constraint(
+        DPP,
+        Point(vector(x, 0, 0)),
+        Point(vector(0, 0, "1/3")),
+        Number.of(value),
+        Side.BOTH,
+        name,
+        "A",
+    )
+
+
+def test_primitives_without_a_name_get_one():
+    plane = Plane(vector(0, 0, 0), vector(0, 0, 1))
+    instance = Instance(
+        (
+            *(a_point(x) for x in range(4)),
+            a_point(4, "P2"),
+            Constraint(DPH, Point(vector(9, 0, 0)), plane, Number.of("0.5"), Side.NEGATIVE),
+        ),
+        Units("mm", AngleUnit.RADIAN),
+        source="Ä: 'x'\n",
+    )
+    text = dumps(instance)
+    assert (
+        text
+        == """\
+gsp: 1
+source: "Ä: 'x'\\u000a"
+units: {length: mm, angle: rad}
+platform:
+  P1: {point: [0, 0, 0]}
+  P3: {point: [1, 0, 0]}
+  P4: {point: [2, 0, 0]}
+  P5: {point: [3, 0, 0]}
+  P2: {point: [4, 0, 0]}
+  P6: {point: [9, 0, 0]}
+base:
+  A: {point: [0, 0, 1/3]}
+  H1: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}
+constraints:
+  - {distance: [P1, A], value: 1}
+  - {distance: [P3, A], value: 1}
+  - {distance: [P4, A], value: 1}
+  - {distance: [P5, A], value: 1}
+  - {distance: [P2, A], value: 1}
+  - {distance: [P6, H1], value: 0.5, side: negative}
+"""
+    )
+    assert dumps(loads(text)) == text
+    assert loads(text).source == instance.source
+
+
+def test_one_name_for_two_primitives_is_refused():
+    constraints = tuple(a_point(x, "B") for x in range(6))
+    with pytest.raises(GspError, match="the name B stands for two different primitives"):
+        dumps(Instance(constraints, Units("mm", AngleUnit.RADIAN)))
+
+
+@pytest.mark.parametrize("text", ["P1", "L4'", "Example 6.8", "a_b.c"])
+def test_plain_texts_stay_plain(text):
+    assert scalar(text) == text
+
+
+@pytest.mark.parametrize(
+    "text", ["", "null", "Yes", "1.5", "a: b", "a #b", "-a", " a", "a,b", "[", "#"]
+)
+def test_others_are_quoted(text):
+    assert scalar(text) == f'"{text}"'
