@@ -9,8 +9,7 @@ angles are linear everywhere and never count.
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from math import prod
@@ -186,37 +185,40 @@ class _Space:
     degree
         The degree of the variety.
     degrees
-        For each kind of distance the factors of the first constraint and of any other one.
+        For each kind of distance, by its order, the factors of the first constraint and of any
+        other one.
     """
 
     name: str
     degree: int
-    degrees: Mapping[Kind, tuple[int, int]]
+    degrees: tuple[tuple[int, int], ...]
 
     def factors(self, distances: Sequence[Kind]) -> list[tuple[Kind, int]]:
         """Return the factor of each constraint."""
         return [
-            (kind, self.degrees[kind][min(distances[:position].count(kind), 1)])
+            (kind, self.degrees[kind.order][min(distances[:position].count(kind), 1)])
             for position, kind in enumerate(distances)
         ]
 
-    def bound(self, counts: Mapping[Kind, int]) -> int:
-        """Return the product of the degrees."""
+    def bound(self, counts: Sequence[tuple[Kind, int]]) -> int:
+        """Return the product of the degrees for so many constraints of each kind."""
         value = self.degree
-        for kind, count in counts.items():
-            first, other = self.degrees[kind]
+        for kind, count in counts:
+            first, other = self.degrees[kind.order]
             value *= first * other ** (count - 1)
         return value
 
 
 def _space(
-    name: str, degree: int, degrees: Mapping[Kind, LowestDegrees], *, one_sided: bool
+    name: str, degree: int, lowest: Iterable[LowestDegrees | None], *, one_sided: bool
 ) -> _Space:
-    pairs = {}
-    for kind, lowest in degrees.items():
-        first = lowest.of(one_sided=one_sided)
-        pairs[kind] = (first, first if lowest.difference is None else lowest.difference)
-    return _Space(name, degree, pairs)
+    """Return a space from the lowest degrees of the kinds of distance, in their order."""
+    pairs = []
+    for degrees in lowest:
+        assert degrees is not None, name
+        first = degrees.of(one_sided=one_sided)
+        pairs.append((first, first if degrees.difference is None else degrees.difference))
+    return _Space(name, degree, tuple(pairs))
 
 
 @cache
@@ -226,7 +228,7 @@ def _one_step(*, one_sided: bool) -> tuple[_Space, ...]:
         _space(
             f"motions in {variety.label}",
             variety.degree,
-            {kind: constraint_facts(kind).degrees[name] for kind in DISTANCE_KINDS},
+            (constraint_facts(kind).degrees[name] for kind in DISTANCE_KINDS),
             one_sided=one_sided,
         )
         for name, variety in varieties().items()
@@ -237,17 +239,16 @@ def _one_step(*, one_sided: bool) -> tuple[_Space, ...]:
 @cache
 def _two_steps(*, one_sided: bool) -> _Space:
     """Return the orientations that three angles leave, with the degrees in T for each of them."""
-    degrees = {kind: constraint_facts(kind).fixed_orientation for kind in DISTANCE_KINDS}
     return _space(
         "orientations in (R), then positions",
         varieties()[ROTATIONS].degree,
-        {kind: lowest for kind, lowest in degrees.items() if lowest is not None},
+        (constraint_facts(kind).fixed_orientation for kind in DISTANCE_KINDS),
         one_sided=one_sided,
     )
 
 
 def _refined(distances: tuple[Kind, ...], *, one_sided: bool) -> Bound:
-    counts = Counter(distances)
+    counts = tuple((kind, distances.count(kind)) for kind in dict.fromkeys(distances))
     spaces = _one_step(one_sided=one_sided)
     if len(distances) == CONSTRAINTS - MAX_ANGLES:
         spaces = (*spaces, _two_steps(one_sided=one_sided))
@@ -259,8 +260,8 @@ def _refined(distances: tuple[Kind, ...], *, one_sided: bool) -> Bound:
     def explain() -> str:
         factors = best.factors(distances)
         reason = f"Bezout on the {best.name}: {_spelled(best.degree, factors)}"
-        for kind, count in counts.items():
-            first, other = best.degrees[kind]
+        for kind, count in counts:
+            first, other = best.degrees[kind.order]
             if count > 1 and other < first:
                 reason += f"; differences of {kind} have degree {other}"
         if one_sided and any(kind.has_sides for kind in distances):
