@@ -71,6 +71,10 @@ class Kind:
     def __repr__(self) -> str:
         return f"Kind({self.name})"
 
+    def __hash__(self) -> int:
+        # Sets and dictionaries of kinds are everywhere; hashing the enums would dominate.
+        return self.order
+
     def __lt__(self, other: Kind) -> bool:
         return self.order < other.order
 

@@ -122,7 +122,7 @@ def parse_name(text: str | Sequence[str]) -> GspType | Family:
     if not words:
         message = "no type given: write six kinds, a number, or a family as 3D3A PL PL LP"
         raise TypeNameError(message)
-    if len(words) == 1 and words[0].lstrip("#").isdigit():
+    if len(words) == 1 and words[0].lstrip("#").isdecimal():
         return type_by_number(int(words[0].lstrip("#")))
     named = None
     if words[0][0].isdigit():
@@ -195,3 +195,21 @@ def parse_type(text: str | Sequence[str]) -> GspType:
         )
         raise TypeNameError(message)
     return found
+
+
+def parse_kind_set(text: str | Sequence[str]) -> frozenset[Kind]:
+    """Return a set of kinds: names, ``A`` for all angles, ``D`` for all distances.
+
+    A name that fits two kinds, ``LL``, means both.
+
+    Raises
+    ------
+    TypeNameError
+        If a name denotes no kind.
+    """
+    groups = {"A": ANGLE_KINDS, "D": DISTANCE_KINDS}
+    return frozenset(
+        kind
+        for word in _words(text)
+        for kind in (groups[word] if word in groups else parse_kinds(word))
+    )

@@ -330,7 +330,7 @@ def _print_tables(console: Any, tables: Sequence[Table]) -> None:
                 grid.add_row(*(Text(row[position]) for position in kept))
             console.print(grid)
         for note in table.notes:
-            console.print(Text(note), soft_wrap=True)
+            console.print(Text(note))
         if left_out:
             names = ", ".join(left_out)
             click.echo(f"(left out to fit the terminal: {names})", err=True)

@@ -1,0 +1,213 @@
+"""Lists of types with all that is known of each: select, sort, and read as rows or a frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, overload
+
+from gspcli.catalogue.bounds import BOUND_NAMES, type_bounds
+from gspcli.catalogue.coincidence_counts import count_coincident
+from gspcli.catalogue.kinds import Kind
+from gspcli.catalogue.types import GspType, PlatformClass, all_types
+from gspcli.errors import GspError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Value = int | str | None
+
+
+@dataclass(frozen=True)
+class TypeColumn:
+    """Something known of every type.
+
+    Attributes
+    ----------
+    key
+        The name of the column in every format.
+    title
+        A heading for people.
+    read
+        Takes the value from a type.
+    numeric
+        Whether the values are numbers, so that a ceiling can be set.
+    default
+        Whether a listing shows the column without being asked.
+    """
+
+    key: str
+    title: str
+    read: Callable[[GspType], Value]
+    numeric: bool = True
+    default: bool = True
+
+
+def _bound(name: str) -> Callable[[GspType], Value]:
+    def read(gsp_type: GspType) -> Value:
+        return type_bounds(gsp_type).values()[name]
+
+    return read
+
+
+def _names(kinds: Iterable[Kind]) -> str:
+    return " ".join(kind.short for kind in kinds)
+
+
+_TITLES = {
+    "theorem_5_2": "Thm 5.2",
+    "theorem_5_3": "Thm 5.3",
+    "theorem_5_4": "Thm 5.4",
+    "table_3": "Table 3",
+    "refined_one_sided": "refined 1-sided",
+    "refined_two_sided": "refined 2-sided",
+}
+
+#: What is known of a type; the order is that of the CSV.
+COLUMNS: tuple[TypeColumn, ...] = (
+    TypeColumn("number", "no.", lambda t: t.number),
+    TypeColumn("id", "id", lambda t: t.id, numeric=False),
+    TypeColumn("class", "class", lambda t: t.platform_class.id, numeric=False),
+    TypeColumn("distances", "distances", lambda t: _names(t.distances), numeric=False),
+    TypeColumn("angles", "angles", lambda t: _names(t.angles), numeric=False),
+    *(TypeColumn(name, _TITLES[name], _bound(name)) for name in BOUND_NAMES),
+    TypeColumn("patterns", "shared patterns", count_coincident, default=False),
+)
+DEFAULT_COLUMNS: tuple[TypeColumn, ...] = tuple(c for c in COLUMNS if c.default)
+COLUMNS_BY_KEY: dict[str, TypeColumn] = {column.key: column for column in COLUMNS}
+
+
+def column(key: str) -> TypeColumn:
+    """Return the column with a key, written with ``_`` or ``-``.
+
+    Raises
+    ------
+    GspError
+        If there is no such column.
+    """
+    found = COLUMNS_BY_KEY.get(key.strip().lower().replace("-", "_"))
+    if found is None:
+        message = f"unknown column {key!r}: the columns are {', '.join(COLUMNS_BY_KEY)}"
+        raise GspError(message)
+    return found
+
+
+class TypeList(Sequence[GspType]):
+    """An immutable sequence of types that can be narrowed, sorted and tabulated.
+
+    Examples
+    --------
+    >>> from gspcli.catalogue.parsing import parse_class, parse_kind_set
+    >>> planar = TypeList().where(only=parse_kind_set("PH A"))
+    >>> len(planar)
+    35
+    >>> planar.where(classes=[parse_class("6D")])[0].id
+    'DPH DPH DPH DPH DPH DPH'
+    """
+
+    def __init__(self, types: Iterable[GspType] | None = None) -> None:
+        self._types = all_types() if types is None else tuple(types)
+
+    @overload
+    def __getitem__(self, index: int) -> GspType: ...
+    @overload
+    def __getitem__(self, index: slice) -> TypeList: ...
+    def __getitem__(self, index: int | slice) -> GspType | TypeList:
+        if isinstance(index, slice):
+            return TypeList(self._types[index])
+        return self._types[index]
+
+    def __len__(self) -> int:
+        return len(self._types)
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} platform types>"
+
+    def where(
+        self,
+        *,
+        classes: Iterable[PlatformClass] = (),
+        only: frozenset[Kind] | None = None,
+        having: Iterable[frozenset[Kind]] = (),
+        without: frozenset[Kind] = frozenset(),
+        at_most: Mapping[str, int] | None = None,
+    ) -> TypeList:
+        """Return the types that satisfy every condition, in the same order.
+
+        Parameters
+        ----------
+        classes
+            Keep these classes; all when empty.
+        only
+            Keep types whose constraints are all of these kinds.
+        having
+            Keep types that have, for each of these sets, a constraint of one of its kinds.
+        without
+            Drop types with a constraint of one of these kinds.
+        at_most
+            For each numeric column a ceiling; types without a value are dropped.
+
+        Raises
+        ------
+        GspError
+            If a ceiling is set for a column that is unknown or not numeric.
+        """
+        chosen = set(classes)
+        needed = list(having)
+        ceilings = []
+        for key, ceiling in (at_most or {}).items():
+            limited = column(key)
+            if not limited.numeric:
+                message = f"column {limited.key} has no numbers to compare with {ceiling}"
+                raise GspError(message)
+            ceilings.append((limited.read, ceiling))
+
+        def keeps(gsp_type: GspType) -> bool:
+            kinds = set(gsp_type.kinds)
+            if chosen and gsp_type.platform_class not in chosen:
+                return False
+            if only is not None and not kinds <= only:
+                return False
+            if kinds & without or not all(kinds & wanted for wanted in needed):
+                return False
+            values = ((read(gsp_type), ceiling) for read, ceiling in ceilings)
+            return all(isinstance(value, int) and value <= top for value, top in values)
+
+        return TypeList(filter(keeps, self._types))
+
+    def sorted_by(self, *keys: str) -> TypeList:
+        """Return the types sorted by columns; ``-key`` is descending, no value comes last.
+
+        Raises
+        ------
+        GspError
+            If there is no such column.
+        """
+        types = list(self._types)
+        for key in reversed(keys):
+            descending = key.startswith("-")
+            read = column(key.removeprefix("-")).read
+            known = [t for t in types if read(t) is not None]
+            unknown = [t for t in types if read(t) is None]
+            known.sort(key=read, reverse=descending)  # type: ignore[arg-type]
+            types = known + unknown
+        return TypeList(types)
+
+    def rows(self, columns: Sequence[TypeColumn] = DEFAULT_COLUMNS) -> Iterator[dict[str, Value]]:
+        """Yield for each type a mapping from column keys to values."""
+        for gsp_type in self._types:
+            yield {known.key: known.read(gsp_type) for known in columns}
+
+    def to_frame(self, columns: Sequence[TypeColumn] = DEFAULT_COLUMNS) -> pd.DataFrame:
+        """Return a pandas data frame, indexed by the stable number; no value is ``<NA>``."""
+        import pandas as pd
+
+        data: dict[str, Any] = {
+            known.key: pd.array(
+                [known.read(gsp_type) for gsp_type in self._types],  # type: ignore[call-overload]
+                dtype="Int64" if known.numeric else "string",
+            )
+            for known in columns
+        }
+        frame = pd.DataFrame(data)
+        return frame.set_index("number") if "number" in data else frame

@@ -1,0 +1,178 @@
+"""`gsp bound`: how many solutions a type can have at most, and why."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from gspcli.catalogue.bounds import Bounds, family_bounds, type_bounds
+from gspcli.catalogue.constraints import Degrees, constraint_facts
+from gspcli.catalogue.kinds import Kind
+from gspcli.catalogue.types import Family, GspType
+from gspcli.cli.names import read_names
+from gspcli.cli.output import Column, Output, Table, emit, output_options
+
+_SURFACES = {"P": "plane", "S": "sphere", "C": "cylinder"}
+_TITLES = {
+    "theorem_5_2": "Theorem 5.2",
+    "theorem_5_3": "Theorem 5.3",
+    "theorem_5_4": "Theorem 5.4",
+    "table_3": "Table 3",
+    "refined_one_sided": "refined, one-sided",
+    "refined_two_sided": "refined, two-sided",
+}
+#: Which number a bound limits: the theorems leave the side of a plane open (Section 5).
+_SIDES = {
+    "theorem_5_2": "two-sided",
+    "theorem_5_3": "two-sided",
+    "theorem_5_4": "one-sided",
+    "table_3": "one-sided",
+    "refined_one_sided": "one-sided",
+    "refined_two_sided": "two-sided",
+}
+
+
+@click.command
+@click.argument("names", nargs=-1, required=True, metavar="TYPE...")
+@output_options()
+def command(names: tuple[str, ...], output: Output) -> None:
+    """Bound the number of solutions of a type, by constraint and by theorem.
+
+    TYPE is six kinds in any order, a number of the catalogue, a family with its angles left
+    open, or an instance file. Bounds are proved ceilings over the complex numbers, for platforms
+    with finitely many solutions.
+
+    \b
+    Examples:
+      gsp bound 3D3A PL PL LP
+      gsp bound 6PP --format json
+      gsp bound DPH DPH DPH DPH DPH ALL
+      gsp bound 1 17 3850 platform.yaml --format csv
+    """
+    subjects = read_names(names)
+    documents = [_document(subject) for subject in subjects]
+    if output.format in ("csv", "markdown", "latex") and len(subjects) > 1:
+        tables = [_summary(subjects)]
+    else:
+        tables = [table for subject in subjects for table in _tables(subject)]
+    emit(output, tables, document=documents[0] if len(documents) == 1 else documents)
+
+
+def _bounds(subject: GspType | Family) -> Bounds:
+    return type_bounds(subject) if isinstance(subject, GspType) else family_bounds(subject)
+
+
+def _kinds(subject: GspType | Family) -> tuple[Kind, ...]:
+    return subject.kinds if isinstance(subject, GspType) else subject.distances
+
+
+def _identity(subject: GspType | Family) -> dict[str, Any]:
+    if isinstance(subject, GspType):
+        return {
+            "id": subject.id,
+            "number": subject.number,
+            "class": subject.platform_class.id,
+            "family": subject.family.id,
+        }
+    return {
+        "id": None,
+        "number": None,
+        "class": subject.platform_class.id,
+        "family": subject.id,
+    }
+
+
+def _document(subject: GspType | Family) -> dict[str, Any]:
+    bounds = _bounds(subject)
+    return {
+        "schema": "gsp.bound/1",
+        "type": _identity(subject),
+        "constraints": [_constraint(kind) for kind in _kinds(subject)],
+        "bounds": bounds.values(),
+        "reasons": {
+            name: None if bound is None else bound.reason for name, bound in bounds.items()
+        },
+    }
+
+
+def _constraint(kind: Kind) -> dict[str, Any]:
+    facts = constraint_facts(kind)
+    return {
+        "kind": kind.name,
+        "degree_lazard": facts.paper_lazard.two_sided,
+        "degree_mourrain": facts.paper_mourrain.two_sided,
+        "degree_lowest": facts.lowest.two_sided,
+        "degree_lowest_one_sided": facts.lowest.one_sided,
+        "surface": facts.surface,
+    }
+
+
+def _degrees(degrees: Degrees) -> str:
+    if degrees.one_sided == degrees.two_sided:
+        return str(degrees.two_sided)
+    return f"{degrees.two_sided} ({degrees.one_sided} one-sided)"
+
+
+def _tables(subject: GspType | Family) -> list[Table]:
+    bounds = _bounds(subject)
+    title = subject.id
+    if isinstance(subject, GspType):
+        title += f"  (no. {subject.number}, {subject.platform_class})"
+    else:
+        title += f"  (a family of {len(subject.types)} types, angles left open)"
+    constraints = []
+    for kind in _kinds(subject):
+        facts = constraint_facts(kind)
+        constraints.append(
+            {
+                "kind": kind.name,
+                "degree_lazard": _degrees(facts.paper_lazard),
+                "degree_mourrain": _degrees(facts.paper_mourrain),
+                "degree_lowest": _degrees(facts.lowest),
+                "coordinates": facts.lowest_coordinates,
+                "surface": _SURFACES.get(facts.surface or "", ""),
+            }
+        )
+    return [
+        Table(
+            columns=[
+                Column("kind", "constraint", essential=True),
+                Column("degree_lazard", "degree (Lazard)", essential=True),
+                Column("degree_mourrain", "degree (Mourrain)", essential=True),
+                Column("degree_lowest", "lowest degree", essential=True),
+                Column("coordinates", "in coordinates"),
+                Column("surface", "surface", essential=True),
+            ],
+            rows=constraints,
+            title=title,
+        ),
+        Table(
+            columns=[
+                Column("bound", essential=True),
+                Column("value", align="right", essential=True),
+                Column("sides", essential=True),
+            ],
+            rows=[
+                {
+                    "bound": _TITLES[name],
+                    "value": bound.value,
+                    "sides": _SIDES[name],
+                }
+                for name, bound in bounds.items()
+                if bound is not None
+            ],
+            notes=[bound.reason for _, bound in bounds.items() if bound is not None],
+        ),
+    ]
+
+
+def _summary(subjects: list[GspType | Family]) -> Table:
+    rows = [_identity(subject) | _bounds(subject).values() for subject in subjects]
+    return Table(
+        columns=[
+            *(Column(key) for key in ("number", "id", "class", "family")),
+            *(Column(name, align="right") for name in _TITLES),
+        ],
+        rows=rows,
+    )

@@ -1,0 +1,253 @@
+"""`gsp enumerate`: the catalogue of types."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import islice
+from typing import Any
+
+import click
+
+from gspcli.catalogue import listing
+from gspcli.catalogue.coincidence import coincident_types
+from gspcli.catalogue.coincidence_counts import count_coincident, count_up_to_swap
+from gspcli.catalogue.overconstraint import over_constraint
+from gspcli.catalogue.parsing import parse_class, parse_kind_set, parse_type
+from gspcli.catalogue.types import CLASSES, GspType, PlatformClass
+from gspcli.cli.output import Column, Output, Table, emit, output_options
+
+#: Options that take several words, as in `--only PL PH A`.
+_WORD_LISTS = ("--only", "--with", "--without", "--columns", "--sort")
+_ESSENTIAL = ("number", "id")
+
+
+class _WordListCommand(click.Command):
+    """Lets the options in `_WORD_LISTS` take words up to the next option."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        joined: list[str] = []
+        collecting = False
+        for word in args:
+            is_option = word.startswith("--") or word in ("-o", "-h")
+            if collecting and not is_option:
+                joined[-1] += ("," if joined[-1] else "") + word
+                continue
+            joined.append(word)
+            collecting = word in _WORD_LISTS
+            if collecting:
+                joined.append("")
+        return super().parse_args(ctx, joined)
+
+
+def _ceilings(function: Callable[..., Any]) -> Callable[..., Any]:
+    for column in reversed([c for c in listing.COLUMNS if c.numeric]):
+        function = click.option(
+            f"--max-{column.key.replace('_', '-')}",
+            f"max_{column.key}",
+            type=int,
+            metavar="N",
+            help=f"Keep types whose {column.key} is at most N.",
+        )(function)
+    return function
+
+
+@click.command(cls=_WordListCommand)
+@click.option(
+    "--class",
+    "classes",
+    multiple=True,
+    metavar="CLASS",
+    help=f"Keep a class: {', '.join(c.id for c in CLASSES)}. Repeatable.",
+)
+@click.option("--only", metavar="KINDS", help="Keep types made of these kinds alone.")
+@click.option("--with", "having", metavar="KINDS", help="Keep types that have each of these.")
+@click.option("--without", metavar="KINDS", help="Drop types that have any of these.")
+@_ceilings
+@click.option("--sort", metavar="COLUMNS", help="Sort by columns; -COLUMN is descending.")
+@click.option("--columns", metavar="COLUMNS", help="Show these columns, in this order.")
+@click.option("--limit", type=click.IntRange(min=0), metavar="N", help="Show the first N rows.")
+@click.option("--count", is_flag=True, help="Count by class, beside Proposition 2.2.")
+@click.option(
+    "--coincident",
+    metavar="TYPE",
+    is_flag=False,
+    flag_value="",
+    help="Count the ways to share primitives among constraints, by class; of one TYPE, list them.",
+)
+@output_options()
+def command(
+    classes: tuple[str, ...],
+    only: str | None,
+    having: str | None,
+    without: str | None,
+    sort: str | None,
+    columns: str | None,
+    limit: int | None,
+    count: bool,
+    coincident: str | None,
+    output: Output,
+    **ceilings: int | None,
+) -> None:
+    """List the 3850 types of generalized Stewart platform.
+
+    KINDS are names as PL or DPL, A for all angles, D for all distances; LL means both
+    DLL and ALL. Bounds are two-sided and the paper's own, except where the name says
+    one_sided; table_3 is one-sided; no value means that the theorem does not apply.
+
+    \b
+    Examples:
+      gsp enumerate --count
+      gsp enumerate --class 3D3A --only PH HP A
+      gsp enumerate --with PP --max-refined-two-sided 80 --sort refined_two_sided
+      gsp enumerate --format csv -o types.csv
+      gsp enumerate --coincident "3LL 3ALL"
+    """
+    selected = _select(classes, only, having, without, ceilings)
+    if coincident is not None:
+        emit(output, _patterns(parse_type(coincident), limit) if coincident else _sharing(selected))
+        return
+    if sort:
+        selected = selected.sorted_by(*_words(sort))
+    if limit is not None:
+        selected = selected[:limit]
+    if count:
+        emit(output, _counts(selected))
+        return
+    shown = [listing.column(key) for key in _words(columns)] if columns else listing.DEFAULT_COLUMNS
+    emit(
+        output,
+        Table(
+            columns=[
+                Column(
+                    column.key,
+                    column.title,
+                    align="right" if column.numeric else "left",
+                    essential=column.key in _ESSENTIAL,
+                )
+                for column in shown
+            ],
+            rows=list(selected.rows(shown)),
+            notes=[f"{len(selected)} of {len(listing.TypeList())} types"],
+        ),
+    )
+
+
+def _words(text: str) -> list[str]:
+    return text.replace(",", " ").split()
+
+
+def _select(
+    classes: tuple[str, ...],
+    only: str | None,
+    having: str | None,
+    without: str | None,
+    ceilings: dict[str, int | None],
+) -> listing.TypeList:
+    wanted = having.replace(",", " ").split() if having else []
+    return listing.TypeList().where(
+        classes=[parse_class(name) for text in classes for name in _words(text)],
+        only=parse_kind_set(only) if only is not None else None,
+        having=[parse_kind_set(word) for word in wanted],
+        without=parse_kind_set(without) if without else frozenset(),
+        at_most={
+            key.removeprefix("max_"): ceiling
+            for key, ceiling in ceilings.items()
+            if ceiling is not None
+        },
+    )
+
+
+def _counts(selected: listing.TypeList) -> Table:
+    def rows() -> Iterator[dict[str, Any]]:
+        for platform_class in CLASSES:
+            members = [t for t in selected if t.platform_class == platform_class]
+            yield {
+                "class": platform_class.id,
+                "formula": _formula(platform_class),
+                "types": platform_class.size,
+                "selected": len(members),
+            }
+        yield {
+            "class": "all",
+            "formula": " + ".join(str(c.size) for c in CLASSES),
+            "types": sum(c.size for c in CLASSES),
+            "selected": len(selected),
+        }
+
+    return Table(
+        columns=[
+            Column("class", essential=True),
+            Column("formula", "Proposition 2.2"),
+            Column("types", "by formula", align="right", essential=True),
+            Column("selected", "enumerated", align="right", essential=True),
+        ],
+        rows=list(rows()),
+    )
+
+
+def _formula(platform_class: PlatformClass) -> str:
+    d, a = platform_class.distances, platform_class.angles
+    return (
+        f"C({a + 3},{a}) · C({d + 5},{d}) = "
+        f"{platform_class.angle_choices} · {platform_class.distance_choices}"
+    )
+
+
+def _sharing(selected: listing.TypeList) -> Table:
+    """Count the patterns of shared primitives by class."""
+
+    def row(name: str, members: list[GspType]) -> dict[str, Any]:
+        return {
+            "class": name,
+            "types": len(members),
+            "patterns": sum(map(count_coincident, members)),
+            "up_to_swap": sum(map(count_up_to_swap, members)) if closed else None,
+        }
+
+    closed = {t.mirrored for t in selected} == set(selected)
+    by_class = [(c.id, [t for t in selected if t.platform_class == c]) for c in CLASSES]
+    return Table(
+        columns=[
+            Column("class", essential=True),
+            Column("types", align="right", essential=True),
+            Column("patterns", align="right", essential=True),
+            Column("up_to_swap", "up to exchanging bodies", align="right"),
+        ],
+        rows=[*(row(name, members) for name, members in by_class), row("all", list(selected))],
+        notes=[
+            "A pattern says which constraints share a primitive, up to renaming; a pair of",
+            "primitives carries no kind twice. All primitives distinct is one pattern of a type.",
+        ],
+    )
+
+
+def _patterns(gsp_type: GspType, limit: int | None) -> Table:
+    """List the patterns of shared primitives of one type."""
+    rows = []
+    for pattern in islice(coincident_types(gsp_type), limit):
+        excess = over_constraint(pattern.bonds)
+        rows.append(
+            {
+                "id": pattern.id,
+                "pattern": pattern.notation,
+                "platform_primitives": len(pattern.platform_primitives),
+                "base_primitives": len(pattern.base_primitives),
+                "never_rigid": excess.reason if excess else None,
+            }
+        )
+    return Table(
+        columns=[
+            Column("id", essential=True),
+            Column("pattern", essential=True),
+            Column("platform_primitives", "on platform", align="right"),
+            Column("base_primitives", "on base", align="right"),
+            Column("never_rigid", "why it never fixes the platform"),
+        ],
+        rows=rows,
+        title=gsp_type.id,
+        notes=[
+            f"{len(rows)} of {count_coincident(gsp_type)} patterns",
+            "Capitals are primitives of the platform, small letters of the base; - is a distance,",
+            "^ an angle.",
+        ],
+    )

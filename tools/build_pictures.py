@@ -1,0 +1,91 @@
+"""Rebuild the pictures of terminal output in docs/images/.
+
+Run with `python tools/build_pictures.py`: every command below runs in a pseudo-terminal and what
+it prints becomes an SVG.
+"""
+
+from __future__ import annotations
+
+import os
+import pty
+import subprocess
+import sys
+from pathlib import Path
+
+from rich.console import Console
+from rich.text import Text
+
+WIDTH = 100
+IMAGES = Path(__file__).resolve().parents[1] / "docs" / "images"
+PICTURES = {
+    "bound": ["bound", "3D3A", "PL", "PL", "LP"],
+    "solve": ["solve", "data/examples/dietmaier.yaml", "--limit", "8"],
+    "enumerate": ["enumerate", "--count"],
+}
+
+# rich's own template loads fonts from the network.
+FORMAT = """\
+<svg class="rich-terminal" viewBox="0 0 {width} {height}" xmlns="http://www.w3.org/2000/svg">
+<style>
+.{unique_id}-matrix {{
+  font-family: ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace;
+  font-size: {char_height}px; line-height: {line_height}px;
+}}
+{styles}
+</style>
+<defs>
+<clipPath id="{unique_id}-clip-terminal">
+<rect x="0" y="0" width="{terminal_width}" height="{terminal_height}" />
+</clipPath>
+{lines}
+</defs>
+{chrome}
+<g transform="translate({terminal_x}, {terminal_y})" clip-path="url(#{unique_id}-clip-terminal)">
+{backgrounds}
+<g class="{unique_id}-matrix">
+{matrix}
+</g>
+</g>
+</svg>
+"""
+
+
+def terminal_output(arguments: list[str]) -> str:
+    """Return what `gsp` prints on a terminal, with its colours."""
+    leader, follower = pty.openpty()
+    environment = {**os.environ, "COLUMNS": str(WIDTH), "TERM": "xterm-256color"}
+    environment.pop("NO_COLOR", None)
+    with subprocess.Popen(
+        [sys.executable, "-m", "gspcli", *arguments], stdout=follower, env=environment
+    ) as process:
+        os.close(follower)
+        chunks = []
+        while True:
+            try:
+                chunk = os.read(leader, 65536)
+            except OSError:  # how Linux reports that the other end is closed
+                break
+            if not chunk:
+                break
+            chunks.append(chunk)
+    if process.returncode:
+        sys.exit(f"gsp {' '.join(arguments)} ended with {process.returncode}")
+    return b"".join(chunks).decode().replace("\r\n", "\n")
+
+
+def main() -> None:
+    """Write every picture."""
+    IMAGES.mkdir(parents=True, exist_ok=True)
+    for name, arguments in PICTURES.items():
+        with Path(os.devnull).open("w", encoding="utf-8") as nowhere:
+            console = Console(record=True, width=WIDTH, file=nowhere)
+            console.print(Text(f"$ gsp {' '.join(arguments)}", style="bold green"))
+            console.print(Text.from_ansi(terminal_output(arguments).rstrip()))
+            svg = console.export_svg(
+                title="gsp", code_format=FORMAT, unique_id=name, font_aspect_ratio=0.61
+            )
+        (IMAGES / f"{name}.svg").write_text(svg, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
