@@ -1,6 +1,16 @@
 """Proofs that approximate poses are solutions, in ball arithmetic (python-flint, only here)."""
 
+from gspcli.certification.candidates import Candidates, read_candidates
 from gspcli.certification.certificates import Certificate, Certificates, Outcome, certify
 from gspcli.certification.refinement import RefinedPose, refine
 
-__all__ = ["Certificate", "Certificates", "Outcome", "RefinedPose", "certify", "refine"]
+__all__ = [
+    "Candidates",
+    "Certificate",
+    "Certificates",
+    "Outcome",
+    "RefinedPose",
+    "certify",
+    "read_candidates",
+    "refine",
+]

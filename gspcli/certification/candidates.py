@@ -1,0 +1,204 @@
+"""Lists of poses that somebody else made, as JSON or CSV, read without believing them."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.errors import Location, Problem, SpecError
+from gspcli.geometry.poses import rotation_from_quaternion
+
+_SHAPES = {"R": (3, 3), "T": (3,), "quaternion": (4,)}
+#: Accepted spellings of the columns of a CSV file, by key.
+_COLUMNS = {
+    "R": [[f"r{i}{j}" for i in "123" for j in "123"], [f"r{i}{j}" for i in "012" for j in "012"]],
+    "T": [["tx", "ty", "tz"], ["t1", "t2", "t3"], ["t0", "t1", "t2"], ["x", "y", "z"]],
+    "quaternion": [["qw", "qx", "qy", "qz"], ["q0", "q1", "q2", "q3"], ["e0", "e1", "e2", "e3"]],
+}
+_IMAGINARY = "_imag"
+_EXPECTED = "R (3x3) or quaternion (4 numbers, scalar first), and T (3 numbers)"
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """Poses to be certified.
+
+    Attributes
+    ----------
+    R, T
+        Complex, shapes (n, 3, 3) and (n, 3).
+    claimed_real
+        For each pose what the list says about it, None if it says nothing.
+    """
+
+    R: NDArray[np.complex128]
+    T: NDArray[np.complex128]
+    claimed_real: tuple[bool | None, ...]
+
+
+def read_candidates(text: str, name: str) -> Candidates:
+    """Read a list of poses.
+
+    JSON is a list of poses or an object with one under ``solutions``. A pose is an object with
+    ``R`` or ``quaternion`` (scalar first, of any length) and ``T``, and for a non-real one
+    ``R_imag`` and ``T_imag``; or a list of 12 numbers (R by rows, T) or of 7 (quaternion, T). CSV
+    has columns r11 ... r33 or qw qx qy qz, and tx ty tz, in any order and among others, with
+    imaginary parts in r11_imag and so on; or no heading and 12 or 7 numbers a line.
+
+    Parameters
+    ----------
+    text
+        The content.
+    name
+        How error messages name it.
+
+    Raises
+    ------
+    SpecError
+        With all mistakes in the list.
+    """
+    entries, where = _json(text, name) if text.lstrip()[:1] in ("[", "{") else _csv(text, name)
+    problems: list[Problem] = []
+    poses = []
+    for entry, (location, path) in zip(entries, where, strict=True):
+        try:
+            poses.append(_pose(entry))
+        except ValueError as error:
+            problems.append(Problem(location, path, str(error)))
+    if problems:
+        raise SpecError(problems)
+    return Candidates(
+        np.array([R for R, _, _ in poses], dtype=complex).reshape(-1, 3, 3),
+        np.array([T for _, T, _ in poses], dtype=complex).reshape(-1, 3),
+        tuple(claim for _, _, claim in poses),
+    )
+
+
+Places = list[tuple[Location | None, str]]
+
+
+def _json(text: str, name: str) -> tuple[list[Any], Places]:
+    try:
+        document = json.loads(text)
+    except json.JSONDecodeError as error:
+        location = Location(name, error.lineno, error.colno)
+        raise SpecError([Problem(location, "", f"not JSON: {error.msg}")]) from error
+    is_object = isinstance(document, dict)
+    entries = document.get("solutions") if is_object else document
+    if not isinstance(entries, list):
+        message = f"{name}: found no list under the key solutions, expected one of poses"
+        raise SpecError([Problem(None, "", message)])
+    prefix = "solutions" if is_object else ""
+    return entries, [(None, f"{name}: {prefix}[{k}]") for k in range(len(entries))]
+
+
+def _csv(text: str, name: str) -> tuple[list[Any], Places]:
+    lines = [
+        (number, line)
+        for number, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    if not lines:
+        return [], []
+    first = lines[0][1]
+    delimiter = next((mark for mark in ",;\t" if mark in first), " ")
+    rows = [
+        [cell.strip() for cell in row]
+        for row in csv.reader(
+            (line.strip() for _, line in lines), delimiter=delimiter, skipinitialspace=True
+        )
+    ]
+    places: Places = [(Location(name, number, 1), "") for number, _ in lines]
+    if all(_is_number(cell) for cell in rows[0]):
+        return [list(row) for row in rows], places
+    heading = [cell.lower() for cell in rows[0]]
+    return [_named(heading, row) for row in rows[1:]], places[1:]
+
+
+def _named(heading: Sequence[str], row: Sequence[str]) -> dict[str, Any]:
+    """Return the pose in a line of a CSV file, keyed as in JSON."""
+    cells = dict(zip(heading, row, strict=False))
+    pose: dict[str, Any] = {}
+    for key, spellings in _COLUMNS.items():
+        for suffix in ("", _IMAGINARY):
+            for names in spellings:
+                values = [cells.get(column + suffix, "") for column in names]
+                if any(values):
+                    pose[key + suffix] = (
+                        values if key != "R" else [values[k : k + 3] for k in (0, 3, 6)]
+                    )
+                    break
+    claim = cells.get("real", "").lower()
+    if claim in ("true", "false"):
+        pose["real"] = claim == "true"
+    return pose
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+Pose = tuple[NDArray[np.complex128], NDArray[np.complex128], bool | None]
+
+
+def _pose(entry: object) -> Pose:
+    if isinstance(entry, list):
+        if len(entry) not in (7, 12):
+            message = f"found {len(entry)} numbers, expected 12 (R by rows, T) or 7 (quaternion, T)"
+            raise ValueError(message)
+        numbers = _array(entry, (len(entry),), "the list")
+        if len(entry) == 7:
+            return _rotation(numbers[:4]), numbers[4:].astype(complex), None
+        return numbers[:9].reshape(3, 3).astype(complex), numbers[9:].astype(complex), None
+    if not isinstance(entry, Mapping):
+        message = f"found {entry!r}, expected a pose: {_EXPECTED}"
+        raise ValueError(message)
+    parts = {
+        key + suffix: _array(entry[key + suffix], shape, key + suffix)
+        for key, shape in _SHAPES.items()
+        for suffix in ("", _IMAGINARY)
+        if entry.get(key + suffix) is not None
+    }
+    rotation = "R" if "R" in parts else "quaternion"
+    if rotation not in parts or "T" not in parts:
+        found = ", ".join(parts) or "neither"
+        message = f"found {found}, expected {_EXPECTED}"
+        raise ValueError(message)
+    R, T = (
+        parts[key].astype(complex) + 1j * parts.get(key + _IMAGINARY, np.zeros(1))
+        for key in (rotation, "T")
+    )
+    claim = entry.get("real")
+    R = R if rotation == "R" else _rotation(R)
+    return R, T, claim if isinstance(claim, bool) else None
+
+
+def _array(value: object, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:
+    try:
+        array = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        array = np.array(math.nan)
+    if array.shape != shape or not np.isfinite(array).all():
+        size = " x ".join(map(str, shape))
+        message = f"{name} is not {size} finite numbers"
+        raise ValueError(message)
+    return array
+
+
+def _rotation(quaternion: NDArray[Any]) -> NDArray[np.complex128]:
+    norm = quaternion @ quaternion
+    if norm == 0:
+        message = "found a quaternion of norm zero, expected one of a rotation"
+        raise ValueError(message)
+    return rotation_from_quaternion(quaternion).astype(complex)

@@ -1,0 +1,228 @@
+"""`gsp certify`: prove the poses that somebody else computed, or prove them wrong."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.output import Column, Output, Table, emit, output_options
+from gspcli.errors import CheckFailed, GspError, IncompleteError
+
+if TYPE_CHECKING:
+    from gspcli.certification import Certificate, Certificates
+    from gspcli.geometry.instance import Instance
+
+_COLUMNS = (
+    Column("number", "no.", align="right", essential=True),
+    Column("outcome", essential=True),
+    Column("real", essential=True),
+    Column("same_as", "same as", align="right"),
+    Column("residual_bound", "residual ≤", align="right"),
+    Column("deviation", "deviation ≤", align="right"),
+    Column("sides"),
+    Column("precision", "bits", align="right"),
+    Column("error", "error ≤", align="right"),
+    Column("uniqueness", "alone within", align="right"),
+)
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@click.argument("result", metavar="RESULT")
+@click.option(
+    "--set",
+    "settings",
+    metavar="N=VALUE",
+    multiple=True,
+    help="Use another value for constraint N, from 1.",
+)
+@click.option(
+    "--tolerance",
+    default=1e-6,
+    show_default=True,
+    type=click.FloatRange(0, min_open=True),
+    help="Largest difference of a pose from its solution, in R and, by the size of the platform, T.",
+)
+@click.option(
+    "--max-precision",
+    default=1024,
+    show_default=True,
+    type=click.IntRange(64),
+    metavar="BITS",
+    help="Where to stop raising the precision.",
+)
+@click.option(
+    "--digits",
+    type=click.IntRange(1, 100_000),
+    metavar="N",
+    help="Also print each certified solution to N proved digits.",
+)
+@output_options(formats=("table", "csv", "json", "markdown"))
+def command(
+    spec: str,
+    result: str,
+    settings: tuple[str, ...],
+    tolerance: float,
+    max_precision: int,
+    digits: int | None,
+    output: Output,
+) -> None:
+    """Prove that the poses in RESULT solve the platform in SPEC, without trusting them.
+
+    For each pose it is proved, in ball arithmetic and for the numbers of SPEC exactly as written,
+    that exactly one solution is within the tolerance, whether it is real, which others are the same,
+    and how well the pose as given meets the constraints. Whether the list is
+    complete is not examined: compare the number of different solutions with `gsp bound`.
+
+    RESULT is what `gsp solve --format json --all` prints, or any list of poses as JSON or CSV: R
+    (by rows) or a quaternion (scalar first), and T. SPEC or RESULT may be - for standard input.
+
+    The exit code is 0 if every pose is certified and no two are the same; 1 if one is proved
+    wrong, a duplicate, or not what the list says of it; 4 if something could not be decided,
+    as at double solutions.
+
+    \b
+    Examples:
+      gsp solve platform.yaml --all --format json | gsp certify platform.yaml -
+      gsp certify platform.yaml poses.csv --tolerance 1e-3
+      gsp certify platform.yaml poses.json --digits 50 --format json
+    """
+    if spec == result == "-":
+        message = "SPEC and RESULT cannot both be standard input"
+        raise click.UsageError(message)
+    from gspcli.certification import certify, read_candidates, refine
+    from gspcli.spec import load, set_values
+
+    instance = set_values(load(spec), settings)
+    given = read_candidates(*_text(result))
+    proved = certify(instance, given.R, given.T, tolerance=tolerance, max_precision=max_precision)
+    solutions = []
+    for number, (item, claim) in enumerate(zip(proved, given.claimed_real, strict=True), 1):
+        entry = {"number": number, **_facts(item), "claimed_real": claim}
+        if digits is not None and item.certified:
+            pose = refine(instance, item, digits)
+            entry["refined"] = {
+                key: value
+                for key in ("R", "T", "R_imag", "T_imag")
+                if (value := getattr(pose, key)) is not None
+            }
+        solutions.append(entry)
+    counts = {
+        "poses": len(proved),
+        "certified": proved.certified,
+        "distinct": proved.distinct,
+        "real": proved.real,
+    }
+    document = {
+        "schema": "gsp.certify/1",
+        **_head(instance),
+        "tolerance": tolerance,
+        "scale": proved.scale,
+        "counts": counts,
+        "solutions": solutions,
+    }
+    emit(output, _tables(solutions, counts, digits), document=document)
+    _conclude(solutions, proved)
+
+
+def _text(path: str) -> tuple[str, str]:
+    """Return the content of a file or of standard input, and its name."""
+    name = "standard input" if path == "-" else path
+    try:
+        content = sys.stdin.buffer.read() if path == "-" else Path(path).read_bytes()
+        return content.decode("utf-8-sig"), name
+    except OSError as error:
+        message = f"{name}: cannot be read: {error.strerror}"
+        raise GspError(message) from error
+    except UnicodeDecodeError as error:
+        message = f"{name}: found {error.reason}, expected text in UTF-8"
+        raise GspError(message) from error
+
+
+def _head(instance: Instance) -> dict[str, Any]:
+    kind = instance.type
+    return {
+        "name": instance.name,
+        "type": {"id": kind.id, "number": kind.number, "class": kind.platform_class.id},
+        "units": {"length": instance.units.length, "angle": instance.units.angle.value},
+    }
+
+
+def _facts(item: Certificate) -> dict[str, Any]:
+    sides = [side.value if side else None for side in item.sides or ()]
+    return {
+        "certified": item.certified,
+        "outcome": item.outcome.value,
+        "real": item.real,
+        "same_as": None if item.same_as is None else item.same_as + 1,
+        "unresolved": [index + 1 for index in item.unresolved],
+        "residual_bound": item.residual_bound,
+        "deviation": item.deviation,
+        "sides": {str(k): side for k, side in enumerate(sides, 1) if side},
+        "precision": item.precision,
+        "error": item.error,
+        "uniqueness": item.uniqueness,
+    }
+
+
+def _tables(
+    solutions: list[dict[str, Any]], counts: dict[str, int], digits: int | None
+) -> list[Table]:
+    rows = [
+        {**entry, "sides": " ".join(f"{k}:{side}" for k, side in entry["sides"].items())}
+        for entry in solutions
+    ]
+    note = (
+        "{poses} poses: {certified} certified, {distinct} of them proved pairwise different, "
+        "{real} of these real"
+    ).format(**counts)
+    tables = [Table(_COLUMNS, rows, notes=[note])]
+    if digits is not None:
+        keys = ["number", *(f"r{i}{j}" for i in "123" for j in "123"), "tx", "ty", "tz"]
+        refined = []
+        for entry in solutions:
+            for suffix in ("", "_imag"):
+                pose = entry.get("refined", {})
+                if "R" + suffix in pose:
+                    flat = [text for row in pose["R" + suffix] for text in row]
+                    label = f"{entry['number']}{' (imaginary)' if suffix else ''}"
+                    cells = [label, *flat, *pose["T" + suffix]]
+                    refined.append(dict(zip(keys, cells, strict=True)))
+        columns = [Column(key, essential=True) for key in keys]
+        title = f"Solutions to {digits} digits"
+        tables.append(Table(columns, refined, title=title))
+    return tables
+
+
+def _conclude(solutions: list[dict[str, Any]], proved: Certificates) -> None:
+    """Raise if a pose is wrong, or else if one is not decided."""
+    from gspcli.certification import Outcome
+
+    undecided_outcomes = (Outcome.NOT_ISOLATED, Outcome.NOT_A_NUMBER)
+    wrong: Counter[str] = Counter()
+    open_: Counter[str] = Counter()
+    for entry, item in zip(solutions, proved, strict=True):
+        claim = entry["claimed_real"]
+        if not item.certified:
+            (open_ if item.outcome in undecided_outcomes else wrong)[item.outcome.value] += 1
+        elif item.real is None:
+            open_["not decided whether it is real"] += 1
+        elif claim is not None and claim is not item.real:
+            wrong["said to be real and is not" if claim else "said not to be real and is"] += 1
+        if item.same_as is not None:
+            wrong["the same solution as an earlier one"] += 1
+        if item.unresolved:
+            open_["not proved different from another one"] += 1
+    if wrong:
+        raise CheckFailed(_sentence(wrong, len(proved), "wrong"))
+    if open_:
+        raise IncompleteError(_sentence(open_, len(proved), "not certified"))
+
+
+def _sentence(reasons: Counter[str], total: int, verdict: str) -> str:
+    lines = [f"{count} of {total}: {reason}" for reason, count in reasons.items()]
+    return f"some poses are {verdict}\n" + "\n".join(lines)
