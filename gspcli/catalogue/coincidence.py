@@ -164,8 +164,9 @@ def parse_sharing(text: str) -> Sharing:
     TypeNameError
         If a word is no constraint, a pair carries a kind twice, or the six constraints are no type.
     """
-    bonds = canonical_bonds(_parse_bond(word) for word in re.split(r"[\s,;]+", text.strip()))
-    gsp_type = GspType.of(bond.kind for bond in bonds)
+    given = [_parse_bond(word) for word in re.split(r"[\s,;]+", text.strip())]
+    gsp_type = GspType.of(bond.kind for bond in given)
+    bonds = canonical_bonds(given)
     return next(pattern for pattern in coincident_types(gsp_type) if pattern.bonds == bonds)
 
 
@@ -183,8 +184,7 @@ def canonical_bonds(bonds: Iterable[Bond]) -> tuple[Bond, ...]:
             message = f"{bond} stands twice: a pair carries each kind of constraint at most once"
             raise TypeNameError(message)
     kinds = tuple(bond.kind for bond in ordered)
-    word = _least_word(kinds, [(bond.platform, bond.base) for bond in ordered])
-    return _bonds(kinds, word)
+    return _bonds(kinds, _least_pairs(kinds, [(bond.platform, bond.base) for bond in ordered]))
 
 
 def _parse_bond(word: str) -> Bond:
@@ -228,10 +228,6 @@ def _least_words(kinds: Sequence[Kind], prefix: tuple[Pair, ...]) -> Iterator[tu
                 word = (*prefix, (a, b))
                 if all(map(tuple.__eq__, word, _least_pairs(kinds[: length + 1], word))):
                     yield from _least_words(kinds, word)
-
-
-def _least_word(kinds: Sequence[Kind], word: Sequence[Pair]) -> tuple[Pair, ...]:
-    return tuple(_least_pairs(kinds, word))
 
 
 def _least_pairs(kinds: Sequence[Kind], word: Sequence[Pair]) -> Iterator[Pair]:
