@@ -20,12 +20,12 @@ from gspcli.cli.output import Column, Output, Table, emit, output_options
 _BOND = re.compile(r"[PLH]\d+[-^]")
 
 _COLUMNS = [
-    Column("number", "", align="right", essential=True),
-    Column("constraints", align="right", essential=True),
+    Column("number", "#", align="right", essential=True),
     Column("kinds", essential=True),
     Column("platform"),
     Column("base"),
     Column("chain", essential=True),
+    Column("constraints", align="right"),
     Column("joint_freedoms", "Σf", align="right"),
     Column("idle_freedoms", "idle", align="right"),
     Column("idle_motion", "idle motion"),

@@ -38,7 +38,7 @@ def test_the_sum_is_shown(gsp: Callable) -> None:
 def test_markdown(gsp: Callable) -> None:
     lines = gsp("realize", "6PP", "--format", "markdown").out.splitlines()
     assert lines[4] == (
-        "| 1 | 1 | DPP | P1 | p1 | platform ─S─P*─S─ base | 7 | 1 | leg turns about its own axis "
+        "| 1 | DPP | P1 | p1 | platform ─S─P*─S─ base | 1 | 7 | 1 | leg turns about its own axis "
         "| S-P*-R-R | 5 | 9 |"
     )
 
