@@ -1,0 +1,173 @@
+"""Solution sets that are not finite: their local dimension, and poses along a motion.
+
+What is found here is numerical evidence, not a proof: the Jacobian matrix has a kernel at a pose,
+and steps along it can be corrected to poses some way off that satisfy every constraint.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.geometry.poses import Field, quaternion_from_rotation, rotation_from_quaternion
+from gspcli.geometry.residuals import Arrangement, jacobian, measured
+
+Array = NDArray[np.float64]
+
+#: Steps of a sample motion, in radians or typical lengths, and how many of them.
+_STEP = 0.05
+_STEPS = 24
+#: Relative singular values of the Jacobian matrix below this belong to its kernel.
+_KERNEL = 1e-6
+#: Largest remaining error of a corrected pose, in radians or typical lengths.
+_CONVERGED = 1e-11
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A positive-dimensional set of poses around a sample.
+
+    Attributes
+    ----------
+    dimension
+        Local dimension of the set, as far as independent steps were found.
+    real
+        Whether the poses are real, so that the platform really moves; else the set is known
+        only over the complex numbers.
+    R, T
+        Consecutive poses, shapes (m, 3, 3) and (m, 3); the first is the sample.
+    """
+
+    dimension: int
+    real: bool
+    R: Field
+    T: Field
+
+
+def local_motion(arrangement: Arrangement, R: Field, T: Field) -> Motion | None:
+    """Return the motion at a pose that satisfies the constraints, or None if none is found.
+
+    Parameters
+    ----------
+    arrangement
+        The platform.
+    R, T
+        One pose, shapes (3, 3) and (3,), real or complex. A real pose near its real part is
+        tried first.
+    """
+    system = _System(arrangement)
+    T = system.inward(R, T)
+    real_R = rotation_from_quaternion(quaternion_from_rotation(R).real)
+    for start in ((real_R, T.real), (R.astype(complex), T.astype(complex))):
+        pose = system.correct(*start, kernel=1)
+        if pose is not None:
+            motion = _explore(system, pose)
+            if motion is not None:
+                return motion
+    return None
+
+
+def _explore(system: _System, pose: tuple[Field, Field]) -> Motion | None:
+    """Return the motion through a pose that is accurate."""
+    kernel = system.kernel(*pose)
+    moves = []
+    for twist in kernel:
+        there = system.step(pose, _STEP * twist, len(kernel))
+        if there is not None:
+            moves.append(system.displacement(pose, there))
+    if not moves:
+        return None
+    values = np.linalg.svd(np.array(moves), compute_uv=False)
+    dimension = int((values > 0.1 * values[0]).sum())
+    poses = [pose]
+    twist = moves[0] / np.linalg.norm(moves[0])
+    while len(poses) <= _STEPS:
+        kernel = system.kernel(*poses[-1])
+        along = kernel.T @ (kernel.conj() @ twist)
+        size = np.linalg.norm(along)
+        if size < 0.5:
+            break
+        there = system.step(poses[-1], _STEP * along / size, len(kernel))
+        if there is None:
+            break
+        twist = system.displacement(poses[-1], there)
+        twist = twist / np.linalg.norm(twist)
+        poses.append(there)
+    R, T = np.array([R for R, _ in poses]), np.array([T for _, T in poses])
+    return Motion(dimension, not np.iscomplexobj(R), R, system.outward(R, T))
+
+
+class _System:
+    """The constraints near a pose, in lengths of order one, with the signs of that pose."""
+
+    def __init__(self, arrangement: Arrangement) -> None:
+        self.outer = arrangement
+        self.given = arrangement.normalised
+
+    def inward(self, R: Field, T: Field) -> Field:
+        """Return the translation of a pose for the normalised arrangement."""
+        back = T - self.outer.base_centre + R @ self.outer.platform_centre
+        return back / self.outer.length
+
+    def outward(self, R: Field, T: Field) -> Field:
+        """Return translations in the frames that were given."""
+        return self.outer.restored(R, T)
+
+    def errors(self, R: Field, T: Field) -> Field:
+        """Return measured minus stated values, distances by the nearer sign."""
+        values, targets = measured(self.given, R, T), self.given.targets
+        free = self.given.sides == 0
+        free &= np.array([kind.is_distance for kind in self.given.kinds])
+        sign = np.where(free & (np.abs(values + targets) < np.abs(values - targets)), -1, 1)
+        sign = np.where(self.given.sides < 0, -1, sign)
+        return values - sign * targets
+
+    def kernel(self, R: Field, T: Field) -> Field:
+        """Return an orthonormal basis of the twists that change nothing, shape (k, 6)."""
+        _, values, right = np.linalg.svd(self._rows(R, T))
+        return right[values < _KERNEL * values[0]].conj()
+
+    def _rows(self, R: Field, T: Field) -> Field:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            rows = jacobian(self.given, R, T)
+        return np.where(np.isfinite(rows), rows, 0.0)
+
+    def correct(self, R: Field, T: Field, kernel: int) -> tuple[Field, Field] | None:
+        """Return the pose after shortest corrections, or None if they do not converge.
+
+        The Jacobian matrix is inverted on its largest 6 - kernel singular values only.
+        """
+        for _ in range(12):
+            errors = self.errors(R, T)
+            if np.abs(errors).max() < _CONVERGED:
+                return R, T
+            left, values, right = np.linalg.svd(self._rows(R, T))
+            rank = max(1, min(6 - kernel, int((values > _KERNEL * values[0]).sum())))
+            inner = (left[:, :rank].conj().T @ -errors) / values[:rank]
+            R, T = _moved(R, T, right[:rank].conj().T @ inner)
+        return None
+
+    def step(
+        self, pose: tuple[Field, Field], twist: Field, kernel: int
+    ) -> tuple[Field, Field] | None:
+        """Return the corrected pose after a step, or None if it came back or strayed."""
+        there = self.correct(*_moved(*pose, twist), kernel=kernel)
+        if there is None:
+            return None
+        size = np.linalg.norm(self.displacement(pose, there)) / np.linalg.norm(twist)
+        return there if 0.5 < size < 2 else None
+
+    def displacement(self, here: tuple[Field, Field], there: tuple[Field, Field]) -> Field:
+        """Return the twist from one pose to another nearby, shape (6,)."""
+        turn = there[0] @ here[0].T
+        skew = (turn - turn.T) / 2
+        omega = np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
+        return np.concatenate((omega, there[1] - here[1]))
+
+
+def _moved(R: Field, T: Field, twist: Field) -> tuple[Field, Field]:
+    """Return the pose after a small twist; a quaternion (1, omega / 2) turns by about omega."""
+    turn = rotation_from_quaternion(np.concatenate(([1.0], twist[:3] / 2)))
+    return turn @ R, T + twist[3:]

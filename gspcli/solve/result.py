@@ -1,0 +1,293 @@
+"""What a solve returns: every pose found and an account of every path."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli import __version__
+from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.poses import Field, quaternion_from_rotation
+from gspcli.geometry.residuals import Arrangement, condition_numbers, residuals, sides_of
+from gspcli.solve.motion import Motion
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+Verdict = Literal["complete", "infinite", "incomplete"]
+SCHEMA = "gsp.solve/1"
+
+
+@dataclass(frozen=True)
+class Counts:
+    """How many of what.
+
+    Attributes
+    ----------
+    found
+        Distinct finite isolated solutions.
+    real, certified, singular
+        How many of those are real, are certified, have a multiplicity above one.
+    at_infinity, on_curves, lost
+        Paths that end at infinity or on positive-dimensional sets, and those whose end is
+        not known. Multiplicities of the found ones and these three add up to the paths.
+    """
+
+    found: int
+    real: int
+    certified: int
+    singular: int
+    at_infinity: int
+    on_curves: int
+    lost: int
+
+    def to_json(self) -> dict[str, int]:
+        """Return the counts as plain data."""
+        return dict(vars(self))
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """One pose.
+
+    Attributes
+    ----------
+    real, certified
+        Whether the pose is real, and whether that and its existence are proved.
+    multiplicity
+        How many paths end at it.
+    R, T
+        Rotation (3, 3) and translation (3,), complex for a pose that is not real.
+    quaternion
+        Of the rotation, scalar first, ``e.e = 1``, shape (4,).
+    residual
+        The largest difference between what a constraint measures and its value, in the units
+        of the instance (lengths and angles alike).
+    condition
+        Condition number of the pose (`gspcli.geometry.residuals.condition_numbers`).
+    sides
+        For each DPH and DHP constraint, by its number from 1: ``positive`` or ``negative``.
+    """
+
+    real: bool
+    certified: bool
+    multiplicity: int
+    R: Field
+    T: Field
+    quaternion: Field
+    residual: float
+    condition: float
+    sides: Mapping[int, str]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the pose as plain data (see `SolveResult.to_json`)."""
+        document: dict[str, Any] = {
+            "real": self.real,
+            "certified": self.certified,
+            "multiplicity": self.multiplicity,
+            "R": self.R.real.tolist(),
+            "T": self.T.real.tolist(),
+            "quaternion": self.quaternion.real.tolist(),
+            "residual": self.residual,
+            "condition": self.condition if np.isfinite(self.condition) else None,
+            "sides": {str(number): side for number, side in self.sides.items()},
+        }
+        if not self.real:
+            document["R_imag"] = self.R.imag.tolist()
+            document["T_imag"] = self.T.imag.tolist()
+            document["quaternion_imag"] = self.quaternion.imag.tolist()
+        return document
+
+
+@dataclass(frozen=True, eq=False)
+class SolveResult:
+    """All poses of an instance.
+
+    The order of the poses does not depend on how they were found: real ones first, then by
+    the quaternion (its first component that is not zero positive), then by the translation,
+    each component in turn, rounded to nine decimals (translations in powers of ten of the
+    typical length), real parts before imaginary parts.
+
+    Attributes
+    ----------
+    instance, arrangement
+        What was solved, as given and in floating point.
+    R, T
+        Distinct isolated poses, shapes (n, 3, 3) and (n, 3), complex; the imaginary parts of
+        real poses are exactly zero.
+    real
+        Which poses are real, shape (n,). Before certification this is decided by pairing
+        conjugates: a pose is real if the conjugate of it is nearest to itself among all poses.
+    certified
+        Which poses are proved to exist, to be simple, and to be real or not, shape (n,).
+    multiplicity
+        How many paths end at each, shape (n,).
+    expected
+        The number of paths: the generic count for the sides asked for.
+    at_infinity, on_curves, lost
+        What became of the other paths, see `Counts`.
+    motions
+        Positive-dimensional sets of poses that were found.
+    seed
+        The source of random choices.
+    """
+
+    instance: Instance
+    arrangement: Arrangement
+    R: Field
+    T: Field
+    real: NDArray[np.bool_]
+    certified: NDArray[np.bool_]
+    multiplicity: NDArray[np.int64]
+    expected: int
+    at_infinity: int
+    on_curves: int
+    lost: int
+    motions: tuple[Motion, ...]
+    seed: int
+
+    @property
+    def verdict(self) -> Verdict:
+        """`infinite` if a motion was found, `incomplete` if any path is not accounted for."""
+        if self.motions:
+            return "infinite"
+        return "incomplete" if self.lost or self.on_curves else "complete"
+
+    @cached_property
+    def counts(self) -> Counts:
+        """How many poses there are of which sort."""
+        return Counts(
+            found=len(self.R),
+            real=int(self.real.sum()),
+            certified=int(self.certified.sum()),
+            singular=int((self.multiplicity > 1).sum()),
+            at_infinity=self.at_infinity,
+            on_curves=self.on_curves,
+            lost=self.lost,
+        )
+
+    @cached_property
+    def quaternions(self) -> Field:
+        """Quaternions of the poses, shape (n, 4)."""
+        return quaternion_from_rotation(self.R)
+
+    @cached_property
+    def residuals(self) -> Array:
+        """Residual of each constraint at each pose, units of the instance, shape (n, 6)."""
+        R, T, real = self.R, self.T, self.real
+        return np.concatenate(
+            (
+                residuals(self.arrangement, R[real].real, T[real].real),
+                residuals(self.arrangement, R[~real], T[~real]),
+            )
+        )
+
+    @cached_property
+    def conditions(self) -> Array:
+        """Condition number of each pose, shape (n,)."""
+        return condition_numbers(self.arrangement, self.R, self.T)
+
+    @cached_property
+    def solutions(self) -> tuple[Solution, ...]:
+        """The poses one by one."""
+        sides = sides_of(self.arrangement, self.R, self.T)
+        names = {1: Side.POSITIVE.value, -1: Side.NEGATIVE.value}
+        return tuple(
+            Solution(
+                real=bool(self.real[k]),
+                certified=bool(self.certified[k]),
+                multiplicity=int(self.multiplicity[k]),
+                R=self.R[k].real if self.real[k] else self.R[k],
+                T=self.T[k].real if self.real[k] else self.T[k],
+                quaternion=self.quaternions[k].real if self.real[k] else self.quaternions[k],
+                residual=float(self.residuals[k].max()),
+                condition=float(self.conditions[k]),
+                sides={i + 1: names[s] for i, s in enumerate(sides[k].tolist()) if s},
+            )
+            for k in range(len(self.R))
+        )
+
+    @property
+    def real_solutions(self) -> tuple[Solution, ...]:
+        """The real poses: the assembly modes."""
+        return self.solutions[: self.counts.real]
+
+    def to_json(self, *, everything: bool = False) -> dict[str, Any]:
+        """Return the result as plain data of schema ``gsp.solve/1``.
+
+        Parameters
+        ----------
+        everything
+            Whether poses that are not real are included.
+        """
+        units = self.instance.units
+        chosen = self.solutions if everything else self.real_solutions
+        gsp_type = self.instance.type
+        document: dict[str, Any] = {
+            "schema": SCHEMA,
+            "name": self.instance.name,
+            "type": {
+                "id": gsp_type.id,
+                "number": gsp_type.number,
+                "class": gsp_type.platform_class.id,
+            },
+            "units": {"length": units.length, "angle": units.angle.value},
+            "expected": self.expected,
+            "verdict": self.verdict,
+            "counts": self.counts.to_json(),
+            "solutions": [solution.to_json() for solution in chosen],
+        }
+        if self.motions:
+            document["motions"] = [_motion_json(motion) for motion in self.motions]
+        return {**document, "seed": self.seed, "version": __version__}
+
+    def to_frame(self, *, everything: bool = False) -> pd.DataFrame:
+        """Return the poses as a table with a row for each (pandas is imported now).
+
+        Columns: real, certified, multiplicity, qw qx qy qz, Tx Ty Tz, residual, condition.
+        With ``everything`` the quaternions and translations are complex.
+        """
+        import pandas as pd
+
+        count = len(self.R) if everything else self.counts.real
+        q, T = self.quaternions[:count], self.T[:count]
+        if not everything:
+            q, T = q.real, T.real
+        return pd.DataFrame(
+            {
+                "real": self.real[:count],
+                "certified": self.certified[:count],
+                "multiplicity": self.multiplicity[:count],
+                **{f"q{axis}": q[:, k] for k, axis in enumerate("wxyz")},
+                **{f"T{axis}": T[:, k] for k, axis in enumerate("xyz")},
+                "residual": self.residuals[:count].max(axis=1, initial=0.0),
+                "condition": self.conditions[:count],
+            }
+        )
+
+
+def _motion_json(motion: Motion) -> dict[str, Any]:
+    document = {
+        "dimension": motion.dimension,
+        "real": motion.real,
+        "R": motion.R.real.tolist(),
+        "T": motion.T.real.tolist(),
+    }
+    if not motion.real:
+        document |= {"R_imag": motion.R.imag.tolist(), "T_imag": motion.T.imag.tolist()}
+    return document
+
+
+def stable_order(arrangement: Arrangement, R: Field, T: Field, real: NDArray[np.bool_]) -> Any:
+    """Return the permutation that puts poses into the order of `SolveResult`, shape (n,)."""
+    unit = 10.0 ** np.floor(np.log10(arrangement.length))
+    pose = np.concatenate((quaternion_from_rotation(R), T / unit), axis=-1)
+    keys = np.round(np.concatenate((pose.real, pose.imag), axis=-1), 9)
+    # The last key is the first to sort by.
+    return np.lexsort((*keys.T[::-1], ~real))
