@@ -3,17 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from itertools import groupby, islice
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.continuation.accounts import (
+    Account,
+    all_regular,
+    random_start,
+    regular_account,
+    settle,
+)
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
-from gspcli.continuation.systems import TargetSystem
-from gspcli.continuation.tracker import DEFAULT, TrackerOptions
+from gspcli.continuation.start import StartSystem, start_system
+from gspcli.continuation.systems import Coefficients, TargetSystem
+from gspcli.continuation.tracker import DEFAULT, PathResults, TrackerOptions, track
 
 DEFAULT_SEED = 20031
+_BATCH = 256
+_BATCH_PATHS = 65_536
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +107,13 @@ def solve_system(
     jobs
         Threads. The result does not depend on them.
     options
-        Settings of the tracker.
+        Settings of the first attempt; what it loses is tracked again with `CAREFUL` and
+        `PARANOID`.
+
+    Raises
+    ------
+    ValueError
+        If more than three equations are of family a.
     """
     return next(solve_systems([target], seed=seed, jobs=jobs, options=options))
 
@@ -113,4 +130,71 @@ def solve_systems(
     Each result is the same as `solve_system` gives. Consecutive systems of one structure are
     tracked together, which is what makes this quicker than a loop.
     """
-    raise NotImplementedError
+    for structure, group in groupby(targets, key=lambda target: target.structure):
+        start = start_system(structure.canonical())
+        size = max(1, min(_BATCH, _BATCH_PATHS // len(start.points)))
+        while batch := list(islice(group, size)):
+            yield from _solve_batch(start, batch, seed, jobs, options)
+
+
+def _solve_batch(
+    start: StartSystem,
+    targets: list[TargetSystem],
+    seed: int,
+    jobs: int,
+    options: TrackerOptions,
+) -> Iterator[SystemSolutions]:
+    order = list(targets[0].structure.order)
+    given = Coefficients(
+        *(np.array([getattr(x, name)[order] for x in targets]) for name in ("g", "h", "tau"))
+    )
+    balanced, scale = given.balanced()
+    results = track(
+        np.array(start.structure.products),
+        random_start(start, seed, 0),
+        balanced,
+        start.points,
+        options=options,
+        jobs=jobs,
+    )
+    clean = all_regular(results)
+    for i in range(len(targets)):
+        if clean[i]:
+            account = regular_account(results, i)
+        else:
+            row = PathResults(*(getattr(results, f.name)[i : i + 1] for f in fields(results)))
+            account = settle(start, balanced.take(i), row, seed, jobs)
+        yield _solutions(account, len(start.points), float(scale[i]), seed)
+
+
+def _solutions(account: Account, paths: int, scale: float, seed: int) -> SystemSolutions:
+    return SystemSolutions(
+        points=_scaled_to_one(account.points, scale),
+        multiplicity=account.multiplicity,
+        singular=~np.isfinite(account.condition),
+        condition=account.condition,
+        residual=account.residual,
+        paths=paths,
+        at_infinity=account.at_infinity,
+        on_curves=account.on_curves,
+        lost=account.lost,
+        curves=tuple(
+            SolutionCurve(
+                curve.dimension,
+                _scaled_to_one(curve.points, scale),
+                _scaled_to_one(curve.motion, scale),
+                curve.real,
+            )
+            for curve in account.curves
+        ),
+        seed=seed,
+    )
+
+
+def _scaled_to_one(points: ComplexArray, scale: float) -> ComplexArray:
+    """Undo the balance of e and f, and scale to N = 1 with a definite sign."""
+    points = points / np.sqrt((points[:, :4] ** 2).sum(axis=1, keepdims=True))
+    points[:, 4:] *= scale
+    largest = np.abs(points[:, :4]).argmax(axis=1)[:, None]
+    sign = np.where(np.take_along_axis(points, largest, axis=1).real < 0, -1.0, 1.0)
+    return points * sign

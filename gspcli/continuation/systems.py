@@ -15,11 +15,13 @@ from gspcli.continuation.quadrics import (
     LETTERS,
     NORM,
     ComplexArray,
+    FloatArray,
     evaluate,
     gradients,
 )
 
 EQUATIONS = 6
+_DEGREES_IN_F = (slice(0, 10), slice(10, 26), slice(26, 27))
 
 
 @dataclass(frozen=True, order=True)
@@ -83,6 +85,29 @@ class Coefficients(NamedTuple):
         return Coefficients(
             self.g / size_g[..., None], self.h / size_h[..., None], self.tau / (size_g * size_h)
         )
+
+    def balanced(self) -> tuple[Coefficients, FloatArray]:
+        """Return the normalized equations in e and f / scale, and the scales (...).
+
+        The scale, a power of two, makes the coefficients of e e, e f and f f alike in size, so
+        that the unit of length does not matter.
+        """
+        factors = np.concatenate([self.g, self.h], axis=-2)
+        size = np.stack(
+            [np.linalg.norm(factors[..., part], axis=-1) for part in _DEGREES_IN_F], axis=-1
+        )
+        with np.errstate(divide="ignore"):
+            logarithm = np.log2(size)
+        # The least-squares slope of log(size) over the degree in f.
+        ratio = logarithm[..., 1:] - logarithm[..., :1]
+        known = np.isfinite(ratio)
+        weight = np.where(known, [1.0, 2.0], 0.0)
+        slope = (weight * np.where(known, ratio, 0.0)).sum(axis=(-1, -2))
+        scale = np.exp2(-np.round(slope / np.maximum(1.0, (weight**2).sum(axis=(-1, -2)))))
+        powers = np.ones((*scale.shape, 1, COEFFICIENTS))
+        powers[..., 0, _DEGREES_IN_F[1]] = scale[..., None]
+        powers[..., 0, _DEGREES_IN_F[2]] = scale[..., None] ** 2
+        return Coefficients(self.g * powers, self.h * powers, self.tau).normalized(), scale
 
     def scaled(self, g: ComplexArray, h: ComplexArray) -> Coefficients:
         """Return the same equations with their factors multiplied by `g` and `h`, shape (6,)."""

@@ -1,0 +1,312 @@
+"""Where every path of one system ended: re-tracking, endgame, classification.
+
+A result in which all paths end at distinct regular solutions needs nothing of this. Otherwise
+paths that failed, or that ended at the same regular solution, which only a jump from one path to
+another can cause, are tracked again with smaller steps; paths that stopped in front of the target
+go through the endgame; and if some are still lost, everything is done again along other random
+paths. The account with the fewest lost paths counts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.continuation.dimension import local_dimension, real_point, sample_motion
+from gspcli.continuation.endgame import find_ends
+from gspcli.continuation.quadrics import ComplexArray, FloatArray
+from gspcli.continuation.start import StartSystem
+from gspcli.continuation.systems import EQUATIONS, Coefficients
+from gspcli.continuation.tracker import (
+    CAREFUL,
+    PARANOID,
+    PathResults,
+    PathStatus,
+    TrackerOptions,
+    track,
+)
+
+_ATTEMPTS = 4
+_INFINITE = 1e-10
+_CONDITION = 1e8
+_CORRECTION = 1e-9
+_SAME = 1e-6
+_KEY = np.exp(1j * np.arange(8) ** 2) / np.sqrt(8)
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Ends on a positive-dimensional solution set; as `solve.SolutionCurve`, norm 1."""
+
+    dimension: int
+    points: ComplexArray
+    motion: ComplexArray
+    real: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Account:
+    """The ends of all paths of one system; points of norm 1."""
+
+    points: ComplexArray
+    multiplicity: NDArray[np.int64]
+    condition: FloatArray
+    residual: FloatArray
+    at_infinity: int = 0
+    on_curves: int = 0
+    lost: int = 0
+    suspect: bool = False
+    """Winding numbers and multiplicities contradict each other."""
+    curves: list[Curve] = field(default_factory=list)
+
+
+def random_start(start: StartSystem, seed: int, attempt: int) -> Coefficients:
+    """Return the start system with its factors multiplied by random phases: another path."""
+    rng = np.random.default_rng([seed, attempt])
+    g, h = np.exp(2j * np.pi * rng.random((2, EQUATIONS)))
+    return start.coefficients.scaled(g, h)
+
+
+def norms(points: ComplexArray) -> FloatArray:
+    """Return |N| of points (..., 8)."""
+    return np.abs((points[..., :4] ** 2).sum(axis=-1))
+
+
+def trusted(results: PathResults) -> NDArray[np.bool_]:
+    """Return which ends (B, P) are at well determined regular solutions."""
+    return np.asarray(
+        (results.status == PathStatus.REGULAR)
+        & (results.condition < _CONDITION)
+        & (results.correction < _CORRECTION)
+    )
+
+
+def clusters(points: ComplexArray, distance: float = _SAME) -> list[NDArray[np.intp]]:
+    """Return the indices of points (n, 8) of norm 1 grouped by nearness up to a factor."""
+    order, near = _sorted_nearness(points[None], distance)
+    groups = []
+    for run in np.split(order[0], np.flatnonzero(~near[0]) + 1):
+        rest = run
+        while len(rest):
+            inner = np.abs(points[rest] @ points[rest[0]].conj())
+            # The sine of the angle between the two lines, without cancellation.
+            apart = (
+                points[rest] - (points[rest] @ points[rest[0]].conj())[:, None] * points[rest[0]]
+            )
+            together = (np.linalg.norm(apart, axis=1) < distance) & (inner > 0.5)
+            together[0] = True
+            groups.append(np.sort(rest[together]))
+            rest = rest[~together]
+    return groups
+
+
+def _sorted_nearness(
+    points: ComplexArray, distance: float
+) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Sort points (B, P, 8) by a continuous invariant; say which neighbours may be near."""
+    keys = np.abs(points @ _KEY)
+    order = np.argsort(keys, axis=1)
+    return order, np.diff(np.take_along_axis(keys, order, axis=1), axis=1) < distance
+
+
+def all_regular(results: PathResults) -> NDArray[np.bool_]:
+    """Return for which targets (B,) all paths end at distinct finite regular solutions."""
+    good = (trusted(results) & (norms(results.points) > _INFINITE)).all(axis=1)
+    near = _sorted_nearness(results.points, _SAME)[1].any(axis=1)
+    for i in np.flatnonzero(good & near):
+        good[i] = len(clusters(results.points[i])) == results.points.shape[1]
+    return good
+
+
+def regular_account(results: PathResults, i: int) -> Account:
+    """Return the account of a target for which `all_regular` holds."""
+    count = results.points.shape[1]
+    return Account(
+        results.points[i],
+        np.ones(count, dtype=np.int64),
+        results.condition[i],
+        results.residual[i],
+    )
+
+
+def settle(
+    start: StartSystem, target: Coefficients, results: PathResults, seed: int, jobs: int
+) -> Account:
+    """Return the account of one target from the first results of its paths (1, P)."""
+    best = None
+    for attempt in range(_ATTEMPTS):
+        origin = random_start(start, seed, attempt)
+        if attempt:
+            options = CAREFUL if attempt < _ATTEMPTS - 1 else PARANOID
+            results = _track(start, origin, target, start.points, options, jobs)
+        account = _Attempt(start, origin, target, results, jobs).account(seed)
+        if best is not None:
+            account = _completed(account, best)
+        if best is None or (account.lost, account.suspect) < (best.lost, best.suspect):
+            best = account
+        if not best.lost and not best.suspect:
+            break
+    assert best is not None
+    return best
+
+
+def _track(
+    start: StartSystem,
+    origin: Coefficients,
+    target: Coefficients,
+    points: ComplexArray,
+    options: TrackerOptions,
+    jobs: int,
+) -> PathResults:
+    products = np.array(start.structure.products)
+    goal = Coefficients(*(x[None] for x in target))
+    return track(products, origin, goal, points, options=options, jobs=jobs)
+
+
+def _completed(account: Account, other: Account) -> Account:
+    """Add regular solutions that only another attempt found: one lost path ends at each."""
+    if not account.lost or not len(other.points):
+        return account
+    index = [
+        i
+        for i in np.flatnonzero(other.condition < _CONDITION)
+        if other.multiplicity[i] == 1
+        and np.abs(account.points @ other.points[i].conj()).max(initial=0.0) < 1 - 1e-9
+    ]
+    if not index or len(index) > account.lost:
+        return account
+    return replace(
+        account,
+        points=np.concatenate([account.points, other.points[index]]),
+        multiplicity=np.concatenate([account.multiplicity, other.multiplicity[index]]),
+        condition=np.concatenate([account.condition, other.condition[index]]),
+        residual=np.concatenate([account.residual, other.residual[index]]),
+        lost=account.lost - len(index),
+    )
+
+
+class _Attempt:
+    """The paths from one origin to one target."""
+
+    def __init__(
+        self,
+        start: StartSystem,
+        origin: Coefficients,
+        target: Coefficients,
+        results: PathResults,
+        jobs: int,
+    ) -> None:
+        self.start = start
+        self.products = np.array(start.structure.products)
+        self.origin = origin
+        self.target = target
+        self.jobs = jobs
+        self.points = results.points[0].copy()
+        self.t = results.t[0].copy()
+        self.status = results.status[0].copy()
+        self.condition = results.condition[0].copy()
+        self.residual = results.residual[0].copy()
+        self.regular = trusted(results)[0]
+
+    def account(self, seed: int) -> Account:
+        for options in (CAREFUL, PARANOID):
+            wrong = (self.status == PathStatus.FAILED) | self._collided()
+            if wrong.any():
+                self._track_again(np.flatnonzero(wrong), options)
+        winding = self._find_singular_ends()
+        return self._classify(winding, np.random.default_rng([seed, 1 << 16]))
+
+    def _collided(self) -> NDArray[np.bool_]:
+        """Return which paths share a regular end with another."""
+        collided = np.zeros(len(self.points), dtype=np.bool_)
+        index = np.flatnonzero(self.regular)
+        for group in clusters(self.points[index]):
+            if len(group) > 1:
+                collided[index[group]] = True
+        return collided
+
+    def _track_again(self, index: NDArray[np.intp], options: TrackerOptions) -> None:
+        results = _track(
+            self.start, self.origin, self.target, self.start.points[index], options, self.jobs
+        )
+        for name in ("points", "t", "status", "condition", "residual"):
+            getattr(self, name)[index] = getattr(results, name)[0]
+        self.regular[index] = trusted(results)[0]
+
+    def _find_singular_ends(self) -> NDArray[np.int64]:
+        """Put the ends of the paths that are not regular; return their winding numbers.
+
+        Zero marks the others, and -1 those that stay unknown.
+        """
+        winding = np.zeros(len(self.points), dtype=np.int64)
+        index = np.flatnonzero(~self.regular)
+        if not len(index):
+            return winding
+        radius = CAREFUL.waypoint
+        # Those that were stopped elsewhere than at the waypoint are tracked there once more.
+        away = index[self.t[index] != 1 - radius]
+        if len(away):
+            near = self.origin.towards(self.target, 1 - radius)
+            results = _track(
+                self.start, self.origin, near, self.start.points[away], CAREFUL, self.jobs
+            )
+            arrived = results.status[0] == PathStatus.REGULAR
+            self.points[away] = results.points[0]
+            winding[away[~arrived]] = -1
+            index = index[winding[index] == 0]
+        ends = find_ends(self.products, self.origin, self.target, self.points[index], radius)
+        known = ends.error < 1e-5
+        self.points[index[known]] = ends.points[known]
+        winding[index] = np.where(known, ends.winding, -1)
+        self.condition[index] = np.inf
+        return winding
+
+    def _classify(self, winding: NDArray[np.int64], rng: np.random.Generator) -> Account:
+        lost = int((winding < 0).sum())
+        known = np.flatnonzero(winding >= 0)
+        infinite = norms(self.points[known]) < np.where(winding[known] > 0, 1e-8, _INFINITE)
+        finite = known[~infinite]
+        rows, curves, on_curves, suspect = [], [], 0, False
+        for group in clusters(self.points[finite]):
+            members = finite[group]
+            first = members[np.argmin(self.condition[members])]
+            if self.regular[first]:
+                # One path each: any other has jumped.
+                lost += len(members) - 1
+                rows.append((first, 1))
+                continue
+            curve = self._curve(members, rng)
+            if curve is not None:
+                curves.append(curve)
+                on_curves += len(members)
+                continue
+            of_cycle = np.bincount(winding[members])
+            cycle = np.arange(len(of_cycle))
+            suspect |= bool((of_cycle[1:] % cycle[1:]).any())
+            rows.append((first, len(members)))
+        index = np.array([first for first, _ in rows], dtype=np.intp)
+        residual = np.abs(self.target.values(self.products, self.points[index])).max(
+            axis=1, initial=0.0
+        )
+        return Account(
+            self.points[index],
+            np.array([count for _, count in rows], dtype=np.int64),
+            self.condition[index],
+            residual,
+            int(infinite.sum()),
+            on_curves,
+            lost,
+            suspect,
+            curves,
+        )
+
+    def _curve(self, members: NDArray[np.intp], rng: np.random.Generator) -> Curve | None:
+        point = self.points[members[0]]
+        dimension = local_dimension(self.products, self.target, point, rng)
+        if not dimension:
+            return None
+        real = real_point(self.products, self.target, point, rng)
+        motion = sample_motion(self.products, self.target, point if real is None else real)
+        return Curve(dimension, self.points[members], motion, real is not None)

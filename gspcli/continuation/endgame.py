@@ -1,0 +1,145 @@
+"""The Cauchy endgame: the ends of paths where the Jacobian matrix degenerates.
+
+Near t = 1 a path is a power series in ``(1 - t)^(1/w)`` with the winding number w. Followed once
+around t = 1 it arrives at another of the w paths of its cycle, after w rounds at itself, and by
+Cauchy's theorem the mean of the points on the way is the end itself. In Study coordinates of a
+fixed affine chart this holds at infinity too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.continuation.quadrics import ComplexArray, FloatArray
+from gspcli.continuation.systems import Coefficients
+from gspcli.continuation.tracker import CAREFUL, PathStatus, track
+
+_SAMPLES = 8
+_MAX_WINDING = 16
+_SHRINK = 8.0
+_ROUNDS = 6
+_ACCURACY = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Ends:
+    """The ends of k paths."""
+
+    points: ComplexArray
+    """Shape (k, 8), norm 1; NaN where unknown."""
+    winding: NDArray[np.int64]
+    """Winding numbers, shape (k,); 0 where no loop closed."""
+    error: FloatArray
+    """Estimated error of the points, shape (k,); infinite where unknown."""
+
+
+def find_ends(
+    products: NDArray[np.bool_],
+    start: Coefficients,
+    target: Coefficients,
+    points: ComplexArray,
+    radius: float,
+) -> Ends:
+    """Find the ends of paths from their points at ``t = 1 - radius``.
+
+    The circle is made smaller until the ends computed from all points and from every other point
+    on it agree, which they do when no other branch point is inside or near it.
+
+    Parameters
+    ----------
+    products
+        Which equations are products, shape (6,).
+    start, target
+        The systems at t = 0 and t = 1.
+    points
+        Shape (k, 8).
+    radius
+        Where `points` are.
+    """
+    count = len(points)
+    best = Ends(
+        np.full((count, 8), np.nan, dtype=np.complex128),
+        np.zeros(count, dtype=np.int64),
+        np.full(count, np.inf),
+    )
+    todo = np.arange(count)
+    for _ in range(_ROUNDS):
+        ends = _circle(products, start, target, points, radius)
+        better = ends.error < best.error[todo]
+        for name in ("points", "winding", "error"):
+            getattr(best, name)[todo[better]] = getattr(ends, name)[better]
+        keep = ~(ends.error < _ACCURACY)
+        todo, points = todo[keep], points[keep]
+        if not len(todo):
+            break
+        nearer = radius / _SHRINK
+        results = track(
+            products,
+            start.towards(target, 1 - radius),
+            _single(start.towards(target, 1 - nearer)),
+            points,
+            options=CAREFUL,
+        )
+        arrived = results.status[0] == PathStatus.REGULAR
+        todo, points, radius = todo[arrived], results.points[0][arrived], nearer
+    return best
+
+
+def _single(coefficients: Coefficients) -> Coefficients:
+    return Coefficients(*(x[None] for x in coefficients))
+
+
+def _circle(
+    products: NDArray[np.bool_],
+    start: Coefficients,
+    target: Coefficients,
+    points: ComplexArray,
+    radius: float,
+) -> Ends:
+    """Follow paths around t = 1 until they return, and average."""
+    count = len(points)
+    ends = np.full((count, 8), np.nan, dtype=np.complex128)
+    winding = np.zeros(count, dtype=np.int64)
+    error = np.full(count, np.inf)
+    corners = [
+        start.towards(target, 1 - radius * np.exp(2j * np.pi * k / _SAMPLES))
+        for k in range(_SAMPLES)
+    ]
+    charts = points.conj()
+    under_way = np.arange(count)
+    samples = [points]
+    for rounds in range(1, _MAX_WINDING + 1):
+        for k in range(_SAMPLES):
+            results = track(
+                products,
+                corners[k],
+                _single(corners[(k + 1) % _SAMPLES]),
+                samples[-1],
+                options=CAREFUL,
+            )
+            # The sample of a path that failed becomes NaN; it never returns.
+            arrived = (results.status[0] == PathStatus.REGULAR)[:, None]
+            moved = np.where(arrived, results.points[0], np.nan)
+            samples.append(moved / (moved * charts).sum(axis=1, keepdims=True))
+        spread = np.max([np.linalg.norm(s - samples[0], axis=1) for s in samples], axis=0)
+        returned = np.linalg.norm(samples[-1] - samples[0], axis=1) < 1e-10 + 1e-5 * spread
+        if returned.any():
+            circle = np.array(samples[:-1])[:, returned]
+            mean = circle.mean(axis=0)
+            halves = np.linalg.norm(mean - circle[::2].mean(axis=0), axis=1)
+            size = np.linalg.norm(mean, axis=1)
+            index = under_way[returned]
+            ends[index] = mean / size[:, None]
+            winding[index] = rounds
+            # Every other point gives an error of (radius / distance of the next branch point)^4
+            # and all of them its square.
+            error[index] = (halves / size) ** 2 + 1e-14
+        going = ~returned & np.isfinite(samples[-1]).all(axis=1)
+        under_way, charts = under_way[going], charts[going]
+        samples = [s[going] for s in samples]
+        if not len(under_way):
+            break
+    return Ends(ends, winding, error)
