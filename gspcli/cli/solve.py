@@ -1,0 +1,168 @@
+"""`gsp solve`: every pose of a platform given in a file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.output import Column, Output, Table, emit, output_options
+from gspcli.errors import IncompleteError, NotFiniteError
+
+if TYPE_CHECKING:
+    from gspcli.solve import Solution, SolveResult
+
+#: Formats for people, in which rounding errors about zero are shown as zero.
+_READABLE = ("table", "markdown", "latex")
+_ZERO = 1e-12
+_AXES = ("Tx", "Ty", "Tz")
+_QUATERNION = ("qw", "qx", "qy", "qz")
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@click.option(
+    "--set",
+    "settings",
+    metavar="N=VALUE",
+    multiple=True,
+    help="Give constraint N (from 1) another value; may be repeated.",
+)
+@click.option("--all", "everything", is_flag=True, help="Also show poses that are not real.")
+@click.option("--no-certify", is_flag=True, help="Do not prove the poses in ball arithmetic.")
+@click.option(
+    "--seed",
+    type=int,
+    default=None,
+    help="Seed of random choices; the answer does not depend on it.",
+)
+@output_options()
+def command(
+    spec: str,
+    settings: tuple[str, ...],
+    everything: bool,
+    no_certify: bool,
+    seed: int | None,
+    output: Output,
+) -> None:
+    """Find every pose of a platform and account for every path.
+
+    SPEC is an instance file, or - for standard input. Each real pose is one line: its translation
+    T and the unit quaternion of its rotation (x_base = R x_platform + T), the largest residual in
+    the units of the file, and the condition number. The last line compares what was found with
+    the generic count of the type.
+
+    Exit codes: 0 done (no real pose is an answer, too); 2 bad input; 3 the poses are infinitely
+    many; 4 something could not be found or certified.
+
+    \b
+    Examples:
+      gsp solve data/examples/example-6.8.yaml
+      gsp solve platform.yaml --set 1=5.2 --set 4=60 --format csv
+      gsp new "PL PL LP LL LL LH" | gsp solve - --all -o poses.json
+    """
+    from gspcli.solve import DEFAULT_SEED, solve
+    from gspcli.spec import load, set_values
+
+    instance = set_values(load(spec), settings)
+    result = solve(instance, seed=DEFAULT_SEED if seed is None else seed, certify=not no_certify)
+    emit(
+        output,
+        _table(result, everything, output.format in _READABLE),
+        document=result.to_json(everything=everything) if output.format == "json" else None,
+    )
+    _complain(result, certified=not no_certify)
+
+
+def _table(result: SolveResult, everything: bool, readable: bool) -> Table:
+    shown = result.solutions if everything else result.real_solutions
+    rows = [_row(number, solution, readable) for number, solution in enumerate(shown, start=1)]
+    imaginary = [f"{key}_imag" for key in (*_AXES, *_QUATERNION)] if everything else []
+    optional = {
+        "real": everything,
+        "sides": any(solution.sides for solution in shown),
+        "multiplicity": any(solution.multiplicity > 1 for solution in shown),
+    }
+    columns = [
+        Column("number", "no.", align="right", essential=True),
+        *(Column(key, align="right", essential=True) for key in (*_AXES, *_QUATERNION)),
+        *(Column(key) for key, present in optional.items() if present or not readable),
+        Column("residual", align="right"),
+        Column("condition", align="right"),
+        Column("certified"),
+        *(Column(key, align="right") for key in imaginary),
+    ]
+    title = ": ".join(part for part in (result.instance.name, result.instance.type.id) if part)
+    return Table(columns, rows, title=title, notes=[account(result)])
+
+
+def _row(number: int, solution: Solution, readable: bool) -> dict[str, Any]:
+    values = dict(zip(_AXES, solution.T.tolist(), strict=True))
+    values |= zip(_QUATERNION, solution.quaternion.tolist(), strict=True)
+    residual = solution.residual
+    row = {key: value.real for key, value in values.items()}
+    if not solution.real:
+        row |= {f"{key}_imag": value.imag for key, value in values.items()}
+    if readable:
+        row = {key: value if abs(value) > _ZERO else 0.0 for key, value in row.items()}
+        residual = float(f"{residual:.1e}")
+    sides = [f"{constraint}:{side}" for constraint, side in solution.sides.items()]
+    return {
+        "number": number,
+        **row,
+        "residual": residual,
+        "condition": solution.condition,
+        "sides": sides,
+        "real": solution.real,
+        "multiplicity": solution.multiplicity,
+        "certified": solution.certified,
+    }
+
+
+def account(result: SolveResult) -> str:
+    """Return the line that says what became of every path."""
+    counts = result.counts
+    found = counts.found
+    parts = [f"{found} of {result.expected} expected found", f"{counts.real} real"]
+    if counts.certified:
+        parts.append(f"{counts.certified} certified")
+    if counts.singular:
+        paths = int(result.multiplicity.sum())
+        parts.append(f"{counts.singular} multiple ({paths} paths end at found ones)")
+    parts.append(f"{counts.at_infinity} at infinity")
+    if counts.on_curves:
+        parts.append(f"{counts.on_curves} on curves")
+    parts.append(f"{counts.lost} lost")
+    return f"{', '.join(parts)}; {result.verdict}"
+
+
+def _complain(result: SolveResult, *, certified: bool) -> None:
+    """Raise what the exit code is to say."""
+    counts = result.counts
+    if result.motions:
+        motion = result.motions[0]
+        how = "the platform can move" if motion.real else "over the complex numbers"
+        message = (
+            f"the poses are infinitely many: {how}, with local dimension {motion.dimension}\n"
+            "(numerical evidence; --format json has sample motions)"
+        )
+        raise NotFiniteError(message)
+    missing = counts.lost + counts.on_curves
+    if missing:
+        message = (
+            f"{missing} of {result.expected} expected solutions could not be made out: the "
+            "platform is too near a special position\n"
+            "change a value a little with --set, and compare"
+        )
+        raise IncompleteError(message)
+    if certified and counts.certified < counts.found:
+        message = (
+            f"{counts.found - counts.certified} of {counts.found} poses could not be certified"
+            + (
+                f" ({counts.singular} are multiple, which no proof covers)"
+                if counts.singular
+                else ""
+            )
+            + "\nuse --no-certify to do without"
+        )
+        raise IncompleteError(message)
