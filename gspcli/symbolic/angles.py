@@ -139,7 +139,7 @@ def derive_example_6_2() -> TriangularSet:
     )
     return TriangularSet(
         case="6.2",
-        title="Example 6.2: three angles between perpendicular triples",
+        title="three angles between perpendicular triples",
         source="Example 6.2, equation (13)",
         variables=names,
         parameters=("d1", "d2", "d3"),

@@ -48,12 +48,13 @@ def expand_case(case: str) -> TriangularSet:
     Raises
     ------
     GspError
-        For CCC and SCC, whose coefficients are too large.
+        For CCC and SCC: the coefficient of x⁸ in h1 is k1³ times the resultant of three general
+        ternary quadrics, which has 21894 terms, and those of lower powers have more.
     """
     if case in _NEVER_EXPANDED:
         message = (
-            f"{case} is not written out in the parameters: its coefficients are expansions of "
-            "resultants of three quadrics\nits hierarchical form, without --expand, is complete"
+            f"{case} is not written out in the parameters: for three quadrics the coefficient of "
+            "x^8 alone has 21894 terms\nthe hierarchical form, without --expand, is complete"
         )
         raise GspError(message)
     return derive(case).expanded()

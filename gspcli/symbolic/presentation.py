@@ -110,7 +110,7 @@ def to_latex(triangular: TriangularSet) -> str:
     order = " < ".join(LATEX.symbol(name) for name in names)
     lines = [
         f"% {triangular.case}: {triangular.title} ({triangular.source})",
-        f"% unknowns {' < '.join(names)}; {_count(triangular)}",
+        f"% unknowns {' < '.join(names)}; {triangular.solutions} solutions",
         *_aligned(f"& {zero(item.polynomial)}" for item in triangular.system),
         f"Under the order ${order}$ this becomes",
         *_aligned(

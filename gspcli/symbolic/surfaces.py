@@ -89,7 +89,7 @@ def derive_example_6_8() -> TriangularSet:
     squares = [-(value * unknown**2 + rest) for unknown, rest in zip((x, y, z), rests, strict=True)]
     return TriangularSet(
         case="6.8",
-        title="Example 6.8: three cylinders about the axes of coordinates",
+        title="three cylinders about the axes of coordinates",
         source="Example 6.8, equations (17) and (18)",
         variables=VARIABLES,
         parameters=parameters,

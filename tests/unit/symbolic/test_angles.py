@@ -86,6 +86,17 @@ def test_no_h2_of_the_printed_degrees_exists():
     assert rows.rank() == 8
 
 
+def test_example_6_2_is_special_for_equation_12():
+    """There h1 is the square of the first polynomial of (13), and h2 vanishes at its roots."""
+    given = dict.fromkeys(derive("AAA").parameters, Rational(0))
+    given |= {"l1": Rational(1), "l3": Rational(1), "m0": Rational(1), "m2": Rational(1)}
+    cosines = {"d1": Rational(1, 3), "d2": Rational(1, 5), "d3": Rational(-1, 7)}
+    h1, h2, *_ = derive("AAA").at(given | cosines)
+    square = derive("6.2").at(cosines)[0].as_expr() ** 2
+    assert (h1.as_expr() - square).expand() == 0
+    assert h2.degree(h2.ring.gens[1]) == 0
+
+
 @pytest.fixture(scope="module")
 def quaternions():
     """The entries of N·R as quadratic forms in a quaternion, N, and the symbols for r_ij."""

@@ -1,11 +1,13 @@
 """The ten intersections: every common point satisfies the set, and there are 1, 2, 4 or 8."""
 
 import random
+from itertools import combinations
 
 import pytest
-from sympy import QQ, Matrix, Poly, Rational, symbols
+from sympy import QQ, ZZ, Matrix, Poly, Rational, ring, symbols
 
 from gspcli.symbolic.closed_forms import CASES, derive
+from gspcli.symbolic.eliminations import determinant
 from gspcli.symbolic.surfaces import (
     INTERSECTIONS,
     cylinder_coefficients,
@@ -117,6 +119,28 @@ def test_h1_of_three_quadrics_is_their_resultant(case):
         ).det()
         divisor = triangular.values(given, QQ.one)["k1"]
         assert abs(512 * value) == abs(divisor**3 * sylvester)
+
+
+def test_the_resultant_of_three_quadrics_has_21894_terms():
+    """Why CCC is not expanded: Sylvester's determinant by its 3 × 3 minors."""
+    letters = [f"{c}{i}" for c in "abc" for i in range(6)]
+    domain, *gens = ring(["y", "z", "w", *letters], ZZ)
+    y, z, w = gens[:3]
+    monomials = [y * y, y * z, y * w, z * z, z * w, w * w]
+    forms = [
+        sum(c * m for c, m in zip(gens[k : k + 6], monomials, strict=True)) for k in (3, 9, 15)
+    ]
+    jacobian = determinant([[form.diff(v) for v in (y, z, w)] for form in forms])
+    keys = [m.leading_expv()[:3] for m in monomials]
+    parts = [coefficients(row, ("y", "z", "w")) for row in (*forms, *map(jacobian.diff, (y, z, w)))]
+    rows = [[part.get(key, domain.zero) for key in keys] for part in parts]
+    total = domain.zero
+    for left in combinations(range(6), 3):
+        right = [column for column in range(6) if column not in left]
+        top = determinant([[row[column] for column in left] for row in rows[:3]])
+        bottom = determinant([[row[column] for column in right] for row in rows[3:]])
+        total += (-1) ** (sum(left) - 3) * top * bottom
+    assert len(total) == 21894
 
 
 @pytest.mark.parametrize("case", CASES)
