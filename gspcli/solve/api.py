@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.poses import Field
 from gspcli.geometry.residuals import Arrangement
 from gspcli.solve.closed_form import PoseSet, solve_closed_form
 from gspcli.solve.motion import Motion, local_motion
@@ -29,18 +31,22 @@ def solve(instance: Instance, *, seed: int = DEFAULT_SEED, certify: bool = True)
     seed
         Source of random choices. Another seed gives the same poses in the same order.
     certify
-        Whether to prove each pose in ball arithmetic.
+        Whether to prove each pose, and whether it is real, in ball arithmetic.
     """
     arrangement = Arrangement.of(instance)
     poses = solve_closed_form(arrangement)
-    order = stable_order(arrangement, poses.R, poses.T, poses.real)
+    R, T = poses.R, poses.T
+    real, certified = poses.real, np.zeros(len(R), bool)
+    if certify and len(R):
+        real, certified = _proved(instance, R, T, real)
+    order = stable_order(arrangement, R, T, real)
     return SolveResult(
         instance=instance,
         arrangement=arrangement,
-        R=poses.R[order],
-        T=poses.T[order],
-        real=poses.real[order],
-        certified=np.zeros(len(order), bool),
+        R=R[order],
+        T=T[order],
+        real=real[order],
+        certified=certified[order],
         multiplicity=poses.multiplicity[order],
         expected=poses.paths,
         at_infinity=poses.at_infinity,
@@ -49,6 +55,27 @@ def solve(instance: Instance, *, seed: int = DEFAULT_SEED, certify: bool = True)
         motions=_motions(arrangement, poses),
         seed=seed,
     )
+
+
+def _proved(
+    instance: Instance, R: Field, T: Field, real: NDArray[np.bool_]
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return which poses are real, by proof where there is one, and which are certified.
+
+    A pose is certified if exactly one simple solution is proved near it, different from those
+    of the other poses, and proved to be real or not to be.
+    """
+    from gspcli.certification import certify
+
+    certificates = certify(instance, R, T)
+    certified = np.array(
+        [
+            c.certified and c.real is not None and c.same_as is None and not c.unresolved
+            for c in certificates
+        ]
+    )
+    proved = np.array([bool(c.real) for c in certificates])
+    return np.where(certified, proved, real), certified
 
 
 def _motions(arrangement: Arrangement, poses: PoseSet) -> tuple[Motion, ...]:

@@ -122,8 +122,9 @@ class SolveResult:
         Distinct isolated poses, shapes (n, 3, 3) and (n, 3), complex; the imaginary parts of
         real poses are exactly zero.
     real
-        Which poses are real, shape (n,). Before certification this is decided by pairing
-        conjugates: a pose is real if the conjugate of it is nearest to itself among all poses.
+        Which poses are real, shape (n,). Proved for certified poses. For others it is decided
+        by pairing conjugates, a numerical argument without a threshold: real systems have
+        conjugate solutions, and a pose whose conjugate is nearest to itself is its own.
     certified
         Which poses are proved to exist, to be simple, and to be real or not, shape (n,).
     multiplicity
