@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 
 
 class Primitive(Enum):
@@ -40,12 +41,12 @@ class Kind:
     base: Primitive
     order: int
 
-    @property
+    @cached_property
     def name(self) -> str:
         """The full name, such as ``DPL``."""
         return self.quantity.value + self.short
 
-    @property
+    @cached_property
     def short(self) -> str:
         """The name without its leading letter, such as ``PL``."""
         return self.platform.value + self.base.value

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, overload
 
-from gspcli.catalogue.bounds import BOUND_NAMES, type_bounds
+from gspcli.catalogue.bounds import BOUND_NAMES, Bound, type_bounds
 from gspcli.catalogue.coincidence_counts import count_coincident
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import GspType, PlatformClass, all_types
@@ -45,7 +45,8 @@ class TypeColumn:
 
 def _bound(name: str) -> Callable[[GspType], Value]:
     def read(gsp_type: GspType) -> Value:
-        return type_bounds(gsp_type).values()[name]
+        bound: Bound | None = getattr(type_bounds(gsp_type), name)
+        return None if bound is None else bound.value
 
     return read
 

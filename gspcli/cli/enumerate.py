@@ -201,7 +201,7 @@ def _sharing(selected: listing.TypeList) -> Table:
             "class": name,
             "types": len(members),
             "patterns": sum(map(count_coincident, members)),
-            "up_to_swap": sum(map(count_up_to_swap, members)) if closed else None,
+            "up_to_swap": int(sum(map(count_up_to_swap, members))) if closed else None,
         }
 
     closed = {t.mirrored for t in selected} == set(selected)
