@@ -88,6 +88,8 @@ class ConstraintFacts:
         The lowest degrees of all.
     lowest_coordinates
         The smallest coordinates in which they are reached.
+    why_lowest
+        Why they are no higher, in words.
     degrees
         The lowest degrees in every set of coordinates that can express the constraint.
     fixed_orientation
@@ -103,6 +105,7 @@ class ConstraintFacts:
     paper_mourrain: Degrees
     lowest: Degrees
     lowest_coordinates: str
+    why_lowest: str
     degrees: Mapping[str, LowestDegrees]
     fixed_orientation: LowestDegrees | None
     loci: Mapping[str, Locus]
@@ -141,6 +144,7 @@ def _all_facts() -> dict[Kind, ConstraintFacts]:
             Degrees(**record["paper_degrees"]["mourrain"]),
             Degrees(lowest["two_sided"], lowest["one_sided"]),
             lowest["coordinates"],
+            lowest["why"],
             {name: LowestDegrees(**row) for name, row in record["degrees"].items()},
             LowestDegrees(**fixed) if (fixed := record["fixed_orientation"]) else None,
             {case: Locus(**locus) for case, locus in record["loci"].items()},

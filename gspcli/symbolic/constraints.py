@@ -228,8 +228,8 @@ def _angle_value(kind: Kind) -> Expr:
     """Return the inner product of the two unit vectors at the angle alpha.
 
     Two lines enclose the angle of their directions; a line and a plane the complement of that of
-    direction and normal; two planes the supplement of that of their normals, as seen from within
-    the wedge that both normals leave (the sign of the paper's equation for AHH).
+    direction and normal; two planes the supplement of that of their normals, which both point out
+    of the wedge that is measured (the sign of the paper's equation for AHH).
     """
     planes = (kind.platform, kind.base).count(Primitive.PLANE)
     angle_of_vectors = (ANGLE, sympy.pi / 2 - ANGLE, sympy.pi - ANGLE)[planes]
@@ -296,34 +296,38 @@ def paper_degree(kind: Kind, coordinates: CoordinateSystem, *, one_sided: bool =
     return int(sympy.Poly(written, *MOTIONS.symbols).total_degree())
 
 
-def written_equation(kind: Kind, *, one_sided: bool = False) -> Expr:
+#: Components for `written_equation`: special vectors could only lower the degree.
+_COMPONENTS = {
+    "Y": Matrix([2, 3, 5]),
+    "X": Matrix([7, -3, 1]),
+    "B": Matrix([1, 4, -2]),
+    "A": Matrix([-5, 2, 3]),
+    "v": Matrix([2, -1, 7]),
+    "u": Matrix([3, 5, -1]),
+}
+
+
+def written_equation(
+    kind: Kind, *, one_sided: bool = False, components: Mapping[str, Matrix] = _COMPONENTS
+) -> Expr:
     """Return the paper's equation (Section 4) as a polynomial in the entries of R and T.
 
-    Nothing is reduced by the equations of the rigid motions. The vectors of the geometry have
-    small integer components; those of the degree are general enough if their result is that of
-    other vectors.
+    It is to be zero; nothing in it is reduced by the equations of the rigid motions.
     """
-    numbers = {
-        "Y": (2, 3, 5),
-        "X": (7, -3, 1),
-        "B": (1, 4, -2),
-        "A": (-5, 2, 3),
-        "v": (2, -1, 7),
-        "u": (3, 5, -1),
-    }
     rotation, translation = MOTIONS.expressions["R"], MOTIONS.expressions["T"]
     where = setting(kind)
 
     def carried(vector: Vector) -> Matrix:
-        column = Matrix(numbers[str(vector.name)])
+        column = components[str(vector.name)]
         return rotation * column if vector.frame is Frame.PLATFORM else column
 
     offset = carried(where.platform.point) + translation - carried(where.base.point)
     axes = [carried(axis) for axis in where.axes]
     if not kind.is_distance:
-        return axes[0].dot(axes[1]) - sympy.cos(ANGLE)
+        return axes[0].dot(axes[1]) - _angle_value(kind)
     if kind.has_sides:
-        height = offset.dot(axes[0])
+        above = 1 if kind.base is Primitive.PLANE else -1
+        height = above * offset.dot(axes[0])
         return height - DISTANCE if one_sided else height**2 - DISTANCE**2
     if len(axes) == 1:
         moment = offset.cross(axes[0])

@@ -9,7 +9,7 @@ import sympy
 from sympy import Expr
 
 from gspcli.catalogue.kinds import Kind, Primitive
-from gspcli.symbolic.constraints import ANGLE, DISTANCE, Equation, equations, setting
+from gspcli.symbolic.constraints import ANGLE, DISTANCE, Equation, equations, lowest_degree, setting
 from gspcli.symbolic.coordinates import CoordinateSystem
 from gspcli.symbolic.forms import (
     RHO,
@@ -103,6 +103,30 @@ def written(
         return f"{write(height.left, coordinates, style)} = {style.plus_minus}d"
     left, right = (write(side, coordinates, style) for side in (equation.left, equation.right))
     return f"{left} = {right}"
+
+
+def why_lowest(kind: Kind) -> str:
+    """Return why the lowest degree of a kind is no higher, in words."""
+    axes = [_carried(axis, TEXT) for axis in setting(kind).axes]
+    offset = f"w = R{setting(kind).platform.point.name} + T − {setting(kind).base.point.name}"
+    if not kind.is_distance:
+        return "one inner product of two unit vectors, linear in R"
+    form = lowest_degree(kind).equation.form
+    match form, len(axes):
+        case "gram", 0:
+            return f"|w|² of {offset} is ρ and inner products linear in R, T and U"
+        case "gram", _:
+            return (
+                f"|w×{axes[0]}|² = |w|² − (w·{axes[0]})², {offset}: "
+                f"|w|² is at most quadratic, w·{axes[0]} linear"
+            )
+        case "product", 1:
+            return f"the signed height of the point is one inner product, w·{axes[0]}, {offset}"
+        case _:
+            return (
+                f"the distance times |{axes[0]}×{axes[1]}| is one triple product, "
+                f"w·({axes[0]}×{axes[1]}), {offset}"
+            )
 
 
 def write(form: Expr, coordinates: CoordinateSystem | None, style: Style = TEXT) -> str:

@@ -23,7 +23,7 @@ from gspcli.symbolic.coordinates import (
     system,
 )
 from gspcli.symbolic.degrees import SPARE_POINTS, constrained_motions, excludes_degree
-from gspcli.symbolic.equation_text import LATEX, TEXT, definition, written
+from gspcli.symbolic.equation_text import LATEX, TEXT, definition, why_lowest, written
 from gspcli.symbolic.loci import loci
 from gspcli.symbolic.varieties import hilbert_function
 
@@ -64,7 +64,7 @@ def constraint_facts(kind: Kind) -> dict[str, Any]:
             "coordinates": lowest.coordinates.name,
             "two_sided": lowest.degree,
             "one_sided": lowest_degree(kind, one_sided=True).degree,
-            "form": lowest.equation.form,
+            "why": why_lowest(kind),
         },
         "degrees": degree_table(kind),
         "fixed_orientation": _degrees(kind, FIXED_ORIENTATION) if kind.is_distance else None,
