@@ -33,11 +33,26 @@ class Outcome(Enum):
     """Why a candidate is certified or not."""
 
     CERTIFIED = "certified"
-    NOT_ISOLATED = "no isolated simple solution could be proved nearby"
-    REFUTED = "it is proved that no solution is within the tolerance"
-    TOO_FAR = "the solution nearby is farther away than the tolerance"
-    NOT_AS_STATED = "the solution nearby does not meet the constraints as stated"
-    NOT_A_NUMBER = "the pose or the instance has a coefficient that is not a finite number"
+    REFUTED = "refuted"
+    TOO_FAR = "too far"
+    NOT_AS_STATED = "not as stated"
+    NOT_ISOLATED = "not isolated"
+    NOT_A_NUMBER = "not a number"
+
+    @property
+    def meaning(self) -> str:
+        """The outcome in a sentence."""
+        return _MEANINGS[self]
+
+
+_MEANINGS = {
+    Outcome.CERTIFIED: "one simple solution is proved to be near, and alone there",
+    Outcome.REFUTED: "it is proved that no solution is within the tolerance",
+    Outcome.TOO_FAR: "the solution found nearby is not proved to be within the tolerance",
+    Outcome.NOT_AS_STATED: "the solution nearby is not proved to meet the constraints as stated",
+    Outcome.NOT_ISOLATED: "no simple, isolated solution could be proved nearby",
+    Outcome.NOT_A_NUMBER: "a number of the pose or of the instance is not finite",
+}
 
 
 @dataclass(frozen=True)
@@ -60,9 +75,9 @@ class Certificate:
         Proved bound of the difference between the candidate and the solution in any entry of R
         and of T, the latter divided by the scale of the instance.
     residual_bound
-        For real solutions: proved bound of the difference between what is measured on
-        the candidate, exactly as it was given, and what the constraints state, in
-        the units of the instance.
+        For real solutions: proved bound of the difference between what is measured on the
+        candidate, with the real numbers exactly as they were given, and what the constraints
+        state, in the units of the instance.
     sides
         For real solutions: for each constraint the side on which the point is proved to lie;
         None where a constraint has no sides or the distance is zero.
@@ -186,11 +201,13 @@ class _Candidate:
         """Return the outcome of a solution nearby, and whether something is still open."""
         if any(not m.value.overlaps(m.stated) for m in self.measurements):
             return Outcome.NOT_AS_STATED, False
-        decided = all(m.value.is_finite() for m in self.measurements) and not any(
+        if not all(m.value.is_finite() for m in self.measurements):
+            return Outcome.NOT_AS_STATED, True
+        side_unknown = any(
             m.height is not None and m.height.contains(0) and not m.stated.is_zero()
             for m in self.measurements
         )
-        return Outcome.CERTIFIED, real is None or not decided
+        return Outcome.CERTIFIED, real is None or side_unknown
 
     def certificate(self, system: System, **relations: Any) -> Certificate:
         """Return the record of what was proved."""

@@ -75,7 +75,7 @@ def refine(instance: Instance, certificate: Certificate, digits: int) -> Refined
     """
     isolation = certificate.isolation
     if not certificate.certified or isolation is None:
-        message = f"there is nothing to refine: {certificate.outcome.value}"
+        message = f"there is nothing to refine: {certificate.outcome.meaning}"
         raise ValueError(message)
     centre = list(isolation.centre)
     precision = isolation.precision

@@ -28,6 +28,12 @@ _COLUMNS = (
     Column("error", "error ≤", align="right"),
     Column("uniqueness", "alone within", align="right"),
 )
+#: The columns of the refined poses, real parts first.
+_DECIMALS = tuple(
+    name + suffix
+    for suffix in ("", "_imag")
+    for name in (*(f"r{i}{j}" for i in "123" for j in "123"), "tx", "ty", "tz")
+)
 
 
 @click.command()
@@ -45,7 +51,7 @@ _COLUMNS = (
     default=1e-6,
     show_default=True,
     type=click.FloatRange(0, min_open=True),
-    help="Largest difference of a pose from its solution, in R and, by the size of the platform, T.",
+    help="Largest difference of a pose from its solution, lengths by the platform's size.",
 )
 @click.option(
     "--max-precision",
@@ -73,10 +79,11 @@ def command(
 ) -> None:
     """Prove that the poses in RESULT solve the platform in SPEC, without trusting them.
 
-    For each pose it is proved, in ball arithmetic and for the numbers of SPEC exactly as written,
-    that exactly one solution is within the tolerance, whether it is real, which others are the same,
-    and how well the pose as given meets the constraints. Whether the list is
-    complete is not examined: compare the number of different solutions with `gsp bound`.
+    For each pose it is proved, in ball arithmetic and for the numbers of SPEC exactly as
+    written, that a solution is within the tolerance and alone in a ball about it, whether it is
+    real, which others are the same, and how well the pose as given meets the constraints.
+    Whether the list is complete is not examined: compare the number of different solutions
+    with the one that `gsp solve` expects.
 
     RESULT is what `gsp solve --format json --all` prints, or any list of poses as JSON or CSV: R
     (by rows) or a quaternion (scalar first), and T. SPEC or RESULT may be - for standard input.
@@ -125,7 +132,7 @@ def command(
         "counts": counts,
         "solutions": solutions,
     }
-    emit(output, _tables(solutions, counts, digits), document=document)
+    emit(output, _tables(solutions, counts, output.format), document=document)
     _conclude(solutions, proved)
 
 
@@ -170,32 +177,39 @@ def _facts(item: Certificate) -> dict[str, Any]:
 
 
 def _tables(
-    solutions: list[dict[str, Any]], counts: dict[str, int], digits: int | None
+    solutions: list[dict[str, Any]], counts: dict[str, int], output_format: str
 ) -> list[Table]:
-    rows = [
-        {**entry, "sides": " ".join(f"{k}:{side}" for k, side in entry["sides"].items())}
-        for entry in solutions
-    ]
+    rows: list[dict[str, Any]] = []
+    for entry in solutions:
+        sides = " ".join(f"{k}:{side}" for k, side in entry["sides"].items())
+        rows.append({**entry, "sides": sides, **_decimals(entry.get("refined", {}))})
     note = (
         "{poses} poses: {certified} certified, {distinct} of them proved pairwise different, "
         "{real} of these real"
     ).format(**counts)
-    tables = [Table(_COLUMNS, rows, notes=[note])]
-    if digits is not None:
-        keys = ["number", *(f"r{i}{j}" for i in "123" for j in "123"), "tx", "ty", "tz"]
-        refined = []
-        for entry in solutions:
-            for suffix in ("", "_imag"):
-                pose = entry.get("refined", {})
-                if "R" + suffix in pose:
-                    flat = [text for row in pose["R" + suffix] for text in row]
-                    label = f"{entry['number']}{' (imaginary)' if suffix else ''}"
-                    cells = [label, *flat, *pose["T" + suffix]]
-                    refined.append(dict(zip(keys, cells, strict=True)))
-        columns = [Column(key, essential=True) for key in keys]
-        title = f"Solutions to {digits} digits"
-        tables.append(Table(columns, refined, title=title))
-    return tables
+    refined = [Column(key) for key in _DECIMALS if any(key in row for row in rows)]
+    if output_format == "csv" or not refined:
+        return [Table([*_COLUMNS, *refined], rows, notes=[note])]
+    # For people one number a line: fifty digits do not fit beside each other.
+    lines = [
+        {"number": row["number"], "entry": key, "value": row[key]}
+        for row in rows
+        for key in _DECIMALS
+        if key in row
+    ]
+    columns = (_COLUMNS[0], Column("entry", essential=True), Column("value", essential=True))
+    return [Table(_COLUMNS, rows, notes=[note]), Table(columns, lines, title="Proved digits")]
+
+
+def _decimals(refined: dict[str, Any]) -> dict[str, str]:
+    """Return the columns of a refined pose."""
+    flat = [
+        text
+        for suffix in ("", "_imag")
+        if "R" + suffix in refined
+        for text in [*(x for row in refined["R" + suffix] for x in row), *refined["T" + suffix]]
+    ]
+    return dict(zip(_DECIMALS, flat, strict=False))
 
 
 def _conclude(solutions: list[dict[str, Any]], proved: Certificates) -> None:
@@ -208,7 +222,7 @@ def _conclude(solutions: list[dict[str, Any]], proved: Certificates) -> None:
     for entry, item in zip(solutions, proved, strict=True):
         claim = entry["claimed_real"]
         if not item.certified:
-            (open_ if item.outcome in undecided_outcomes else wrong)[item.outcome.value] += 1
+            (open_ if item.outcome in undecided_outcomes else wrong)[item.outcome.meaning] += 1
         elif item.real is None:
             open_["not decided whether it is real"] += 1
         elif claim is not None and claim is not item.real:

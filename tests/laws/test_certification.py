@@ -1,0 +1,159 @@
+"""Laws of certificates, on 3D3A platforms whose poses the closed form knows completely."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gspcli.catalogue.parsing import parse_type
+from gspcli.certification import Certificates, certify
+from gspcli.geometry.instance import Constraint, Instance
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.poses import rotation_from_quaternion
+from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
+from gspcli.geometry.residuals import Arrangement
+from gspcli.solve.closed_form import solve_closed_form
+from gspcli.solve.generate import random_instance
+
+#: Families with few poses, so that many platforms can be tried.
+TYPES = [
+    "DPP DPH DHP ALL ALL ALL",
+    "DPL DPH DHP ALL ALH AHH",
+    "DLP DPH DPH AHL AHL AHH",
+    "DLL DHP DHP ALH ALH AHH",
+    "DPP DPP DPH ALL AHL AHH",
+]
+platforms = st.tuples(st.sampled_from(TYPES), st.integers(0, 10**6))
+few = settings(max_examples=12)
+
+
+@cache
+def platform(key: tuple[str, int]) -> tuple[Instance, np.ndarray, np.ndarray, np.ndarray]:
+    """Return a random instance and all its poses: R, T and which are real."""
+    name, seed = key
+    source = np.random.default_rng(seed)
+    instance, _ = random_instance(parse_type(name), source, one_sided=True)
+    poses = solve_closed_form(Arrangement.of(instance))
+    simple = poses.multiplicity == 1
+    return instance, poses.R[simple], poses.T[simple], poses.real[simple]
+
+
+def summary(result: Certificates) -> tuple[int, int, list[bool | None]]:
+    return result.certified, result.distinct, [item.real for item in result]
+
+
+@few
+@given(platforms)
+def test_all_poses_of_the_closed_form_are_certified_different_and_told_real(
+    key: tuple[str, int],
+) -> None:
+    instance, R, T, real = platform(key)
+    assert summary(certify(instance, R, T)) == (len(R), len(R), list(real))
+
+
+@few
+@given(platforms, st.permutations(range(6)))
+def test_the_order_of_constraints_and_poses_does_not_matter(
+    key: tuple[str, int], order: list[int]
+) -> None:
+    instance, R, T, real = platform(key)
+    rows = tuple(instance.constraints[k] for k in order)
+    shuffled = np.random.default_rng(key[1]).permutation(len(R))
+    result = certify(replace(instance, constraints=rows), R[shuffled], T[shuffled])
+    assert summary(result) == (len(R), len(R), list(real[shuffled]))
+
+
+@few
+@given(platforms, st.sampled_from([Fraction(1, 10**6), Fraction(254, 10), Fraction(10**6)]))
+def test_the_unit_of_length_does_not_matter(key: tuple[str, int], unit: Fraction) -> None:
+    instance, R, T, real = platform(key)
+
+    def scaled(number: Number) -> Number:
+        return Number("*", (Number.of(unit), number))
+
+    def vector(position: Vector) -> Vector:
+        return (scaled(position[0]), scaled(position[1]), scaled(position[2]))
+
+    def row(constraint: Constraint) -> Constraint:
+        value = scaled(constraint.value) if constraint.kind.is_distance else constraint.value
+        return replace(
+            constraint,
+            platform=replace(constraint.platform, position=vector(constraint.platform.position)),
+            base=replace(constraint.base, position=vector(constraint.base.position)),
+            value=value,
+        )
+
+    rows = tuple(map(row, instance.constraints))
+    result = certify(replace(instance, constraints=rows), R, T * float(unit))
+    assert summary(result) == (len(R), len(R), list(real))
+
+
+@few
+@given(platforms)
+def test_exchanging_platform_and_base_inverts_the_poses(key: tuple[str, int]) -> None:
+    instance, R, T, real = platform(key)
+    rows = tuple(
+        replace(row, kind=row.kind.mirrored, platform=row.base, base=row.platform)
+        for row in instance.constraints
+    )
+    inverse = np.swapaxes(R, 1, 2)
+    shift = -np.einsum("nij,nj->ni", inverse, T)
+    result = certify(replace(instance, constraints=rows), inverse, shift)
+    assert summary(result) == (len(R), len(R), list(real))
+
+
+@few
+@given(platforms, st.integers(0, 10**6))
+def test_moving_the_base_moves_the_poses(key: tuple[str, int], seed: int) -> None:
+    instance, R, T, real = platform(key)
+    source = np.random.default_rng(seed)
+    Q, s = rotation_from_quaternion(source.normal(size=4)), source.normal(size=3)
+
+    def moved(geometry: Geometry) -> Geometry:
+        def exact(array: np.ndarray) -> Vector:
+            x, y, z = map(Number.of, array.tolist())
+            return (x, y, z)
+
+        position = exact(Q @ geometry.point + s)
+        if isinstance(geometry, Point):
+            return Point(position)
+        if isinstance(geometry, Line):
+            return Line(position, exact(Q @ geometry.unit))
+        assert isinstance(geometry, Plane)
+        return Plane(position, exact(Q @ geometry.unit))
+
+    rows = tuple(replace(row, base=moved(row.base)) for row in instance.constraints)
+    # The moved numbers are rounded, so solutions move a little in ill-conditioned cases.
+    result = certify(replace(instance, constraints=rows), Q @ R, T @ Q.T + s, tolerance=1e-4)
+    assert summary(result) == (len(R), len(R), list(real))
+
+
+@few
+@given(platforms, st.integers(0, 10**6), st.sampled_from([1e-3, 0.1, 10.0]))
+def test_poses_that_are_off_are_never_certified(
+    key: tuple[str, int], seed: int, size: float
+) -> None:
+    instance, R, T, _ = platform(key)
+    shift = np.random.default_rng(seed).normal(size=T.shape)
+    shift *= size / np.abs(shift).max(axis=1, keepdims=True)
+    result = certify(instance, R, T + shift)
+    # A shifted pose may hit another solution only if one is there.
+    gaps = np.abs((T + shift)[:, None] - T).max(axis=2).min(axis=1)
+    assert not any(item.certified for item, gap in zip(result, gaps, strict=True) if gap > 1e-4)
+    assert (gaps > 1e-4).any()
+
+
+@few
+@given(platforms)
+def test_copies_are_recognised(key: tuple[str, int]) -> None:
+    instance, R, T, real = platform(key)
+    result = certify(instance, np.concatenate((R, R)), np.concatenate((T, T)))
+    assert result.certified == 2 * len(R)
+    assert result.distinct == len(R)
+    assert result.real == real.sum()
+    assert [item.same_as for item in result] == [None] * len(R) + list(range(len(R)))
