@@ -18,9 +18,9 @@ _COLUMNS = (
     Column("class"),
     Column("number", "no.", align="right"),
     Column("type"),
-    Column("shared"),
     Column("bound", align="right"),
     Column("warnings", align="right"),
+    Column("shared"),
 )
 
 
@@ -92,14 +92,14 @@ def _facts(instance: Instance) -> dict[str, Any]:
 
 def _bound(instance: Instance) -> int:
     """Return the refined bound for the sides asked for; a distance of zero has one side."""
-    from gspcli.catalogue.bounds import bounds
+    from gspcli.catalogue.bounds import type_bounds
     from gspcli.geometry.instance import Side
 
     two_sided = sum(
         constraint.kind.has_sides and constraint.side is Side.BOTH and float(constraint.value) != 0
         for constraint in instance.constraints
     )
-    return int(bounds(instance.type).refined_one_sided.value) << two_sided
+    return type_bounds(instance.type).refined_one_sided.value << two_sided
 
 
 def _type_cells(instance: Instance) -> dict[str, object]:
