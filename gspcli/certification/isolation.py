@@ -157,7 +157,8 @@ def _newton(
 
 
 def _prove(system: System, newton: _Newton, patch: int, sides: tuple[int, ...]) -> Isolation | None:
-    defect = newton.inverse * newton.jacobian - acb_mat(7, 7, [int(i % 8 == 0) for i in range(49)])
+    # A number stands for that multiple of the identity.
+    defect = newton.inverse * newton.jacobian - 1
     a = float(floats_above(defect.entries()).reshape(7, 7).sum(axis=1).max() * OUTWARD)
     if not a < 1:
         return None
