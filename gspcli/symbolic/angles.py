@@ -97,7 +97,11 @@ def derive_angles() -> TriangularSet:
         ),
         conditions=(
             Condition(square, "the first two directions are parallel: d1 = ±1"),
-            Condition(coefficient(h1, "r32", 8), "a solution has gone to infinity", ("h1",)),
+            Condition(
+                coefficient(h1, "r32", 8),
+                "s2 and s3, s4 and s5, or s4 and s6 are parallel (if all is real)",
+                ("h1",),
+            ),
             Condition(times, "two solutions have the same r32", ("h2",)),
             Condition(slope, "two solutions have the same r31 and r32", ("h3",)),
             Condition(q1, "s1 and s2, or s4 and s5, are parallel", ("h4",)),
@@ -108,6 +112,7 @@ def derive_angles() -> TriangularSet:
             Relation("r31² + r32² = 1 − d1²", r31**2 + r32**2 - square),
         ),
         notes=(
+            "z30 = m2⁴ |s2 × s3|⁴ (l3² + m3²)².",
             "The paper's h2 has degree 3 in r32 without r31; the elimination gives degree 4, and "
             "no h2 of the printed shape exists (docs/closed-forms.md).",
             "The paper's h5 and h6 have the initial r31·r13; the relations chosen here ask for "

@@ -49,9 +49,20 @@ _CYLINDER_NOTE = (
     "|u|²|p − a|² − (u·(p − a))² − |u|²r² with p = (x, y, z)."
 )
 _NOTES = {
-    "PSC": ("The paper prints the third polynomial of (16) with d1·z in place of d1·x.",),
-    "SCC": ("The set holds for any sphere and two quadrics; h1 carries the constant factor k1³.",),
-    "CCC": ("The set holds for any three quadrics; h1 carries the constant factor k1³.",),
+    "PCC": ("For cylinders about u and v, z6 has the factor |u × v|²: 0 if they are parallel.",),
+    "PSC": (
+        "The paper prints the third polynomial of (16) with d1·z in place of d1·x.",
+        "For a plane with normal n and a cylinder about u, z6 = |n × u|⁴: 0 if they meet in a "
+        "circle, which meets the sphere in two points at infinity.",
+    ),
+    "SCC": (
+        "h1 is k1³ times the resultant. For cylinders about u and v, k1 is "
+        "2(u2·v2 + u3·v3)(u2·v3 − u3·v2); where it is 0, turn the axes of coordinates.",
+    ),
+    "CCC": (
+        "h1 is k1³ times the resultant. Where k1 is 0, as in Example 6.8, turn the axes of "
+        "coordinates.",
+    ),
 }
 
 

@@ -67,18 +67,21 @@ def test_equation_12_has_eight_solutions_and_all_are_rotations():
         assert evaluate(equation, unknowns, one).rem(first).is_zero
 
 
-def test_h1_of_equation_12_has_no_spurious_factor():
+def _random_angles() -> dict[str, Rational]:
+    """Parameters of equation (12) for which no solution is planted."""
     _, given = _instance(random.Random(5))
-    given |= {"d1": Rational(1, 3), "d2": Rational(1, 5), "d3": Rational(-1, 7)}
-    first, _ = parametrise(derive("AAA").at(given))
+    return given | {"d1": Rational(1, 3), "d2": Rational(1, 5), "d3": Rational(-1, 7)}
+
+
+def test_h1_of_equation_12_has_no_spurious_factor():
+    first, _ = parametrise(derive("AAA").at(_random_angles()))
     assert first.degree() == 8
     assert first.is_irreducible
 
 
 def test_no_h2_of_the_printed_degrees_exists():
     """Equation (12) prints h2 = G(r32) r31 + H(r32) with both cubic; the ideal has no such."""
-    _, given = _instance(random.Random(3))
-    first, unknowns = parametrise(derive("AAA").at(given))
+    first, unknowns = parametrise(derive("AAA").at(_random_angles()))
     r32, r31 = Poly(first.gen, domain=QQ), unknowns["r31"]
     powers = [r32**k for k in range(4)]
     columns = [*(r31 * power for power in powers), *powers]
@@ -195,3 +198,6 @@ def test_expanded_second_polynomial_of_equation_12():
     l3, m3 = gens["l3"], gens["m3"]
     assert (known["z24"] * 2 * l3 * m3 - known["z20"] * (m3**2 - l3**2)) == 0
     assert len(known["z28"]) == 84
+    l1, m1, n1, m0, n0, m2 = (gens[name] for name in ("l1", "m1", "n1", "m0", "n0", "m2"))
+    square = (m0 * n1 - n0 * m1) ** 2 + (n0 * l1) ** 2 + (m0 * l1) ** 2
+    assert known["z30"] == m2**4 * square**2 * (l3**2 + m3**2) ** 2

@@ -196,6 +196,30 @@ def test_cylinder_coefficients_are_the_definition():
     assert (expected - actual).expand() == 0
 
 
+def test_when_initials_vanish_at_cylinders_of_revolution():
+    u, v, a, b = (symbols(f"{name}1:4") for name in "uvab")
+    (r,) = symbols("r,")
+    cross = Matrix(u).cross(Matrix(v))
+    first, second = cylinder_coefficients(a, u, r**2), cylinder_coefficients(b, v, r**2)
+
+    def value(case, symbol, given):
+        found = {item.symbol: item.numerator for item in derive(case).definitions}
+        if symbol.startswith("z"):
+            found = {item.symbol: item.numerator for item in derive(case).expanded().definitions}
+        numbers = {f"d{i}": number for i, number in given.items()}
+        return found[symbol].as_expr().subs(numbers)
+
+    plane = Matrix(symbols("d1:4"))
+    across = plane.cross(Matrix(u))
+    leading = value("PSC", "z6", dict(enumerate(first, start=9)))
+    assert (leading - across.dot(across) ** 2).expand() == 0
+    both = dict(enumerate([*first, *second], start=5))
+    divisor = value("SCC", "k1", both)
+    assert (divisor - 2 * (u[1] * v[1] + u[2] * v[2]) * cross[0]).expand() == 0
+    leading = Poly(value("PCC", "z6", both).expand(), *u, *v)
+    assert leading.rem(Poly(cross.dot(cross), *u, *v)).is_zero
+
+
 def test_coefficients_are_ordered_by_the_last_variable():
     ring = derive("PSC").ring
     x, y, z = ring.gens[:3]
