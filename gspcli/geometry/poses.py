@@ -19,7 +19,14 @@ Field = NDArray[Any]
 
 def dot(a: Field, b: Field) -> Field:
     """Return the bilinear product of vectors, ``(..., n), (..., n) -> (...)``."""
-    return np.einsum("...i,...i->...", a, b)
+    products: Field = np.einsum("...i,...i->...", a, b)
+    return products
+
+
+def normalised(z: Field) -> Field:
+    """Return vectors divided by their Hermitian norm, ``(..., n)``."""
+    scaled: Field = z / np.sqrt((z.real**2 + z.imag**2).sum(axis=-1, keepdims=True))
+    return scaled
 
 
 def cross(a: Field, b: Field) -> Field:
@@ -31,7 +38,8 @@ def cross(a: Field, b: Field) -> Field:
 
 def apply(R: Field, a: Field) -> Field:
     """Return ``R a``, ``(..., 3, 3), (..., 3) -> (..., 3)``."""
-    return np.einsum("...ij,...j->...i", R, a)
+    turned: Field = np.einsum("...ij,...j->...i", R, a)
+    return turned
 
 
 def quaternion_product(a: Field, b: Field) -> Field:
@@ -43,7 +51,8 @@ def quaternion_product(a: Field, b: Field) -> Field:
 
 def conjugate(e: Field) -> Field:
     """Return the conjugate quaternion (vector part negated, nothing complex), ``(..., 4)``."""
-    return e * np.array([1.0, -1.0, -1.0, -1.0])
+    negated: Field = e * np.array([1.0, -1.0, -1.0, -1.0])
+    return negated
 
 
 def _quadratic_forms() -> NDArray[np.float64]:

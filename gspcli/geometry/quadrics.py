@@ -21,7 +21,7 @@ from math import factorial, prod
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.geometry.poses import Field
+from gspcli.geometry.poses import Field, normalised
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -79,6 +79,7 @@ def _layout(n: int) -> _Layout:
     multipliers = _exponents(n + 1, n - 1)
     below = _exponents(n + 1, n)
     triangle = np.triu_indices(n + 1)
+    pairs = list(zip(*(index.tolist() for index in triangle), strict=True))
 
     def shifted(m: tuple[int, ...], *indices: int) -> tuple[int, ...]:
         return tuple(e + indices.count(i) for i, e in enumerate(m))
@@ -91,12 +92,7 @@ def _layout(n: int) -> _Layout:
         for m, k in zip(others, leaders, strict=True)
     ]
     return _Layout(
-        columns=np.array(
-            [
-                [column[shifted(m, i, j)] for i, j in zip(*triangle, strict=True)]
-                for m in multipliers
-            ]
-        ),
+        columns=np.array([[column[shifted(m, i, j)] for i, j in pairs] for m in multipliers]),
         quadrics=np.array(leaders) - 1,
         multipliers=np.array([multipliers.index(rest) for rest in rests]),
         products=np.array([[column[shifted(m, i)] for m in below] for i in range(n + 1)]),
@@ -115,11 +111,6 @@ def _turn(size: int) -> Array:
     return np.linalg.qr(np.random.default_rng(1120).normal(size=(size, size)))[0]
 
 
-def _normalised(z: Field) -> Field:
-    norms = np.sqrt((z.real**2 + z.imag**2).sum(axis=-1, keepdims=True))
-    return z / norms
-
-
 def _newton(forms: Field, z: Field) -> tuple[Field, Field]:
     """Return values ``(..., p, n)`` of the forms at p points, and inverse Jacobian matrices.
 
@@ -134,7 +125,7 @@ def _newton(forms: Field, z: Field) -> tuple[Field, Field]:
 def _corrected(z: Field, inverse: Field, values: Field) -> tuple[Field, Array]:
     """Return the points after a Newton step, and the lengths of the steps."""
     step = np.einsum("...ik,...k->...i", inverse[..., :-1], values)
-    return _normalised(z - step), np.linalg.norm(step, axis=-1)
+    return normalised(z - step), np.linalg.norm(step, axis=-1)
 
 
 def generic_roots(forms: Field) -> tuple[Field, Array, NDArray[np.bool_]]:
@@ -165,7 +156,7 @@ def generic_roots(forms: Field) -> tuple[Field, Array, NDArray[np.bool_]]:
     forms = turn.T @ forms @ turn
     forms = forms / np.sqrt((np.abs(forms) ** 2).sum(axis=(-2, -1), keepdims=True))
     try:
-        z = _normalised(_eigenpoints(forms))
+        z = normalised(_eigenpoints(forms))
         values, inverse = _newton(forms, z)
         z, _ = _corrected(z, inverse, values)
         # The second step with the matrix of the first measures the error of the first.
@@ -285,14 +276,15 @@ def _kernel(forms: Field) -> tuple[Complex, float]:
     layout = _layout(n)
     coefficients = forms[:, layout.triangle[0], layout.triangle[1]] * layout.factor
     multipliers, columns = len(layout.columns), len(layout.weights)
-    matrix = np.zeros((n, multipliers, columns), complex)
+    products = np.zeros((n, multipliers, columns), complex)
     rows = np.arange(multipliers)[:, None]
-    matrix[:, rows, layout.columns] = coefficients[:, None, :]
-    matrix = (matrix / layout.weights).reshape(-1, columns)
+    products[:, rows, layout.columns] = coefficients[:, None, :]
+    matrix: Complex = (products / layout.weights).reshape(-1, columns)
     matrix /= np.linalg.norm(matrix, axis=1, keepdims=True)
     _, values, right = np.linalg.svd(matrix)
     rank = columns - 2**n
-    return right[rank:].conj().T / layout.weights[:, None], float(values[rank - 1] / values[0])
+    kernel: Complex = right[rank:].conj().T / layout.weights[:, None]
+    return kernel, float(values[rank - 1] / values[0])
 
 
 def _isolated(
@@ -344,7 +336,7 @@ def _clusters(eigenvalues: Complex, indices: list[int], radius: float) -> list[l
 
 def _simple(forms: Field, affine: Complex, gap: float) -> tuple[Complex, float] | None:
     """Return a point polished by Newton's method and its error, or None if it is not simple."""
-    start = _normalised(np.concatenate(([1.0], affine)))
+    start = normalised(np.concatenate(([1.0], affine)))
     z = start[None]
     error = np.inf
     for _ in range(8):
@@ -390,7 +382,7 @@ def _multiple(
     if abs(np.trace(projector) - len(cluster)) > 1e-6 or error > _CLUSTER_ACCURACY:
         return None
     affine = np.einsum("ij,kji->k", projector, multiplications) / len(cluster)
-    z = _normalised(np.concatenate(([1.0], affine)))
+    z = normalised(np.concatenate(([1.0], affine)))
     values = np.einsum("i,kij,j->k", z, forms, z)
     if np.abs(values).max() > _ON:
         return None
@@ -409,7 +401,9 @@ def _with_components(forms: Field, rng: np.random.Generator) -> tuple[Complex, A
     noise += np.swapaxes(noise, -1, -2)
     near = forms + 1e-4 * noise / np.linalg.norm(noise, axis=(-2, -1), keepdims=True)
     starts, _, _ = _isolated(near, _kernel(near)[0], rng)
-    points, errors, samples = [], [], []
+    points: list[Complex] = []
+    errors: list[float] = []
+    samples: list[Complex] = []
     for start in starts:
         root = _simple(forms, start[1:] / start[0], 1.0)
         if root is not None and root[1] < 1e-9:
@@ -422,7 +416,7 @@ def _with_components(forms: Field, rng: np.random.Generator) -> tuple[Complex, A
             halves = forms @ z
             matrix = np.concatenate((2 * halves, z.conj()[None]))
             right = np.concatenate((halves @ z, [0]))
-            z = _normalised(z - np.linalg.lstsq(matrix, right, rcond=1e-6)[0])
+            z = normalised(z - np.linalg.lstsq(matrix, right, rcond=1e-6)[0])
         if np.abs(np.einsum("i,kij,j->k", z, forms, z)).max() < _ON:
             samples.append(z)
     return (
@@ -438,16 +432,18 @@ def real_points(points: Complex) -> NDArray[np.bool_]:
     A point is real if of all points of the set its conjugate is nearest to itself. This
     decides without a threshold when the points are further apart than their errors.
     """
-    overlaps = np.abs(points @ points.T)
-    return (
-        np.asarray(overlaps.argmax(axis=-1) == np.arange(len(points)))
-        if len(points)
-        else (np.zeros(0, bool))
-    )
+    if not len(points):
+        return np.zeros(0, bool)
+    z = normalised(points)
+    overlaps = z.conj() @ z.conj().T
+    # Bring each point into the phase in which it is nearest to the conjugate of another.
+    phases = overlaps / np.maximum(np.abs(overlaps), _EPS)
+    distances = np.linalg.norm(z.conj()[:, None] - phases[..., None] * z, axis=-1)
+    return np.asarray(distances.argmin(axis=1) == np.arange(len(z)))
 
 
 def made_real(points: Complex) -> Array:
     """Return real representatives of real points, norm 1, shape (..., n + 1)."""
     largest = np.abs(points).argmax(axis=-1)[..., None]
     pivot = np.take_along_axis(points, largest, axis=-1)
-    return np.asarray(_normalised((points / pivot).real))
+    return np.asarray(normalised((points / pivot).real))

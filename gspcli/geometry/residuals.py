@@ -155,12 +155,14 @@ def _select(arrangement: Arrangement, *kinds: Kind) -> list[int]:
 
 def _root(square: Field) -> Field:
     """Return a square root, real for real squares (rounding may make those negative)."""
-    return np.sqrt(square) if np.iscomplexobj(square) else np.sqrt(np.maximum(square, 0.0))
+    root: Field = np.sqrt(square if np.iscomplexobj(square) else np.maximum(square, 0.0))
+    return root
 
 
 def _perpendicular(r: Field, w: Field) -> Field:
     """Return the part of r perpendicular to the unit vector w."""
-    return r - dot(r, w)[..., None] * w
+    across: Field = r - dot(r, w)[..., None] * w
+    return across
 
 
 def measured(arrangement: Arrangement, R: Field, T: Field) -> Field:

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
-from gspcli.geometry.poses import Field, apply, cross, dot
+from gspcli.geometry.poses import Field, apply, cross, dot, normalised
 from gspcli.geometry.quadrics import all_roots, generic_roots
 from gspcli.geometry.residuals import Arrangement
 
@@ -203,7 +203,7 @@ def generic_positions(given: Surfaces) -> tuple[Field, Array, NDArray[np.bool_]]
     if k == 0:
         points, errors, ok = generic_roots(quadrics)
         return points[:, None], errors[:, None], ok[:, None]
-    linear = linear / np.sqrt((np.abs(linear) ** 2).sum(axis=-1, keepdims=True))
+    linear = normalised(linear)
     bordered = np.empty((f, s, 4, 4), linear.dtype)
     bordered[..., :k, :] = linear
     bordered[..., k:, :] = _directions()[k:]
@@ -228,7 +228,7 @@ def _corrected(linear: Field, quadrics: Field, X: Field) -> Field:
 
     The basis in which the points were found may be ill-conditioned; the step repairs that.
     """
-    X = X / np.sqrt((np.abs(X) ** 2).sum(axis=-1, keepdims=True))
+    X = normalised(X)
     k = linear.shape[2]
     halves = np.einsum("fmij,fspj->fspmi", quadrics, X)
     matrix = np.empty((*X.shape, 4), X.dtype)
@@ -238,8 +238,7 @@ def _corrected(linear: Field, quadrics: Field, X: Field) -> Field:
     values = np.zeros((*X.shape, 1), X.dtype)
     values[..., :k, 0] = X @ np.swapaxes(linear, -1, -2)
     values[..., k:3, 0] = np.einsum("fspmi,fspi->fspm", halves, X)
-    X = X - np.linalg.solve(matrix, values)[..., 0]
-    return X / np.sqrt((np.abs(X) ** 2).sum(axis=-1, keepdims=True))
+    return normalised(X - np.linalg.solve(matrix, values)[..., 0])
 
 
 @dataclass(frozen=True, eq=False)

@@ -127,7 +127,8 @@ class _System:
     def kernel(self, R: Field, T: Field) -> Field:
         """Return an orthonormal basis of the twists that change nothing, shape (k, 6)."""
         _, values, right = np.linalg.svd(self._rows(R, T))
-        return right[values < _KERNEL * values[0]].conj()
+        twists: Field = right[values < _KERNEL * values[0]].conj()
+        return twists
 
     def _rows(self, R: Field, T: Field) -> Field:
         with np.errstate(divide="ignore", invalid="ignore"):

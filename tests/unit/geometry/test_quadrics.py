@@ -1,0 +1,139 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gspcli.geometry.quadrics import all_roots, generic_roots, made_real, real_points
+
+
+def random_forms(rng: np.random.Generator, n: int, field: str, batch: int) -> np.ndarray:
+    forms = rng.normal(size=(batch, n, n + 1, n + 1))
+    if field == "complex":
+        forms = forms + 1j * rng.normal(size=forms.shape)
+    return forms + np.swapaxes(forms, -1, -2)
+
+
+def planes_product(a, b) -> np.ndarray:
+    a, b = np.asarray(a, float), np.asarray(b, float)
+    return (np.outer(a, b) + np.outer(b, a)) / 2
+
+
+@pytest.mark.parametrize("n", [0, 1, 2, 3])
+@pytest.mark.parametrize("field", ["real", "complex"])
+def test_generic_systems_have_all_their_points(n, field):
+    forms = random_forms(np.random.default_rng(n), n, field, 50)
+    points, errors, ok = generic_roots(forms)
+    assert ok.all()
+    assert points.shape == (50, 2**n, n + 1)
+    values = np.einsum("bpi,bkij,bpj->bpk", points, forms, points)
+    assert np.abs(values).max(initial=0) < 1e-13
+    assert errors.max() < 1e-12
+    overlaps = np.abs(points @ np.swapaxes(points.conj(), -1, -2)) - np.eye(2**n)
+    assert overlaps.max() < 1 - 1e-8
+
+
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_points_of_real_systems_are_real_or_in_exact_pairs(n):
+    forms = random_forms(np.random.default_rng(9), n, "real", 50)
+    points, _, _ = generic_roots(forms)
+    for row in points:
+        imaginary = [z for z in row if z.imag.any()]
+        for first, second in zip(imaginary[::2], imaginary[1::2], strict=True):
+            np.testing.assert_array_equal(first, second.conj())
+
+
+@pytest.mark.parametrize("n", [1, 2, 3])
+@pytest.mark.parametrize("field", ["real", "complex"])
+def test_both_methods_agree(n, field):
+    for forms in random_forms(np.random.default_rng(7), n, field, 5):
+        quick, _, _ = generic_roots(forms)
+        roots = all_roots(forms)
+        assert roots.lost == 0
+        assert len(roots.samples) == 0
+        assert (roots.multiplicity == 1).all()
+        overlaps = np.abs(roots.points @ quick.conj().T)
+        assert sorted(overlaps.argmax(axis=1)) == list(range(2**n))
+        np.testing.assert_allclose(overlaps.max(axis=1), 1, atol=1e-12)
+
+
+def test_batches_equal_loops():
+    forms = random_forms(np.random.default_rng(8), 3, "real", 4)
+    batch = generic_roots(forms.reshape(2, 2, 3, 4, 4))
+    for k in range(4):
+        for part, single in zip(batch, generic_roots(forms[k]), strict=True):
+            np.testing.assert_allclose(part.reshape(4, *part.shape[2:])[k], single, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("offsets", "multiplicities"),
+    [
+        ((0, 1, 1), [2, 2, 2, 2]),
+        ((0, 0, 1), [4, 4]),
+        ((0, 0, 0), [8]),
+    ],
+)
+def test_multiple_points(offsets, multiplicities):
+    """Pairs of planes x_i = +-c_i in a turned frame; c_i = 0 is a double plane."""
+    turn = np.linalg.qr(np.random.default_rng(1).normal(size=(4, 4)))[0]
+    forms = np.zeros((3, 4, 4))
+    for k, c in enumerate(offsets):
+        forms[k, k, k] = 1
+        forms[k, 3, 3] = -(c**2)
+    roots = all_roots(turn @ forms @ turn.T)
+    assert roots.lost == 0
+    assert sorted(roots.multiplicity) == multiplicities
+    signs = np.abs(roots.points @ turn)
+    np.testing.assert_allclose(
+        signs / signs[:, 3:], np.tile([*offsets, 1], (len(signs), 1)), atol=1e-10
+    )
+
+
+def test_tangent_conics():
+    """The circle x² + y² = 1 and the line pair (x - 1)(y - x) touch at (1, 0)."""
+    circle = np.diag([1.0, 1.0, -1.0])
+    lines = planes_product([1, 0, -1], [-1, 1, 0])
+    _, _, ok = generic_roots(np.array([circle, lines]))
+    assert not ok
+    roots = all_roots(np.array([circle, lines]))
+    assert sorted(roots.multiplicity) == [1, 1, 2]
+    assert real_points(roots.points).all()
+    double = made_real(roots.points[roots.multiplicity == 2])[0]
+    np.testing.assert_allclose(double / double[2], [1, 0, 1], atol=1e-10)
+
+
+def test_near_double_points_stay_apart():
+    """Two points 1e-5 apart are two points; the quick method does not answer for them."""
+    forms = np.array([np.diag([1.0, -1e-10])])
+    roots = all_roots(forms)
+    assert roots.multiplicity.tolist() == [1, 1]
+    ratios = np.sort((roots.points[:, 0] / roots.points[:, 1]).real)
+    np.testing.assert_allclose(ratios, [-1e-5, 1e-5], rtol=1e-6)
+
+
+def test_a_common_line_is_a_component():
+    """Three quadrics through the line x = y = 0 meet in it and, in general, in four points."""
+    rng = np.random.default_rng(2)
+    x, y = np.eye(4)[:2]
+    forms = np.array([planes_product(x, rng.normal(size=4)) for _ in range(3)])
+    forms += np.array([planes_product(y, rng.normal(size=4)) for _ in range(3)])
+    _, _, ok = generic_roots(forms)
+    assert not ok
+    roots = all_roots(forms)
+    assert len(roots.samples) > 0
+    assert np.abs(roots.samples[:, :2]).max() < 1e-9
+    assert len(roots.points) == 4
+    values = np.einsum("pi,kij,pj->pk", roots.points, forms, roots.points)
+    assert np.abs(values).max() < 1e-12
+
+
+def test_equal_conics_are_infinite():
+    circle = np.diag([1.0, 1.0, -1.0])
+    roots = all_roots(np.array([circle, 2 * circle]))
+    assert len(roots.points) == 0
+    assert len(roots.samples) > 0
+
+
+def test_real_points_of_conjugate_pairs():
+    points = np.array([[1, 1j], [1, -1j], [1, 2 + 1e-9j], [1j, 3j]])
+    assert real_points(points).tolist() == [False, False, True, True]
+    np.testing.assert_allclose(made_real(points[3]), np.array([1, 3]) / np.sqrt(10))
