@@ -6,7 +6,7 @@ from gspcli.paper.printed import differences_from
 
 def test_table_1_has_one_wrong_sign():
     (difference,) = table1.differences()
-    assert (difference.row, difference.column) == (8, "r21")
+    assert (difference.row, difference.column) == ("solution 8", "r21")
     assert difference.printed == "(3-sqrt(5))/(2*(-1+sqrt(5)))"
     assert difference.computed == "1/4 - sqrt(5)/4"
 
@@ -25,7 +25,8 @@ def test_the_print_of_table_1_is_no_rotation_in_row_8():
 
 def test_table_2_is_that_of_exchanged_distances():
     found = list(table2.differences())
-    assert {(d.row, d.column) for d in found} == {(i, c) for i in range(1, 9) for c in "xy"}
+    places = {(f"solution {i}", unknown) for i in range(1, 9) for unknown in "xy"}
+    assert {(d.row, d.column) for d in found} == places
     assert not list(differences_from(2, table2.compute(6, 5, 4)))
 
 
