@@ -159,6 +159,7 @@ class Equation:
     form: str
 
 
+@cache
 def equations(kind: Kind, *, one_sided: bool = False) -> tuple[Equation, ...]:
     """Return the ways to write a constraint, all with the same zeros on the rigid motions.
 
@@ -272,14 +273,21 @@ def difference_degree(kind: Kind, weights: Mapping[str, int]) -> int | None:
     Less than that of one of them where their leading forms agree whatever the geometry: |T|² for
     DPP (the argument of Theorem 5.3).
     """
-    degrees = []
+    degrees = (degree(form, weights) for form in _differences(kind))
+    return min((d for d in degrees if d is not None), default=None)
+
+
+@cache
+def _differences(kind: Kind) -> tuple[Expr, ...]:
+    """Return the differences of two constraints of a kind with different geometry."""
+    differences = []
     for candidate in equations(kind):
         form = candidate.left - candidate.right
         renamed = form.xreplace(
             {symbol: Symbol(f"{symbol}'") for symbol in form.free_symbols if symbol != RHO}
         )
-        degrees.append(degree(sympy.expand(form - renamed), weights))
-    return min((d for d in degrees if d is not None), default=None)
+        differences.append(sympy.expand(form - renamed))
+    return tuple(differences)
 
 
 def paper_degree(kind: Kind, coordinates: CoordinateSystem, *, one_sided: bool = False) -> int:

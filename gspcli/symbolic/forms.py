@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
+from functools import cache
 from typing import Any
 
 import sympy
@@ -138,19 +139,27 @@ def degree(form: Expr, weights: Mapping[str, int]) -> int | None:
     int or None
         None if a block occurs that has no weight.
     """
-    blocks = {RHO: "rho", **{head: head.__name__ for head in _ATOMS}}
-    used = {block for head, block in blocks.items() if form.has(head)}
-    if not used <= set(weights):
+    monomials = _monomials(form)
+    if not {block for monomial in monomials for block, _ in monomial} <= set(weights):
         return None
-    grade = Symbol("grade")
-    graded = form.subs(RHO, RHO * grade ** weights.get("rho", 0))
-    for head in _ATOMS:
-        graded = graded.replace(head, _graded(head, grade ** weights.get(head.__name__, 0)))
-    return int(sympy.Poly(sympy.expand(graded), grade).degree())
+    return max(
+        sum(weights[block] * exponent for block, exponent in monomial) for monomial in monomials
+    )
 
 
-def _graded(head: Any, factor: Expr) -> Callable[..., Expr]:
-    return lambda *arguments: factor * head(*arguments)
+@cache
+def _monomials(form: Expr) -> frozenset[tuple[tuple[str, int], ...]]:
+    """Return the monomials of a form, as exponents of the blocks of their atoms."""
+    atoms = {atom: atom.func.__name__ for atom in form.atoms(*_ATOMS)}
+    if form.has(RHO):
+        atoms[RHO] = "rho"
+    if not atoms:
+        return frozenset({()})
+    polynomial = sympy.Poly(form, *atoms)
+    return frozenset(
+        tuple((block, n) for block, n in zip(atoms.values(), exponents, strict=True) if n)
+        for exponents in polynomial.monoms()
+    )
 
 
 def evaluate(form: Expr, vectors: Mapping[str, Any], blocks: Mapping[str, Any]) -> Expr:
