@@ -79,16 +79,6 @@ def test_h1_of_equation_12_has_no_spurious_factor():
     assert first.is_irreducible
 
 
-def test_no_h2_of_the_printed_degrees_exists():
-    """Equation (12) prints h2 = G(r32) r31 + H(r32) with both cubic; the ideal has no such."""
-    first, unknowns = parametrise(derive("AAA").at(_random_angles()))
-    r32, r31 = Poly(first.gen, domain=QQ), unknowns["r31"]
-    powers = [r32**k for k in range(4)]
-    columns = [*(r31 * power for power in powers), *powers]
-    rows = Matrix([[c.rem(first).coeff_monomial(r32.gen**k) for c in columns] for k in range(8)])
-    assert rows.rank() == 8
-
-
 def test_example_6_2_is_special_for_equation_12():
     """There h1 is the square of the first polynomial of (13), and h2 vanishes at its roots."""
     given = dict.fromkeys(derive("AAA").parameters, Rational(0))

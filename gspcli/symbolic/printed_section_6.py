@@ -1,0 +1,95 @@
+"""Proofs, by exact computation, of the misprints in the formulas of Section 6.
+
+Every function returns its evidence in a sentence and raises `CheckFailed` if there is none.
+"""
+
+from __future__ import annotations
+
+from sympy import Expr, Matrix, Poly, Rational, Symbol, symbols
+
+from gspcli.errors import CheckFailed
+from gspcli.symbolic.closed_forms import derive
+from gspcli.symbolic.triangular import parametrise
+
+#: An instance of equation (12) in the paper's frame, s2, s3, s5 and s6 of unit length.
+_ANGLES = {
+    "d1": Rational(1, 3), "d2": Rational(1, 5), "d3": Rational(-1, 7),
+    "l1": Rational(1, 3), "m1": Rational(2, 3), "n1": Rational(2, 3),
+    "l3": Rational(2, 7), "m3": Rational(3, 7), "n3": Rational(6, 7),
+    "m0": Rational(3, 5), "n0": Rational(4, 5), "m2": Rational(5, 13), "n2": Rational(12, 13),
+}  # fmt: skip
+
+
+def equation_12() -> str:
+    """Prove that no h2 of (12) has degree 3 in r32 in both of its coefficients."""
+    first, unknowns = parametrise(derive("AAA").at(_ANGLES))
+    _require(first.degree() == 8 and first.is_irreducible, "h1 is reducible")
+    r32 = Poly(first.gen, domain=first.domain)
+    products = [r32**k * factor for factor in (unknowns["r31"], r32**0) for k in range(4)]
+    columns = [
+        [product.rem(first).coeff_monomial(first.gen**k) for k in range(8)] for product in products
+    ]
+    rank = Matrix(columns).rank()
+    _require(rank == 8, f"the rank is {rank}")
+    return (
+        "at a rational instance with irreducible h1 the eight products of 1, r31 with 1, r32, "
+        "r32², r32³ are linearly independent modulo h1, so no polynomial of the printed shape "
+        "vanishes at the eight rotations"
+    )
+
+
+def equation_14() -> str:
+    """Prove that (14) translates the surfaces the wrong way, and the third by a wrong vector."""
+    p1, p2, p3, q = (Matrix(symbols(f"{name}_x:z")) for name in ("p", "s", "t", "q"))
+    printed = q + p1 - p2  # in both lines
+    # With R fixed the platform moves by q − p1 when p1 moves to q.
+    second, third = p2 + q - p1, p3 + q - p1
+    _require(second - printed == 2 * (p2 - p1), "the second line is right")
+    _require(third != printed and not printed.has(*p3), "the third line is right")
+    return (
+        "if p1 moves to q with R fixed, p2 moves to q + p2 − p1; the printed argument is "
+        "q + p1 − p2, off by 2(p2 − p1), and the third line has it too instead of one with p3"
+    )
+
+
+def equation_16() -> str:
+    """Prove that the third polynomial of (16) needs d1 x where d1 z is printed."""
+    x, y, z, d1, d2, d3, d4 = symbols("x y z d1:5")
+    plane = derive("PSC").system[0].polynomial.as_expr()
+    printed = d3 * z + d2 * y + d1 * z + d4
+    _require((plane - printed - d1 * (x - z)).expand() == 0, "the difference is another")
+    return "it must be the plane of (15), which exceeds the print by d1(x − z)"
+
+
+def equation_18() -> str:
+    """Prove that (18) is the solution of (17) with r2 and r3 exchanged."""
+    exchange = {Symbol("r2"): Symbol("r3"), Symbol("r3"): Symbol("r2")}
+    x, y, z, r1, r2, r3 = symbols("x y z r1:4")
+    printed = (
+        2 * x**2 + r2**2 - r3**2 - r1**2,
+        2 * y**2 + r3**2 - r1**2 - r2**2,
+        2 * z**2 + r1**2 - r3**2 - r2**2,
+    )
+    derived = [element.polynomial.as_expr() for element in derive("6.8").elements]
+    _require(
+        all(
+            _same(ours.subs(exchange, simultaneous=True), theirs)
+            for ours, theirs in zip(derived, printed, strict=True)
+        ),
+        "exchanging r2 and r3 does not give the print",
+    )
+    differ = [not _same(ours, theirs) for ours, theirs in zip(derived, printed, strict=True)]
+    _require(differ == [True, True, False], "the print is right")
+    return (
+        "from (17), C1 + C2 − C3 is 2x² − r1² − r2² + r3²; the printed set is the one derived "
+        "with r2 and r3 exchanged, and differs from it in x and y"
+    )
+
+
+def _same(first: Expr, second: Expr) -> bool:
+    return bool((first - second).expand() == 0)
+
+
+def _require(condition: bool, message: str) -> None:
+    if not condition:
+        raise CheckFailed(message)
