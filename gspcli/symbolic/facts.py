@@ -81,39 +81,30 @@ def _equation(kind: Kind, coordinates: CoordinateSystem) -> dict[str, str]:
     }
 
 
-def unproved_degrees(kind: Kind, *, highest: int | None = None, seed: int = 0) -> list[str]:
+def unproved_degrees(kind: Kind, *, seed: int = 0) -> list[str]:
     """Return the recorded degrees of a kind below which another polynomial may exist.
 
     Parameters
     ----------
     kind
         The kind of constraint.
-    highest
-        Look only at degrees up to this one.
     seed
         Of the random instance and motions.
     """
     unproved = []
     table = degree_table(kind)
-    for side in ("two_sided", "one_sided"):
-        wanted = {
-            name: row[side] - 1
-            for name, row in table.items()
-            if highest is None or row[side] <= highest
-        }
-        values = {}
-        for name, degree in wanted.items():
+    for side in ("two_sided", "one_sided") if kind.has_sides else ("two_sided",):
+        below = {name: row[side] - 1 for name, row in table.items()}
+        ranks = {}
+        for name, degree in below.items():
             variety = varieties()[name]
-            values[name] = hilbert_function(variety.hilbert_numerator, variety.dimension, degree)
-        if not values:
-            continue
-        count = max(values.values()) + SPARE_POINTS
+            numerator = variety.hilbert_numerator
+            ranks[name] = hilbert_function(numerator, variety.dimension, degree)
+        count = max(ranks.values()) + SPARE_POINTS
         motions = constrained_motions(kind, count, one_sided=side == "one_sided", seed=seed)
         unproved += [
             f"{kind} {side} in ({name}): degree {degree} is not excluded"
-            for name, degree in wanted.items()
-            if not excludes_degree(system(name), motions, degree, values[name])
+            for name, degree in below.items()
+            if not excludes_degree(system(name), motions, degree, ranks[name])
         ]
-        if not kind.has_sides:
-            break
     return unproved

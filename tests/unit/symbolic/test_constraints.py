@@ -198,7 +198,8 @@ def test_lowest_degrees(kind: Kind, coordinates: str, two_sided: int, one_sided:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_polynomial_of_lower_degree(kind: Kind) -> None:
-    assert unproved_degrees(kind, highest=2) == []
+    # Another random instance than the one that the tool took.
+    assert unproved_degrees(kind, seed=1) == []
 
 
 def test_a_line_distance_is_cubic_with_rho_and_quartic_without() -> None:
@@ -211,12 +212,6 @@ def test_a_line_distance_is_cubic_with_rho_and_quartic_without() -> None:
     # The proof fails where there is a polynomial: at the degree itself.
     at = hilbert_function(varieties()["R,T,U,rho"].hilbert_numerator, 6, 3)
     assert not excludes_degree(MOURRAIN_16, motions, 3, at)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", KINDS)
-def test_no_polynomial_of_lower_degree_in_any_coordinates(kind: Kind) -> None:
-    assert unproved_degrees(kind, seed=1) == []
 
 
 def test_only_point_distances_have_linear_differences() -> None:
