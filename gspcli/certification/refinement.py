@@ -69,9 +69,9 @@ def refine(instance: Instance, certificate: Certificate, digits: int) -> Refined
     Raises
     ------
     ValueError
-        If the certificate proves nothing or is not for this instance.
+        If the certificate proves nothing.
     IncompleteError
-        If the digits need an unreasonable precision.
+        If the digits need an unreasonable precision, or the solution is none of this instance.
     """
     isolation = certificate.isolation
     if not certificate.certified or isolation is None:
@@ -89,7 +89,7 @@ def refine(instance: Instance, certificate: Certificate, digits: int) -> Refined
                 if refined is not None:
                     return refined
         precision *= 2
-    message = f"{digits} digits need more than {precision // 2} bits\nask for fewer digits"
+    message = f"{digits} digits could not be proved with {precision // 2} bits"
     raise IncompleteError(message)
 
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -8,13 +9,14 @@ import pytest
 from flint import acb, arb, ctx, fmpq
 
 from gspcli.catalogue.kinds import DISTANCE_KINDS
-from gspcli.certification import Outcome, certify
+from gspcli.certification import Certificate, Certificates, Outcome, certify
 from gspcli.certification.isolation import Isolation, refine_point
 from gspcli.certification.poses import pose_of_point
 from gspcli.certification.system import System
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.poses import pose_from_study
+from gspcli.geometry.primitives import vector
 from gspcli.geometry.residuals import Arrangement, residuals, sides_of
 
 SHIFT = np.array([1, -1, 1])
@@ -203,6 +205,32 @@ def test_an_instance_without_finite_numbers_proves_nothing(known: Callable) -> N
     R, T = platform.floats
     result = certify(platform.instance.with_values({5: impossible}), [R], [T])
     assert result[0].outcome is Outcome.NOT_A_NUMBER
+
+
+def test_lines_that_meet_are_certified(known: Callable) -> None:
+    platform = known("DLL DPP DPL DLP DPP DPP", 8)
+    row = platform.instance.constraints[0]
+    a = [number.fraction for number in row.platform.position]
+    image = [
+        sum((x * y for x, y in zip(turned, a, strict=True)), Fraction(0)) + t
+        for turned, t in zip(platform.R, platform.T, strict=True)
+    ]
+    meeting = replace(row, base=replace(row.base, position=vector(*image)), value=Number.of(0))
+    rows = (meeting, *platform.instance.constraints[1:])
+    R, T = platform.floats
+    result = certify(replace(platform.instance, constraints=rows), [R], [T])
+    assert result.real == 1
+    assert result[0].residual_bound < 1e-13
+
+
+def test_only_solutions_proved_different_are_counted() -> None:
+    first = Certificate(Outcome.CERTIFIED, 64, real=True, unresolved=(1,))
+    second = Certificate(Outcome.CERTIFIED, 64, real=True, unresolved=(0,))
+    copy = Certificate(Outcome.CERTIFIED, 64, real=True, same_as=2)
+    other = Certificate(Outcome.CERTIFIED, 64, real=False)
+    nothing = Certificate(Outcome.REFUTED, 64)
+    result = Certificates((first, second, other, copy, nothing), 1.0)
+    assert (result.certified, result.distinct, result.real) == (4, 2, 1)
 
 
 def test_no_candidates_are_no_solutions(known: Callable) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gspcli.certification import certify, refine
+from gspcli.errors import IncompleteError
 
 
 @pytest.mark.parametrize("names", ["DPP DPP DPP DPP DPP DPP", "DPL DLP DLL DPH AHL ALL"])
@@ -42,6 +43,13 @@ def test_a_solution_that_is_not_real_has_imaginary_parts(tangent: Callable) -> N
     square = Fraction(refined.T_imag[2]) ** 2
     assert abs(square - (1 - (1 - Fraction(1, 10**20)) ** 2)) < Fraction(1, 10**38)
     assert refined.T_imag[2].startswith("0.0000000001414213562")
+
+
+def test_another_instance_is_not_refined(tangent: Callable) -> None:
+    certificate = certify(tangent(Fraction(2)), [np.eye(3)], [[1, 0, 3**0.5]])[0]
+    assert certificate.certified
+    with pytest.raises(IncompleteError, match="10 digits could not be proved"):
+        refine(tangent(Fraction(3)), certificate, 10)
 
 
 def test_refining_nothing_is_refused(tangent: Callable) -> None:

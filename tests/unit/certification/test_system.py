@@ -1,17 +1,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from flint import acb, arb, ctx, fmpq
 
-from gspcli.catalogue.kinds import KINDS
+from gspcli.catalogue.kinds import DPL, KINDS
 from gspcli.certification.balls import float_above
 from gspcli.certification.measures import measure, residual
 from gspcli.certification.poses import PoseBall
 from gspcli.certification.study import product
 from gspcli.certification.system import System
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Line, Point, vector
 
 MIXED = ["DPP DPL DLP DPH DHP DLL", "DPL DPL DLL ALL ALH AHH", "DLP DLL DHP DPP AHL AHH"]
 
@@ -74,10 +78,6 @@ def test_a_pose_off_by_little_is_excluded(names: str, known: Callable) -> None:
 
 
 def test_the_wrong_side_is_excluded(known: Callable) -> None:
-    from dataclasses import replace
-
-    from gspcli.geometry.instance import Instance, Side
-
     platform = known("DPH DHP DPH DHP DPH DHP", 1)
     other = {Side.POSITIVE: Side.NEGATIVE, Side.NEGATIVE: Side.POSITIVE}
     for k, row in enumerate(platform.instance.constraints):
@@ -105,6 +105,28 @@ def test_the_jacobian_is_the_derivative(names: str, known: Callable) -> None:
             slope = (ends[0] - ends[1]) / (2 * h)
             for row in range(7):
                 assert abs(slope[row, 0] - jacobian[row, column]) < 1e-50
+
+
+def test_curvatures_bound_the_second_derivatives() -> None:
+    """For a point on a line through both origins hardly anything cancels in them."""
+    origin, third = vector(0, 0, 0), vector(0, 0, 1)
+    row = Constraint(DPL, Point(origin), Line(origin, third), Number.of("0.99"))
+    instance = Instance((row,) * 6, Units("m", AngleUnit.DEGREE))
+    point, h = np.array([1.0, 1, 1, 1, 0, 0, 0, 0]), 1e-6
+    with ctx.workprec(128):
+        system = System(instance, 128)
+        bounds = system.curvatures(np.abs(point), (0,) * 6)
+        total = np.zeros(7)
+        for column in range(8):
+            ends = []
+            for sign in (1, -1):
+                moved = point.copy()
+                moved[column] += sign * h
+                _, jacobian = system.at([acb(x) for x in moved.tolist()], (0,) * 6)
+                ends.append(np.array([[complex(x) for x in r] for r in jacobian.tolist()]))
+            total += np.abs(ends[0] - ends[1]).sum(axis=1) / (2 * h)
+    assert (total <= bounds * (1 + 1e-6)).all()
+    assert (total > bounds / 4).all()
 
 
 @pytest.mark.parametrize("names", MIXED)
