@@ -1,4 +1,4 @@
-"""Tables 1 and 2 as printed: columns of exact numbers, one row a solution."""
+"""What the paper prints, and how a printed entry can differ from a computed one."""
 
 from __future__ import annotations
 
@@ -7,31 +7,38 @@ from dataclasses import dataclass
 
 from gspcli.resources import data_json
 
-#: A row: from column names to exact numbers as text, such as ``1/(1-sqrt(5))``.
+#: A row of Table 1 or 2: from column names to exact numbers as text, such as ``1/(1-sqrt(5))``.
 Row = dict[str, str]
 
 
 @dataclass(frozen=True)
 class Difference:
-    """A number that the paper prints differently from what is computed.
+    """An entry of a table that the paper prints differently from what is computed.
 
     Attributes
     ----------
-    row
-        The number of the solution, from 1, as in the paper.
-    column
-        The name of the unknown.
+    table
+        The number of the table.
+    row, column
+        Where: the solution and the unknown, or the case and the column of Table 3.
     printed, computed
-        The two exact numbers.
+        The two entries.
     uncertain
         Why the reading of the print is not beyond doubt; empty if it is.
     """
 
-    row: int
+    table: int
+    row: str
     column: str
     printed: str
     computed: str
     uncertain: str = ""
+
+    def __str__(self) -> str:
+        return (
+            f"Table {self.table}, {self.row}, {self.column}: "
+            f"printed {self.printed}, computed {self.computed}"
+        )
 
 
 def read_table(number: int) -> list[Row]:
@@ -53,4 +60,4 @@ def differences_from(number: int, computed: Sequence[Row]) -> Iterator[Differenc
         for column, value in theirs.items():
             if not equal_numbers(value, ours[column]):
                 doubt = doubts.get((place, column), "")
-                yield Difference(place, column, value, ours[column], doubt)
+                yield Difference(number, f"solution {place}", column, value, ours[column], doubt)

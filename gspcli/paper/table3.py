@@ -10,6 +10,7 @@ from gspcli.catalogue.bounds import family_bounds
 from gspcli.catalogue.constraints import constraint_facts
 from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind
 from gspcli.catalogue.types import CLASSES, Family, families
+from gspcli.paper.printed import Difference
 from gspcli.resources import data_json
 
 Triple = tuple[Kind, Kind, Kind]
@@ -37,6 +38,9 @@ class Entry:
     def family(self) -> Family:
         """The family of the entry."""
         return Family(CLASSES[0], self.distances)
+
+    def __str__(self) -> str:
+        return " ".join(kind.short for kind in self.distances)
 
 
 def compute() -> list[Entry]:
@@ -70,18 +74,16 @@ def _triple(names: tuple[str, ...]) -> Triple:
     return (first, second, third)
 
 
-@dataclass(frozen=True)
-class Difference:
-    """An entry that only the print or only the recomputation has."""
-
-    entry: Entry
-    in_print: bool
-
-
 def differences() -> Iterator[Difference]:
-    """Yield what the print has too much, and what it lacks."""
+    """Yield the columns that the print has wrong, each beside what is missing in its place."""
     ours, theirs = Counter(compute()), Counter(printed())
-    for entry in sorted((theirs - ours).elements()):
-        yield Difference(entry, in_print=True)
-    for entry in sorted((ours - theirs).elements()):
-        yield Difference(entry, in_print=False)
+    missing = sorted((ours - theirs).elements())
+    for wrong in sorted((theirs - ours).elements()):
+        absent = next((e for e in missing if e.surfaces == wrong.surfaces), None)
+        if absent is not None:
+            missing.remove(absent)
+        yield Difference(
+            3, f"case {wrong.surfaces}", f"N1 = {wrong.n1}", str(wrong), str(absent or "no entry")
+        )
+    for absent in missing:
+        yield Difference(3, f"case {absent.surfaces}", f"N1 = {absent.n1}", "no entry", str(absent))

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from itertools import product
 from typing import TypeAlias
 
-from sympy import Expr, Matrix, Rational, Symbol, radsimp, sqrt, sqrtdenest, sympify
+from sympy import Expr, Matrix, Rational, Symbol, radsimp, sqrt, sqrtdenest, sympify, together
 
 from gspcli.errors import GspError
 from gspcli.symbolic.closed_forms import derive
@@ -64,7 +64,9 @@ def example_6_2_rotations(
                 raise GspError(_degenerate(d1, d2, d3, meaning))
             known[Symbol(element.leading)] = _tidy(-rest / slope)
         known |= dict(zip(map(Symbol, ("r33", "r22", "r11")), given.values(), strict=True))
-        rotations.append(Matrix(3, 3, lambda i, j, k=known: k[Symbol(f"r{i + 1}{j + 1}")]))
+        rotations.append(
+            Matrix(3, 3, lambda i, j, k=known: together(k[Symbol(f"r{i + 1}{j + 1}")]))
+        )
     return rotations
 
 

@@ -1,11 +1,13 @@
-"""Proofs, by exact computation, of the misprints in the formulas of Section 6.
+"""Proofs, by exact computation, of the misprints in Section 6 and its Tables 1 and 2.
 
 Every function returns its evidence in a sentence and raises `CheckFailed` if there is none.
 """
 
 from __future__ import annotations
 
-from sympy import Expr, Matrix, Poly, Rational, Symbol, symbols
+from collections.abc import Mapping, Sequence
+
+from sympy import Expr, Matrix, Poly, Rational, Symbol, radsimp, symbols, sympify
 
 from gspcli.errors import CheckFailed
 from gspcli.symbolic.closed_forms import derive
@@ -52,6 +54,19 @@ def equation_14() -> str:
     )
 
 
+def equation_15() -> str:
+    """Prove that the quadric of (15) is not every cylinder: it has no term in xy."""
+    x, y, z = symbols("x y z")
+    # |u|² |p|² − (u·p)² = |u|² r² with u = (1, 1, 0), r = 1.
+    cylinder = Poly(2 * (x**2 + y**2 + z**2) - (x + y) ** 2 - 2, x, y, z)
+    mixed = cylinder.coeff_monomial(x * y)
+    _require(mixed != 0, "the cylinder has no term in xy")
+    return (
+        f"the cylinder about the line x = y, z = 0 has the term {mixed}·xy, and the printed "
+        "quadric two in yz, d12 and d15, but none in xy"
+    )
+
+
 def equation_16() -> str:
     """Prove that the third polynomial of (16) needs d1 x where d1 z is printed."""
     x, y, z, d1, d2, d3, d4 = symbols("x y z d1:5")
@@ -84,6 +99,43 @@ def equation_18() -> str:
         "from (17), C1 + C2 − C3 is 2x² − r1² − r2² + r3²; the printed set is the one derived "
         "with r2 and r3 exchanged, and differs from it in x and y"
     )
+
+
+def table_1(printed: Mapping[str, str], computed: Mapping[str, str]) -> str:
+    """Prove that a row of Table 1 is no rotation as printed, and is one as computed."""
+    wrong, right = _gram_defects(printed), _gram_defects(computed)
+    _require(bool(wrong) and not right, f"{wrong} as printed, {right} as computed")
+    place, value = next(iter(wrong.items()))
+    return (
+        f"as printed columns {place[0]} and {place[1]} have the product {value} instead of "
+        f"{int(place[0] == place[1])}; the computed matrix is orthogonal"
+    )
+
+
+def _gram_defects(rotation: Mapping[str, str]) -> dict[tuple[int, int], Expr]:
+    """Return by columns where the scalar products of the columns are not those of a rotation."""
+    matrix = Matrix(3, 3, lambda i, j: sympify(rotation[f"r{i + 1}{j + 1}"]))
+    gram = (matrix.T * matrix).applyfunc(lambda entry: radsimp(entry).expand())
+    return {
+        (i + 1, j + 1): gram[i, j] for i in range(3) for j in range(i, 3) if gram[i, j] != (i == j)
+    }
+
+
+def table_2(printed: Sequence[Mapping[str, str]], computed: Sequence[Mapping[str, str]]) -> str:
+    """Prove that the points of Table 2 are not on the cylinders (17), and the computed ones are."""
+    wanted = (36, 16, 25)
+    theirs, ours = ({_squares(point) for point in points} for points in (printed, computed))
+    _require(ours == {wanted} and len(theirs) == 1 and theirs != ours, f"{theirs}, {ours}")
+    (found,) = theirs
+    return (
+        f"x² + y², x² + z², y² + z² are {', '.join(map(str, found))} at every printed point; "
+        f"they are 6², 4², 5² at every computed one, as (17) asks"
+    )
+
+
+def _squares(point: Mapping[str, str]) -> tuple[Expr, ...]:
+    x, y, z = (sympify(point[name]) for name in "xyz")
+    return tuple(radsimp(v).expand() for v in (x**2 + y**2, x**2 + z**2, y**2 + z**2))
 
 
 def _same(first: Expr, second: Expr) -> bool:

@@ -8,7 +8,7 @@ def test_table_1_has_one_wrong_sign():
     (difference,) = table1.differences()
     assert (difference.row, difference.column) == ("solution 8", "r21")
     assert difference.printed == "(3-sqrt(5))/(2*(-1+sqrt(5)))"
-    assert difference.computed == "1/4 - sqrt(5)/4"
+    assert difference.computed == "(1 - sqrt(5))/4"
 
 
 def test_the_print_of_table_1_is_no_rotation_in_row_8():

@@ -1,0 +1,160 @@
+"""`gsp table`: the paper's tables recomputed, beside what is printed."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.output import Column, Output, Table, emit, output_options
+from gspcli.errors import CheckFailed
+
+if TYPE_CHECKING:
+    from gspcli.paper.comparison import Comparison
+    from gspcli.paper.errata import Erratum
+
+_CHOICES = ("1", "2", "3", "errata", "all")
+_TABLES = (1, 2, 3)
+_HEADINGS = {"n1": "N1", "surfaces": "case", "distances": "three distance constraints"}
+
+
+@click.command
+@click.argument("which", type=click.Choice(_CHOICES), metavar="{1|2|3|errata|all}")
+@click.option(
+    "--check",
+    is_flag=True,
+    help="Prove the errata, confirm Table 3 by solving random instances of all its families, and "
+    "exit with 1 if anything printed differs for another reason.",
+)
+@output_options()
+def command(which: str, check: bool, output: Output) -> None:
+    """Recompute Tables 1, 2 and 3 of the paper and compare them with the print.
+
+    Tables 1 and 2 are exact: radicals, not decimals. A star marks an entry that the paper prints
+    differently; the erratum that accounts for it is listed below.
+
+    \b
+    Examples:
+      gsp table 3
+      gsp table all --check
+      gsp table 1 --format latex
+      gsp table errata --check --format markdown
+    """
+    from gspcli.paper.comparison import compare
+    from gspcli.paper.errata import ERRATA, erratum_of, prove
+
+    numbers = _TABLES if which == "all" else (int(which),) if which.isdigit() else ()
+    comparisons = [compare(number) for number in numbers]
+    named = {erratum_of(d) for comparison in comparisons for d in comparison.differences}
+    errata = [e for e in ERRATA if e.key in named or not which.isdigit()]
+    evidence = {erratum.key: prove(erratum) for erratum in errata} if check else {}
+    confirmed = _confirm() if check and 3 in numbers else None
+    emit(
+        output,
+        [
+            *map(_table, comparisons),
+            *([_errata(errata, evidence, confirmed)] if errata else []),
+        ],
+        document={
+            "schema": "gsp.table/1",
+            "tables": [comparison.document() for comparison in comparisons],
+            "errata": [_document(erratum, evidence) for erratum in errata],
+            "table_3_confirmed": confirmed,
+        },
+    )
+    unexplained = [str(d) for comparison in comparisons for d in comparison.unexplained]
+    if check and unexplained:
+        lines = "\n".join(unexplained)
+        message = f"printed differently, and no proved erratum accounts for it:\n{lines}"
+        raise CheckFailed(message)
+
+
+def _confirm() -> str:
+    from gspcli.cli.progress import progress
+    from gspcli.paper.confirmation import confirm
+
+    done = confirm(progress=progress)
+    return (
+        f"Table 3 confirmed: {done.instances} random instances of {done.families} families "
+        "solved, each with its N1 solutions for every choice of sides"
+    )
+
+
+def _table(comparison: Comparison) -> Table:
+    if comparison.number == 3:
+        return _grouped(comparison)
+    starred = {(d.row, d.column) for d in comparison.differences}
+    rows = [
+        {
+            key: _radical(value) + " *" * ((f"solution {row['solution']}", key) in starred)
+            for key, value in row.items()
+        }
+        for row in comparison.computed
+    ]
+    columns = [Column(key, essential=True) for key in comparison.columns]
+    return Table(columns, rows, comparison.title, notes=_verdict(comparison))
+
+
+def _radical(value: object) -> str:
+    """Return an exact number as people write it: (1 + √5)/4."""
+    return re.sub(r"sqrt\((\d+)\)", r"√\1", str(value)).replace("*√", "√")
+
+
+def _grouped(comparison: Comparison) -> Table:
+    """Show Table 3 by cases, as the paper does."""
+    starred = {d.computed for d in comparison.differences}
+    groups: dict[tuple[int, str], list[str]] = {}
+    for row in comparison.computed:
+        star = " *" if row["distances"] in starred else ""
+        groups.setdefault((row["n1"], row["surfaces"]), []).append(row["distances"] + star)
+    rows = [
+        {"n1": n1, "surfaces": surfaces, "families": len(names), "distances": ", ".join(names)}
+        for (n1, surfaces), names in sorted(groups.items())
+    ]
+    return Table(
+        [
+            Column("n1", _HEADINGS["n1"], align="right", essential=True),
+            Column("surfaces", _HEADINGS["surfaces"], essential=True),
+            Column("families", align="right", essential=True),
+            Column("distances", _HEADINGS["distances"], essential=True),
+        ],
+        rows,
+        comparison.title,
+        notes=_verdict(comparison),
+    )
+
+
+def _verdict(comparison: Comparison) -> list[str]:
+    count = len(comparison.differences)
+    if not count:
+        return ["Every entry is as printed."]
+    return [
+        f"* {count} {'entry is' if count == 1 else 'entries are'} printed differently: "
+        f"{len(comparison.unexplained)} without an erratum."
+    ]
+
+
+def _document(erratum: Erratum, evidence: Mapping[str, str]) -> dict[str, Any]:
+    return {**erratum.document(), "evidence": evidence.get(erratum.key)}
+
+
+def _errata(errata: Sequence[Erratum], evidence: Mapping[str, str], confirmed: str | None) -> Table:
+    rows = [_document(erratum, evidence) for erratum in errata]
+    notes = []
+    for erratum in errata:
+        notes += [f"{erratum.place}: {erratum.argument}"]
+        if erratum.key in evidence:
+            notes += [f"  proved: {evidence[erratum.key]}"]
+    return Table(
+        [
+            Column("key", "erratum", essential=True),
+            Column("place", essential=True),
+            Column("printed", "the paper prints"),
+            Column("correct", "what holds"),
+        ],
+        rows,
+        "Errata",
+        notes=[*notes, *([confirmed] if confirmed else [])],
+    )
