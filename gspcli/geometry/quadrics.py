@@ -32,6 +32,8 @@ _SEPARATION = 1e-4
 #: ... and so are systems with a point whose error is larger than this.
 _ACCURACY = 1e-11
 _EPS = float(np.finfo(float).eps)
+#: How many points are compared with all others at a time.
+_PIECE = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -276,10 +278,10 @@ def _kernel(forms: Field) -> tuple[Complex, float]:
     layout = _layout(n)
     coefficients = forms[:, layout.triangle[0], layout.triangle[1]] * layout.factor
     multipliers, columns = len(layout.columns), len(layout.weights)
-    products = np.zeros((n, multipliers, columns), complex)
+    products: Field = np.zeros((n, multipliers, columns), complex)
     rows = np.arange(multipliers)[:, None]
     products[:, rows, layout.columns] = coefficients[:, None, :]
-    matrix: Complex = (products / layout.weights).reshape(-1, columns)
+    matrix: Field = (products / layout.weights).reshape(-1, columns)
     matrix /= np.linalg.norm(matrix, axis=1, keepdims=True)
     _, values, right = np.linalg.svd(matrix)
     rank = columns - 2**n
@@ -432,14 +434,17 @@ def real_points(points: Complex) -> NDArray[np.bool_]:
     A point is real if of all points of the set its conjugate is nearest to itself. This
     decides without a threshold when the points are further apart than their errors.
     """
-    if not len(points):
-        return np.zeros(0, bool)
     z = normalised(points)
-    overlaps = z.conj() @ z.conj().T
-    # Bring each point into the phase in which it is nearest to the conjugate of another.
-    phases = overlaps / np.maximum(np.abs(overlaps), _EPS)
-    distances = np.linalg.norm(z.conj()[:, None] - phases[..., None] * z, axis=-1)
-    return np.asarray(distances.argmin(axis=1) == np.arange(len(z)))
+    real = np.zeros(len(z), bool)
+    # In pieces, because a set may have thousands of points.
+    for start in range(0, len(z), _PIECE):
+        conjugates = z[start : start + _PIECE].conj()
+        overlaps = conjugates @ z.conj().T
+        # Bring each point into the phase in which it is nearest to the conjugate of another.
+        phases = overlaps / np.maximum(np.abs(overlaps), _EPS)
+        distances = np.linalg.norm(conjugates[:, None] - phases[..., None] * z, axis=-1)
+        real[start : start + _PIECE] = distances.argmin(axis=1) == start + np.arange(len(overlaps))
+    return real
 
 
 def made_real(points: Complex) -> Array:

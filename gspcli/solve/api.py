@@ -5,20 +5,21 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.poses import Field
 from gspcli.geometry.residuals import Arrangement
-from gspcli.solve.closed_form import PoseSet, solve_closed_form
-from gspcli.solve.motion import Motion, local_motion
+from gspcli.solve.closed_form import solve_closed_form
 from gspcli.solve.result import SolveResult, stable_order
+from gspcli.solve.tracking import solve_by_tracking
 
 #: The default seed of everything random.
 DEFAULT_SEED = 20031
-#: How many samples of positive-dimensional sets are examined.
-_SAMPLES = 4
 
 
-def solve(instance: Instance, *, seed: int = DEFAULT_SEED, certify: bool = True) -> SolveResult:
+def solve(
+    instance: Instance, *, seed: int = DEFAULT_SEED, jobs: int = 1, certify: bool = True
+) -> SolveResult:
     """Return all poses of an instance, with an account of every path.
 
     Platforms with three angles are solved in closed form (Algorithm 6.6), all others by
@@ -30,11 +31,16 @@ def solve(instance: Instance, *, seed: int = DEFAULT_SEED, certify: bool = True)
         The platform; the sides of its DPH and DHP distances say which solutions are asked for.
     seed
         Source of random choices. Another seed gives the same poses in the same order.
+    jobs
+        Threads for path tracking. The answer does not depend on them.
     certify
         Whether to prove each pose, and whether it is real, in ball arithmetic.
     """
     arrangement = Arrangement.of(instance)
-    poses = solve_closed_form(arrangement)
+    if len(arrangement.angles) == MAX_ANGLES:
+        poses = solve_closed_form(arrangement)
+    else:
+        poses = solve_by_tracking(arrangement, seed=seed, jobs=jobs)
     R, T = poses.R, poses.T
     real, certified = poses.real, np.zeros(len(R), bool)
     if certify and len(R):
@@ -52,7 +58,7 @@ def solve(instance: Instance, *, seed: int = DEFAULT_SEED, certify: bool = True)
         at_infinity=poses.at_infinity,
         on_curves=poses.on_curves,
         lost=poses.lost,
-        motions=_motions(arrangement, poses),
+        motions=poses.motions,
         seed=seed,
     )
 
@@ -76,15 +82,3 @@ def _proved(
     )
     proved = np.array([bool(c.real) for c in certificates])
     return np.where(certified, proved, real), certified
-
-
-def _motions(arrangement: Arrangement, poses: PoseSet) -> tuple[Motion, ...]:
-    """Return a motion for each dimension of the sets that the samples lie on."""
-    found: dict[tuple[bool, int], Motion] = {}
-    for R, T in zip(*poses.samples, strict=True):
-        motion = local_motion(arrangement, R, T)
-        if motion is not None:
-            found.setdefault((not motion.real, -motion.dimension), motion)
-            if len(found) == _SAMPLES or motion.real:
-                break
-    return tuple(found[key] for key in sorted(found))

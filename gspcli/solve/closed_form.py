@@ -7,8 +7,6 @@ answer is not certain are solved again one by one with everything that can happe
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,6 +20,8 @@ from gspcli.geometry.surfaces import (
     surface_counts,
     surfaces,
 )
+from gspcli.solve.motion import Motion, local_motion
+from gspcli.solve.poses import PoseSet
 from gspcli.solve.rotations import ROTATIONS, rotations
 
 Array = NDArray[np.float64]
@@ -36,37 +36,6 @@ _NEARLY_PARALLEL = 1e-6
 _INFINITY = 1e-12
 #: Translations nearer than this are one, found for two signs of a distance that do not differ.
 _SAME = 1e-10
-
-
-@dataclass(frozen=True, eq=False)
-class PoseSet:
-    """Poses with an account of every path, in the frames of the arrangement.
-
-    Attributes
-    ----------
-    R, T
-        Distinct isolated poses, shapes (n, 3, 3) and (n, 3), complex.
-    real
-        Which of them are real; their imaginary parts are exactly zero. Shape (n,).
-    multiplicity
-        Shape (n,).
-    samples
-        Poses (R, T) on positive-dimensional components, shapes (m, 3, 3) and (m, 3).
-    paths
-        The generic count for the sides asked for.
-    at_infinity, on_curves, lost
-        How many of the paths end at infinity, on components, or are not accounted for.
-    """
-
-    R: Complex
-    T: Complex
-    real: NDArray[np.bool_]
-    multiplicity: NDArray[np.int64]
-    samples: tuple[Complex, Complex]
-    paths: int
-    at_infinity: int
-    on_curves: int
-    lost: int
 
 
 def generic_count(arrangement: Arrangement) -> int:
@@ -178,19 +147,29 @@ class _Ledger:
         """Return everything in the frames of the arrangement."""
         R = np.concatenate([np.zeros((0, 3, 3), complex), *(part[0] for part in self.isolated)])
         T = np.concatenate([np.zeros((0, 3), complex), *(part[1] for part in self.isolated)])
-        samples_R = np.array([R for R, _ in self.samples], complex).reshape(-1, 3, 3)
-        samples_T = np.array([T for _, T in self.samples], complex).reshape(-1, 3)
         return PoseSet(
             R=R,
             T=arrangement.restored(R, T),
             real=np.concatenate([np.zeros(0, bool), *(part[2] for part in self.isolated)]),
             multiplicity=np.concatenate([np.zeros(0, int), *(part[3] for part in self.isolated)]),
-            samples=(samples_R, arrangement.restored(samples_R, samples_T)),
+            motions=self._motions(arrangement),
             paths=ROTATIONS * self.each,
             at_infinity=self.at_infinity,
             on_curves=self.on_curves,
             lost=self.lost,
         )
+
+    def _motions(self, arrangement: Arrangement) -> tuple[Motion, ...]:
+        """Return the largest motion through a sample, a real one if there is any."""
+        found = []
+        for R, T in self.samples:
+            motion = local_motion(arrangement, R, arrangement.restored(R, T))
+            if motion is not None:
+                found.append(motion)
+                if motion.real:
+                    break
+        found.sort(key=lambda motion: (not motion.real, -motion.dimension))
+        return tuple(found[:1])
 
 
 def _translations(given: Arrangement, R: Field) -> tuple[Complex, Index, Complex, int]:

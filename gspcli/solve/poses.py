@@ -1,0 +1,44 @@
+"""What every method of solution returns: poses, motions, and an account of every path."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.solve.motion import Motion
+
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class PoseSet:
+    """Poses in no particular order, in the frames of the arrangement.
+
+    Attributes
+    ----------
+    R, T
+        Distinct isolated poses, shapes (n, 3, 3) and (n, 3), complex.
+    real
+        Which of them are real; their imaginary parts are exactly zero. Shape (n,).
+    multiplicity
+        How many paths end at each, shape (n,).
+    motions
+        Positive-dimensional sets of poses that were found.
+    paths
+        The generic count for the sides asked for.
+    at_infinity, on_curves, lost
+        How many of the paths end at infinity, on positive-dimensional sets, or are not
+        accounted for. With the multiplicities they add up to the paths.
+    """
+
+    R: Complex
+    T: Complex
+    real: NDArray[np.bool_]
+    multiplicity: NDArray[np.int64]
+    motions: tuple[Motion, ...]
+    paths: int
+    at_infinity: int
+    on_curves: int
+    lost: int

@@ -1,0 +1,63 @@
+"""All poses of any platform by tracking paths from a solved start system."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.continuation.solve import SystemSolutions, solve_systems
+from gspcli.geometry.poses import Field, pose_from_study
+from gspcli.geometry.quadrics import made_real, real_points
+from gspcli.geometry.residuals import Arrangement
+from gspcli.solve.motion import Motion
+from gspcli.solve.poses import PoseSet
+from gspcli.solve.systems import target_systems
+
+Complex = NDArray[np.complex128]
+
+
+def solve_by_tracking(arrangement: Arrangement, *, seed: int, jobs: int = 1) -> PoseSet:
+    """Return all poses of a platform of any type.
+
+    One system is solved for each combination of sides asked for. Whether a solution is real
+    is decided by pairing conjugates within its system.
+
+    Parameters
+    ----------
+    arrangement
+        The platform.
+    seed
+        Source of the random paths. Another seed gives the same set of poses.
+    jobs
+        Threads. The result does not depend on them.
+    """
+    systems = target_systems(arrangement.normalised)
+    results = list(solve_systems(systems, seed=seed, jobs=jobs))
+    points = np.concatenate([result.points for result in results])
+    real = np.concatenate([real_points(result.points) for result in results])
+    R, T = _poses(arrangement, np.where(real[:, None], made_real(points), points))
+    return PoseSet(
+        R=R,
+        T=T,
+        real=real,
+        multiplicity=np.concatenate([result.multiplicity for result in results]),
+        motions=tuple(motion for result in results for motion in _motions(arrangement, result)),
+        paths=sum(result.paths for result in results),
+        at_infinity=sum(result.at_infinity for result in results),
+        on_curves=sum(result.on_curves for result in results),
+        lost=sum(result.lost for result in results),
+    )
+
+
+def _poses(arrangement: Arrangement, points: Field) -> tuple[Field, Field]:
+    """Return poses in the frames of the arrangement from Study points, shape (n, 8)."""
+    R, T = pose_from_study(points[:, :4], points[:, 4:])
+    return R, arrangement.restored(R, T)
+
+
+def _motions(arrangement: Arrangement, result: SystemSolutions) -> list[Motion]:
+    motions = []
+    for curve in result.curves:
+        R, T = _poses(arrangement, made_real(curve.motion) if curve.real else curve.motion)
+        motions.append(Motion(curve.dimension, curve.real, R, T))
+    return motions

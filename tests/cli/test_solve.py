@@ -1,0 +1,194 @@
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import pytest
+
+EXAMPLE = str(Path(__file__).parents[2] / "data" / "examples" / "example-6.8.yaml")
+
+SMALL = """\
+gsp: 1
+name: three planes
+units: {length: m, angle: deg}
+platform:
+  P: {point: [0, 0, 0]}
+  X: {line: {point: [0, 0, 0], direction: [1, 0, 0]}}
+  Y: {line: {point: [0, 0, 0], direction: [0, 1, 0]}}
+  Z: {line: {point: [0, 0, 0], direction: [0, 0, 1]}}
+base:
+  x: {line: {point: [0, 0, 0], direction: [1, 0, 0]}}
+  y: {line: {point: [0, 0, 0], direction: [0, 1, 0]}}
+  z: {line: {point: [0, 0, 0], direction: [0, 0, 1]}}
+  H: {plane: {point: [0, 0, 0], normal: [1, 0, 0]}}
+  K: {plane: {point: [0, 0, 0], normal: [0, 1, 0]}}
+  M: {plane: {point: [0, 0, 0], normal: [NORMAL]}}
+constraints:
+  - {distance: [P, H], value: 1, side: positive}
+  - {distance: [P, K], value: 2, side: negative}
+  - {distance: [P, M], value: 3, side: SIDE}
+  - {angle: [X, x], value: 60}
+  - {angle: [Y, y], value: 60}
+  - {angle: [Z, z], value: ANGLE}
+"""
+
+
+@pytest.fixture
+def spec(tmp_path):
+    def write(normal="0, 0, 1", side="positive", angle="60"):
+        text = SMALL.replace("NORMAL", normal).replace("SIDE", side).replace("ANGLE", angle)
+        path = tmp_path / "spec.yaml"
+        path.write_text(text, encoding="utf-8")
+        return str(path)
+
+    return write
+
+
+def test_example_6_8_prints_all_64_poses(gsp):
+    run = gsp("solve", EXAMPLE)
+    assert run.code == 0
+    assert run.err == ""
+    lines = run.out.splitlines()
+    assert lines[0] == "Example 6.8: DPL DPL DPL ALL ALL ALL"
+    assert lines[-1] == (
+        "64 of 64 expected found, 64 real, 64 certified, 0 at infinity, 0 lost; complete"
+    )
+    assert [line.split()[0] for line in lines[4:-2]] == [str(n) for n in range(1, 65)]
+
+
+def test_table_of_a_small_platform(gsp, spec):
+    run = gsp("solve", spec(), "--no-certify")
+    lines = [" ".join(line.split()) for line in run.out.splitlines()]
+    assert lines[2].split() == (
+        [
+            "no.",
+            "Tx",
+            "Ty",
+            "Tz",
+            "qw",
+            "qx",
+            "qy",
+            "qz",
+            "sides",
+            "residual",
+            "condition",
+            "certified",
+        ]
+    )
+    row = lines[4].split()
+    assert row[:8] == ["1", "1", "-2", "3", "0.790569", "-0.353553", "-0.353553", "-0.353553"]
+    assert row[8:11] == ["1:positive", "2:negative", "3:positive"]
+    assert row[-1] == "no"
+    assert lines[-1] == "8 of 8 expected found, 8 real, 0 at infinity, 0 lost; complete"
+
+
+def test_csv_has_full_precision(gsp):
+    run = gsp("solve", EXAMPLE, "--format", "csv", "--no-certify")
+    rows = list(csv.DictReader(io.StringIO(run.out)))
+    assert len(rows) == 64
+    for row in rows:
+        assert float(row["Tx"]) ** 2 + float(row["Ty"]) ** 2 == pytest.approx(36, rel=1e-14)
+        assert float(row["residual"]) < 1e-12
+        assert row["certified"] == "false"
+        assert row["multiplicity"] == "1"
+
+
+def test_json_document(gsp):
+    document = json.loads(gsp("solve", EXAMPLE, "--format", "json").out)
+    assert document["schema"] == "gsp.solve/1"
+    assert document["verdict"] == "complete"
+    assert document["counts"]["real"] == document["counts"]["certified"] == 64
+    assert len(document["solutions"]) == 64
+
+
+def test_set_changes_values(gsp):
+    run = gsp("solve", EXAMPLE, "--set", "4=sqrt(50)", "--set", "5=1", "--format", "json")
+    assert run.code == 0
+    document = json.loads(run.out)
+    assert document["counts"]["found"] == 64
+    assert document["solutions"] == []
+
+
+def test_all_shows_poses_that_are_not_real(gsp):
+    run = gsp("solve", EXAMPLE, "--set", "4=sqrt(50)", "--all", "--format", "csv")
+    rows = list(csv.DictReader(io.StringIO(run.out)))
+    assert len(rows) == 64
+    assert {row["real"] for row in rows} == {"false"}
+    assert any(abs(float(row["Tx_imag"])) + abs(float(row["Tz_imag"])) > 1 for row in rows)
+
+
+def test_standard_input(gsp, spec, monkeypatch):
+    text = Path(spec()).read_bytes()
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(text)))
+    run = gsp("solve", "-", "--format", "csv")
+    assert run.code == 0
+    assert len(run.out.splitlines()) == 9
+
+
+def test_an_infinite_set_has_exit_code_3(gsp, spec):
+    run = gsp("solve", spec(normal="1, 0, 0").replace("value: 3", "value: 1"), "--set", "3=1")
+    assert run.code == 3
+    assert run.out.splitlines()[-1].endswith("; infinite")
+    assert run.err.startswith("error: the poses are infinitely many: the platform can move")
+
+
+def test_json_of_an_infinite_set_has_sample_motions(gsp, spec):
+    run = gsp("solve", spec(normal="1, 0, 0"), "--set", "3=1", "--format", "json")
+    motion = json.loads(run.out)["motions"][0]
+    assert motion["dimension"] == 1
+    assert motion["real"] is True
+    assert len(motion["T"]) > 2
+
+
+def test_parallel_planes_without_a_pose_are_an_answer(gsp, spec):
+    run = gsp("solve", spec(normal="1, 0, 0"))
+    assert run.code == 0
+    assert run.out.splitlines()[-1] == (
+        "0 of 8 expected found, 0 real, 8 at infinity, 0 lost; complete"
+    )
+
+
+def test_multiple_poses_cannot_be_certified(gsp, spec):
+    path = spec(angle="0")
+    settings = ("--set", "4=0", "--set", "5=0")
+    run = gsp("solve", path, *settings)
+    assert run.code == 4
+    assert "multiple" in run.err
+    assert gsp("solve", path, *settings, "--no-certify").code == 0
+
+
+def test_both_sides_double_the_paths(gsp, spec):
+    document = json.loads(gsp("solve", spec(side="both"), "--format", "json").out)
+    assert document["expected"] == 16
+    sides = [solution["sides"]["3"] for solution in document["solutions"]]
+    assert sorted(set(sides)) == ["negative", "positive"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["missing.yaml"], "cannot be read"),
+        ([EXAMPLE, "--set", "7=1"], "expected a number from 1 to 6"),
+        ([EXAMPLE, "--set", "4=-1"], "--set"),
+        ([EXAMPLE, "--format", "pdf"], "pdf"),
+    ],
+)
+def test_mistakes_have_exit_code_2(gsp, arguments, message):
+    run = gsp("solve", *arguments)
+    assert run.code == 2
+    assert run.out == ""
+    assert message in run.err
+
+
+def test_output_file(gsp, tmp_path):
+    path = tmp_path / "poses.csv"
+    run = gsp("solve", EXAMPLE, "-o", str(path))
+    assert run.out == ""
+    assert len(path.read_text(encoding="utf-8").splitlines()) == 65
+
+
+def test_the_same_command_gives_the_same_bytes(gsp):
+    first, second = (gsp("solve", EXAMPLE, "--format", "json", "--seed", s).out for s in "12")
+    assert first.replace('"seed": 1', '"seed": 2') == second

@@ -1,0 +1,84 @@
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from gspcli.catalogue.types import type_by_number
+from gspcli.solve import DEFAULT_SEED, solve
+from gspcli.solve.generate import random_instance
+
+
+@pytest.fixture(scope="module")
+def result():
+    instance, _ = random_instance(type_by_number(900), np.random.default_rng(4))
+    return solve(instance)
+
+
+def test_json_has_the_keys_of_the_schema(result):
+    document = json.loads(json.dumps(result.to_json(everything=True), allow_nan=False))
+    assert list(document) == [
+        "schema",
+        "name",
+        "type",
+        "units",
+        "expected",
+        "verdict",
+        "counts",
+        "solutions",
+        "seed",
+        "version",
+    ]
+    assert document["schema"] == "gsp.solve/1"
+    assert document["type"]["number"] == 900
+    assert document["seed"] == DEFAULT_SEED
+    assert len(document["solutions"]) == document["counts"]["found"]
+    for solution in document["solutions"]:
+        keys = {"real", "certified", "multiplicity", "R", "T", "quaternion"}
+        keys |= {"residual", "condition", "sides"}
+        if not solution["real"]:
+            keys |= {"R_imag", "T_imag", "quaternion_imag"}
+        assert set(solution) == keys
+
+
+def test_json_has_real_poses_only_unless_asked(result):
+    document = result.to_json()
+    assert len(document["solutions"]) == document["counts"]["real"]
+    assert all(solution["real"] for solution in document["solutions"])
+
+
+def test_counts_add_up(result):
+    counts = result.counts
+    assert counts.found == counts.certified == result.expected
+    assert counts.real == len(result.real_solutions)
+    assert result.verdict == "complete"
+
+
+def test_certification_agrees_with_the_pairing_of_conjugates(result):
+    candidate = solve(result.instance, certify=False)
+    assert not candidate.certified.any()
+    np.testing.assert_array_equal(candidate.real, result.real)
+
+
+def test_sides_are_named_by_constraint_number(result):
+    sided = {i for i, c in enumerate(result.instance.constraints, 1) if c.kind.has_sides}
+    for solution in result.solutions:
+        assert set(solution.sides) == sided
+        assert set(solution.sides.values()) <= {"positive", "negative"}
+
+
+def test_frame_has_a_row_for_each_pose(result):
+    frame = result.to_frame()
+    assert len(frame) == result.counts.real
+    np.testing.assert_allclose(frame[["Tx", "Ty", "Tz"]], result.T[result.real].real)
+    everything = result.to_frame(everything=True)
+    assert len(everything) == result.counts.found
+    assert everything["certified"].all()
+
+
+def test_order_is_by_quaternion_then_translation(result):
+    poses = [tuple(np.round(np.concatenate((s.quaternion, s.T)), 6)) for s in result.real_solutions]
+    assert poses == sorted(poses)
+    for solution in result.real_solutions:
+        assert next(q for q in np.round(solution.quaternion, 9) if q) > 0
