@@ -1,32 +1,14 @@
-"""Proofs about approximate poses of an instance: existence, uniqueness, reality, distinctness."""
+"""What is proved about approximate poses, one by one and together."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any
+from typing import overload
 
-import numpy as np
-from flint import acb, ctx
-from numpy.typing import ArrayLike, NDArray
-
-from gspcli.certification import study
-from gspcli.certification.balls import float_above
-from gspcli.certification.distinct import close_pairs, same
-from gspcli.certification.isolation import Isolation, refine_point
-from gspcli.certification.measures import Measurement, measure, residual
-from gspcli.certification.poses import PoseBall, pose_of_floats, pose_of_point
-from gspcli.certification.statement import length_scale
-from gspcli.certification.system import System
-from gspcli.geometry.instance import Instance, Side
-
-#: Bits of the first attempt: candidates are floats, and a limb of FLINT has 64 bits.
-FIRST_PRECISION = 64
-#: Default limit of the precision.
-MAX_PRECISION = 1024
-#: Default limit of the difference between a candidate and the solution proved near it.
-TOLERANCE = 1e-6
+from gspcli.certification.isolation import Isolation
+from gspcli.geometry.instance import Side
 
 
 class Outcome(Enum):
@@ -80,7 +62,7 @@ class Certificate:
         state, in the units of the instance.
     sides
         For real solutions: for each constraint the side on which the point is proved to lie;
-        None where a constraint has no sides or the distance is zero.
+        None where a constraint has no sides, the distance is zero or nothing is proved.
     same_as
         Index of the first candidate that is proved to approximate the same solution.
     unresolved
@@ -124,7 +106,13 @@ class Certificates(Sequence[Certificate]):
     items: tuple[Certificate, ...]
     scale: float
 
-    def __getitem__(self, index: Any) -> Any:
+    @overload
+    def __getitem__(self, index: int) -> Certificate: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Certificate, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> Certificate | tuple[Certificate, ...]:
         """Return one certificate, or several by a slice."""
         return self.items[index]
 
@@ -147,208 +135,9 @@ class Certificates(Sequence[Certificate]):
         """How many pairwise different solutions are proved to exist and to be real."""
         return sum(self.items[k].real is True for k in self._representatives())
 
-    def _representatives(self) -> list[int]:
+    def _representatives(self) -> set[int]:
         chosen: set[int] = set()
         for index, item in enumerate(self.items):
-            if item.certified and item.same_as is None and not chosen & set(item.unresolved):
+            if item.certified and item.same_as is None and chosen.isdisjoint(item.unresolved):
                 chosen.add(index)
-        return sorted(chosen)
-
-
-class _Candidate:
-    """A candidate on its way through the precisions."""
-
-    def __init__(self, point: NDArray[np.complex128], patch: int, given: PoseBall) -> None:
-        self.point = [acb(x) for x in point.tolist()]
-        self.patch = patch
-        self.given = given
-        self.sides: tuple[int, ...] | None = None
-        self.isolation: Isolation | None = None
-        self.pose: PoseBall | None = None
-        self.measurements: list[Measurement] = []
-        self.deviation = float("inf")
-        self.precision = 0
-        self.outcome = Outcome.NOT_ISOLATED
-        self.is_open = True
-
-    def attempt(self, system: System, tolerance: float) -> None:
-        """Try to decide everything about the candidate at the precision of the system."""
-        self.precision = system.precision
-        if self.sides is None:
-            self.sides = system.sides_at(self.point)
-        result = refine_point(system, self.point, self.patch, self.sides)
-        pose = pose_of_point(result.point) if isinstance(result, Isolation) else None
-        if not isinstance(result, Isolation) or pose is None:
-            self.point = result if isinstance(result, list) else list(result.centre)
-            if self.isolation is None and system.excludes(self.given.widened(tolerance)):
-                self.outcome, self.is_open = Outcome.REFUTED, False
-            return
-        self.point = list(result.centre)
-        self.isolation, self.pose = result, pose
-        nearest, farthest = pose.deviation(self.given)
-        self.deviation = float_above(farthest)
-        real = result.real
-        self.measurements = measure(system, pose) if real else []
-        if self.deviation <= tolerance:
-            self.outcome, self.is_open = self._judge(real)
-        elif system.excludes(self.given.widened(tolerance)):
-            self.outcome, self.is_open = Outcome.REFUTED, False
-        else:
-            # The error of the solution is part of the bound, and shrinks with the precision.
-            self.outcome, self.is_open = Outcome.TOO_FAR, not nearest > tolerance
-
-    def _judge(self, real: bool | None) -> tuple[Outcome, bool]:
-        """Return the outcome of a solution nearby, and whether something is still open."""
-        if any(not m.value.overlaps(m.stated) for m in self.measurements):
-            return Outcome.NOT_AS_STATED, False
-        if not all(m.value.is_finite() for m in self.measurements):
-            return Outcome.NOT_AS_STATED, True
-        side_unknown = any(
-            m.height is not None and m.height.contains(0) and not m.stated.is_zero()
-            for m in self.measurements
-        )
-        return Outcome.CERTIFIED, real is None or side_unknown
-
-    def certificate(self, system: System, **relations: Any) -> Certificate:
-        """Return the record of what was proved."""
-        isolation = self.isolation
-        if isolation is None:
-            return Certificate(self.outcome, self.precision)
-        if self.outcome is not Outcome.CERTIFIED:
-            return Certificate(self.outcome, self.precision, deviation=self.deviation)
-        real = isolation.real
-        stated = real and bool(self.measurements)
-        return Certificate(
-            self.outcome,
-            self.precision,
-            real,
-            float_above(isolation.error),
-            isolation.uniqueness,
-            self.deviation,
-            float_above(residual(measure(system, self.given))) if stated else None,
-            tuple(_side(m) for m in self.measurements) if stated else None,
-            isolation=isolation,
-            **relations,
-        )
-
-
-def _side(measurement: Measurement) -> Side | None:
-    height = measurement.height
-    if height is None or height.contains(0):
-        return None
-    return Side.POSITIVE if height > 0 else Side.NEGATIVE
-
-
-def certify(
-    instance: Instance,
-    R: ArrayLike,
-    T: ArrayLike,
-    *,
-    tolerance: float = TOLERANCE,
-    max_precision: int = MAX_PRECISION,
-) -> Certificates:
-    """Prove what can be proved about approximate solutions of an instance.
-
-    A candidate is certified if it is proved that a solution differs from it by at most the
-    tolerance, is simple, and is the only one in a ball about it. The numbers of the instance
-    are taken exactly. The precision is doubled until everything is decided or the limit
-    is reached. Multiple solutions, and points of solution curves, can never be certified.
-
-    Parameters
-    ----------
-    instance
-        The instance.
-    R
-        Rotations, real or complex, shape (n, 3, 3).
-    T
-        Translations in length units, real or complex, shape (n, 3).
-    tolerance
-        Largest difference of a candidate from its solution in any entry of R, and of T divided by
-        `Certificates.scale`.
-    max_precision
-        Largest number of bits to work with.
-
-    Returns
-    -------
-    Certificates
-        One certificate for each candidate, and how many different solutions they prove.
-    """
-    rotations = np.asarray(R, dtype=np.complex128).reshape(-1, 3, 3)
-    translations = np.asarray(T, dtype=np.complex128).reshape(-1, 3)
-    scale = length_scale(instance)
-    with np.errstate(all="ignore"):
-        points, patches = study.study_points(rotations, translations / scale)
-    with ctx.workprec(FIRST_PRECISION):
-        candidates = [
-            _Candidate(point, int(patch), pose_of_floats(rotation, translation, scale))
-            for point, patch, rotation, translation in zip(
-                points, patches, rotations, translations, strict=True
-            )
-        ]
-    for candidate in candidates:
-        if not all(entry.is_finite() for entry in [*candidate.point, *candidate.given.entries]):
-            candidate.outcome, candidate.is_open = Outcome.NOT_A_NUMBER, False
-    precision = FIRST_PRECISION
-    while True:
-        with ctx.workprec(precision):
-            system = System(instance, precision)
-            _attempt_open(system, candidates, tolerance)
-            unknown, equal = _unknown_and_same(candidates)
-            for index in {k for pair in unknown for k in pair}:
-                candidates[index].is_open = True
-            if 2 * precision > max_precision or not any(c.is_open for c in candidates):
-                return _record(system, candidates, unknown, equal)
-        precision *= 2
-
-
-def _attempt_open(system: System, candidates: Sequence[_Candidate], tolerance: float) -> None:
-    for candidate in candidates:
-        if not candidate.is_open:
-            continue
-        if system.is_finite:
-            candidate.attempt(system, tolerance)
-        else:
-            candidate.outcome = Outcome.NOT_A_NUMBER
-            candidate.precision = system.precision
-
-
-Pairs = list[tuple[int, int]]
-
-
-def _unknown_and_same(candidates: Sequence[_Candidate]) -> tuple[Pairs, Pairs]:
-    """Return the pairs of certified candidates that are not proved different."""
-    certified = [k for k, c in enumerate(candidates) if c.outcome is Outcome.CERTIFIED]
-    poses = [pose for k in certified if (pose := candidates[k].pose) is not None]
-    unknown: Pairs = []
-    equal: Pairs = []
-    for i, j in close_pairs(poses):
-        first, second = candidates[certified[i]].isolation, candidates[certified[j]].isolation
-        assert first is not None
-        assert second is not None
-        (equal if same(first, second) else unknown).append((certified[i], certified[j]))
-    return unknown, equal
-
-
-def _record(
-    system: System, candidates: Sequence[_Candidate], unknown: Pairs, equal: Pairs
-) -> Certificates:
-    same_as: dict[int, int] = {}
-    for i, j in sorted(equal):
-        same_as[j] = min(i, same_as.get(j, i))
-    unresolved: dict[int, list[int]] = {}
-    for i, j in unknown:
-        unresolved.setdefault(i, []).append(j)
-        unresolved.setdefault(j, []).append(i)
-    return Certificates(
-        tuple(
-            candidate.certificate(
-                system,
-                same_as=same_as.get(k),
-                unresolved=tuple(sorted(unresolved.get(k, ()))),
-            )
-            if candidate.outcome is Outcome.CERTIFIED
-            else candidate.certificate(system)
-            for k, candidate in enumerate(candidates)
-        ),
-        system.scale,
-    )
+        return chosen
