@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import click
@@ -10,6 +11,7 @@ from gspcli.catalogue.bounds import Bounds, family_bounds, type_bounds
 from gspcli.catalogue.constraints import Degrees, constraint_facts
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import Family, GspType
+from gspcli.catalogue.varieties import coordinates_label
 from gspcli.cli.names import read_names
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 
@@ -51,7 +53,7 @@ def command(names: tuple[str, ...], output: Output) -> None:
       gsp bound 1 17 3850 platform.yaml --format csv
     """
     subjects = read_names(names)
-    documents = [_document(subject) for subject in subjects]
+    documents = [bound_document(subject) for subject in subjects]
     if output.format in ("csv", "markdown", "latex") and len(subjects) > 1:
         tables = [_summary(subjects)]
     else:
@@ -83,7 +85,8 @@ def _identity(subject: GspType | Family) -> dict[str, Any]:
     }
 
 
-def _document(subject: GspType | Family) -> dict[str, Any]:
+def bound_document(subject: GspType | Family) -> dict[str, Any]:
+    """Return all that is known of the bounds of a type or family, for JSON."""
     bounds = _bounds(subject)
     return {
         "schema": "gsp.bound/1",
@@ -115,56 +118,58 @@ def _degrees(degrees: Degrees) -> str:
 
 
 def _tables(subject: GspType | Family) -> list[Table]:
-    bounds = _bounds(subject)
     title = subject.id
     if isinstance(subject, GspType):
         title += f"  (no. {subject.number}, {subject.platform_class})"
     else:
         title += f"  (a family of {len(subject.types)} types, angles left open)"
-    constraints = []
-    for kind in _kinds(subject):
+    return [constraint_table(_kinds(subject), title), bound_table(_bounds(subject))]
+
+
+def constraint_table(kinds: Sequence[Kind], title: str) -> Table:
+    """Return a row for each constraint: its degrees and the surface it gives."""
+    rows = []
+    for kind in kinds:
         facts = constraint_facts(kind)
-        constraints.append(
+        rows.append(
             {
                 "kind": kind.name,
                 "degree_lazard": _degrees(facts.paper_lazard),
                 "degree_mourrain": _degrees(facts.paper_mourrain),
                 "degree_lowest": _degrees(facts.lowest),
-                "coordinates": facts.lowest_coordinates,
+                "coordinates": coordinates_label(facts.lowest_coordinates),
                 "surface": _SURFACES.get(facts.surface or "", ""),
             }
         )
-    return [
-        Table(
-            columns=[
-                Column("kind", "constraint", essential=True),
-                Column("degree_lazard", "degree (Lazard)", essential=True),
-                Column("degree_mourrain", "degree (Mourrain)", essential=True),
-                Column("degree_lowest", "lowest degree", essential=True),
-                Column("coordinates", "in coordinates"),
-                Column("surface", "surface", essential=True),
-            ],
-            rows=constraints,
-            title=title,
-        ),
-        Table(
-            columns=[
-                Column("bound", essential=True),
-                Column("value", align="right", essential=True),
-                Column("sides", essential=True),
-            ],
-            rows=[
-                {
-                    "bound": _TITLES[name],
-                    "value": bound.value,
-                    "sides": _SIDES[name],
-                }
-                for name, bound in bounds.items()
-                if bound is not None
-            ],
-            notes=[bound.reason for _, bound in bounds.items() if bound is not None],
-        ),
-    ]
+    return Table(
+        columns=[
+            Column("kind", "constraint", essential=True),
+            Column("degree_lazard", "degree (Lazard)", essential=True),
+            Column("degree_mourrain", "degree (Mourrain)", essential=True),
+            Column("degree_lowest", "lowest degree", essential=True),
+            Column("coordinates", "in coordinates"),
+            Column("surface", "surface", essential=True),
+        ],
+        rows=rows,
+        title=title,
+    )
+
+
+def bound_table(bounds: Bounds) -> Table:
+    """Return a row for each bound that applies, with the reasons below."""
+    applying = [(name, bound) for name, bound in bounds.items() if bound is not None]
+    return Table(
+        columns=[
+            Column("bound", essential=True),
+            Column("value", "at most", align="right", essential=True),
+            Column("sides", essential=True),
+        ],
+        rows=[
+            {"bound": _TITLES[name], "value": bound.value, "sides": _SIDES[name]}
+            for name, bound in applying
+        ],
+        notes=list(dict.fromkeys(bound.reason for _, bound in applying)),
+    )
 
 
 def _summary(subjects: list[GspType | Family]) -> Table:

@@ -29,6 +29,7 @@ COMMANDS = (
 
 INTERRUPTED = 130
 INTERNAL_ERROR = 70
+_WHOLE_SENTENCE = 1000
 
 
 class CommandGroup(click.Group):
@@ -46,6 +47,16 @@ class CommandGroup(click.Group):
             return None
         command: click.Command = importlib.import_module(f"gspcli.cli.{cmd_name}").command
         return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the subcommands with their first sentences, whole."""
+        rows = [
+            (name, command.get_short_help_str(limit=_WHOLE_SENTENCE))
+            for name in self.list_commands(ctx)
+            if (command := self.get_command(ctx, name)) is not None
+        ]
+        with formatter.section("Commands"):
+            formatter.write_dl(rows)
 
 
 @click.group(

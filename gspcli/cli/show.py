@@ -1,0 +1,129 @@
+"""`gsp show`: all that is known of one type, on a page."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from gspcli.catalogue.bounds import type_bounds
+from gspcli.catalogue.coincidence_counts import count_coincident
+from gspcli.catalogue.constraints import constraint_facts
+from gspcli.catalogue.mechanism import Mechanism, mechanism_of_type
+from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.realization import realization
+from gspcli.catalogue.types import GspType
+from gspcli.cli.bound import bound_document, bound_table, constraint_table
+from gspcli.cli.names import is_file, load_instance
+from gspcli.cli.output import Column, Output, Table, emit, output_options
+
+
+@click.command
+@click.argument("names", nargs=-1, required=True, metavar="TYPE")
+@output_options()
+def command(names: tuple[str, ...], output: Output) -> None:
+    """Show on one page all that is known of a type.
+
+    Its constraints with their degrees and meaning, the bounds and why they hold, how it is
+    solved, a mechanism that realizes it, and how often its primitives may be shared. TYPE is six
+    kinds in any order, a number of the catalogue, or an instance file.
+
+    \b
+    Examples:
+      gsp show 6PP
+      gsp show 421 --format json
+      gsp show PL PL LP ALL ALH AHH
+    """
+    single = len(names) == 1 and is_file(names[0])
+    gsp_type = load_instance(names[0]).type if single else parse_type(names)
+    built = mechanism_of_type(gsp_type)
+    emit(
+        output,
+        [
+            constraint_table(gsp_type.kinds, _title(gsp_type)),
+            _meanings(gsp_type),
+            bound_table(type_bounds(gsp_type)),
+            _chains(gsp_type, built),
+            _facts(gsp_type),
+        ],
+        document=_document(gsp_type, built),
+    )
+
+
+def _title(gsp_type: GspType) -> str:
+    return f"{gsp_type.id}  (no. {gsp_type.number}, {gsp_type.platform_class})"
+
+
+def _meanings(gsp_type: GspType) -> Table:
+    rows = [
+        {
+            "kind": kind.name,
+            "count": gsp_type.count(kind),
+            "meaning": constraint_facts(kind).meaning,
+            "equation": constraint_facts(kind).definition.text,
+        }
+        for kind in dict.fromkeys(gsp_type.kinds)
+    ]
+    return Table(
+        columns=[
+            Column("kind", "constraint", essential=True),
+            Column("count", "times", align="right", essential=True),
+            Column("equation", "equation, x_base = R x_platform + T", essential=True),
+            Column("meaning"),
+        ],
+        rows=rows,
+    )
+
+
+def _chains(gsp_type: GspType, built: Mechanism) -> Table:
+    rows = [
+        {
+            "kind": kind.name,
+            "chain": realization(kind).chain.drawing,
+            "description": realization(kind).description,
+            "idle": realization(kind).idle_motion,
+        }
+        for kind in dict.fromkeys(gsp_type.kinds)
+    ]
+    return Table(
+        columns=[
+            Column("kind", "constraint", essential=True),
+            Column("chain", essential=True),
+            Column("description", "realized by"),
+            Column("idle", "idle motion"),
+        ],
+        rows=rows,
+        notes=[f"mobility: {built.sum_shown}"],
+    )
+
+
+def _facts(gsp_type: GspType) -> Table:
+    mirrored = gsp_type.mirrored
+    notes = [
+        f"solved by: {_method(gsp_type)}",
+        f"base and platform exchanged: {mirrored.id} (no. {mirrored.number})"
+        + (", the same type" if mirrored == gsp_type else ""),
+        f"ways to share primitives among its constraints: {count_coincident(gsp_type)}"
+        f"  (gsp enumerate --coincident {gsp_type.number})",
+        f"an instance to start from: gsp new {gsp_type.number}",
+    ]
+    return Table(columns=[], rows=[], notes=notes)
+
+
+def _method(gsp_type: GspType) -> str:
+    if gsp_type.angles and len(gsp_type.angles) == len(gsp_type.distances):
+        return "closed form: eight rotations, then the meeting points of three surfaces (Alg. 6.6)"
+    return "path tracking from a stored start system"
+
+
+def _document(gsp_type: GspType, built: Mechanism) -> dict[str, Any]:
+    document = bound_document(gsp_type)
+    return {
+        **document,
+        "schema": "gsp.show/1",
+        "mirrored": gsp_type.mirrored.number,
+        "sharing_patterns": count_coincident(gsp_type),
+        "method": _method(gsp_type),
+        "chains": [realization(kind).chain.name for kind in gsp_type.kinds],
+        "mobility": built.sum_shown,
+    }

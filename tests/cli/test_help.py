@@ -1,0 +1,66 @@
+"""Help: quick, complete, and the same in the documentation."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Callable
+from pathlib import Path
+
+import click
+import pytest
+
+from gspcli.cli.main import COMMANDS, cli
+
+Run = Callable[..., object]
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def test_the_reference_is_that_of_the_help() -> None:
+    path = ROOT / "tools" / "build_cli_reference.py"
+    spec = importlib.util.spec_from_file_location("build_cli_reference", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    assert module.PATH.read_text(encoding="utf-8") == module.reference(), (
+        "run python tools/build_cli_reference.py"
+    )
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_has_help_with_examples(name: str) -> None:
+    command = cli.get_command(click.Context(cli), name)
+    assert command is not None
+    leaves = command.commands.values() if isinstance(command, click.Group) else [command]
+    for leaf in leaves:
+        assert leaf.help is not None
+        assert "Examples:" in leaf.help, name
+        undocumented = [
+            p.name for p in leaf.params if isinstance(p, click.Option) and not (p.help or p.hidden)
+        ]
+        assert not undocumented
+
+
+def test_help_exits_with_0_and_lists_every_command(gsp: Run) -> None:
+    outcome = gsp("--help")
+    assert outcome.code == 0
+    assert all(f"\n  {name} " in outcome.out for name in COMMANDS)
+    assert "..." not in outcome.out.split("Commands:")[1]
+
+
+def test_no_arguments_show_the_help_and_exit_with_2(gsp: Run) -> None:
+    outcome = gsp()
+    assert outcome.code == 2
+    assert "Commands:" in outcome.err
+    assert outcome.out == ""
+
+
+def test_unknown_commands_and_options_exit_with_2(gsp: Run) -> None:
+    assert gsp("frobnicate").code == 2
+    assert gsp("enumerate", "--frobnicate").code == 2
+
+
+def test_the_version(gsp: Run) -> None:
+    from gspcli import __version__
+
+    assert gsp("--version").out == f"gsp, version {__version__}\n"
