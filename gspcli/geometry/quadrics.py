@@ -113,21 +113,21 @@ def _turn(size: int) -> Array:
     return np.linalg.qr(np.random.default_rng(1120).normal(size=(size, size)))[0]
 
 
-def _newton(forms: Field, z: Field) -> tuple[Field, Field]:
-    """Return values ``(..., p, n)`` of the forms at p points, and inverse Jacobian matrices.
+def _newton_step(forms: Field, z: Field) -> tuple[Field, Array, Array]:
+    """Return p points of norm 1 after a Newton step, its length, and the error that is left.
 
     The last row of the Jacobian matrix, ``conj(z)``, keeps corrections orthogonal to the point.
+    The forms have norm 1, so that the step leaves at most the norm of the inverse Jacobian
+    matrix times the square of its length, besides rounding.
     """
     halves = np.einsum("...kij,...pj->...pki", forms, z)
     values = np.einsum("...pki,...pi->...pk", halves, z)
     matrix = np.concatenate((2 * halves, z.conj()[..., None, :]), axis=-2)
-    return values, np.linalg.inv(matrix)
-
-
-def _corrected(z: Field, inverse: Field, values: Field) -> tuple[Field, Array]:
-    """Return the points after a Newton step, and the lengths of the steps."""
+    inverse = np.linalg.inv(matrix)
     step = np.einsum("...ik,...k->...i", inverse[..., :-1], values)
-    return normalised(z - step), np.linalg.norm(step, axis=-1)
+    length = np.sqrt((step.real**2 + step.imag**2).sum(axis=-1))
+    amplification = np.sqrt((inverse.real**2 + inverse.imag**2).sum(axis=(-2, -1)))
+    return normalised(z - step), length, amplification * (length**2 + 4 * _EPS)
 
 
 def generic_roots(forms: Field) -> tuple[Field, Array, NDArray[np.bool_]]:
@@ -151,23 +151,16 @@ def generic_roots(forms: Field) -> tuple[Field, Array, NDArray[np.bool_]]:
         By Bezout's theorem there are no others. Use `all_roots` on the rest.
     """
     n, batch = forms.shape[-3], forms.shape[:-3]
-    count = 2**n
     if n == 0:
         return np.ones((*batch, 1, 1)), np.zeros((*batch, 1)), np.ones(batch, bool)
     turn = _turn(n + 1)
     forms = turn.T @ forms @ turn
-    forms = forms / np.sqrt((np.abs(forms) ** 2).sum(axis=(-2, -1), keepdims=True))
+    forms = forms / np.sqrt((forms.real**2 + forms.imag**2).sum(axis=(-2, -1), keepdims=True))
     try:
-        z = normalised(_eigenpoints(forms))
-        values, inverse = _newton(forms, z)
-        z, _ = _corrected(z, inverse, values)
-        # The second step with the matrix of the first measures the error of the first.
-        values = np.einsum("...pi,...kij,...pj->...pk", z, forms, z)
-        z, step = _corrected(z, inverse, values)
+        z, _, errors = _newton_step(forms, normalised(_eigenpoints(forms)))
     except np.linalg.LinAlgError:
         return _separately(turn @ forms @ turn.T)
-    errors = step + 4 * _EPS * np.linalg.norm(inverse, axis=(-2, -1))
-    overlaps = np.abs(z @ np.swapaxes(z.conj(), -1, -2)) * (1 - np.eye(count))
+    overlaps = np.abs(z @ np.swapaxes(z.conj(), -1, -2)) - np.eye(2**n)
     ok = (errors < _ACCURACY).all(axis=-1) & (overlaps < 1 - _SEPARATION**2).all(axis=(-2, -1))
     return z @ turn.T, errors, ok
 
@@ -269,7 +262,7 @@ def all_roots(forms: Field) -> RootSet:
     return RootSet(points @ turn.T, multiplicity, errors, samples @ turn.T, lost)
 
 
-def _kernel(forms: Field) -> tuple[Complex, float]:
+def _kernel(forms: Field) -> tuple[Field, float]:
     """Return a basis of the kernel of Macaulay's matrix, and the smallest singular value above.
 
     The basis has shape (columns, 2^n) and belongs to unweighted monomials.
@@ -285,7 +278,7 @@ def _kernel(forms: Field) -> tuple[Complex, float]:
     matrix /= np.linalg.norm(matrix, axis=1, keepdims=True)
     _, values, right = np.linalg.svd(matrix)
     rank = columns - 2**n
-    kernel: Complex = right[rank:].conj().T / layout.weights[:, None]
+    kernel: Field = right[rank:].conj().T / layout.weights[:, None]
     return kernel, float(values[rank - 1] / values[0])
 
 
@@ -339,17 +332,15 @@ def _clusters(eigenvalues: Complex, indices: list[int], radius: float) -> list[l
 def _simple(forms: Field, affine: Complex, gap: float) -> tuple[Complex, float] | None:
     """Return a point polished by Newton's method and its error, or None if it is not simple."""
     start = normalised(np.concatenate(([1.0], affine)))
-    z = start[None]
-    error = np.inf
-    for _ in range(8):
-        try:
-            values, inverse = _newton(forms, z)
-        except np.linalg.LinAlgError:
-            return None
-        z, step = _corrected(z, inverse, values)
-        error = float(step[0] + 4 * _EPS * np.linalg.norm(inverse))
-        if step[0] < 1e-15:
-            break
+    z, error = start[None], np.inf
+    try:
+        for _ in range(8):
+            z, step, errors = _newton_step(forms, z)
+            error = float(errors[0])
+            if step[0] < 1e-15:
+                break
+    except np.linalg.LinAlgError:
+        return None
     # Eigenvalues and points differ in scale by the norm of (1, affine), squared at most.
     room = gap / (1 + float(np.linalg.norm(affine)) ** 2)
     moved = np.sqrt(max(0.0, 1 - abs(np.vdot(z[0], start)) ** 2))

@@ -41,7 +41,7 @@ class Arrangement:
     values
         The distances and angles, shape (n,), in the units of the instance.
     sides
-        1, -1 or, for both, 0; shape (n,). A DPH or DHP distance of zero has only one side.
+        The sides asked for: 1, -1 or, for both, 0; shape (n,).
     in_radians
         The angle unit in radians.
     """
@@ -66,14 +66,19 @@ class Arrangement:
             u=np.array([_direction(row.platform) for row in rows]),
             v=np.array([_direction(row.base) for row in rows]),
             values=np.array([row.value.value for row in rows]),
-            sides=np.array(
-                [
-                    1 if row.kind.has_sides and row.value.value == 0 else _SIGNS[row.side]
-                    for row in rows
-                ]
-            ),
+            sides=np.array([_SIGNS[row.side] for row in rows]),
             in_radians=instance.units.angle.in_radians,
         )
+
+    def with_values(self, values: Array) -> Arrangement:
+        """Return the same geometry with other values, shape (n,)."""
+        return replace(self, values=values)
+
+    @cached_property
+    def signs(self) -> NDArray[np.int64]:
+        """The sides to look on: as `sides`, but a distance of zero has only one, shape (n,)."""
+        sided = np.array([kind.has_sides for kind in self.kinds])
+        return np.where(sided & (self.values == 0), 1, self.sides)
 
     @cached_property
     def distances(self) -> NDArray[np.int64]:
@@ -92,10 +97,16 @@ class Arrangement:
         targets[self.angles] *= self.in_radians
         return targets
 
-    @cached_property
-    def cosines(self) -> Array:
-        """The values of ``R u . v`` that the angles ask for (Section 4), in order of `angles`."""
-        values = self.targets[self.angles]
+    def cosines(self, values: Array) -> Array:
+        """Return the values of ``R u . v`` that angles ask for (Section 4).
+
+        Parameters
+        ----------
+        values
+            Values of all constraints, shape (..., n), in the units of the instance. The
+            result runs over `angles`.
+        """
+        values = values[..., self.angles] * self.in_radians
         cosine = np.array([self.kinds[i] in (ALL, AHH) for i in self.angles], dtype=bool)
         sign = np.array([-1.0 if self.kinds[i] is AHH else 1.0 for i in self.angles])
         return sign * np.where(cosine, np.cos(values), np.sin(values))
@@ -128,21 +139,25 @@ class Arrangement:
     def normalised(self) -> Arrangement:
         """The same with lengths of order one, and frames at the centres of the points.
 
-        A translation T of this one is ``length T + base_centre - R platform_centre`` in the
-        given frames.
+        `restored` takes its translations back.
         """
+        return self.in_units_of(self.length)
+
+    def in_units_of(self, length: float) -> Arrangement:
+        """Return the same in another unit of length, frames at the centres of the points."""
         values = self.values.copy()
-        values[self.distances] /= self.length
+        values[self.distances] /= length
         return replace(
             self,
-            y=(self.y - self.platform_centre) / self.length,
-            x=(self.x - self.base_centre) / self.length,
+            y=(self.y - self.platform_centre) / length,
+            x=(self.x - self.base_centre) / length,
             values=values,
         )
 
-    def restored(self, R: Field, T: Field) -> Field:
-        """Return the translations in the given frames of poses of `normalised`."""
-        return self.length * T + self.base_centre - apply(R, self.platform_centre)
+    def restored(self, R: Field, T: Field, length: float | None = None) -> Field:
+        """Return translations of `in_units_of` (`normalised` if None) in the given frames."""
+        unit = self.length if length is None else length
+        return unit * T + self.base_centre - apply(R, self.platform_centre)
 
 
 def _direction(geometry: Geometry) -> Array:
@@ -239,9 +254,9 @@ def residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
     values = measured(arrangement, R, T)
     targets = arrangement.targets
     difference = np.abs(values - targets)
-    free = np.array([kind.is_distance for kind in arrangement.kinds]) & (arrangement.sides == 0)
+    free = np.array([kind.is_distance for kind in arrangement.kinds]) & (arrangement.signs == 0)
     opposite = np.where(free, np.abs(values + targets), np.inf)
-    signed = np.abs(values - np.where(arrangement.sides < 0, -targets, targets))
+    signed = np.abs(values - np.where(arrangement.signs < 0, -targets, targets))
     result = np.where(free, np.minimum(difference, opposite), signed)
     result[..., arrangement.angles] /= arrangement.in_radians
     return np.asarray(result)
@@ -252,7 +267,7 @@ def sides_of(arrangement: Arrangement, R: Field, T: Field) -> NDArray[np.int64]:
     values = measured(arrangement, R, T).real
     sided = np.array([kind.has_sides for kind in arrangement.kinds])
     sign = np.where(values < 0, -1, 1)
-    return np.where(sided, np.where(arrangement.sides == 0, sign, arrangement.sides), 0)
+    return np.where(sided, np.where(arrangement.signs == 0, sign, arrangement.signs), 0)
 
 
 def jacobian(arrangement: Arrangement, R: Field, T: Field) -> Field:

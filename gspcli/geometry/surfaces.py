@@ -89,7 +89,7 @@ def signs_of(arrangement: Arrangement, planes: list[int]) -> Array:
     A line-line distance has both signs, a distance to a plane those of its sides; a distance
     of zero has one.
     """
-    sides = [int(arrangement.sides[i]) for i in planes]
+    sides = [int(arrangement.signs[i]) for i in planes]
     free = tuple(s == 0 and arrangement.values[i] != 0 for i, s in zip(planes, sides, strict=True))
     return _signs(free, tuple(s or 1 for s in sides))
 

@@ -7,10 +7,14 @@ answer is not certain are solved again one by one with everything that can happe
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import groupby, islice
+
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
+from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.geometry.poses import Field, apply, cross
 from gspcli.geometry.residuals import Arrangement
 from gspcli.geometry.surfaces import (
@@ -28,6 +32,8 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Index = NDArray[np.int64]
 
+#: How many sets of values are solved together.
+_BATCH = 64
 #: Sine of the angle of two lines below which they are parallel.
 _PARALLEL = 1e-9
 #: Squared sine below which a batch is not trusted.
@@ -45,7 +51,7 @@ def generic_count(arrangement: Arrangement) -> int:
     """
     count = ROTATIONS * intersection_number(*surface_counts(arrangement.kinds))
     for i in arrangement.distances:
-        kind, value, side = arrangement.kinds[i], arrangement.values[i], arrangement.sides[i]
+        kind, value, side = arrangement.kinds[i], arrangement.values[i], arrangement.signs[i]
         if (kind is DLL or (kind.has_sides and side == 0)) and value != 0:
             count *= 2
     return count
@@ -59,80 +65,130 @@ def solve_closed_form(arrangement: Arrangement) -> PoseSet:
     ValueError
         If the arrangement has not three angles.
     """
-    given = arrangement.normalised
-    angles = given.angles
-    if len(angles) != 3:
-        message = f"the closed form needs three angles, not {len(angles)}"
+    return next(solve_closed_forms(arrangement, arrangement.values[None]))
+
+
+def solve_closed_forms(arrangement: Arrangement, values: Array) -> Iterator[PoseSet]:
+    """Yield all poses of one geometry with each of many sets of values, in order.
+
+    Parameters
+    ----------
+    arrangement
+        The geometry and the sides; its own values are not used.
+    values
+        Shape (b, 6), in the units of the instance.
+
+    Raises
+    ------
+    ValueError
+        If the arrangement has not three angles.
+    """
+    if len(arrangement.angles) != MAX_ANGLES:
+        message = f"the closed form needs three angles, not {len(arrangement.angles)}"
         raise ValueError(message)
-    turned = rotations(given.u[angles], given.v[angles], given.cosines)
+    distances = arrangement.distances
+    # A distance of zero has one sign: it changes the structure.
+    for _, group in groupby(values, key=lambda row: tuple(row[distances] == 0)):
+        while batch := list(islice(group, _BATCH)):
+            yield from _solve_batch(arrangement.with_values(batch[0]), np.array(batch))
+
+
+def _solve_batch(arrangement: Arrangement, values: Array) -> Iterator[PoseSet]:
+    """Yield the poses for sets of values in which the same distances are zero."""
+    largest = np.abs(values).max(axis=0)
+    length = arrangement.with_values(largest).length
+    given = arrangement.in_units_of(length)
+    inner = values.copy()
+    inner[:, given.distances] /= length
+    angles = given.angles
+    turned = rotations(given.u[angles], given.v[angles], given.cosines(values))
+    real = _translated(given, inner, [rotation.real for rotation in turned])
+    upper = _translated(given, inner, [rotation.upper for rotation in turned])
     each = generic_count(given) // ROTATIONS
-    ledger = _Ledger(each)
-    ledger.add_rotations(given, turned.real, turned.real_multiplicity)
-    ledger.add_rotations(given, turned.upper, turned.upper_multiplicity)
-    for R in turned.samples:
-        ledger.add_sample(given, R)
-    ledger.at_infinity += each * turned.at_infinity
-    ledger.lost += each * turned.lost
-    return ledger.poses(arrangement)
+    for k, rotation in enumerate(turned):
+        ledger = _Ledger(given.with_values(inner[k]), each)
+        ledger.add_rotations(rotation.real, real[k], rotation.real_multiplicity)
+        ledger.add_rotations(rotation.upper, upper[k], rotation.upper_multiplicity)
+        for R in rotation.samples:
+            ledger.add_sample(R)
+        ledger.at_infinity += each * rotation.at_infinity
+        ledger.lost += each * rotation.lost
+        yield ledger.poses(arrangement.with_values(values[k]), length)
+
+
+#: Forms X, which of them are finite, and which rotations are solved: (f, s, p, 4), (f, s, p), (f,).
+_Points = tuple[Field, NDArray[np.bool_], NDArray[np.bool_]]
+
+
+def _translated(given: Arrangement, values: Array, rotations: list[Field]) -> list[_Points]:
+    """Return the quick solutions for the rotations of each set of values."""
+    counts = [len(R) for R in rotations]
+    R = np.concatenate(rotations)
+    shapes = surfaces(given, R, np.repeat(values[:, given.distances], counts, axis=0))
+    X, errors, ok = generic_positions(shapes)
+    good = ok.all(axis=1) & (shapes.skewness > _NEARLY_PARALLEL)
+    finite = np.abs(X[..., 0]) > np.maximum(_INFINITY, 100 * errors)
+    finite[~good] = False
+    ends = np.cumsum(counts)
+    return [
+        (X[end - count : end], finite[end - count : end], good[end - count : end])
+        for count, end in zip(counts, ends, strict=True)
+    ]
 
 
 class _Ledger:
-    """Collects poses of a normalised arrangement and counts what became of every path."""
+    """Collects poses of one arrangement, near the origin, and counts what became of every path."""
 
-    def __init__(self, each: int) -> None:
+    def __init__(self, given: Arrangement, each: int) -> None:
+        self.given = given
         self.each = each
         self.isolated: list[tuple[Field, Field, NDArray[np.bool_], Index]] = []
         self.samples: list[tuple[Field, Field]] = []
         self.at_infinity = self.on_curves = self.lost = 0
 
-    def add_rotations(self, given: Arrangement, R: Field, multiplicity: Index) -> None:
+    def add_rotations(self, R: Field, points: _Points, multiplicity: Index) -> None:
         """Add the poses of isolated rotations; of complex ones the conjugate poses as well."""
-        if not len(R):
-            return
-        both = 2 if np.iscomplexobj(R) else 1
-        shapes = surfaces(given, R)
-        X, errors, ok = generic_positions(shapes)
-        good = ok.all(axis=1) & (shapes.skewness > _NEARLY_PARALLEL)
-        finite = np.abs(X[..., 0]) > np.maximum(_INFINITY, 100 * errors)
-        finite[~good] = False
+        X, finite, good = points
         which = finite.nonzero()[0]
-        points = X[finite]
-        real = ~(points.imag != 0).any(axis=-1) if both == 1 else np.zeros(len(points), bool)
-        self._add(R[which], points[:, 1:] / points[:, :1], real, multiplicity[which])
-        paths = both * multiplicity
-        self.at_infinity += int(self.each * paths[good].sum() - both * multiplicity[which].sum())
+        X = X[finite]
+        is_complex = np.iscomplexobj(R)
+        real = np.zeros(len(X), bool) if is_complex else ~(X.imag != 0).any(axis=-1)
+        self._add(R[which], X[:, 1:] / X[:, :1], real, multiplicity[which])
+        missing = self.each * multiplicity[good].sum() - multiplicity[which].sum()
+        self.at_infinity += (1 + is_complex) * int(missing)
         for f in (~good).nonzero()[0]:
-            self._add_carefully(given, R[f], int(multiplicity[f]), both)
+            self._add_carefully(R[f], int(multiplicity[f]))
 
     def _add(self, R: Field, T: Field, real: NDArray[np.bool_], multiplicity: Index) -> None:
         self.isolated.append((R, T, real, multiplicity))
         if np.iscomplexobj(R):
             self.isolated.append((R.conj(), T.conj(), real, multiplicity))
 
-    def _add_carefully(self, given: Arrangement, R: Field, multiplicity: int, both: int) -> None:
+    def _add_carefully(self, R: Field, multiplicity: int) -> None:
         """Add the poses of one isolated rotation, whatever the position of its surfaces."""
-        T, counts, samples, lost = _translations(given, R)
+        T, counts, samples, lost = _translations(self.given, R)
         real = np.zeros(len(T), bool)
-        if both == 1:
+        weight = multiplicity * (2 if np.iscomplexobj(R) else 1)
+        if not np.iscomplexobj(R):
             distances = np.abs(T.conj()[:, None] - T).sum(axis=-1)
             real = distances.argmin(axis=1) == np.arange(len(T)) if len(T) else real
             T = np.where(real[:, None], T.real, T)
         count = len(T)
         self._add(np.repeat(R[None], count, 0), T, real, counts * multiplicity)
         self.samples += [(R, point) for point in samples]
-        on_curves = len(samples)
-        rest = max(0, self.each - int(counts.sum()) - on_curves - lost)
-        self.at_infinity += both * multiplicity * rest
-        self.on_curves += both * multiplicity * on_curves
-        self.lost += both * multiplicity * lost
+        rest = max(0, self.each - int(counts.sum()) - lost)
+        on_curves = min(len(samples), rest)
+        self.at_infinity += weight * (rest - on_curves)
+        self.on_curves += weight * on_curves
+        self.lost += weight * lost
 
-    def add_sample(self, given: Arrangement, R: Field) -> None:
+    def add_sample(self, R: Field) -> None:
         """Add the poses of one rotation on a positive-dimensional set of rotations.
 
         If there are none, there may still be poses at special rotations of the set. They are
         not looked for.
         """
-        T, _, samples, lost = _translations(given, R)
+        T, _, samples, lost = _translations(self.given, R)
         found = [*T, *samples]
         self.samples += [(R, point) for point in found]
         on_curves = min(len(found), self.each)
@@ -143,27 +199,27 @@ class _Ledger:
         else:
             self.lost += self.each
 
-    def poses(self, arrangement: Arrangement) -> PoseSet:
-        """Return everything in the frames of the arrangement."""
+    def poses(self, arrangement: Arrangement, length: float) -> PoseSet:
+        """Return everything in the frames of the arrangement, given the unit of length here."""
         R = np.concatenate([np.zeros((0, 3, 3), complex), *(part[0] for part in self.isolated)])
         T = np.concatenate([np.zeros((0, 3), complex), *(part[1] for part in self.isolated)])
         return PoseSet(
             R=R,
-            T=arrangement.restored(R, T),
+            T=arrangement.restored(R, T, length),
             real=np.concatenate([np.zeros(0, bool), *(part[2] for part in self.isolated)]),
             multiplicity=np.concatenate([np.zeros(0, int), *(part[3] for part in self.isolated)]),
-            motions=self._motions(arrangement),
+            motions=self._motions(arrangement, length),
             paths=ROTATIONS * self.each,
             at_infinity=self.at_infinity,
             on_curves=self.on_curves,
             lost=self.lost,
         )
 
-    def _motions(self, arrangement: Arrangement) -> tuple[Motion, ...]:
+    def _motions(self, arrangement: Arrangement, length: float) -> tuple[Motion, ...]:
         """Return the largest motion through a sample, a real one if there is any."""
         found = []
         for R, T in self.samples:
-            motion = local_motion(arrangement, R, arrangement.restored(R, T))
+            motion = local_motion(arrangement, R, arrangement.restored(R, T, length))
             if motion is not None:
                 found.append(motion)
                 if motion.real:

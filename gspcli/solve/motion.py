@@ -118,10 +118,10 @@ class _System:
     def errors(self, R: Field, T: Field) -> Field:
         """Return measured minus stated values, distances by the nearer sign."""
         values, targets = measured(self.given, R, T), self.given.targets
-        free = self.given.sides == 0
+        free = self.given.signs == 0
         free &= np.array([kind.is_distance for kind in self.given.kinds])
         sign = np.where(free & (np.abs(values + targets) < np.abs(values - targets)), -1, 1)
-        sign = np.where(self.given.sides < 0, -1, sign)
+        sign = np.where(self.given.signs < 0, -1, sign)
         return values - sign * targets
 
     def kernel(self, R: Field, T: Field) -> Field:

@@ -62,33 +62,40 @@ def angle_forms(u: Array, v: Array, cosines: Array) -> Array:
     return linear.reshape(*u.shape[:-1], 4, 4) - cosines[..., None, None] * np.eye(4)
 
 
-def rotations(u: Array, v: Array, cosines: Array) -> Rotations:
-    """Return all rotations with ``R u_k . v_k = cosine_k``, k = 1, 2, 3.
+def rotations(u: Array, v: Array, cosines: Array) -> list[Rotations]:
+    """Return, for each row of cosines, all rotations with ``R u_k . v_k = cosine_k``.
 
     Parameters
     ----------
     u, v
         Unit vectors of the platform and of the base, shape (3, 3).
     cosines
-        Shape (3,).
+        Shape (b, 3).
     """
     forms = angle_forms(u, v, cosines)
     e, errors, ok = generic_roots(forms)
-    if not ok:
-        return _careful(forms)
     finite = np.abs(dot(e, e)) > np.maximum(_INFINITY, 100 * errors)
     imaginary = (e.imag != 0).any(axis=-1)
     # Conjugates come one directly after the other.
-    second = imaginary & (np.cumsum(imaginary) % 2 == 0)
-    real = rotation_from_quaternion(e[finite & ~imaginary].real)
-    upper = rotation_from_quaternion(e[finite & imaginary & ~second])
+    first = imaginary & (np.cumsum(imaginary, axis=-1) % 2 == 1)
+    return [
+        _simple(e[k], finite[k] & ~imaginary[k], finite[k] & first[k])
+        if ok[k]
+        else _careful(forms[k])
+        for k in range(len(forms))
+    ]
+
+
+def _simple(e: Complex, real: NDArray[np.bool_], upper: NDArray[np.bool_]) -> Rotations:
+    """Return the record of eight simple points, the finite ones marked as real or upper."""
+    counts = int(real.sum()), int(upper.sum())
     return Rotations(
-        real=real,
-        upper=upper,
-        real_multiplicity=np.ones(len(real), int),
-        upper_multiplicity=np.ones(len(upper), int),
+        real=rotation_from_quaternion(e[real].real),
+        upper=rotation_from_quaternion(e[upper]),
+        real_multiplicity=np.ones(counts[0], int),
+        upper_multiplicity=np.ones(counts[1], int),
         samples=np.zeros((0, 3, 3), complex),
-        at_infinity=int((~finite).sum()),
+        at_infinity=ROTATIONS - counts[0] - 2 * counts[1],
         on_curves=0,
         lost=0,
     )

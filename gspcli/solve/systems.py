@@ -39,11 +39,11 @@ def target_systems(arrangement: Arrangement) -> list[TargetSystem]:
     free = [
         i
         for i, kind in enumerate(arrangement.kinds)
-        if kind.has_sides and arrangement.sides[i] == 0
+        if kind.has_sides and arrangement.signs[i] == 0
     ]
     systems = []
     for choice in product((1, -1), repeat=len(free)):
-        sides = arrangement.sides.copy()
+        sides = arrangement.signs.copy()
         sides[free] = choice
         systems.append(_system(arrangement, sides))
     return systems
@@ -85,7 +85,7 @@ def _equation(
         if d == 0:
             return "l", moment, None, 0.0
         return "l", *_conjugate_factors(moment, d * _turned(u, v)), d**2
-    cosine = float(arrangement.cosines[list(arrangement.angles).index(i)])
+    cosine = float(arrangement.cosines(arrangement.values)[list(arrangement.angles).index(i)])
     return "a", _turned(u, v) - cosine * NORM, None, 0.0
 
 
