@@ -1,0 +1,139 @@
+"""Generic counts: how many complex solutions almost every platform of a type has.
+
+They are read from `data/counts/`, where the atlas records them with how each was established.
+The kinds of the angles make no difference, so there are as many counts as families: 896.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+from functools import cache
+
+from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.catalogue.types import CLASSES, CONSTRAINTS, Family, GspType, families
+from gspcli.errors import DataError
+from gspcli.resources import data_path
+
+FOLDER = "counts"
+#: The families of quadrics in Study coordinates, in their canonical order.
+LETTERS = "apqls"
+#: The family of each kind of distance; the angles are of family a.
+LETTER: dict[Kind, str] = {DPP: "s", DPL: "p", DLP: "q", DPH: "p", DHP: "q", DLL: "l"}
+#: The kinds that are products of two quadrics of their family.
+PRODUCTS = frozenset({DPL, DLP, DLL})
+
+
+class Method(Enum):
+    """How a generic count was established."""
+
+    GROEBNER = "groebner"
+    TRACKING = "tracking"
+    LAW = "law"
+
+    @property
+    def meaning(self) -> str:
+        """The method in a sentence."""
+        return _MEANINGS[self]
+
+
+_MEANINGS = {
+    Method.GROEBNER: "Gröbner bases of random platforms modulo two primes, equal to the law",
+    Method.TRACKING: "certified distinct poses of a random platform, as many as the law says",
+    Method.LAW: "not established for the platforms themselves, only by the law for products",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Counts:
+    """The generic counts of a type.
+
+    Attributes
+    ----------
+    one_sided, two_sided
+        Number of complex solutions with the side of each DPH and DHP chosen, or left open.
+    established
+        How.
+    """
+
+    one_sided: int
+    two_sided: int
+    established: Method
+
+
+def letters(distances: tuple[Kind, ...]) -> str:
+    """Return the families of the six quadrics or products, in canonical order.
+
+    >>> letters((DPP, DPL, DLP, DLL))
+    'aapqls'
+    """
+    chosen = "".join(sorted((LETTER[kind] for kind in distances), key=LETTERS.index))
+    return "a" * (CONSTRAINTS - len(distances)) + chosen
+
+
+def swapped(families_of_quadrics: str) -> str:
+    """Return the families after exchanging platform and base: p and q change places."""
+    exchanged = families_of_quadrics.translate(str.maketrans("pq", "qp"))
+    return "".join(sorted(exchanged, key=LETTERS.index))
+
+
+def canonical(families_of_quadrics: str) -> str:
+    """Return the families or what they are after the exchange, whichever has more p."""
+    if families_of_quadrics.count("p") >= families_of_quadrics.count("q"):
+        return families_of_quadrics
+    return swapped(families_of_quadrics)
+
+
+@cache
+def intersection_numbers() -> dict[str, int]:
+    """Return the 119 recorded intersection numbers by their families, such as ``appqls``."""
+    return {row["families"]: int(row["number"]) for row in _rows("intersection-numbers.csv")}
+
+
+def law(distances: tuple[Kind, ...]) -> int:
+    """Return the one-sided count by the law: a factor 2 for each product of quadrics.
+
+    >>> law((DPL, DPL, DLP))
+    64
+    """
+    products = sum(kind in PRODUCTS for kind in distances)
+    return int(2**products * intersection_numbers()[canonical(letters(distances))])
+
+
+def generic_counts(gsp_type: GspType) -> Counts:
+    """Return the generic counts of a type; the kinds of its angles make no difference."""
+    return _recorded()[gsp_type.distances]
+
+
+def family_counts(family: Family) -> Counts:
+    """Return the generic counts that all types of a family share."""
+    return _recorded()[family.distances]
+
+
+def all_families() -> Iterator[Family]:
+    """Yield the 896 families in catalogue order."""
+    for platform_class in CLASSES:
+        yield from families(platform_class)
+
+
+@cache
+def _recorded() -> dict[tuple[Kind, ...], Counts]:
+    rows = {row["family"]: row for row in _rows("families.csv")}
+    try:
+        return {
+            family.distances: Counts(
+                int(row["one_sided"]), int(row["two_sided"]), Method(row["method"])
+            )
+            for family in all_families()
+            for row in [rows[family.id]]
+        }
+    except KeyError as error:
+        message = f"{FOLDER}/families.csv has no row for {error.args[0]}"
+        raise DataError(message) from error
+
+
+def _rows(name: str) -> list[dict[str, str]]:
+    text = data_path(FOLDER, name).read_text(encoding="utf-8")
+    return list(csv.DictReader(text.splitlines()))
