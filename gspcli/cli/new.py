@@ -39,7 +39,13 @@ _TEMPLATE_HEAD = """\
 @click.command()
 @click.argument("type_words", metavar="TYPE...", nargs=-1, required=True)
 @click.option("--template", is_flag=True, help="Write comments that explain how to fill it in.")
-@click.option("--seed", default=0, show_default=True, type=click.IntRange(min=0))
+@click.option(
+    "--seed",
+    default=0,
+    show_default=True,
+    type=click.IntRange(min=0),
+    help="Seed of the random numbers; the same seed gives the same file.",
+)
 @click.option(
     "--digits",
     default=3,
