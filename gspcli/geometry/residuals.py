@@ -122,18 +122,20 @@ class Arrangement:
         return np.asarray(self.x[self.distances].mean(axis=0))
 
     @cached_property
-    def length(self) -> float:
-        """A typical length: the largest extent of the points about their centres, or value.
-
-        It is one if all of these vanish.
-        """
+    def extent(self) -> float:
+        """The largest distance of a point from the centre of its body, of distances only."""
         k = self.distances
-        extents = (
-            np.linalg.norm(self.y[k] - self.platform_centre, axis=1),
-            np.linalg.norm(self.x[k] - self.base_centre, axis=1),
-            np.abs(self.values[k]),
-        )
-        return float(np.max(extents)) or 1.0
+        offsets = (self.y[k] - self.platform_centre, self.x[k] - self.base_centre)
+        return float(np.sqrt((np.concatenate(offsets) ** 2).sum(axis=1).max()))
+
+    @cached_property
+    def length(self) -> float:
+        """A typical length: the largest of `extent` and the distances, or one if all vanish."""
+        return self.length_with(self.values)
+
+    def length_with(self, values: Array) -> float:
+        """Return the typical length with other values, shape (..., n)."""
+        return max(self.extent, float(np.abs(values[..., self.distances]).max())) or 1.0
 
     @cached_property
     def normalised(self) -> Arrangement:

@@ -8,6 +8,7 @@ answer is not certain are solved again one by one with everything that can happe
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 from itertools import groupby, islice
 
 import numpy as np
@@ -90,30 +91,29 @@ def solve_closed_forms(arrangement: Arrangement, values: Array) -> Iterator[Pose
     # A distance of zero has one sign: it changes the structure.
     for _, group in groupby(values, key=lambda row: tuple(row[distances] == 0)):
         while batch := list(islice(group, _BATCH)):
-            yield from _solve_batch(arrangement.with_values(batch[0]), np.array(batch))
+            yield from _solve_batch(arrangement, np.array(batch))
 
 
 def _solve_batch(arrangement: Arrangement, values: Array) -> Iterator[PoseSet]:
     """Yield the poses for sets of values in which the same distances are zero."""
-    largest = np.abs(values).max(axis=0)
-    length = arrangement.with_values(largest).length
-    given = arrangement.in_units_of(length)
+    length = arrangement.length_with(values)
     inner = values.copy()
-    inner[:, given.distances] /= length
+    inner[:, arrangement.distances] /= length
+    given = arrangement.with_values(values[0]).in_units_of(length)
     angles = given.angles
     turned = rotations(given.u[angles], given.v[angles], given.cosines(values))
     real = _translated(given, inner, [rotation.real for rotation in turned])
     upper = _translated(given, inner, [rotation.upper for rotation in turned])
     each = generic_count(given) // ROTATIONS
     for k, rotation in enumerate(turned):
-        ledger = _Ledger(given.with_values(inner[k]), each)
+        ledger = _Ledger(given, inner[k], each)
         ledger.add_rotations(rotation.real, real[k], rotation.real_multiplicity)
         ledger.add_rotations(rotation.upper, upper[k], rotation.upper_multiplicity)
         for R in rotation.samples:
             ledger.add_sample(R)
         ledger.at_infinity += each * rotation.at_infinity
         ledger.lost += each * rotation.lost
-        yield ledger.poses(arrangement.with_values(values[k]), length)
+        yield ledger.poses(arrangement, values[k], length)
 
 
 #: Forms X, which of them are finite, and which rotations are solved: (f, s, p, 4), (f, s, p), (f,).
@@ -137,14 +137,20 @@ def _translated(given: Arrangement, values: Array, rotations: list[Field]) -> li
 
 
 class _Ledger:
-    """Collects poses of one arrangement, near the origin, and counts what became of every path."""
+    """Collects poses in the unit of length of a batch, and counts what became of every path."""
 
-    def __init__(self, given: Arrangement, each: int) -> None:
-        self.given = given
+    def __init__(self, geometry: Arrangement, values: Array, each: int) -> None:
+        self.geometry = geometry
+        self.values = values
         self.each = each
         self.isolated: list[tuple[Field, Field, NDArray[np.bool_], Index]] = []
         self.samples: list[tuple[Field, Field]] = []
         self.at_infinity = self.on_curves = self.lost = 0
+
+    @cached_property
+    def given(self) -> Arrangement:
+        """The arrangement with its own values; only special positions ask for it."""
+        return self.geometry.with_values(self.values)
 
     def add_rotations(self, R: Field, points: _Points, multiplicity: Index) -> None:
         """Add the poses of isolated rotations; of complex ones the conjugate poses as well."""
@@ -199,8 +205,8 @@ class _Ledger:
         else:
             self.lost += self.each
 
-    def poses(self, arrangement: Arrangement, length: float) -> PoseSet:
-        """Return everything in the frames of the arrangement, given the unit of length here."""
+    def poses(self, arrangement: Arrangement, values: Array, length: float) -> PoseSet:
+        """Return everything in the frames and units of the arrangement with some values."""
         R = np.concatenate([np.zeros((0, 3, 3), complex), *(part[0] for part in self.isolated)])
         T = np.concatenate([np.zeros((0, 3), complex), *(part[1] for part in self.isolated)])
         return PoseSet(
@@ -208,18 +214,21 @@ class _Ledger:
             T=arrangement.restored(R, T, length),
             real=np.concatenate([np.zeros(0, bool), *(part[2] for part in self.isolated)]),
             multiplicity=np.concatenate([np.zeros(0, int), *(part[3] for part in self.isolated)]),
-            motions=self._motions(arrangement, length),
+            motions=self._motions(arrangement, values, length),
             paths=ROTATIONS * self.each,
             at_infinity=self.at_infinity,
             on_curves=self.on_curves,
             lost=self.lost,
         )
 
-    def _motions(self, arrangement: Arrangement, length: float) -> tuple[Motion, ...]:
+    def _motions(
+        self, arrangement: Arrangement, values: Array, length: float
+    ) -> tuple[Motion, ...]:
         """Return the largest motion through a sample, a real one if there is any."""
         found = []
+        moving = arrangement.with_values(values) if self.samples else arrangement
         for R, T in self.samples:
-            motion = local_motion(arrangement, R, arrangement.restored(R, T, length))
+            motion = local_motion(moving, R, arrangement.restored(R, T, length))
             if motion is not None:
                 found.append(motion)
                 if motion.real:
