@@ -59,7 +59,7 @@ def command(
     Examples:
       gsp solve data/examples/example-6.8.yaml
       gsp solve platform.yaml --set 1=5.2 --set 4=60 --format csv
-      gsp new "PL PL LP LL LL LH" | gsp solve - --all -o poses.json
+      gsp new "DPL DPL DLP ALL ALL ALH" | gsp solve - --all -o poses.json
     """
     from gspcli.solve import DEFAULT_SEED, solve
     from gspcli.spec import load, set_values

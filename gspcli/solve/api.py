@@ -1,17 +1,20 @@
-"""The one function that solves any instance."""
+"""The functions that solve any instance: once, or for many sets of values."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.poses import Field
 from gspcli.geometry.residuals import Arrangement
-from gspcli.solve.closed_form import solve_closed_form
+from gspcli.solve.closed_form import solve_closed_form, solve_closed_forms
+from gspcli.solve.poses import PoseSet
 from gspcli.solve.result import SolveResult, stable_order
-from gspcli.solve.tracking import solve_by_tracking
+from gspcli.solve.tracking import solve_by_tracking, solve_each_by_tracking
 
 #: The default seed of everything random.
 DEFAULT_SEED = 20031
@@ -61,6 +64,39 @@ def solve(
         motions=poses.motions,
         seed=seed,
     )
+
+
+def solve_values(
+    instance: Instance, values: ArrayLike, *, seed: int = DEFAULT_SEED, jobs: int = 1
+) -> Iterator[PoseSet]:
+    """Yield all poses of an instance for each of many sets of values, in order, uncertified.
+
+    This is the quick way to many poses of one geometry: systems are solved in batches, and the
+    results are arrays. The values of the instance itself are not used.
+
+    Parameters
+    ----------
+    instance
+        The geometry, units and sides.
+    values
+        Distances and angles in the units and order of the instance, shape (batch, 6).
+    seed, jobs
+        As for `solve`.
+
+    Raises
+    ------
+    ValueError
+        If the values have another shape.
+    """
+    rows = np.asarray(values, dtype=np.float64)
+    if rows.ndim != 2 or rows.shape[1] != len(instance.constraints):
+        message = f"values must have shape (batch, {len(instance.constraints)}), not {rows.shape}"
+        raise ValueError(message)
+    arrangement = Arrangement.of(instance)
+    if len(arrangement.angles) == MAX_ANGLES:
+        return solve_closed_forms(arrangement, rows)
+    each = (arrangement.with_values(row) for row in rows)
+    return solve_each_by_tracking(each, seed=seed, jobs=jobs)
 
 
 def _proved(

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections import deque
+from collections.abc import Iterable, Iterator
+from itertools import islice
+
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.solve import SystemSolutions, solve_systems
+from gspcli.continuation.systems import TargetSystem
 from gspcli.geometry.poses import Field, pose_from_study
 from gspcli.geometry.quadrics import made_real, real_points
 from gspcli.geometry.residuals import Arrangement
@@ -17,22 +22,44 @@ Complex = NDArray[np.complex128]
 
 
 def solve_by_tracking(arrangement: Arrangement, *, seed: int, jobs: int = 1) -> PoseSet:
-    """Return all poses of a platform of any type.
+    """Return all poses of a platform of any type; as `solve_each_by_tracking`."""
+    return next(solve_each_by_tracking([arrangement], seed=seed, jobs=jobs))
+
+
+def solve_each_by_tracking(
+    arrangements: Iterable[Arrangement], *, seed: int, jobs: int = 1
+) -> Iterator[PoseSet]:
+    """Yield all poses of each platform, in order, as they become known.
 
     One system is solved for each combination of sides asked for. Whether a solution is real
-    is decided by pairing conjugates within its system.
+    is decided by pairing conjugates within its system. Platforms of one type are quicker
+    together.
 
     Parameters
     ----------
-    arrangement
-        The platform.
+    arrangements
+        The platforms, of any types.
     seed
-        Source of the random paths. Another seed gives the same set of poses.
+        Source of the random paths. Another seed gives the same sets of poses.
     jobs
         Threads. The result does not depend on them.
     """
-    systems = target_systems(arrangement.normalised)
-    results = list(solve_systems(systems, seed=seed, jobs=jobs))
+    waiting: deque[tuple[Arrangement, int]] = deque()
+
+    def systems() -> Iterator[TargetSystem]:
+        for arrangement in arrangements:
+            targets = target_systems(arrangement.normalised)
+            waiting.append((arrangement, len(targets)))
+            yield from targets
+
+    solutions = solve_systems(systems(), seed=seed, jobs=jobs)
+    for first in solutions:
+        arrangement, count = waiting.popleft()
+        yield _pose_set(arrangement, [first, *islice(solutions, count - 1)])
+
+
+def _pose_set(arrangement: Arrangement, results: list[SystemSolutions]) -> PoseSet:
+    """Return the poses for all sides together."""
     points = np.concatenate([result.points for result in results])
     real = np.concatenate([real_points(result.points) for result in results])
     R, T = _poses(arrangement, np.where(real[:, None], made_real(points), points))
