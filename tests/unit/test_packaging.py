@@ -1,0 +1,45 @@
+"""The wheel holds the kernel and the data, and works without the checkout."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+CHECK = """
+import gspcli, pathlib, sys
+from gspcli.cli.main import run
+from gspcli.resources import data_directory
+home = pathlib.Path(sys.argv[1]).resolve()
+assert home in pathlib.Path(gspcli.__file__).resolve().parents, gspcli.__file__
+assert home in data_directory().parents, data_directory()
+examples = data_directory() / "examples"
+sys.exit(run(["solve", str(examples / "example-6.8.yaml")])
+         or run(["solve", str(examples / "dietmaier.yaml")])
+         or run(["table", "3"]))
+"""
+
+
+def test_an_installed_wheel_is_complete(tmp_path: Path) -> None:
+    wheels, home = tmp_path / "wheels", tmp_path / "home"
+    pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check"]
+    build = [*pip, "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(wheels)]
+    environment = {**os.environ, "SKBUILD_BUILD_DIR": str(tmp_path / "build")}
+    subprocess.run([*build, str(ROOT)], check=True, env=environment)
+    (wheel,) = wheels.iterdir()
+    subprocess.run([*pip, "install", "--no-deps", "--target", str(home), str(wheel)], check=True)
+    # -S leaves the editable installation out; the dependencies are put back by hand.
+    dependencies = [path for path in sys.path if path.endswith("site-packages")]
+    run = subprocess.run(
+        [sys.executable, "-S", "-c", CHECK, str(home)],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(home), *dependencies])},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == 0, run.stderr
+    assert "64 of 64 expected found" in run.stdout
+    assert "40 of 40 expected found" in run.stdout
