@@ -16,6 +16,7 @@ def track(
     radius_fraction: float,
     min_step: float,
     waypoint: float,
+    nearest: float,
     max_steps: int,
     jobs: int,
     build: str = "",

@@ -73,17 +73,10 @@ void to_features(const std::complex<double>* q, std::complex<double>* out) {
   out[kOffsetRho] = q[26];
 }
 
-// Scales to norm 1, without what is rounding noise; returns the norm.
-double normalize(std::complex<double>* q) {
+double size_of(const std::complex<double>* q) {
   double size = 0.0;
   for (int i = 0; i < kFeatures; ++i) size += std::norm(q[i]);
-  size = std::sqrt(size);
-  if (!(size > 0.0)) return 1.0;
-  for (int i = 0; i < kFeatures; ++i) {
-    q[i] /= size;
-    if (std::abs(q[i]) < 1e-15) q[i] = 0.0;
-  }
-  return size;
+  return std::sqrt(size);
 }
 
 bool uses(const std::complex<double>* q, int begin, int end) {
@@ -105,16 +98,18 @@ struct Side {
 };
 
 void make_homotopy(const bool* products, const Side& start, const Side& target, Homotopy& H) {
-  double size[2][kQuadrics];
+  const Side* sides[2] = {&start, &target};
   for (int i = 0; i < kQuadrics; ++i) {
     const int row = i % kEquations;
     if (i >= kEquations && !products[row]) continue;
     std::complex<double> ends[2][kFeatures];
-    const Side* sides[2] = {&start, &target};
     unsigned used = 0;
     for (int s = 0; s < 2; ++s) {
       to_features((i < kEquations ? sides[s]->g : sides[s]->h) + row * kCoefficients, ends[s]);
-      size[s][i] = normalize(ends[s]);
+      // Rounding noise must not take the path out of the family.
+      const double noise = 1e-15 * size_of(ends[s]);
+      for (std::complex<double>& x : ends[s])
+        if (std::abs(x) < noise) x = 0.0;
       used |= groups(ends[s]);
     }
     H.quadric[i].groups = used;
@@ -125,12 +120,8 @@ void make_homotopy(const bool* products, const Side& start, const Side& target, 
   }
   for (int i = 0; i < kEquations; ++i) {
     H.product[i] = products[i];
-    H.tau_start[i] = H.tau_change[i] = {0.0, 0.0};
-    if (!products[i]) continue;
-    const auto tau0 = start.tau[i] / (size[0][i] * size[0][i + kEquations]);
-    const auto tau1 = target.tau[i] / (size[1][i] * size[1][i + kEquations]);
-    H.tau_start[i] = plain(tau0);
-    H.tau_change[i] = plain(tau1 - tau0);
+    H.tau_start[i] = plain(products[i] ? start.tau[i] : 0.0);
+    H.tau_change[i] = plain(products[i] ? target.tau[i] - start.tau[i] : 0.0);
   }
 }
 
@@ -148,7 +139,7 @@ void require(bool condition, const char* message) {
 nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu> products,
                 Matrix start_g, Matrix start_h, Vector start_tau, Matrices target_g,
                 Matrices target_h, Matrix target_tau, Points points, double predictor_tolerance,
-                double contraction, double radius_fraction, double min_step, double waypoint,
+                double contraction, double radius_fraction, double min_step, double waypoint, double nearest,
                 int max_steps, int jobs, const std::string& build) {
   const std::size_t targets = target_g.shape(0), paths = points.shape(0);
   require(products.shape(0) == kEquations && start_tau.shape(0) == kEquations, "six equations");
@@ -163,7 +154,8 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
   require(points.shape(1) == kVariables, "points must have shape (paths, 8)");
   const Build chosen = build_named(build);
   const Options options{predictor_tolerance, contraction, radius_fraction,
-                        min_step,            waypoint,    max_steps};
+                        min_step,            waypoint,    nearest,
+                        max_steps};
 
   const std::size_t total = targets * paths;
   auto point = std::make_unique<std::complex<double>[]>(total * kVariables);
@@ -226,7 +218,7 @@ NB_MODULE(_kernel, m) {
   m.doc() = "The native path tracker of gspcli.continuation.";
   m.def("track", &gsp::track, "products"_a, "start_g"_a, "start_h"_a, "start_tau"_a, "target_g"_a,
         "target_h"_a, "target_tau"_a, "points"_a, nb::kw_only(), "predictor_tolerance"_a,
-        "contraction"_a, "radius_fraction"_a, "min_step"_a, "waypoint"_a, "max_steps"_a, "jobs"_a,
+        "contraction"_a, "radius_fraction"_a, "min_step"_a, "waypoint"_a, "nearest"_a, "max_steps"_a, "jobs"_a,
         "build"_a = "",
         "Track every point from the start system to each target; see gspcli.continuation.tracker.");
   m.def("build", [] { return gsp::choose_build().name; },

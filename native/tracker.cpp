@@ -227,7 +227,7 @@ struct Workspace {
   C row[kRows][N];        // of the Jacobian matrix, then of Q; row 0 is that of e.f
   C lower[kRows][kRows];  // L below its diagonal
   V inverse[kRows];       // of L's diagonal
-  V length[kRows];        // of the rows of the Jacobian matrix
+  V magnitude[kRows];     // of the terms that cancel in the values
   C factor[kQuadrics][N]; // gradients of the factors of products
   C f[kRows];             // values
   C series[kOrder + 1][N];
@@ -244,11 +244,13 @@ INLINE C study(const C* z) {
 // Values and Jacobian matrix at (z, t).
 void linearize(const Homotopy& H, Workspace& w, const C* z, const V& t) {
   w.f[0] = study(z);
+  w.magnitude[0] = splat(1.0);
   for (int i = 0; i < N; ++i) w.row[0][i] = z[(i + 4) % N];
   for (int i = 0; i < kEquations; ++i) {
     C* row = w.row[i + 1];
     if (!H.product[i]) {
       w.f[i + 1] = gradient(H.quadric[i], z, t, row);
+      w.magnitude[i + 1] = splat(1.0);
       continue;
     }
     C *dg = w.factor[i], *dh = w.factor[i + kEquations];
@@ -258,6 +260,7 @@ void linearize(const Homotopy& H, Workspace& w, const C* z, const V& t) {
     for (int j = 0; j < 4; ++j) add_product(n, z[j], z[j]);
     const C tau_n = line(H.tau_start[i], H.tau_change[i], t) * n;
     w.f[i + 1] = g * h - tau_n * n;
+    w.magnitude[i + 1] = root(square(g) + square(h) + square(tau_n));
     for (int j = 0; j < N; ++j) {
       row[j] = g * dh[j];
       add_product(row[j], h, dg[j]);
@@ -290,7 +293,6 @@ void evaluate(const Homotopy& H, Workspace& w, const C* z, const V& t) {
 
 // J = L Q; the rows of J become those of Q.
 void factorize(Workspace& w) {
-  for (int i = 0; i < kRows; ++i) w.length[i] = norm(w.row[i]);
   for (int j = 0; j < kRows; ++j) {
     C* q = w.row[j];
     const V scale = 1.0 / norm(q);
@@ -320,10 +322,11 @@ void solve(const Workspace& w, C* b, C* x) {
   }
 }
 
-// Largest ratio of the length of a row to its distance from the rows before it.
-INLINE V skewness(const Workspace& w) {
-  V s = w.length[0] * w.inverse[0];
-  for (int i = 1; i < kRows; ++i) s = maximum(s, w.length[i] * w.inverse[i]);
+// How far rounding moves a solution: the largest ratio of the terms that cancel in an equation to
+// the distance of its row from the rows before it.
+INLINE V sensitivity(const Workspace& w) {
+  V s = w.magnitude[0] * w.inverse[0];
+  for (int i = 1; i < kRows; ++i) s = maximum(s, w.magnitude[i] * w.inverse[i]);
   return s;
 }
 
@@ -443,11 +446,11 @@ void refine(const Homotopy& H, Workspace& w, int count, const int* index, const 
     for (int l = 0; l < count; ++l) done &= last[l] < 1e-13;
     if (done) break;
   }
-  // The Frobenius norm of the inverse of L with the rows of J scaled to 1.
+  // The Frobenius norm of the inverse of L with the equations divided by their magnitude.
   V condition = splat(0.0);
   for (int c = 0; c < kRows; ++c) {
     C x[kRows];
-    x[c] = {w.inverse[c] * w.length[c], splat(0.0)};
+    x[c] = {w.inverse[c] * w.magnitude[c], splat(0.0)};
     condition += square(x[c]);
     for (int i = c + 1; i < kRows; ++i) {
       C s{};
@@ -475,7 +478,7 @@ void track(const Homotopy& H, const Options& options, int paths, const Complex* 
   alignas(64) Workspace w;
   alignas(64) Lanes s;
   const double waypoint = 1.0 - options.waypoint;
-  const double nearest = 1.0 - 1e-3 * options.waypoint;
+  const double nearest = 1.0 - options.nearest;
   int upcoming = 0, under_way = 0;
 
   const auto load = [&](int l) {
@@ -523,7 +526,7 @@ void track(const Homotopy& H, const Options& options, int paths, const Complex* 
     normalize(z);
 
     const V n1 = norm(first), n2 = norm(second);
-    const V noise = 1e-15 * skewness(w);
+    const V noise = 1e-15 * sensitivity(w);
     const Mask good = (n1 <= 10.0 * options.predictor_tolerance) &
                       ((n2 <= options.contraction * n1) | ((n2 <= 8.0 * noise) & (n2 <= 1e-6)));
     Mask accepted = good;

@@ -45,6 +45,7 @@ struct Options {
   double radius_fraction;      // largest step as a part of the estimated radius of convergence
   double min_step;             // a step in t below this fails
   double waypoint;             // 1 - t at which paths that cannot reach t = 1 are handed back
+  double nearest;              // 1 - t below which a path that cannot step to t = 1 counts as such
   int max_steps;
 };
 
@@ -56,7 +57,7 @@ struct Results {
   double* t;               // where the point belongs to
   std::uint8_t* status;
   std::int32_t* steps;     // accepted and rejected
-  double* condition;       // of the Jacobian matrix with rows scaled to 1, Frobenius
+  double* condition;       // of the inverse Jacobian matrix, Frobenius, equations of magnitude 1
   double* residual;        // largest equation at the point
   double* correction;      // length of the last Newton correction
 };

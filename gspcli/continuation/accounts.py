@@ -257,7 +257,8 @@ class _Attempt:
             winding[away[~arrived]] = -1
             index = index[winding[index] == 0]
         ends = find_ends(self.products, self.origin, self.target, self.points[index], radius)
-        known = ends.error < 1e-5
+        values = self.target.values(self.products, np.nan_to_num(ends.points))
+        known = (ends.error < 1e-5) & (np.abs(values).max(axis=1) < 1e-9 + ends.error)
         self.points[index[known]] = ends.points[known]
         winding[index] = np.where(known, ends.winding, -1)
         self.condition[index] = np.inf

@@ -123,7 +123,8 @@ def _circle(
             # The sample of a path that failed becomes NaN; it never returns.
             arrived = (results.status[0] == PathStatus.REGULAR)[:, None]
             moved = np.where(arrived, results.points[0], np.nan)
-            samples.append(moved / (moved * charts).sum(axis=1, keepdims=True))
+            with np.errstate(invalid="ignore"):
+                samples.append(moved / (moved * charts).sum(axis=1, keepdims=True))
         spread = np.max([np.linalg.norm(s - samples[0], axis=1) for s in samples], axis=0)
         returned = np.linalg.norm(samples[-1] - samples[0], axis=1) < 1e-10 + 1e-5 * spread
         if returned.any():

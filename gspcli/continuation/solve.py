@@ -59,8 +59,10 @@ class SystemSolutions:
     singular: NDArray[np.bool_]
     """Whether the Jacobian matrix at each is numerically singular, shape (n,)."""
     condition: FloatArray
-    """Condition number of each: the norm of the inverse of the Jacobian matrix with rows
-    scaled to 1, in coordinates scaled to norm 1; shape (n,)."""
+    """Condition number of each, shape (n,): Frobenius norm of the inverse of the Jacobian matrix,
+    in coordinates scaled to norm 1, the equations divided by the size of the terms that cancel
+    in them. A relative change of the coefficients moves the solution by about as much times
+    this. Infinite where singular."""
     residual: FloatArray
     """Largest value of an equation, relative to its coefficients, shape (n,)."""
     paths: int

@@ -96,10 +96,10 @@ class Coefficients(NamedTuple):
         size = np.stack(
             [np.linalg.norm(factors[..., part], axis=-1) for part in _DEGREES_IN_F], axis=-1
         )
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore"):
             logarithm = np.log2(size)
-        # The least-squares slope of log(size) over the degree in f.
-        ratio = logarithm[..., 1:] - logarithm[..., :1]
+            # The least-squares slope of log(size) over the degree in f.
+            ratio = logarithm[..., 1:] - logarithm[..., :1]
         known = np.isfinite(ratio)
         weight = np.where(known, [1.0, 2.0], 0.0)
         slope = (weight * np.where(known, ratio, 0.0)).sum(axis=(-1, -2))

@@ -35,11 +35,13 @@ class TrackerOptions:
     """Largest accepted ratio of the second to the first Newton correction."""
     radius_fraction: float = 0.7
     """Largest step, as a part of the estimated radius of convergence of the Taylor series."""
-    min_step: float = 1e-13
+    min_step: float = 1e-14
     """A step in t below this fails."""
     waypoint: float = 1e-3
-    """Distance 1 - t from which paths are handed to the endgame if they come within a
-    thousandth of it and still cannot step to the target."""
+    """Distance 1 - t from which the endgame starts for paths that need it."""
+    nearest: float = 1e-12
+    """Distance 1 - t below which a path that still cannot step to the target needs it. Two
+    regular solutions as near as 1e-6 are told apart only if this is small."""
     max_steps: int = 1000
     """Accepted and rejected steps after which a path fails."""
 
@@ -64,8 +66,9 @@ class PathResults:
     steps: NDArray[np.int32]
     """Steps taken, shape (B, P)."""
     condition: FloatArray
-    """Frobenius norm of the inverse of the Jacobian matrix with rows scaled to 1, shape (B, P);
-    like the next two, -1 unless the status is `REGULAR`."""
+    """Frobenius norm of the inverse of the Jacobian matrix, the equations divided by the size of
+    the terms that cancel in them, shape (B, P); like the next two, -1 unless the status is
+    `REGULAR`."""
     residual: FloatArray
     """Largest absolute value of the seven equations, shape (B, P)."""
     correction: FloatArray
@@ -120,6 +123,7 @@ def track(
             radius_fraction=options.radius_fraction,
             min_step=options.min_step,
             waypoint=options.waypoint,
+            nearest=options.nearest,
             max_steps=options.max_steps,
             jobs=jobs,
             build=build,
