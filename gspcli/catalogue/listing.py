@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 from gspcli.catalogue.bounds import BOUND_NAMES, Bound, type_bounds
 from gspcli.catalogue.coincidence_counts import count_coincident
+from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import GspType, PlatformClass, all_types
 from gspcli.errors import GspError
@@ -51,6 +52,14 @@ def _bound(name: str) -> Callable[[GspType], Value]:
     return read
 
 
+def _count(name: str) -> Callable[[GspType], Value]:
+    def read(gsp_type: GspType) -> Value:
+        count: int = getattr(generic_counts(gsp_type), name)
+        return count
+
+    return read
+
+
 def _names(kinds: Iterable[Kind]) -> str:
     return " ".join(kind.short for kind in kinds)
 
@@ -72,6 +81,8 @@ COLUMNS: tuple[TypeColumn, ...] = (
     TypeColumn("distances", "distances", lambda t: _names(t.distances), numeric=False),
     TypeColumn("angles", "angles", lambda t: _names(t.angles), numeric=False),
     *(TypeColumn(name, _TITLES[name], _bound(name)) for name in BOUND_NAMES),
+    TypeColumn("generic_one_sided", "generic 1-sided", _count("one_sided")),
+    TypeColumn("generic_two_sided", "generic 2-sided", _count("two_sided")),
     TypeColumn("patterns", "shared patterns", count_coincident, default=False),
 )
 DEFAULT_COLUMNS: tuple[TypeColumn, ...] = tuple(c for c in COLUMNS if c.default)

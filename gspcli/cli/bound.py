@@ -9,6 +9,7 @@ import click
 
 from gspcli.catalogue.bounds import Bounds, family_bounds, type_bounds
 from gspcli.catalogue.constraints import Degrees, constraint_facts
+from gspcli.catalogue.counts import Counts, family_counts, generic_counts
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import Family, GspType
 from gspcli.catalogue.varieties import coordinates_label
@@ -24,6 +25,7 @@ _TITLES = {
     "refined_one_sided": "refined, one-sided",
     "refined_two_sided": "refined, two-sided",
 }
+_GENERIC = ("generic_one_sided", "generic_two_sided")
 #: Which number a bound limits: the theorems leave the side of a plane open (Section 5).
 _SIDES = {
     "theorem_5_2": "two-sided",
@@ -43,7 +45,7 @@ def command(names: tuple[str, ...], output: Output) -> None:
 
     TYPE is six kinds in any order, a number of the catalogue, a family with its angles left
     open, or an instance file. Bounds are proved ceilings over the complex numbers, for platforms
-    with finitely many solutions.
+    with finitely many solutions; the generic count is what almost every platform of the type has.
 
     \b
     Examples:
@@ -63,6 +65,10 @@ def command(names: tuple[str, ...], output: Output) -> None:
 
 def _bounds(subject: GspType | Family) -> Bounds:
     return type_bounds(subject) if isinstance(subject, GspType) else family_bounds(subject)
+
+
+def _counts(subject: GspType | Family) -> Counts:
+    return generic_counts(subject) if isinstance(subject, GspType) else family_counts(subject)
 
 
 def _kinds(subject: GspType | Family) -> tuple[Kind, ...]:
@@ -87,7 +93,7 @@ def _identity(subject: GspType | Family) -> dict[str, Any]:
 
 def bound_document(subject: GspType | Family) -> dict[str, Any]:
     """Return all that is known of the bounds of a type or family, for JSON."""
-    bounds = _bounds(subject)
+    bounds, counts = _bounds(subject), _counts(subject)
     return {
         "schema": "gsp.bound/1",
         "type": _identity(subject),
@@ -95,6 +101,11 @@ def bound_document(subject: GspType | Family) -> dict[str, Any]:
         "bounds": bounds.values(),
         "reasons": {
             name: None if bound is None else bound.reason for name, bound in bounds.items()
+        },
+        "generic": {
+            "one_sided": counts.one_sided,
+            "two_sided": counts.two_sided,
+            "established": counts.established.meaning,
         },
     }
 
@@ -123,7 +134,10 @@ def _tables(subject: GspType | Family) -> list[Table]:
         title += f"  (no. {subject.number}, {subject.platform_class})"
     else:
         title += f"  (a family of {len(subject.types)} types, angles left open)"
-    return [constraint_table(_kinds(subject), title), bound_table(_bounds(subject))]
+    return [
+        constraint_table(_kinds(subject), title),
+        bound_table(_bounds(subject), _counts(subject)),
+    ]
 
 
 def constraint_table(kinds: Sequence[Kind], title: str) -> Table:
@@ -155,29 +169,43 @@ def constraint_table(kinds: Sequence[Kind], title: str) -> Table:
     )
 
 
-def bound_table(bounds: Bounds) -> Table:
-    """Return a row for each bound that applies, with the reasons below."""
+def bound_table(bounds: Bounds, counts: Counts) -> Table:
+    """Return a row for each bound that applies and for the generic counts, with the reasons."""
     applying = [(name, bound) for name, bound in bounds.items() if bound is not None]
+    rows = [
+        {"kind": "bound", "source": _TITLES[name], "value": bound.value, "sides": _SIDES[name]}
+        for name, bound in applying
+    ]
+    rows += [
+        {"kind": "generic count", "source": "atlas", "value": value, "sides": sides}
+        for value, sides in ((counts.one_sided, "one-sided"), (counts.two_sided, "two-sided"))
+    ]
     return Table(
         columns=[
-            Column("bound", essential=True),
-            Column("value", "at most", align="right", essential=True),
+            Column("kind", "number of solutions", essential=True),
+            Column("source", "by", essential=True),
+            Column("value", align="right", essential=True),
             Column("sides", essential=True),
         ],
-        rows=[
-            {"bound": _TITLES[name], "value": bound.value, "sides": _SIDES[name]}
-            for name, bound in applying
+        rows=rows,
+        notes=[
+            *dict.fromkeys(bound.reason for _, bound in applying),
+            f"Generic count: {counts.established.meaning}",
         ],
-        notes=list(dict.fromkeys(bound.reason for _, bound in applying)),
     )
 
 
 def _summary(subjects: list[GspType | Family]) -> Table:
-    rows = [_identity(subject) | _bounds(subject).values() for subject in subjects]
+    rows = [
+        _identity(subject)
+        | _bounds(subject).values()
+        | {name: getattr(_counts(subject), name.removeprefix("generic_")) for name in _GENERIC}
+        for subject in subjects
+    ]
     return Table(
         columns=[
             *(Column(key) for key in ("number", "id", "class", "family")),
-            *(Column(name, align="right") for name in _TITLES),
+            *(Column(name, align="right") for name in (*_TITLES, *_GENERIC)),
         ],
         rows=rows,
     )

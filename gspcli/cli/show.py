@@ -9,6 +9,7 @@ import click
 from gspcli.catalogue.bounds import type_bounds
 from gspcli.catalogue.coincidence_counts import count_coincident
 from gspcli.catalogue.constraints import constraint_facts
+from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.mechanism import Mechanism, mechanism_of_type
 from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.realization import realization
@@ -42,7 +43,7 @@ def command(names: tuple[str, ...], output: Output) -> None:
         [
             constraint_table(gsp_type.kinds, _title(gsp_type)),
             _meanings(gsp_type),
-            bound_table(type_bounds(gsp_type)),
+            bound_table(type_bounds(gsp_type), generic_counts(gsp_type)),
             _chains(gsp_type, built),
             _facts(gsp_type),
         ],

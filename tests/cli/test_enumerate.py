@@ -15,7 +15,7 @@ from gspcli.catalogue.listing import COLUMNS, DEFAULT_COLUMNS, TypeList
 Run = Callable[..., object]
 HEADER = (
     "number,id,class,distances,angles,theorem_5_2,theorem_5_3,theorem_5_4,table_3,"
-    "refined_one_sided,refined_two_sided"
+    "refined_one_sided,refined_two_sided,generic_one_sided,generic_two_sided"
 )
 
 
@@ -31,6 +31,9 @@ def test_the_whole_catalogue_as_csv(gsp: Run) -> None:
     rows = _rows(outcome.out)
     assert [int(row["number"]) for row in rows] == list(range(1, 3851))
     assert {len(row["id"].split()) for row in rows} == {6}
+    for row in rows:
+        for sides in ("one_sided", "two_sided"):
+            assert int(row[f"generic_{sides}"]) <= int(row[f"refined_{sides}"])
     # Table 3 is for 3D3A alone, Theorem 5.4 for DPH and angles alone.
     assert all(bool(row["table_3"]) is (row["class"] == "3D3A") for row in rows)
     planar = [row for row in rows if row["theorem_5_4"]]
