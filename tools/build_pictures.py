@@ -19,7 +19,7 @@ WIDTH = 100
 IMAGES = Path(__file__).resolve().parents[1] / "docs" / "images"
 PICTURES = {
     "bound": ["bound", "3D3A", "PL", "PL", "LP"],
-    "solve": ["solve", "data/examples/dietmaier.yaml", "--limit", "8"],
+    "solve": ["solve", "data/examples/octahedral-3-3.yaml"],
     "enumerate": ["enumerate", "--count"],
 }
 

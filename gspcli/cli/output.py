@@ -319,10 +319,13 @@ def _print_tables(console: Any, tables: Sequence[Table]) -> None:
             console.print()
         if table.title:
             console.print(Text(table.title, style="bold"))
+            console.print()
         cells = [[cell_text(row.get(c.key)) for c in table.columns] for row in table.rows]
         kept, left_out = _fitting(table, cells, console.width)
         if table.columns:
-            grid = RichTable(box=box.SIMPLE_HEAD, pad_edge=False, header_style="bold")
+            grid = RichTable(
+                box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, header_style="bold"
+            )
             for position in kept:
                 column = table.columns[position]
                 grid.add_column(Text(column.heading), justify=column.align, no_wrap=True)
@@ -330,6 +333,8 @@ def _print_tables(console: Any, tables: Sequence[Table]) -> None:
                 # One tall row looks the same as many rows and is drawn three times as fast.
                 grid.add_row(*(Text("\n".join(row[k] for row in cells)) for k in kept))
             console.print(grid)
+            if table.notes:
+                console.print()
         for note in table.notes:
             console.print(Text(note))
         if left_out:

@@ -55,10 +55,10 @@ def test_table(gsp: Callable, files: Files) -> None:
     run = gsp("certify", *files(GOOD[:2]))
     assert (run.code, run.err) == (0, "")
     lines = run.out.splitlines()
-    assert lines[1].split()[:6] == ["no.", "outcome", "real", "same", "as", "residual"]
-    assert lines[3].split()[:3] == ["1", "certified", "yes"]
-    assert "4:positive 5:positive" in lines[3]
-    assert "4:positive 5:negative" in lines[4]
+    assert lines[0].split()[:6] == ["no.", "outcome", "real", "same", "as", "residual"]
+    assert lines[2].split()[:3] == ["1", "certified", "yes"]
+    assert "4:positive 5:positive" in lines[2]
+    assert "4:positive 5:negative" in lines[3]
     assert lines[-1] == (
         "2 poses: 2 certified, 2 of them proved pairwise different, 2 of these real"
     )
@@ -90,7 +90,7 @@ def test_digits(gsp: Callable, files: Files) -> None:
     assert cells["r11"] == "1." + "0" * 40
     table = gsp("certify", *arguments, "--digits", "5").out
     assert "Proved digits" in table
-    assert "   1   ty      0.7071 " in table
+    assert "  1   ty      0.7071 " in table
 
 
 @pytest.mark.parametrize(
