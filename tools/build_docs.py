@@ -18,7 +18,8 @@ WIDTH = 95
 def commands() -> str:
     """Return the reference of all commands, from their help."""
     text = "# Commands\n\nGenerated from `gsp --help`; do not edit.\n"
-    with click.Context(cli, info_name="gsp", max_content_width=WIDTH, terminal_width=WIDTH) as top:
+    settings = {**cli.context_settings, "max_content_width": WIDTH, "terminal_width": WIDTH}
+    with click.Context(cli, info_name="gsp", **settings) as top:
         text += _section("gsp", cli.get_help(top))
         for name in COMMANDS:
             command = cli.get_command(top, name)
