@@ -1,9 +1,10 @@
 // Adaptive tracking of up to eight paths at a time, one in each lane of a vector.
 //
 // A step: evaluate the Taylor series of every lane at its own step length (the last term summed as
-// a geometric series, a Pade approximant with the common pole), factor the Jacobian matrix there
-// once, correct twice with that factorization, and, in lanes where the corrections contract as they
-// should, compute the next Taylor series with the same factorization.
+// a geometric series, a Pade approximant with the common pole), correct twice by Newton's method,
+// and, in lanes where the corrections contract as they should, compute the next Taylor series with
+// the second factorization. (With the first one the series inherits a relative error that is
+// proportional to the first correction, and steps are short wherever paths bend.)
 //
 // Points are in C^8 of norm 1. The seven equations (six and e.f = 0) have a Jacobian matrix J of
 // seven rows with J z = 0 on solutions, so least-norm solutions of J dz = b are orthogonal to z: the
@@ -141,14 +142,6 @@ INLINE void ranges(unsigned groups, F&& f) {
   if (groups & kRho) f(kOffsetRho, kOffsetRho + 1);
 }
 
-INLINE C value(const Quadric& q, const C* phi, const V& t) {
-  C s{};
-  ranges(q.groups, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) add_product(s, line(q.start[i], q.change[i], t), phi[i]);
-  });
-  return s;
-}
-
 // start.x + change.y
 INLINE C value(const Quadric& q, const C* x, const C* y) {
   C s{}, r{};
@@ -259,6 +252,9 @@ void linearize(const Homotopy& H, Workspace& w, const C* z, const V& t) {
     C n{};
     for (int j = 0; j < 4; ++j) add_product(n, z[j], z[j]);
     const C tau_n = line(H.tau_start[i], H.tau_change[i], t) * n;
+    w.g[i][0] = g;
+    w.h[i][0] = h;
+    w.n[0] = n;
     w.f[i + 1] = g * h - tau_n * n;
     w.magnitude[i + 1] = root(square(g) + square(h) + square(tau_n));
     for (int j = 0; j < N; ++j) {
@@ -266,28 +262,6 @@ void linearize(const Homotopy& H, Workspace& w, const C* z, const V& t) {
       add_product(row[j], h, dg[j]);
       if (j < 4) row[j] = row[j] - splat(4.0) * (tau_n * z[j]);
     }
-  }
-}
-
-// Values at (z, t).
-void evaluate(const Homotopy& H, Workspace& w, const C* z, const V& t) {
-  Pairs pairs;
-  C phi[kFeatures];
-  clear(pairs);
-  add_pairs(pairs, z, z);
-  features(pairs, phi);
-  w.f[0] = study(z);
-  w.n[0] = norm_form(pairs);
-  for (int i = 0; i < kEquations; ++i) {
-    const C g = value(H.quadric[i], phi, t);
-    if (!H.product[i]) {
-      w.f[i + 1] = g;
-      continue;
-    }
-    const C h = value(H.quadric[i + kEquations], phi, t);
-    w.g[i][0] = g;
-    w.h[i][0] = h;
-    w.f[i + 1] = g * h - line(H.tau_start[i], H.tau_change[i], t) * (w.n[0] * w.n[0]);
   }
 }
 
@@ -330,8 +304,8 @@ INLINE V sensitivity(const Workspace& w) {
   return s;
 }
 
-// The Taylor series of the paths through series[0] at t, with the factorization at hand; evaluate()
-// has left the values of the factors at t.
+// The Taylor series of the paths through series[0] at t, with the factorization that linearize()
+// and factorize() have left.
 void expand(const Homotopy& H, Workspace& w, const V& t, C (*series)[N]) {
   Pairs pairs;
   C phi[kFeatures], before[kFeatures], mixed[kFeatures], b[kRows];
@@ -460,7 +434,7 @@ void refine(const Homotopy& H, Workspace& w, int count, const int* index, const 
     }
   }
   condition = root(condition);
-  evaluate(H, w, z, one);
+  linearize(H, w, z, one);
   V residual = square(w.f[0]);
   for (int i = 1; i < kRows; ++i) residual = maximum(residual, square(w.f[i]));
   residual = root(residual);
@@ -520,7 +494,8 @@ void track(const Homotopy& H, const Options& options, int paths, const Complex* 
     factorize(w);
     solve(w, w.f, first);
     for (int i = 0; i < N; ++i) z[i] = z[i] - first[i];
-    evaluate(H, w, z, s.next);
+    linearize(H, w, z, s.next);
+    factorize(w);
     solve(w, w.f, second);
     for (int i = 0; i < N; ++i) z[i] = z[i] - second[i];
     normalize(z);
