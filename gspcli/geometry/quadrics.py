@@ -113,12 +113,12 @@ def _turn(size: int) -> Array:
     return np.linalg.qr(np.random.default_rng(1120).normal(size=(size, size)))[0]
 
 
-def _newton_step(forms: Field, z: Field) -> tuple[Field, Array, Array]:
+def _newton_step(forms: Field, z: Field, accuracy: float = _EPS) -> tuple[Field, Array, Array]:
     """Return p points of norm 1 after a Newton step, its length, and the error that is left.
 
     The last row of the Jacobian matrix, ``conj(z)``, keeps corrections orthogonal to the point.
     The forms have norm 1, so that the step leaves at most the norm of the inverse Jacobian
-    matrix times the square of its length, besides rounding.
+    matrix times the square of its length, besides errors of the forms.
     """
     halves = np.einsum("...kij,...pj->...pki", forms, z)
     values = np.einsum("...pki,...pi->...pk", halves, z)
@@ -127,7 +127,7 @@ def _newton_step(forms: Field, z: Field) -> tuple[Field, Array, Array]:
     step = np.einsum("...ik,...k->...i", inverse[..., :-1], values)
     length = np.sqrt((step.real**2 + step.imag**2).sum(axis=-1))
     amplification = np.sqrt((inverse.real**2 + inverse.imag**2).sum(axis=(-2, -1)))
-    return normalised(z - step), length, amplification * (length**2 + 4 * _EPS)
+    return normalised(z - step), length, amplification * (length**2 + 4 * accuracy)
 
 
 def generic_roots(forms: Field) -> tuple[Field, Array, NDArray[np.bool_]]:
@@ -232,13 +232,17 @@ _CLUSTER_ACCURACY = 1e-10
 _RADII = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 5e-2)
 
 
-def all_roots(forms: Field) -> RootSet:
+def all_roots(forms: Field, accuracy: float = _EPS) -> RootSet:
     """Return the whole intersection of n quadrics, multiple points and components included.
+
+    Points that the accuracy of the forms cannot tell apart are one multiple point.
 
     Parameters
     ----------
     forms
         Symmetric matrices, none of them zero, shape (n, n + 1, n + 1); n = 0 to 3.
+    accuracy
+        The relative error of the forms.
     """
     n = len(forms)
     if n == 0:
@@ -250,13 +254,13 @@ def all_roots(forms: Field) -> RootSet:
     turned = turn.T @ forms @ turn
     kernel, gap = _kernel(turned)
     if gap > _RANK[1]:
-        points, multiplicity, errors = _isolated(turned, kernel, rng)
+        points, multiplicity, errors = _isolated(turned, kernel, rng, accuracy)
         lost = 2**n - int(multiplicity.sum())
         return RootSet(points @ turn.T, multiplicity, errors, np.zeros((0, n + 1), complex), lost)
     if gap > _RANK[0]:
         nothing = np.zeros((0, n + 1), complex)
         return RootSet(nothing, np.zeros(0, int), np.zeros(0), nothing, 2**n)
-    points, errors, samples = _with_components(turned, rng)
+    points, errors, samples = _with_components(turned, rng, accuracy)
     multiplicity = np.ones(len(points), int)
     lost = 2**n - len(points) - len(samples)
     return RootSet(points @ turn.T, multiplicity, errors, samples @ turn.T, lost)
@@ -283,7 +287,7 @@ def _kernel(forms: Field) -> tuple[Field, float]:
 
 
 def _isolated(
-    forms: Field, kernel: Complex, rng: np.random.Generator
+    forms: Field, kernel: Complex, rng: np.random.Generator, accuracy: float
 ) -> tuple[Complex, Index, Array]:
     """Return points, multiplicities and errors of a finite intersection."""
     n = len(forms)
@@ -301,9 +305,9 @@ def _isolated(
             if len(cluster) == 1:
                 v = vectors[:, cluster[0]]
                 affine = np.einsum("i,kij,j->k", v.conj(), multiplications, v)
-                root = _simple(forms, affine, _gap(eigenvalues, cluster))
+                root = _simple(forms, affine, _gap(eigenvalues, cluster), accuracy)
             else:
-                root = _multiple(forms, mixed, multiplications, eigenvalues, cluster)
+                root = _multiple(forms, mixed, multiplications, eigenvalues, cluster, accuracy)
             if root is not None:
                 found.append((root[0], len(cluster), root[1]))
                 left = [i for i in left if i not in cluster]
@@ -329,13 +333,15 @@ def _clusters(eigenvalues: Complex, indices: list[int], radius: float) -> list[l
     return clusters
 
 
-def _simple(forms: Field, affine: Complex, gap: float) -> tuple[Complex, float] | None:
+def _simple(
+    forms: Field, affine: Complex, gap: float, accuracy: float
+) -> tuple[Complex, float] | None:
     """Return a point polished by Newton's method and its error, or None if it is not simple."""
     start = normalised(np.concatenate(([1.0], affine)))
     z, error = start[None], np.inf
     try:
         for _ in range(8):
-            z, step, errors = _newton_step(forms, z)
+            z, step, errors = _newton_step(forms, z, accuracy)
             error = float(errors[0])
             if step[0] < 1e-15:
                 break
@@ -353,6 +359,7 @@ def _multiple(
     multiplications: Complex,
     eigenvalues: Complex,
     cluster: list[int],
+    accuracy: float,
 ) -> tuple[Complex, float] | None:
     """Return a multiple point as the mean over its cluster, or None if it is not one point.
 
@@ -377,12 +384,14 @@ def _multiple(
     affine = np.einsum("ij,kji->k", projector, multiplications) / len(cluster)
     z = normalised(np.concatenate(([1.0], affine)))
     values = np.einsum("i,kij,j->k", z, forms, z)
-    if np.abs(values).max() > _ON:
+    if np.abs(values).max() > max(_ON, 10 * accuracy):
         return None
-    return z, error
+    return z, error + accuracy
 
 
-def _with_components(forms: Field, rng: np.random.Generator) -> tuple[Complex, Array, Complex]:
+def _with_components(
+    forms: Field, rng: np.random.Generator, accuracy: float
+) -> tuple[Complex, Array, Complex]:
     """Return isolated simple points, their errors, and points on the components.
 
     The points of a slightly different system lie near both. Those that Newton's method
@@ -393,12 +402,12 @@ def _with_components(forms: Field, rng: np.random.Generator) -> tuple[Complex, A
     noise = rng.normal(size=forms.shape) + 1j * rng.normal(size=forms.shape)
     noise += np.swapaxes(noise, -1, -2)
     near = forms + 1e-4 * noise / np.linalg.norm(noise, axis=(-2, -1), keepdims=True)
-    starts, _, _ = _isolated(near, _kernel(near)[0], rng)
+    starts, _, _ = _isolated(near, _kernel(near)[0], rng, _EPS)
     points: list[Complex] = []
     errors: list[float] = []
     samples: list[Complex] = []
     for start in starts:
-        root = _simple(forms, start[1:] / start[0], 1.0)
+        root = _simple(forms, start[1:] / start[0], 1.0, accuracy)
         if root is not None and root[1] < 1e-9:
             if all(abs(np.vdot(root[0], z)) < 1 - _SEPARATION**2 for z in points):
                 points.append(root[0])
@@ -410,7 +419,7 @@ def _with_components(forms: Field, rng: np.random.Generator) -> tuple[Complex, A
             matrix = np.concatenate((2 * halves, z.conj()[None]))
             right = np.concatenate((halves @ z, [0]))
             z = normalised(z - np.linalg.lstsq(matrix, right, rcond=1e-6)[0])
-        if np.abs(np.einsum("i,kij,j->k", z, forms, z)).max() < _ON:
+        if np.abs(np.einsum("i,kij,j->k", z, forms, z)).max() < max(_ON, 10 * accuracy):
             samples.append(z)
     return (
         np.array(points, complex).reshape(-1, n + 1),

@@ -189,7 +189,7 @@ def measured(arrangement: Arrangement, R: Field, T: Field) -> Field:
     orientation of the lines; angles are in radians. A complex distance is one of two square
     roots, a complex angle one branch of the inverse function.
     """
-    r, w = _placed(arrangement, R, T)
+    r, w = placed(arrangement, R, T)
     v = arrangement.v
     values = np.zeros(r.shape[:-1], dtype=np.result_type(R, T))
     for kind in set(arrangement.kinds):
@@ -215,8 +215,8 @@ def measured(arrangement: Arrangement, R: Field, T: Field) -> Field:
     return values
 
 
-def _placed(arrangement: Arrangement, R: Field, T: Field) -> tuple[Field, Field]:
-    """Return ``r = R y + T - x`` and ``w = R u``, each ``(..., n, 3)``."""
+def placed(arrangement: Arrangement, R: Field, T: Field) -> tuple[Field, Field]:
+    """Return ``r = R y + T - x`` and ``w = R u`` of each constraint, ``(..., n, 3)``."""
     turned = np.swapaxes(R, -1, -2)
     return arrangement.y @ turned + T[..., None, :] - arrangement.x, arrangement.u @ turned
 
@@ -279,7 +279,7 @@ def jacobian(arrangement: Arrangement, R: Field, T: Field) -> Field:
     rotation in the axes of the base about the origin of the platform, and a translation. At a
     distance or sine of zero the measured value has no derivative, and neither has the row.
     """
-    r, w = _placed(arrangement, R, T)
+    r, w = placed(arrangement, R, T)
     v = arrangement.v
     turned = r - T[..., None, :] + arrangement.x
     rows = np.zeros((*r.shape[:-1], 6), dtype=np.result_type(R, T))

@@ -131,6 +131,10 @@ def surfaces(
             planes.append((j, -w[:, j]))
         elif kind is DPP:
             spheres.append(j)
+        elif i in parallel and arrangement.values[i] == 0:
+            # One line on the other: two planes, not the cylinder of radius zero about them.
+            across = np.linalg.svd(v[i : i + 1])[2][1:]
+            planes += [(j, np.broadcast_to(a, p[:, j].shape)) for a in across]
         elif kind is DPL or i in parallel:
             cylinders.append((j, np.broadcast_to(v[i], p[:, j].shape)))
         elif kind is DLP:
@@ -276,14 +280,15 @@ class _UndecidedError(Exception):
     """A rank that double precision cannot tell."""
 
 
-def _rank(values: Array) -> int:
+def _rank(values: Array, accuracy: float) -> int:
     """Return how many singular values (of rows of norm one) are not zero."""
-    if ((values > _RANK[0]) & (values < _RANK[1])).any():
+    zero, least = _RANK[0] + 10 * accuracy, _RANK[1] + 1e4 * accuracy
+    if ((values > zero) & (values < least)).any():
         raise _UndecidedError
-    return int((values >= _RANK[1]).sum())
+    return int((values >= least).sum())
 
 
-def intersection(planes: Field, quadrics: Field) -> Intersection:
+def intersection(planes: Field, quadrics: Field, accuracy: float = _EPS) -> Intersection:
     """Return where surfaces meet, whatever their position.
 
     Parameters
@@ -292,11 +297,13 @@ def intersection(planes: Field, quadrics: Field) -> Intersection:
         Forms, shape (k, 4).
     quadrics
         Symmetric matrices, shape (m, 4, 4); k + m = 3.
+    accuracy
+        The relative error of both.
     """
     nothing = np.zeros((0, 3), complex)
     no_counts = np.zeros(0, int)
     try:
-        reduced = _reduced(planes.astype(complex), quadrics.astype(complex))
+        reduced = _reduced(planes.astype(complex), quadrics.astype(complex), accuracy)
     except _UndecidedError:
         return Intersection(nothing, no_counts, nothing, False, 2 ** len(quadrics))
     if reduced is None:
@@ -310,7 +317,7 @@ def intersection(planes: Field, quadrics: Field) -> Intersection:
         roots = all_roots(cut.T @ forms @ cut)
         points, _ = _finite(frame @ cut, roots.points, roots.errors)
         return Intersection(nothing, no_counts, points, True, 0)
-    roots = all_roots(forms)
+    roots = all_roots(forms, accuracy)
     points, finite = _finite(frame, roots.points, roots.errors)
     samples, _ = _finite(frame, roots.samples, np.full(len(roots.samples), _EPS))
     return Intersection(points, roots.multiplicity[finite], samples, len(samples) > 0, roots.lost)
@@ -323,7 +330,7 @@ def _finite(frame: Complex, z: Complex, errors: Array) -> tuple[Complex, NDArray
     return X[:, 1:] / X[:, :1], finite
 
 
-def _reduced(planes: Complex, quadrics: Complex) -> tuple[Complex, Complex] | None:
+def _reduced(planes: Complex, quadrics: Complex, accuracy: float) -> tuple[Complex, Complex] | None:
     """Eliminate everything linear.
 
     Returns the frame, shape (4, n + 1) and affine (its first row is 1, 0 ...), of the
@@ -333,21 +340,21 @@ def _reduced(planes: Complex, quadrics: Complex) -> tuple[Complex, Complex] | No
     """
     frame = np.eye(4, dtype=complex)
     while True:
-        subspace = _solved(planes)
+        subspace = _solved(planes, accuracy)
         if subspace is None:
             return None
         frame = frame @ subspace
         quadrics = subspace.T @ quadrics @ subspace
         # A quadric that contains the subspace says nothing more.
         norms = np.linalg.norm(quadrics, axis=(-2, -1))
-        _rank(norms)
-        quadrics = quadrics[norms >= _RANK[1]] / norms[norms >= _RANK[1], None, None]
+        kept = np.argsort(-norms)[: _rank(norms, accuracy)]
+        quadrics = quadrics[kept] / norms[kept, None, None]
         if not len(quadrics):
             return frame, quadrics
         parts = quadrics[:, 1:, 1:].reshape(len(quadrics), -1)
         left, values, _ = np.linalg.svd(parts)
         values = np.concatenate((values, np.zeros(len(quadrics))))[: len(quadrics)]
-        rank = _rank(values)
+        rank = _rank(values, accuracy)
         if rank == len(quadrics):
             return frame, quadrics
         combined = np.einsum("ki,kab->iab", left.conj(), quadrics)
@@ -355,20 +362,19 @@ def _reduced(planes: Complex, quadrics: Complex) -> tuple[Complex, Complex] | No
         planes = combined[rank:, 0] * np.array([1.0] + [2.0] * (combined.shape[-1] - 1))
 
 
-def _solved(planes: Complex) -> Complex | None:
+def _solved(planes: Complex, accuracy: float) -> Complex | None:
     """Return the affine frame of the solutions of linear equations, None if there are none."""
     n = planes.shape[1] - 1
-    norms = np.linalg.norm(planes, axis=1, keepdims=True)
+    norms = np.linalg.norm(planes, axis=1)
     # An equation 0 = 0 left over by an elimination says nothing; others are scaled to norm 1.
-    planes = planes[norms[:, 0] > _RANK[1]] / norms[norms[:, 0] > _RANK[1]]
-    if ((norms > _RANK[0]) & (norms < _RANK[1])).any():
-        raise _UndecidedError
+    kept = np.argsort(-norms)[: _rank(norms, accuracy)]
+    planes = planes[kept] / norms[kept, None]
     normals, constants = planes[:, 1:], planes[:, 0]
     left, values, right = np.linalg.svd(normals)
     values = np.concatenate((values, np.zeros(len(planes))))[: len(planes)]
-    rank = _rank(values)
+    rank = _rank(values, accuracy)
     sides = left.conj().T @ -constants
-    if _rank(np.abs(sides[rank:])):
+    if _rank(np.abs(sides[rank:]), accuracy):
         return None
     frame = np.zeros((n + 1, n + 1 - rank), complex)
     frame[0, 0] = 1

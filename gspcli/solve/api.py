@@ -42,6 +42,10 @@ def solve(
     arrangement = Arrangement.of(instance)
     if len(arrangement.angles) == MAX_ANGLES:
         poses = solve_closed_form(arrangement)
+        if poses.lost:
+            # A special position that the closed form does not see through; paths may.
+            tracked = solve_by_tracking(arrangement, seed=seed, jobs=jobs)
+            poses = tracked if tracked.lost < poses.lost else poses
     else:
         poses = solve_by_tracking(arrangement, seed=seed, jobs=jobs)
     R, T = poses.R, poses.T

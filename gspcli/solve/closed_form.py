@@ -27,7 +27,7 @@ from gspcli.geometry.surfaces import (
 )
 from gspcli.solve.motion import Motion, local_motion
 from gspcli.solve.poses import PoseSet
-from gspcli.solve.rotations import ROTATIONS, rotations
+from gspcli.solve.rotations import ROTATIONS, RotationGroup, rotations
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -41,6 +41,9 @@ _PARALLEL = 1e-9
 _NEARLY_PARALLEL = 1e-6
 #: Forms X of norm 1 with a smaller first coordinate are at infinity.
 _INFINITY = 1e-12
+#: Error of rotations on components.
+_SAMPLE_ACCURACY = 1e-12
+_EPS = float(np.finfo(float).eps)
 #: Translations nearer than this are one, found for two signs of a distance that do not differ.
 _SAME = 1e-10
 
@@ -102,13 +105,13 @@ def _solve_batch(arrangement: Arrangement, values: Array) -> Iterator[PoseSet]:
     given = arrangement.with_values(values[0]).in_units_of(length)
     angles = given.angles
     turned = rotations(given.u[angles], given.v[angles], given.cosines(values))
-    real = _translated(given, inner, [rotation.real for rotation in turned])
-    upper = _translated(given, inner, [rotation.upper for rotation in turned])
+    real = _translated(given, inner, [rotation.real.R for rotation in turned])
+    upper = _translated(given, inner, [rotation.upper.R for rotation in turned])
     each = generic_count(given) // ROTATIONS
     for k, rotation in enumerate(turned):
         ledger = _Ledger(given, inner[k], each)
-        ledger.add_rotations(rotation.real, real[k], rotation.real_multiplicity)
-        ledger.add_rotations(rotation.upper, upper[k], rotation.upper_multiplicity)
+        ledger.add_rotations(rotation.real, real[k])
+        ledger.add_rotations(rotation.upper, upper[k])
         for R in rotation.samples:
             ledger.add_sample(R)
         ledger.at_infinity += each * rotation.at_infinity
@@ -152,8 +155,9 @@ class _Ledger:
         """The arrangement with its own values; only special positions ask for it."""
         return self.geometry.with_values(self.values)
 
-    def add_rotations(self, R: Field, points: _Points, multiplicity: Index) -> None:
+    def add_rotations(self, group: RotationGroup, points: _Points) -> None:
         """Add the poses of isolated rotations; of complex ones the conjugate poses as well."""
+        R, multiplicity = group.R, group.multiplicity
         X, finite, good = points
         which = finite.nonzero()[0]
         X = X[finite]
@@ -163,16 +167,16 @@ class _Ledger:
         missing = self.each * multiplicity[good].sum() - multiplicity[which].sum()
         self.at_infinity += (1 + is_complex) * int(missing)
         for f in (~good).nonzero()[0]:
-            self._add_carefully(R[f], int(multiplicity[f]))
+            self._add_carefully(R[f], int(multiplicity[f]), float(group.errors[f]))
 
     def _add(self, R: Field, T: Field, real: NDArray[np.bool_], multiplicity: Index) -> None:
         self.isolated.append((R, T, real, multiplicity))
         if np.iscomplexobj(R):
             self.isolated.append((R.conj(), T.conj(), real, multiplicity))
 
-    def _add_carefully(self, R: Field, multiplicity: int) -> None:
+    def _add_carefully(self, R: Field, multiplicity: int, accuracy: float) -> None:
         """Add the poses of one isolated rotation, whatever the position of its surfaces."""
-        T, counts, samples, lost = _translations(self.given, R)
+        T, counts, samples, lost = _translations(self.given, R, accuracy)
         real = np.zeros(len(T), bool)
         weight = multiplicity * (2 if np.iscomplexobj(R) else 1)
         if not np.iscomplexobj(R):
@@ -194,7 +198,7 @@ class _Ledger:
         If there are none, there may still be poses at special rotations of the set. They are
         not looked for.
         """
-        T, _, samples, lost = _translations(self.given, R)
+        T, _, samples, lost = _translations(self.given, R, _SAMPLE_ACCURACY)
         found = [*T, *samples]
         self.samples += [(R, point) for point in found]
         on_curves = min(len(found), self.each)
@@ -237,8 +241,13 @@ class _Ledger:
         return tuple(found[:1])
 
 
-def _translations(given: Arrangement, R: Field) -> tuple[Complex, Index, Complex, int]:
-    """Return the points T, their multiplicities, samples of components, and how many are lost."""
+def _translations(
+    given: Arrangement, R: Field, accuracy: float
+) -> tuple[Complex, Index, Complex, int]:
+    """Return the points T, their multiplicities, samples of components, and how many are lost.
+
+    The accuracy is the error of the rotation.
+    """
     pairs = [i for i in given.distances if given.kinds[i] is DLL]
     normals = cross(apply(R, given.u[pairs]), given.v[pairs])
     sines = np.linalg.norm(normals, axis=-1)
@@ -248,14 +257,15 @@ def _translations(given: Arrangement, R: Field) -> tuple[Complex, Index, Complex
     counts: list[int] = []
     samples: list[Complex] = []
     lost = 0
+    near = max(_SAME, 10 * accuracy)
     for signs in shapes.signs:
         planes = shapes.planes[0].copy()
         planes[:, 0] -= signs * shapes.distances
-        meet = intersection(planes, shapes.quadrics[0])
+        meet = intersection(planes, shapes.quadrics[0], max(accuracy, _EPS))
         samples += list(meet.samples)
         lost += meet.lost
         for T, multiplicity in zip(meet.points, meet.multiplicity, strict=True):
-            same = [k for k, other in enumerate(points) if np.abs(T - other).max() < _SAME]
+            same = [k for k, other in enumerate(points) if np.abs(T - other).max() < near]
             if same:
                 counts[same[0]] += int(multiplicity)
             else:

@@ -11,8 +11,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.geometry.poses import Field, quaternion_from_rotation, rotation_from_quaternion
-from gspcli.geometry.residuals import Arrangement, jacobian, measured
+from gspcli.catalogue.kinds import DLL, DLP, DPH, DPP
+from gspcli.geometry.poses import (
+    Field,
+    cross,
+    dot,
+    quaternion_from_rotation,
+    rotation_from_quaternion,
+)
+from gspcli.geometry.residuals import Arrangement, placed
 
 Array = NDArray[np.float64]
 
@@ -21,6 +28,10 @@ _STEP = 0.05
 _STEPS = 24
 #: Relative singular values of the Jacobian matrix below this belong to its kernel.
 _KERNEL = 1e-6
+#: Cosines this near to one, and distances this near to zero, are at the end of their range.
+_END = 1e-12
+#: Lines whose directions have a smaller vector product are parallel.
+_PARALLEL = 1e-6
 #: Largest remaining error of a corrected pose, in radians or typical lengths.
 _CONVERGED = 1e-11
 
@@ -100,11 +111,20 @@ def _explore(system: _System, pose: tuple[Field, Field]) -> Motion | None:
 
 
 class _System:
-    """The constraints near a pose, in lengths of order one, with the signs of that pose."""
+    """Polynomial equations of the constraints, in lengths of order one.
+
+    At a value that is the end of its range (lines that meet at zero degrees, points at distance
+    zero) the one polynomial of the paper is singular, though real poses may well form a smooth
+    set. At real poses such a constraint is therefore replaced by what it means: the directions
+    or the points are equal.
+    """
 
     def __init__(self, arrangement: Arrangement) -> None:
         self.outer = arrangement
         self.given = arrangement.normalised
+        self.cosines = dict(
+            zip(self.given.angles.tolist(), self.given.cosines(self.given.values), strict=True)
+        )
 
     def inward(self, R: Field, T: Field) -> Field:
         """Return the translation of a pose for the normalised arrangement."""
@@ -116,24 +136,57 @@ class _System:
         return self.outer.restored(R, T)
 
     def errors(self, R: Field, T: Field) -> Field:
-        """Return measured minus stated values, distances by the nearer sign."""
-        values, targets = measured(self.given, R, T), self.given.targets
-        free = self.given.signs == 0
-        free &= np.array([kind.is_distance for kind in self.given.kinds])
-        sign = np.where(free & (np.abs(values + targets) < np.abs(values - targets)), -1, 1)
-        sign = np.where(self.given.signs < 0, -1, sign)
-        return values - sign * targets
+        """Return the values of the equations, (..., 3, 3), (..., 3) -> (..., m)."""
+        r, w = placed(self.given, R, T)
+        parts = [
+            self._equations(i, r[..., i, :], w[..., i, :]) for i in range(len(self.given.kinds))
+        ]
+        return np.concatenate(parts, axis=-1)
+
+    def _equations(self, i: int, r: Field, w: Field) -> Field:
+        """Return the values of the equations of one constraint, shape (..., 1) or (..., 3)."""
+        values: Field
+        kind, v, d = self.given.kinds[i], self.given.v[i], self.given.values[i]
+        is_real = not np.iscomplexobj(r)
+        if not kind.is_distance:
+            cosine = self.cosines[i]
+            if is_real and abs(cosine) > 1 - _END:
+                values = w - np.sign(cosine) * v
+            else:
+                values = (w @ v - cosine)[..., None]
+            return values
+        if kind.has_sides:
+            height = r @ v if kind is DPH else -dot(r, w)
+            sign = self.given.signs[i] or np.where(height.real < 0, -1, 1)
+            values = (height - sign * d)[..., None]
+            return values
+        if kind is DLL:
+            normal = cross(w, np.broadcast_to(v, w.shape))
+            if np.abs(normal).max() > _PARALLEL:
+                square = dot(r, normal) ** 2 - d**2 * dot(normal, normal)
+                values = (dot(r, normal) if d == 0 else square)[..., None]
+                return values
+        axis = np.zeros(3) if kind is DPP else w if kind is DLP else v
+        across = r - dot(r, np.broadcast_to(axis, r.shape))[..., None] * axis
+        if is_real and d < _END:
+            return across
+        values = (dot(across, across) - d**2)[..., None]
+        return values
 
     def kernel(self, R: Field, T: Field) -> Field:
         """Return an orthonormal basis of the twists that change nothing, shape (k, 6)."""
-        _, values, right = np.linalg.svd(self._rows(R, T))
+        _, values, right = np.linalg.svd(self._jacobian(R, T))
+        values = np.concatenate((values, np.zeros(6)))[:6]
         twists: Field = right[values < _KERNEL * values[0]].conj()
         return twists
 
-    def _rows(self, R: Field, T: Field) -> Field:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            rows = jacobian(self.given, R, T)
-        return np.where(np.isfinite(rows), rows, 0.0)
+    def _jacobian(self, R: Field, T: Field) -> Field:
+        """Return the derivatives of `errors` by central differences, shape (m, 6)."""
+        h = 1e-5
+        twists = np.concatenate((h * np.eye(6), -h * np.eye(6)))
+        values = self.errors(*_moved(R, T, twists))
+        rows: Field = (values[:6] - values[6:]).T / (2 * h)
+        return rows
 
     def correct(self, R: Field, T: Field, kernel: int) -> tuple[Field, Field] | None:
         """Return the pose after shortest corrections, or None if they do not converge.
@@ -144,7 +197,7 @@ class _System:
             errors = self.errors(R, T)
             if np.abs(errors).max() < _CONVERGED:
                 return R, T
-            left, values, right = np.linalg.svd(self._rows(R, T))
+            left, values, right = np.linalg.svd(self._jacobian(R, T))
             rank = max(1, min(6 - kernel, int((values > _KERNEL * values[0]).sum())))
             inner = (left[:, :rank].conj().T @ -errors) / values[:rank]
             R, T = _moved(R, T, right[:rank].conj().T @ inner)
@@ -169,6 +222,7 @@ class _System:
 
 
 def _moved(R: Field, T: Field, twist: Field) -> tuple[Field, Field]:
-    """Return the pose after a small twist; a quaternion (1, omega / 2) turns by about omega."""
-    turn = rotation_from_quaternion(np.concatenate(([1.0], twist[:3] / 2)))
-    return turn @ R, T + twist[3:]
+    """Return the pose after small twists (..., 6); a quaternion (1, omega / 2) turns by omega."""
+    one = np.ones_like(twist[..., :1])
+    turn = rotation_from_quaternion(np.concatenate((one, twist[..., :3] / 2), axis=-1))
+    return turn @ R, T + twist[..., 3:]

@@ -29,27 +29,47 @@ _FORMS = np.array([[0.31, 0.53, -0.83, 0.17], [0.71, -0.29, 0.37, 0.59]])
 
 
 @dataclass(frozen=True, eq=False)
+class RotationGroup:
+    """Isolated rotations.
+
+    Attributes
+    ----------
+    R
+        The rotations, shape (f, 3, 3).
+    multiplicity
+        Of each, shape (f,).
+    errors
+        Their estimated errors, shape (f,).
+    """
+
+    R: Field
+    multiplicity: NDArray[np.int64]
+    errors: Array
+
+    @classmethod
+    def of(cls, e: Field, multiplicity: NDArray[np.int64], errors: Array) -> RotationGroup:
+        """Return the rotations of quaternions of norm 1 with known errors."""
+        return cls(rotation_from_quaternion(e), multiplicity, errors / np.abs(dot(e, e)))
+
+
+@dataclass(frozen=True, eq=False)
 class Rotations:
     """The solutions of three angle constraints.
 
     Attributes
     ----------
     real
-        Real isolated rotations, shape (r, 3, 3).
+        The real ones, real arrays.
     upper
-        One of each pair of conjugate rotations that are not real, shape (c, 3, 3), complex.
-    real_multiplicity, upper_multiplicity
-        Their multiplicities, shapes (r,) and (c,).
+        One of each pair of conjugates that are not real, complex arrays.
     samples
         Rotations on positive-dimensional components, shape (m, 3, 3).
     at_infinity, on_curves, lost
         How many of the eight are at infinity, on components, or could not be made out.
     """
 
-    real: Array
-    upper: Complex
-    real_multiplicity: NDArray[np.int64]
-    upper_multiplicity: NDArray[np.int64]
+    real: RotationGroup
+    upper: RotationGroup
     samples: Complex
     at_infinity: int
     on_curves: int
@@ -79,23 +99,23 @@ def rotations(u: Array, v: Array, cosines: Array) -> list[Rotations]:
     # Conjugates come one directly after the other.
     first = imaginary & (np.cumsum(imaginary, axis=-1) % 2 == 1)
     return [
-        _simple(e[k], finite[k] & ~imaginary[k], finite[k] & first[k])
+        _simple(e[k], errors[k], finite[k] & ~imaginary[k], finite[k] & first[k])
         if ok[k]
         else _careful(forms[k])
         for k in range(len(forms))
     ]
 
 
-def _simple(e: Complex, real: NDArray[np.bool_], upper: NDArray[np.bool_]) -> Rotations:
+def _simple(
+    e: Complex, errors: Array, real: NDArray[np.bool_], upper: NDArray[np.bool_]
+) -> Rotations:
     """Return the record of eight simple points, the finite ones marked as real or upper."""
-    counts = int(real.sum()), int(upper.sum())
+    ones = np.ones(ROTATIONS, int)
     return Rotations(
-        real=rotation_from_quaternion(e[real].real),
-        upper=rotation_from_quaternion(e[upper]),
-        real_multiplicity=np.ones(counts[0], int),
-        upper_multiplicity=np.ones(counts[1], int),
+        real=RotationGroup.of(e[real].real, ones[real], errors[real]),
+        upper=RotationGroup.of(e[upper], ones[upper], errors[upper]),
         samples=np.zeros((0, 3, 3), complex),
-        at_infinity=ROTATIONS - counts[0] - 2 * counts[1],
+        at_infinity=ROTATIONS - int(real.sum()) - 2 * int(upper.sum()),
         on_curves=0,
         lost=0,
     )
@@ -112,15 +132,12 @@ def _careful(forms: Field) -> Rotations:
     upper = finite & ~real & (quotient.imag > 0)
     on_curve = np.abs(dot(samples, samples)) > _SAMPLE_INFINITY
     mult = roots.multiplicity
+    known = mult[~finite].sum() + mult[real].sum() + 2 * mult[upper].sum() + len(samples)
     return Rotations(
-        real=rotation_from_quaternion(made_real(e[real])),
-        upper=rotation_from_quaternion(e[upper]),
-        real_multiplicity=mult[real],
-        upper_multiplicity=mult[upper],
+        real=RotationGroup.of(made_real(e[real]), mult[real], roots.errors[real]),
+        upper=RotationGroup.of(e[upper], mult[upper], roots.errors[upper]),
         samples=rotation_from_quaternion(samples[on_curve]),
         at_infinity=int(mult[~finite].sum() + (~on_curve).sum()),
         on_curves=int(on_curve.sum()),
-        lost=ROTATIONS
-        - int(mult[~finite].sum() + mult[real].sum() + 2 * mult[upper].sum())
-        - len(samples),
+        lost=ROTATIONS - int(known),
     )
