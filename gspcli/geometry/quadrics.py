@@ -130,6 +130,8 @@ def _newton_step(forms: Field, z: Field, accuracy: float = _EPS) -> tuple[Field,
     return normalised(z - step), length, amplification * (length**2 + 4 * accuracy)
 
 
+# What is not a number belongs to systems that are not answered for.
+@np.errstate(all="ignore")
 def generic_roots(forms: Field) -> tuple[Field, Array, NDArray[np.bool_]]:
     """Return the points of systems in general position.
 

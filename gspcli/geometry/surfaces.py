@@ -178,6 +178,7 @@ def _directions() -> Array:
     return np.linalg.qr(np.random.default_rng(64).normal(size=(4, 4)))[0]
 
 
+@np.errstate(all="ignore")
 def generic_positions(given: Surfaces) -> tuple[Field, Array, NDArray[np.bool_]]:
     """Return the intersection points of surfaces in general position.
 

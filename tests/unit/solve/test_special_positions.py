@@ -227,3 +227,36 @@ def test_motions_through_infinite_sets_satisfy_the_constraints():
     assert result.verdict == "infinite"
     motion = result.motions[0]
     np.testing.assert_allclose(motion.T[:, :2], np.tile([2, 0], (len(motion.T), 1)), atol=1e-9)
+
+
+def test_motion_with_lines_kept_parallel():
+    """Three angles of zero with one direction: the platform turns about that direction."""
+    up = Line(ORIGIN, Z)
+    down = Line(ORIGIN, vector(0, 0, -1))
+    result = solved(
+        ("DPH", P, Plane(ORIGIN, X), 1),
+        ("DPH", P, Plane(ORIGIN, Y), 1),
+        ("DPH", P, Plane(ORIGIN, Z), 1),
+        ("ALL", up, up, 0),
+        ("ALL", up, down, 180),
+        ("ALL", down, down, 0),
+    )
+    assert result.verdict == "infinite"
+    motion = result.motions[0]
+    assert motion.real
+    np.testing.assert_allclose(motion.R[:, 2], np.tile([0, 0, 1], (len(motion.R), 1)), atol=1e-9)
+
+
+def test_a_line_that_coincides_with_another():
+    """Distance and angle zero: the position along the line is left to the other distances."""
+    result = solved(
+        ("DLL", Line(ORIGIN, Z), Line(ORIGIN, Z), 0),
+        ("DPH", P, Plane(ORIGIN, Z), 2, Side.POSITIVE),
+        ("DPP", P, at(0, 0, 5), 3),
+        ("ALL", Line(ORIGIN, Z), Line(ORIGIN, Z), 0),
+        ("ALL", Line(ORIGIN, Y), Line(ORIGIN, Y), 50),
+        ("ALL", Line(ORIGIN, X), Line(ORIGIN, Z), 90),
+    )
+    real = result.T[result.real]
+    assert len(real) > 0
+    np.testing.assert_allclose(real, np.tile([0, 0, 2], (len(real), 1)), atol=1e-9)

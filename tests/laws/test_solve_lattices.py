@@ -1,0 +1,75 @@
+"""Platforms on a lattice: coordinates are small integers, so that most positions are special."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, Kind, Primitive
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.poses import rotation_from_quaternion
+from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
+from gspcli.geometry.residuals import Arrangement, measured, residuals
+from gspcli.solve.closed_form import solve_closed_form
+
+
+def nonzero(rng: np.random.Generator, size: int) -> np.ndarray:
+    v = rng.integers(-1, 2, size=size)
+    return v if v.any() else nonzero(rng, size)
+
+
+def primitive(sort: Primitive, rng: np.random.Generator) -> Geometry:
+    position = vector(*rng.integers(-2, 3, size=3).tolist())
+    if sort is Primitive.POINT:
+        return Point(position)
+    shape = Line if sort is Primitive.LINE else Plane
+    return shape(position, vector(*nonzero(rng, 3).tolist()))
+
+
+def lattice_platform(seed: int) -> tuple[Arrangement, np.ndarray, np.ndarray]:
+    """A platform whose values are those at a pose of the lattice, and that pose."""
+    rng = np.random.default_rng(seed)
+    kinds: list[Kind] = [*rng.choice(DISTANCE_KINDS, size=3), *rng.choice(ANGLE_KINDS, size=3)]
+    constraints = tuple(
+        Constraint(kind, primitive(kind.platform, rng), primitive(kind.base, rng), Number.of(1))
+        for kind in kinds
+    )
+    arrangement = Arrangement.of(Instance(constraints, Units("m", AngleUnit.RADIAN)))
+    R = rotation_from_quaternion(nonzero(rng, 4).astype(float))
+    T = rng.integers(-2, 3, size=3).astype(float)
+    values = measured(arrangement, R, T)
+    values = np.where(np.abs(values - np.round(values)) < 1e-12, np.round(values), values)
+    values[arrangement.distances] = np.abs(values[arrangement.distances])
+    return replace(arrangement, values=values), R, T
+
+
+@pytest.mark.parametrize("block", range(6))
+def test_special_positions_are_never_answered_wrongly(block):
+    """Every path is accounted for, and a pose known to exist is found or said to be missing."""
+    outcomes = {"complete": 0, "infinite": 0, "incomplete": 0}
+    for seed in range(50 * block, 50 * block + 50):
+        arrangement, R, T = lattice_platform(seed)
+        poses = solve_closed_form(arrangement)
+        found = int(poses.multiplicity.sum())
+        assert found + poses.at_infinity + poses.on_curves + poses.lost == poses.paths
+        if poses.real.any():
+            real = residuals(arrangement, poses.R[poses.real].real, poses.T[poses.real].real)
+            # A double pose is only known to the square root of the precision.
+            assert real.max() < 1e-6
+        for motion in poses.motions:
+            if motion.real:
+                assert residuals(arrangement, motion.R, motion.T).max() < 1e-5
+        if poses.motions:
+            outcomes["infinite"] += 1
+        elif poses.lost or poses.on_curves:
+            outcomes["incomplete"] += 1
+        else:
+            outcomes["complete"] += 1
+            assert len(poses.R) > 0
+            distance = np.abs(poses.R - R).max(axis=(1, 2)) + np.abs(poses.T - T).max(axis=1)
+            assert distance.min() < 1e-6
+    assert outcomes["incomplete"] <= 2
+    assert outcomes["complete"] > 25
