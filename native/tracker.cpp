@@ -282,13 +282,18 @@ void factorize(Workspace& w) {
   }
 }
 
-// The least-norm solution of J x = b; b becomes L^-1 b.
-void solve(const Workspace& w, C* b, C* x) {
+// b becomes L^-1 b.
+void substitute(const Workspace& w, C* b) {
   for (int i = 0; i < kRows; ++i) {
     C s = b[i];
     for (int j = 0; j < i; ++j) subtract_product(s, w.lower[i][j], b[j]);
     b[i] = w.inverse[i] * s;
   }
+}
+
+// The least-norm solution of J x = b; b becomes L^-1 b.
+void solve(const Workspace& w, C* b, C* x) {
+  substitute(w, b);
   for (int k = 0; k < N; ++k) {
     C s{};
     for (int j = 0; j < kRows; ++j) add_conjugate_product(s, w.row[j][k], b[j]);
@@ -296,12 +301,21 @@ void solve(const Workspace& w, C* b, C* x) {
   }
 }
 
-// How far rounding moves a solution: the largest ratio of the terms that cancel in an equation to
-// the distance of its row from the rows before it.
-INLINE V sensitivity(const Workspace& w) {
-  V s = w.magnitude[0] * w.inverse[0];
-  for (int i = 1; i < kRows; ++i) s = maximum(s, w.magnitude[i] * w.inverse[i]);
-  return s;
+// About how far rounding in the values moves a solution: the least-norm solution of J x = b for
+// one b of the size of the rounding errors, with phases that nothing is special about.
+V rounding(const Workspace& w) {
+  constexpr double kPhase[kRows][2] = {{1.0, 0.0},   {-0.54, 0.84}, {0.28, 0.96}, {-0.8, -0.6},
+                                       {0.6, -0.8},  {0.96, 0.28},  {-0.28, 0.96}};
+  constexpr double kEpsilon = 4e-16;
+  C b[kRows];
+  for (int i = 0; i < kRows; ++i) {
+    const V size = kEpsilon * w.magnitude[i];
+    b[i] = {kPhase[i][0] * size, kPhase[i][1] * size};
+  }
+  substitute(w, b);
+  V s = square(b[0]);
+  for (int i = 1; i < kRows; ++i) s += square(b[i]);
+  return root(s);
 }
 
 // The Taylor series of the paths through series[0] at t, with the factorization that linearize()
@@ -501,7 +515,7 @@ void track(const Homotopy& H, const Options& options, int paths, const Complex* 
     normalize(z);
 
     const V n1 = norm(first), n2 = norm(second);
-    const V noise = 1e-15 * sensitivity(w);
+    const V noise = rounding(w);
     const Mask good = (n1 <= 10.0 * options.predictor_tolerance) &
                       ((n2 <= options.contraction * n1) | ((n2 <= 8.0 * noise) & (n2 <= 1e-6)));
     Mask accepted = good;

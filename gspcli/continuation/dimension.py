@@ -46,7 +46,7 @@ def correct(
             break
         jacobian = target.jacobians(products, points)
         adjoint = jacobian.conj().swapaxes(1, 2)
-        damped = jacobian @ adjoint + (size + 1e-30)[:, None, None] * np.eye(7)
+        damped = jacobian @ adjoint + np.maximum(size, 1e-12)[:, None, None] * np.eye(7)
         step = (adjoint @ np.linalg.solve(damped, values[..., None]))[..., 0]
         points = points - np.where(size < _ZERO, 0.0, 1.0)[:, None] * step
         points = points / np.linalg.norm(points, axis=1, keepdims=True)

@@ -21,7 +21,7 @@ _SAMPLES = 8
 _MAX_WINDING = 16
 _SHRINK = 8.0
 _ROUNDS = 6
-_ACCURACY = 1e-9
+_ACCURACY = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
