@@ -73,6 +73,11 @@ def letters(distances: tuple[Kind, ...]) -> str:
     return "a" * (CONSTRAINTS - len(distances)) + chosen
 
 
+def mirrored(distances: tuple[Kind, ...]) -> tuple[Kind, ...]:
+    """Return the distances with platform and base exchanged, in canonical order."""
+    return tuple(sorted(kind.mirrored for kind in distances))
+
+
 def swapped(families_of_quadrics: str) -> str:
     """Return the families after exchanging platform and base: p and q change places."""
     exchanged = families_of_quadrics.translate(str.maketrans("pq", "qp"))

@@ -1,0 +1,1 @@
+"""The atlas: how the generic counts of all types are established, recorded and verified."""

@@ -1,0 +1,205 @@
+"""Random platforms as equations in Study coordinates, in the arithmetic of their numbers.
+
+The same functions take integers modulo a prime and floating-point numbers. A linear function of
+the motion is a list of 26 coefficients, those of 1, R (by rows), T, U, rho and T x R in the order
+of `gspcli.certification.study`, whose forms are N times these functions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from random import Random
+from typing import Any
+
+from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.certification import study
+
+#: A number: an integer that stands for its class modulo a prime, or a float.
+Scalar = Any
+Vector = Sequence[Scalar]
+#: Coefficients of 1, R, T, U, rho and T x R.
+Function = list[Scalar]
+
+_FUNCTIONS = study.COUNT - 1
+_ROTATION = tuple(k for row in study.ROTATION for k in row)
+_MOMENT = tuple(k for row in study.MOMENT for k in row)
+#: The functions that span each family of quadrics.
+SPANS: dict[str, tuple[int, ...]] = {
+    "a": (study.NORM, *_ROTATION),
+    "p": (study.NORM, *_ROTATION, *study.TRANSLATION),
+    "q": (study.NORM, *_ROTATION, *study.BODY),
+    "l": (study.NORM, *_ROTATION, *_MOMENT),
+    "s": (study.NORM, *_ROTATION, *study.TRANSLATION, *study.BODY, study.RHO),
+}
+
+
+@dataclass(frozen=True)
+class Equation:
+    """``A = 0``, or ``A^2 + weight B^2 = square`` for a product of two conjugate quadrics.
+
+    Attributes
+    ----------
+    first
+        The function A.
+    second
+        The function B, or None.
+    weight, square
+        The numbers of the product.
+    """
+
+    first: Function
+    second: Function | None = None
+    weight: Scalar = 0
+    square: Scalar = 0
+
+
+@dataclass(frozen=True)
+class Body:
+    """A primitive: a point of it, and an orthonormal frame that begins with its direction."""
+
+    point: Vector
+    frame: tuple[Vector, Vector, Vector]
+
+
+def equation(kind: Kind, platform: Body, base: Body, value: Scalar, *, sides: int = 1) -> Equation:
+    """Return the equation of a constraint (Section 4).
+
+    Parameters
+    ----------
+    kind
+        Its kind.
+    platform, base
+        The two primitives.
+    value
+        The distance, signed for DPH and DHP; for angles the value of ``R u . v``.
+    sides
+        1, or 2 to leave the side of a DPH or DHP open.
+    """
+    y, (u, *around_u) = platform.point, platform.frame
+    x, (v, *around_v) = base.point, base.frame
+    if not kind.is_distance:
+        return Equation(_function(one=-value, rotation=_outer(v, u)))
+    if kind is DPP:
+        one = _dot(x, x) + _dot(y, y) - value * value
+        rotation = _outer([-2 * entry for entry in x], y)
+        return Equation(
+            _function(one, rotation, [-2 * entry for entry in x], [2 * entry for entry in y], 1)
+        )
+    if kind is DPL:
+        return Equation(*(_above_base(y, x, n) for n in around_v), 1, value * value)
+    if kind is DLP:
+        return Equation(*(_above_platform(y, x, n) for n in around_u), 1, value * value)
+    if kind is DLL:
+        cosine = _function(rotation=_outer(v, u))
+        return Equation(_mutual_moment(y, x, u, v), cosine, value * value, value * value)
+    height = _above_base(y, x, v) if kind is DPH else _above_platform(y, x, u)
+    if sides == 2:
+        return Equation(height, _function(), 0, value * value)
+    height[study.NORM] -= value
+    return Equation(height)
+
+
+def _above_base(y: Vector, x: Vector, n: Vector) -> Function:
+    """Return ``n . (R y + T - x)``: how high the platform's point is over a base plane."""
+    return _function(-_dot(n, x), _outer(n, y), n)
+
+
+def _above_platform(y: Vector, x: Vector, n: Vector) -> Function:
+    """Return ``R n . (x - R y - T)``: how high the base's point is over a platform plane."""
+    return _function(-_dot(n, y), _outer(x, n), body=[-entry for entry in n])
+
+
+def _mutual_moment(y: Vector, x: Vector, u: Vector, v: Vector) -> Function:
+    """Return ``(R y + T - x) . (R u x v) = v.R(y x u) - (v x x).R u + v.(T x R u)``."""
+    one, other = _outer(v, _cross(y, u)), _outer(_cross(v, x), u)
+    rotation = [p - q for p, q in zip(one, other, strict=True)]
+    return _function(rotation=rotation, moment=_outer(v, u))
+
+
+def _function(
+    one: Scalar = 0,
+    rotation: Sequence[Scalar] = (0,) * 9,
+    translation: Vector = (0,) * 3,
+    body: Vector = (0,) * 3,
+    rho: Scalar = 0,
+    moment: Sequence[Scalar] = (0,) * 9,
+) -> Function:
+    return [one, *rotation, *translation, *body, rho, *moment]
+
+
+def _dot(a: Vector, b: Vector) -> Scalar:
+    return sum(p * q for p, q in zip(a, b, strict=True))
+
+
+def _cross(a: Vector, b: Vector) -> list[Scalar]:
+    return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
+
+
+def _outer(a: Vector, b: Vector) -> list[Scalar]:
+    return [p * q for p in a for q in b]
+
+
+def random_platform(
+    distances: Sequence[Kind], angles: int, prime: int, random: Random, *, sides: int = 1
+) -> list[Equation]:
+    """Return the equations of a random platform over the integers modulo a prime.
+
+    Directions come from random quaternions, so that they and the frames about them have
+    rational coordinates. The square of a distance is the square of a random number; the cosine
+    of an angle is a random number.
+    """
+
+    def body() -> Body:
+        return Body([random.randrange(prime) for _ in range(3)], _random_frame(prime, random))
+
+    equations = [
+        equation(kind, body(), body(), random.randrange(1, prime), sides=sides)
+        for kind in distances
+    ]
+    for _ in range(angles):
+        u, v = body().frame[0], body().frame[0]
+        equations.append(Equation(_function(-random.randrange(prime), _outer(v, u))))
+    return equations
+
+
+def _random_frame(prime: int, random: Random) -> tuple[Vector, Vector, Vector]:
+    while True:
+        norm, rotation, _ = study.motion([random.randrange(prime) for _ in range(4)] + [0] * 4)
+        if norm % prime:
+            inverse = pow(norm, -1, prime)
+            a, b, c = ([entry * inverse % prime for entry in row] for row in rotation)
+            return a, b, c
+
+
+def random_quadrics(families: str, prime: int, random: Random) -> list[Equation]:
+    """Return random members of families of quadrics over the integers modulo a prime."""
+    equations = []
+    for letter in families:
+        function = _function()
+        for index in SPANS[letter]:
+            function[index] = random.randrange(prime)
+        equations.append(Equation(function))
+    return equations
+
+
+@cache
+def quadrics() -> tuple[dict[tuple[int, ...], int], ...]:
+    """Return N times each of the 26 functions, and e.f last, as polynomials in (e, f).
+
+    A polynomial maps the indices of the two factors of a monomial, in rising order, to its
+    coefficient, an integer.
+    """
+    rows = [int(entry) for entry in study.hessians().entries()]
+    found: list[dict[tuple[int, ...], int]] = []
+    for start in range(0, len(rows), 64):
+        hessian = rows[start : start + 64]
+        polynomial = {}
+        for i in range(8):
+            for j in range(i, 8):
+                coefficient = hessian[8 * i + j] // (2 if i == j else 1)
+                if coefficient:
+                    polynomial[(i, j)] = coefficient
+        found.append(polynomial)
+    return tuple(found)

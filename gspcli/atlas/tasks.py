@@ -1,0 +1,122 @@
+"""The tasks of the atlas: count the solutions of one random system."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from random import Random
+
+from gspcli.atlas.equations import Equation, random_platform, random_quadrics
+from gspcli.atlas.groebner import quotient_dimension
+from gspcli.atlas.tracking import certified_count
+from gspcli.catalogue.counts import all_families, law, mirrored
+from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind
+from gspcli.catalogue.types import CONSTRAINTS
+from gspcli.resources import data_json
+
+#: The two largest primes below 2^31.
+PRIMES = (2147483647, 2147483629)
+#: The default seed of everything random.
+SEED = 20031
+#: Up to so many solutions the linear algebra is exact, and two-sided counts are computed too,
+#: although they follow from the one-sided ones.
+EXACT_LIMIT = 512
+
+
+@dataclass(frozen=True)
+class Task:
+    """One system to count.
+
+    Attributes
+    ----------
+    subject
+        Six letters for general quadrics of six families, or the kinds of the distances of a
+        platform, such as ``DPL DPL DLP``.
+    sides
+        2 if DPH and DHP distances are to leave the side open.
+    characteristic
+        The prime, or 0 for a platform with real numbers, of which paths are tracked.
+    seed
+        Source of the random numbers.
+    """
+
+    subject: str
+    sides: int
+    characteristic: int
+    seed: int = SEED
+
+    @property
+    def distances(self) -> tuple[Kind, ...] | None:
+        """The kinds of the distances; None for general quadrics."""
+        if self.subject.islower():
+            return None
+        return tuple(KINDS_BY_NAME[name] for name in self.subject.split())
+
+    @property
+    def expected(self) -> int:
+        """The number of solutions by the law; that of general quadrics by monodromy."""
+        if self.distances is None:
+            return monodromy_counts()[self.subject]
+        open_sides = sum(kind.has_sides for kind in self.distances) * (self.sides - 1)
+        return int(law(self.distances) * 2**open_sides)
+
+    @property
+    def exact(self) -> bool:
+        """Whether the linear algebra modulo the prime is exact or probabilistic."""
+        return self.expected <= EXACT_LIMIT
+
+    @property
+    def repeats(self) -> bool:
+        """Whether exchanging platform and base gives another task with the same count."""
+        return self.distances is not None and mirrored(self.distances) < self.distances
+
+    def equations(self) -> list[Equation]:
+        """Return the random system modulo the prime."""
+        random = Random(f"{self.seed} {self.characteristic} {self.sides} {self.subject}")
+        if self.distances is None:
+            return random_quadrics(self.subject, self.characteristic, random)
+        angles = CONSTRAINTS - len(self.distances)
+        return random_platform(
+            self.distances, angles, self.characteristic, random, sides=self.sides
+        )
+
+    def run(self, timeout_s: float | None = None) -> int | None:
+        """Return the number of solutions, or None if the time did not suffice.
+
+        Modulo a prime they are counted with multiplicities; for real numbers only those proved
+        to be different count, and there is no time limit.
+        """
+        if self.characteristic:
+            return quotient_dimension(
+                self.equations(), self.characteristic, exact=self.exact, timeout_s=timeout_s
+            )
+        if self.distances is None:
+            message = f"{self.subject}: paths are tracked for platforms only"
+            raise ValueError(message)
+        return certified_count(self.distances, self.sides, self.seed)
+
+
+def all_tasks(*, seed: int = SEED, characteristics: Sequence[int] = PRIMES) -> list[Task]:
+    """Return every task: repetitions last, and those with few solutions first."""
+    tasks = [task for c in characteristics for task in _tasks(c, seed)]
+    return sorted(tasks, key=lambda task: (task.repeats, task.expected))
+
+
+def _tasks(characteristic: int, seed: int) -> Iterator[Task]:
+    if characteristic:
+        for families in monodromy_counts():
+            yield Task(families, 1, characteristic, seed)
+    for family in all_families():
+        subject = " ".join(kind.name for kind in family.distances)
+        yield Task(subject, 1, characteristic, seed)
+        task = Task(subject, 2, characteristic, seed)
+        if any(kind.has_sides for kind in family.distances) and task.expected <= EXACT_LIMIT:
+            yield task
+
+
+@cache
+def monodromy_counts() -> dict[str, int]:
+    """Return the counts of the start systems: the 119 intersection numbers by monodromy."""
+    counts: dict[str, int] = data_json("start-systems", "manifest.json")["counts"]
+    return counts
