@@ -151,8 +151,8 @@ def _complain(result: SolveResult, *, certified: bool) -> None:
     if missing:
         message = (
             f"{missing} of {result.expected} expected solutions could not be made out: the "
-            "platform is too near a special position\n"
-            "change a value a little with --set, and compare"
+            "platform is in or near a special position\n"
+            "try another --seed, or change a value a little with --set and compare"
         )
         raise IncompleteError(message)
     if certified and counts.certified < counts.found:

@@ -31,6 +31,8 @@ Index = NDArray[np.int64]
 _EPS = float(np.finfo(float).eps)
 #: Kernel bases that are worse conditioned than this are left to `intersection`.
 _KERNEL = 1e4
+#: And so are spheres that differ by less than this.
+_DIFFERENCE = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,6 +210,8 @@ def generic_positions(given: Surfaces) -> tuple[Field, Array, NDArray[np.bool_]]
     if k == 0:
         points, errors, ok = generic_roots(quadrics)
         return points[:, None], errors[:, None], ok[:, None]
+    # Spheres that nearly coincide leave a plane that is mostly rounding error.
+    sound = (np.abs(linear).max(axis=-1) > _DIFFERENCE).all(axis=-1)
     linear = normalised(linear)
     bordered = np.empty((f, s, 4, 4), linear.dtype)
     bordered[..., :k, :] = linear
@@ -225,7 +229,7 @@ def generic_positions(given: Surfaces) -> tuple[Field, Array, NDArray[np.bool_]]
         # Exactly singular somewhere: planes are parallel or surfaces touch.
         shape = (f, s, 2 ** quadrics.shape[1])
         return np.full((*shape, 4), np.nan), np.full(shape, np.inf), np.zeros((f, s), bool)
-    return X, (errors + _EPS) * size[..., None], ok & (size < _KERNEL)
+    return X, (errors + _EPS) * size[..., None], ok & sound & (size < _KERNEL)
 
 
 def _corrected(linear: Field, quadrics: Field, X: Field) -> Field:

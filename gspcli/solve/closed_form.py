@@ -41,6 +41,8 @@ _PARALLEL = 1e-9
 _NEARLY_PARALLEL = 1e-6
 #: Forms X of norm 1 with a smaller first coordinate are at infinity.
 _INFINITY = 1e-12
+#: About how many samples of infinite sets are examined for motions.
+_SAMPLES = 8
 #: Error of rotations on components.
 _SAMPLE_ACCURACY = 1e-12
 _EPS = float(np.finfo(float).eps)
@@ -231,7 +233,8 @@ class _Ledger:
         """Return the largest motion through a sample, a real one if there is any."""
         found = []
         moving = arrangement.with_values(values) if self.samples else arrangement
-        for R, T in self.samples:
+        spread = max(1, len(self.samples) // _SAMPLES)
+        for R, T in self.samples[::spread]:
             motion = local_motion(moving, R, arrangement.restored(R, T, length))
             if motion is not None:
                 found.append(motion)

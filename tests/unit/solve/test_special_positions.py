@@ -110,6 +110,16 @@ def test_spheres_that_meet_only_at_infinity(centres, radii):
     assert result.counts.at_infinity == 16
 
 
+def test_equal_spheres_are_infinite():
+    result = solved(
+        *spheres((at(1, 0, 0), 2), (at(1, 0, 0), 2)),
+        ("DPH", P, Plane(ORIGIN, Z), 1, Side.POSITIVE),
+        *angles(60),
+    )
+    assert result.verdict == "infinite"
+    assert result.motions[0].dimension == 1
+
+
 def test_coaxial_cylinders_are_infinite_or_empty():
     def pair(radius):
         return solved(
