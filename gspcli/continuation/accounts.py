@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.continuation.dimension import local_dimension, real_point, sample_motion
+from gspcli.continuation.dimension import real_point, sample_motion, tangents
 from gspcli.continuation.endgame import find_ends
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.start import StartSystem
@@ -305,9 +305,14 @@ class _Attempt:
 
     def _curve(self, members: NDArray[np.intp], rng: np.random.Generator) -> Curve | None:
         point = self.points[members[0]]
-        dimension = local_dimension(self.products, self.target, point, rng)
+        directions = tangents(self.products, self.target, point, rng)
+        dimension, real = directions.shape[1], False
         if not dimension:
             return None
-        real = real_point(self.products, self.target, point, rng)
-        motion = sample_motion(self.products, self.target, point if real is None else real)
-        return Curve(dimension, self.points[members], motion, real is not None)
+        candidate = real_point(self.products, self.target, point)
+        if candidate is not None:
+            along = tangents(self.products, self.target, candidate, rng)
+            if along.shape[1] and not along.imag.any():
+                point, directions, real = candidate, along, True
+        motion = sample_motion(self.products, self.target, point, directions[:, 0])
+        return Curve(dimension, self.points[members], motion, real)

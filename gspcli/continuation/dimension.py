@@ -12,6 +12,7 @@ _RANK_TOLERANCE = 1e-6
 _DISTANCE = 0.03
 _ZERO = 1e-13
 _NEWTON_STEPS = 60
+_DAMPING = 0.01
 
 
 def kernel(products: NDArray[np.bool_], target: Coefficients, point: ComplexArray) -> ComplexArray:
@@ -21,123 +22,135 @@ def kernel(products: NDArray[np.bool_], target: Coefficients, point: ComplexArra
     jacobian = target.jacobians(products, point[None])[0]
     size = np.linalg.norm(jacobian, axis=1, keepdims=True)
     rows = np.vstack([jacobian / np.where(size > 0, size, 1.0), point.conj()[None]])
-    _, values, basis = np.linalg.svd(rows)
-    return np.asarray(basis[values < _RANK_TOLERANCE].conj().T)
+    # A real basis if there is one.
+    _, values, basis = np.linalg.svd(rows if rows.imag.any() else rows.real)
+    return np.asarray(basis[values < _RANK_TOLERANCE].conj().T, dtype=np.complex128)
 
 
 def correct(
     products: NDArray[np.bool_], target: Coefficients, points: ComplexArray
 ) -> tuple[ComplexArray, NDArray[np.bool_]]:
-    """Move points (n, 8) of norm 1 to the nearest solutions, singular ones included.
+    """Move points (n, 8) of norm 1 to near solutions, singular ones included.
 
-    The Levenberg-Marquardt method with the norm of the residual as damping, which converges
-    quadratically to solution sets of any dimension if they are smooth and reduced. Real points
-    stay real if the system is.
+    The Levenberg-Marquardt method with damping proportional to the residual, which converges
+    quadratically to solution sets of any dimension if they are smooth and reduced, and linearly
+    if they are multiple. Real points stay real if the system is.
 
     Returns
     -------
     points, converged
         Shapes (n, 8) and (n,).
     """
+    points = points.copy()
+    values = target.values(products, points)
     for _ in range(_NEWTON_STEPS):
-        values = target.values(products, points)
         size = np.linalg.norm(values, axis=1)
-        if (size < _ZERO).all():
+        active = np.flatnonzero((size >= _ZERO) & np.isfinite(size))
+        if not len(active):
             break
-        jacobian = target.jacobians(products, points)
+        jacobian = target.jacobians(products, points[active])
         adjoint = jacobian.conj().swapaxes(1, 2)
-        damped = jacobian @ adjoint + np.maximum(size, 1e-12)[:, None, None] * np.eye(7)
-        step = (adjoint @ np.linalg.solve(damped, values[..., None]))[..., 0]
-        points = points - np.where(size < _ZERO, 0.0, 1.0)[:, None] * step
-        points = points / np.linalg.norm(points, axis=1, keepdims=True)
-    return points, np.linalg.norm(target.values(products, points), axis=1) < _ZERO
+        damping = _DAMPING * np.maximum(size[active], _ZERO)
+        damped = jacobian @ adjoint + damping[:, None, None] * np.eye(7)
+        steps = adjoint @ np.linalg.solve(damped, values[active, :, None])
+        moved = points[active] - steps[..., 0]
+        points[active] = moved / np.linalg.norm(moved, axis=1, keepdims=True)
+        values[active] = target.values(products, points[active])
+    return points, np.linalg.norm(values, axis=1) < _ZERO
 
 
-def local_dimension(
+def tangents(
     products: NDArray[np.bool_],
     target: Coefficients,
     point: ComplexArray,
     rng: np.random.Generator,
-) -> int:
-    """Estimate the dimension of the solution set at a solution (0 for an isolated one).
+) -> ComplexArray:
+    """Estimate the tangent directions of the solution set at a solution.
 
     Points at a small distance in random directions of the kernel are moved to nearby solutions.
     At an isolated solution they return to it or do not converge; on a solution set of dimension
     d they arrive at points around it whose differences span d directions. Evidence, no proof.
-    """
-    basis = kernel(products, target, point)
-    if not basis.shape[1]:
-        return 0
-    real = not any(np.abs(x.imag).max(initial=0.0) > 0 for x in (point, *target))
-    count = 4 * basis.shape[1] + 4
-    weights = rng.standard_normal((count, basis.shape[1])).astype(np.complex128)
-    if not real:
-        weights += 1j * rng.standard_normal(weights.shape)
-    weights /= np.linalg.norm(weights, axis=1, keepdims=True)
-    moved, converged = correct(products, target, point + _DISTANCE * weights @ basis.T)
-    shifts = (moved * (np.vdot(point, point) / (moved @ point.conj()))[:, None]) - point
-    distance = np.linalg.norm(shifts, axis=1)
-    near = converged & (distance > _DISTANCE / 10) & (distance < 5 * _DISTANCE)
-    if near.sum() < count // 4:
-        return 0
-    directions = shifts[near] / distance[near, None]
-    values = np.linalg.svd(directions, compute_uv=False)
-    return int((values > 0.15 * values[0]).sum())
-
-
-def sample_motion(
-    products: NDArray[np.bool_], target: Coefficients, point: ComplexArray, steps: int = 24
-) -> ComplexArray:
-    """Return consecutive solutions along a positive-dimensional solution set, from a point on it.
 
     Returns
     -------
     ndarray
-        Shape (at most steps + 1, 8), norm 1; the point alone if no step succeeds. Real if the
+        An orthonormal basis, shape (8, d), with d = 0 for an isolated solution. Real if the
         point and the system are.
     """
+    basis = kernel(products, target, point)
+    count = 4 * basis.shape[1] + 4
+    weights = rng.standard_normal((count, basis.shape[1])).astype(np.complex128)
+    if basis.imag.any():
+        weights += 1j * rng.standard_normal(weights.shape)
+    directions = weights @ basis.T
+    directions /= np.maximum(np.linalg.norm(directions, axis=1, keepdims=True), 1e-300)
+    moved, converged = correct(products, target, point + _DISTANCE * directions)
+    shifts = moved / (moved @ point.conj())[:, None] - point
+    distance = np.linalg.norm(shifts, axis=1)
+    near = converged & (distance > _DISTANCE / 10) & (distance < 5 * _DISTANCE)
+    if not basis.shape[1] or near.sum() < count // 4:
+        return np.zeros((8, 0), dtype=np.complex128)
+    shifts = shifts[near] / distance[near, None]
+    _, values, spanned = np.linalg.svd(shifts if shifts.imag.any() else shifts.real)
+    dimension = int((values > 0.15 * values[0]).sum())
+    return np.asarray(spanned[:dimension].conj().T, dtype=np.complex128)
+
+
+def sample_motion(
+    products: NDArray[np.bool_],
+    target: Coefficients,
+    point: ComplexArray,
+    direction: ComplexArray,
+    steps: int = 24,
+) -> ComplexArray:
+    """Return consecutive solutions along a positive-dimensional solution set.
+
+    Parameters
+    ----------
+    point
+        A solution on it, shape (8,).
+    direction
+        One of its `tangents`, shape (8,).
+
+    Returns
+    -------
+    ndarray
+        Shape (at most steps + 1, 8), norm 1, beginning with the point. Real if the arguments are.
+    """
+    real = not (point.imag.any() or direction.imag.any())
     motion = [point]
-    direction = None
     for _ in range(steps):
         basis = kernel(products, target, motion[-1])
-        if not basis.shape[1]:
+        tangent = basis @ (basis.conj().T @ direction)
+        length = np.linalg.norm(tangent)
+        if not length > 0:
             break
-        tangent = basis[:, 0] if direction is None else basis @ (basis.conj().T @ direction)
-        tangent = tangent / np.linalg.norm(tangent)
-        moved, converged = correct(products, target, (motion[-1] + 2 * _DISTANCE * tangent)[None])
-        following = moved[0] * np.exp(-1j * np.angle(np.vdot(motion[-1], moved[0])))
-        if not point.imag.any():
-            following = moved[0]
-        if not converged[0] or np.linalg.norm(following - motion[-1]) < _DISTANCE / 10:
+        trial = motion[-1] + 2 * _DISTANCE * tangent / length
+        moved, converged = correct(products, target, (trial / np.linalg.norm(trial))[None])
+        phase = 1.0 if real else np.exp(-1j * np.angle(np.vdot(motion[-1], moved[0])))
+        direction = phase * moved[0] - motion[-1]
+        if not converged[0] or not _DISTANCE / 10 < np.linalg.norm(direction) < 10 * _DISTANCE:
             break
-        direction = following - motion[-1]
-        motion.append(following)
+        motion.append(phase * moved[0])
     return np.array(motion)
 
 
 def real_point(
-    products: NDArray[np.bool_],
-    target: Coefficients,
-    point: ComplexArray,
-    rng: np.random.Generator,
+    products: NDArray[np.bool_], target: Coefficients, point: ComplexArray
 ) -> ComplexArray | None:
-    """Look for a real point of the same positive-dimensional solution set, from a complex one.
+    """Look for a real finite solution near a complex one.
 
     Returns
     -------
     ndarray or None
-        Shape (8,), norm 1, zero imaginary parts; None if the system is not real, none was found,
-        or it is isolated or at infinity.
+        Shape (8,), norm 1, zero imaginary parts; None if the system is not real or none was
+        found.
     """
     if any(np.abs(x.imag).max(initial=0.0) > 0 for x in target):
         return None
-    phases = np.exp(1j * np.pi * np.arange(8) / 8)
-    candidates = (phases[:, None] * point).real.astype(np.complex128)
-    moved, converged = correct(
-        products, target, candidates / np.linalg.norm(candidates, axis=1, keepdims=True)
-    )
-    for candidate in moved[converged]:
-        finite = (candidate[:4] ** 2).sum().real > 1e-6
-        if finite and local_dimension(products, target, candidate, rng):
-            return np.asarray(candidate)
-    return None
+    # The phase that leaves the least imaginary part.
+    phase = np.exp(-0.5j * np.angle((point**2).sum()))
+    candidate = (phase * point).real.astype(np.complex128)
+    moved, converged = correct(products, target, candidate[None] / np.linalg.norm(candidate))
+    finite = (moved[0, :4] ** 2).sum().real > 1e-6
+    return moved[0] if converged[0] and finite else None

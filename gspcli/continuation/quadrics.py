@@ -84,8 +84,8 @@ def gradients(quadrics: NDArray[np.inexact], points: NDArray[np.inexact]) -> NDA
     """Return the gradients ``(P, K, 8)`` of quadrics ``(K, 27)`` at points ``(P, 8)``."""
     a, b, c = unpack(quadrics)
     e, f = points[:, None, :4], points[:, None, 4:]
-    by_e = np.einsum("kij,psj->pki", 2 * a, e) + np.einsum("kij,psj->pki", b, f)
-    by_f = np.einsum("kij,psi->pkj", b, e) + 2 * c[:, None] * f
+    by_e = (2 * a @ e[..., None] + b @ f[..., None])[..., 0]
+    by_f = (e[..., None, :] @ b)[..., 0, :] + 2 * c[:, None] * f
     return np.concatenate([by_e, by_f], axis=-1)
 
 

@@ -126,18 +126,21 @@ class Coefficients(NamedTuple):
     def values(self, products: NDArray[np.bool_], points: ComplexArray) -> ComplexArray:
         """Return e.f and the six equations of one system at points (P, 8): shape (P, 7)."""
         e, f = points[:, :4], points[:, 4:]
-        g, h = evaluate(self.g, points), evaluate(self.h, points)
-        n = evaluate(NORM[None], points)
-        rows = np.where(products, g * h - self.tau * n**2, g)
+        rows = evaluate(self.g, points)
+        if products.any():
+            n = evaluate(NORM[None], points)
+            product = rows * evaluate(self.h, points) - self.tau * n**2
+            rows = np.where(products, product, rows)
         return np.concatenate([(e * f).sum(axis=1, keepdims=True), rows], axis=1)
 
     def jacobians(self, products: NDArray[np.bool_], points: ComplexArray) -> ComplexArray:
         """Return the derivatives of `values` at points (P, 8): shape (P, 7, 8)."""
-        g, h = evaluate(self.g, points)[..., None], evaluate(self.h, points)[..., None]
-        n = evaluate(NORM[None], points)[..., None]
-        dg, dh = gradients(self.g, points), gradients(self.h, points)
-        product = h * dg + g * dh - 2 * n * self.tau[:, None] * gradients(NORM[None], points)
-        rows = np.where(products[:, None], product, dg)
+        rows = gradients(self.g, points)
+        if products.any():
+            g, h = evaluate(self.g, points)[..., None], evaluate(self.h, points)[..., None]
+            n = evaluate(NORM[None], points)[..., None] * self.tau[:, None]
+            dh, dn = gradients(self.h, points), gradients(NORM[None], points)
+            rows = np.where(products[:, None], h * rows + g * dh - 2 * n * dn, rows)
         study = np.roll(points, 4, axis=1)[:, None, :]
         return np.concatenate([study, rows], axis=1)
 
