@@ -14,7 +14,6 @@ from gspcli.geometry.residuals import Arrangement
 from gspcli.solve.closed_form import solve_closed_form, solve_closed_forms
 from gspcli.solve.poses import PoseSet
 from gspcli.solve.result import SolveResult, stable_order
-from gspcli.solve.tracking import solve_by_tracking, solve_each_by_tracking
 
 #: The default seed of everything random.
 DEFAULT_SEED = 20031
@@ -40,14 +39,7 @@ def solve(
         Whether to prove each pose, and whether it is real, in ball arithmetic.
     """
     arrangement = Arrangement.of(instance)
-    if len(arrangement.angles) == MAX_ANGLES:
-        poses = solve_closed_form(arrangement)
-        if poses.lost:
-            # A special position that the closed form does not see through; paths may.
-            tracked = solve_by_tracking(arrangement, seed=seed, jobs=jobs)
-            poses = tracked if tracked.lost < poses.lost else poses
-    else:
-        poses = solve_by_tracking(arrangement, seed=seed, jobs=jobs)
+    poses = _poses(arrangement, seed, jobs)
     R, T = poses.R, poses.T
     real, certified = poses.real, np.zeros(len(R), bool)
     if certify and len(R):
@@ -99,8 +91,25 @@ def solve_values(
     arrangement = Arrangement.of(instance)
     if len(arrangement.angles) == MAX_ANGLES:
         return solve_closed_forms(arrangement, rows)
+    from gspcli.solve.tracking import solve_each_by_tracking
+
     each = (arrangement.with_values(row) for row in rows)
     return solve_each_by_tracking(each, seed=seed, jobs=jobs)
+
+
+def _poses(arrangement: Arrangement, seed: int, jobs: int) -> PoseSet:
+    """Return the poses by the method for the class of the platform."""
+    poses = None
+    if len(arrangement.angles) == MAX_ANGLES:
+        poses = solve_closed_form(arrangement)
+        if not poses.lost:
+            return poses
+    # Only now, because most of the start-up time of a 3D3A platform would go into this import.
+    from gspcli.solve.tracking import solve_by_tracking
+
+    # Paths may see through a special position that the closed form does not.
+    tracked = solve_by_tracking(arrangement, seed=seed, jobs=jobs)
+    return tracked if poses is None or tracked.lost < poses.lost else poses
 
 
 def _proved(
