@@ -1,8 +1,9 @@
-"""Random platforms as equations in Study coordinates, in the arithmetic of their numbers.
+"""Random platforms modulo a prime, as equations in Study coordinates.
 
-The same functions take integers modulo a prime and floating-point numbers. A linear function of
-the motion is a list of 26 coefficients, those of 1, R (by rows), T, U, rho and T x R in the order
-of `gspcli.certification.study`, whose forms are N times these functions.
+A linear function of the motion is a list of 26 coefficients, those of 1, R (by rows), T, U, rho
+and T x R in the order of `gspcli.certification.study`, whose forms are N times these functions.
+Numbers are integers that stand for their classes modulo the prime. Nothing is shared with the
+equations of the path tracker, so that the two ways of counting are independent.
 """
 
 from __future__ import annotations
@@ -11,16 +12,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from random import Random
-from typing import Any
 
-from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.catalogue.kinds import ALL, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.certification import study
 
-#: A number: an integer that stands for its class modulo a prime, or a float.
-Scalar = Any
-Vector = Sequence[Scalar]
+Vector = Sequence[int]
 #: Coefficients of 1, R, T, U, rho and T x R.
-Function = list[Scalar]
+Function = list[int]
 
 _FUNCTIONS = study.COUNT - 1
 _ROTATION = tuple(k for row in study.ROTATION for k in row)
@@ -51,8 +49,8 @@ class Equation:
 
     first: Function
     second: Function | None = None
-    weight: Scalar = 0
-    square: Scalar = 0
+    weight: int = 0
+    square: int = 0
 
 
 @dataclass(frozen=True)
@@ -63,7 +61,7 @@ class Body:
     frame: tuple[Vector, Vector, Vector]
 
 
-def equation(kind: Kind, platform: Body, base: Body, value: Scalar, *, sides: int = 1) -> Equation:
+def equation(kind: Kind, platform: Body, base: Body, value: int, *, sides: int = 1) -> Equation:
     """Return the equation of a constraint (Section 4).
 
     Parameters
@@ -79,24 +77,27 @@ def equation(kind: Kind, platform: Body, base: Body, value: Scalar, *, sides: in
     """
     y, (u, *around_u) = platform.point, platform.frame
     x, (v, *around_v) = base.point, base.frame
+    square = value * value
     if not kind.is_distance:
         return Equation(_function(one=-value, rotation=_outer(v, u)))
     if kind is DPP:
-        one = _dot(x, x) + _dot(y, y) - value * value
+        one = _dot(x, x) + _dot(y, y) - square
         rotation = _outer([-2 * entry for entry in x], y)
         return Equation(
             _function(one, rotation, [-2 * entry for entry in x], [2 * entry for entry in y], 1)
         )
     if kind is DPL:
-        return Equation(*(_above_base(y, x, n) for n in around_v), 1, value * value)
+        first, second = (_above_base(y, x, n) for n in around_v)
+        return Equation(first, second, 1, square)
     if kind is DLP:
-        return Equation(*(_above_platform(y, x, n) for n in around_u), 1, value * value)
+        first, second = (_above_platform(y, x, n) for n in around_u)
+        return Equation(first, second, 1, square)
     if kind is DLL:
         cosine = _function(rotation=_outer(v, u))
-        return Equation(_mutual_moment(y, x, u, v), cosine, value * value, value * value)
+        return Equation(_mutual_moment(y, x, u, v), cosine, square, square)
     height = _above_base(y, x, v) if kind is DPH else _above_platform(y, x, u)
     if sides == 2:
-        return Equation(height, _function(), 0, value * value)
+        return Equation(height, _function(), 0, square)
     height[study.NORM] -= value
     return Equation(height)
 
@@ -119,25 +120,25 @@ def _mutual_moment(y: Vector, x: Vector, u: Vector, v: Vector) -> Function:
 
 
 def _function(
-    one: Scalar = 0,
-    rotation: Sequence[Scalar] = (0,) * 9,
+    one: int = 0,
+    rotation: Sequence[int] = (0,) * 9,
     translation: Vector = (0,) * 3,
     body: Vector = (0,) * 3,
-    rho: Scalar = 0,
-    moment: Sequence[Scalar] = (0,) * 9,
+    rho: int = 0,
+    moment: Sequence[int] = (0,) * 9,
 ) -> Function:
     return [one, *rotation, *translation, *body, rho, *moment]
 
 
-def _dot(a: Vector, b: Vector) -> Scalar:
+def _dot(a: Vector, b: Vector) -> int:
     return sum(p * q for p, q in zip(a, b, strict=True))
 
 
-def _cross(a: Vector, b: Vector) -> list[Scalar]:
+def _cross(a: Vector, b: Vector) -> list[int]:
     return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
 
 
-def _outer(a: Vector, b: Vector) -> list[Scalar]:
+def _outer(a: Vector, b: Vector) -> list[int]:
     return [p * q for p in a for q in b]
 
 
@@ -148,20 +149,16 @@ def random_platform(
 
     Directions come from random quaternions, so that they and the frames about them have
     rational coordinates. The square of a distance is the square of a random number; the cosine
-    of an angle is a random number.
+    of an angle is a random number; the angles are ALL.
     """
 
     def body() -> Body:
         return Body([random.randrange(prime) for _ in range(3)], _random_frame(prime, random))
 
-    equations = [
+    return [
         equation(kind, body(), body(), random.randrange(1, prime), sides=sides)
-        for kind in distances
+        for kind in [*distances, *[ALL] * angles]
     ]
-    for _ in range(angles):
-        u, v = body().frame[0], body().frame[0]
-        equations.append(Equation(_function(-random.randrange(prime), _outer(v, u))))
-    return equations
 
 
 def _random_frame(prime: int, random: Random) -> tuple[Vector, Vector, Vector]:
@@ -195,7 +192,7 @@ def quadrics() -> tuple[dict[tuple[int, ...], int], ...]:
     found: list[dict[tuple[int, ...], int]] = []
     for start in range(0, len(rows), 64):
         hessian = rows[start : start + 64]
-        polynomial = {}
+        polynomial: dict[tuple[int, ...], int] = {}
         for i in range(8):
             for j in range(i, 8):
                 coefficient = hessian[8 * i + j] // (2 if i == j else 1)

@@ -96,8 +96,8 @@ def quotient_dimension(
         given, answer = Path(folder, "in"), Path(folder, "out")
         given.write_text(_system(polynomials, prime), encoding="utf-8")
         # -g 1: the leading monomials, in the order by degree and then reverse lexicographic.
-        algebra = "2" if exact else "44"
-        command = [_program(), "-g", "1", "-l", algebra, "-t", "1", "-f", given, "-o", answer]
+        options = ["-g", "1", "-t", "1", "-l", "2" if exact else "44"]
+        command = [_program(), *options, "-f", given, "-o", answer]
         try:
             run = subprocess.run(command, capture_output=True, text=True, timeout=timeout_s)
         except subprocess.TimeoutExpired:
@@ -143,9 +143,7 @@ def _system(polynomials: Iterable[Polynomial], prime: int) -> str:
         for indices, coefficient in polynomial.items():
             # e0 is 1. msolve does not understand e1*e1.
             name = "".join(
-                f"*{variable}^{indices.count(i)}"
-                for i, variable in _NAMES.items()
-                if i in indices
+                f"*{variable}^{indices.count(i)}" for i, variable in _NAMES.items() if i in indices
             )
             terms[name] = (terms.get(name, 0) + coefficient) % prime
         texts.append("+".join(f"{value}{name}" for name, value in terms.items() if value))

@@ -1,18 +1,20 @@
-"""The work file: a line of JSON for each task that is done, so that work can be taken up again."""
+"""Doing many tasks, with a work file: a line of JSON for each, so that work can be taken up."""
 
 from __future__ import annotations
 
 import json
 import os
 import time
-from collections.abc import Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, wait
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, ProcessPoolExecutor, wait
 from dataclasses import asdict, dataclass
 from itertools import islice
+from multiprocessing import get_context
 from pathlib import Path
 
 from gspcli.atlas.tasks import Task
 from gspcli.errors import GspError
+from gspcli.progress import Progress, silent
 
 
 @dataclass(frozen=True)
@@ -77,31 +79,73 @@ def measure(task: Task, timeout_s: float | None = None) -> Result:
 
 
 def run_tasks(
-    tasks: Iterable[Task], executor: Executor, *, timeout_s: float | None = None, ahead: int = 4
+    tasks: Sequence[Task], *, jobs: int = 1, timeout_s: float | None = None
 ) -> Iterator[Result]:
-    """Yield results as they become known.
+    """Yield the results of tasks as they become known.
 
     Parameters
     ----------
     tasks
         What to do, begun in this order.
-    executor
-        Where: threads of this machine suffice, as the work is done by other programs.
+    jobs
+        How many processes work at once; 1 works in this one.
     timeout_s
         When to give up a task.
-    ahead
-        How many tasks are handed to the executor at once.
     """
+    if jobs == 1:
+        yield from (measure(task, timeout_s) for task in tasks)
+        return
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as executor:
+        yield from _run_on(executor, tasks, 2 * jobs, timeout_s)
+
+
+def _run_on(
+    executor: Executor, tasks: Iterable[Task], ahead: int, timeout_s: float | None
+) -> Iterator[Result]:
+    """Keep an executor busy, with a number of tasks handed over ahead."""
     waiting = iter(tasks)
     running = {executor.submit(measure, task, timeout_s) for task in islice(waiting, ahead)}
     try:
         while running:
             done, running = wait(running, return_when=FIRST_COMPLETED)
-            for future in done:
-                yield future.result()
             running |= {
                 executor.submit(measure, task, timeout_s) for task in islice(waiting, len(done))
             }
+            for future in done:
+                yield future.result()
     finally:
         for future in running:
             future.cancel()
+
+
+def carry_out(
+    tasks: Iterable[Task],
+    *,
+    journal: Path | None = None,
+    jobs: int = 1,
+    timeout_s: float | None = None,
+    progress: Progress = silent,
+) -> dict[Task, Result]:
+    """Return the results of tasks, those in the work file taken from there.
+
+    Parameters
+    ----------
+    tasks
+        What is wanted.
+    journal
+        The work file, which each new result is added to at once; None keeps no record.
+    jobs, timeout_s
+        As for `run_tasks`.
+    progress
+        Who is told.
+    """
+    wanted = list(tasks)
+    known = read_journal(journal) if journal else {}
+    results = {task: known[task] for task in wanted if task in known}
+    missing = [task for task in wanted if task not in results]
+    new = run_tasks(missing, jobs=jobs, timeout_s=timeout_s)
+    for result in progress(new, total=len(missing), label="counting solutions"):
+        results[result.task] = result
+        if journal:
+            append(journal, result)
+    return results

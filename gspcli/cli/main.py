@@ -25,6 +25,7 @@ COMMANDS = (
     "check",
     "solve",
     "certify",
+    "atlas",
 )
 
 INTERRUPTED = 130

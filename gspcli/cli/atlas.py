@@ -1,0 +1,261 @@
+"""`gsp atlas`: the generic counts of all types in summary, verified, built anew."""
+
+from __future__ import annotations
+
+import os
+import random
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.output import Column, Output, Table, emit, output_options, write_whole
+from gspcli.cli.progress import progress
+from gspcli.errors import CheckFailed, IncompleteError
+
+if TYPE_CHECKING:
+    from gspcli.atlas.journal import Result
+
+#: What `verify --fast` does: so many tasks, of at most so many solutions.
+_FAST = (40, 256)
+
+_jobs = click.option(
+    "--jobs",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Processes that work at once.  [default: all cores]",
+)
+_work = click.option(
+    "--work",
+    "journal",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Work file: what is done is kept there and not done again.",
+)
+_timeout = click.option(
+    "--timeout",
+    type=click.FloatRange(0, min_open=True),
+    metavar="SECONDS",
+    help="Give up a Gröbner basis after so long.",
+)
+
+
+@click.group
+def command() -> None:
+    """Show, verify or rebuild the generic counts of all types.
+
+    A generic count is what almost every platform of a type has over the complex numbers. Each
+    was established by Gröbner bases of random platforms modulo two primes (msolve) and by
+    tracking paths to a random real platform and proving its poses to be different.
+    """
+
+
+@command.command
+@output_options()
+def summary(output: Output) -> None:
+    """Summarize the generic counts by class, and how sharp the bounds are.
+
+    \b
+    Examples:
+      gsp atlas summary
+      gsp atlas summary --format markdown
+    """
+    from gspcli.atlas.summary import bound_summaries, class_summaries
+    from gspcli.catalogue.counts import all_families, family_counts
+
+    methods = [family_counts(family).established for family in all_families()]
+    established = [
+        f"{methods.count(m)} of {len(methods)} families: {m.meaning}"
+        for m in dict.fromkeys(methods)
+    ]
+    emit(
+        output,
+        [
+            Table(
+                columns=[
+                    Column("name", "class", essential=True),
+                    Column("sides", essential=True),
+                    *_numbers("types", "smallest", "median", "largest"),
+                    Column("of_largest", "largest for"),
+                    *_numbers("different"),
+                ],
+                rows=[vars(s) for s in class_summaries()],
+                title="Generic counts",
+                notes=established,
+            ),
+            Table(
+                columns=[
+                    Column("bound", essential=True),
+                    Column("name", "class", essential=True),
+                    *_numbers("types", "sharp"),
+                    Column("median", "median factor", align="right"),
+                    Column("largest", "largest factor", align="right"),
+                    Column("of_largest", "largest for"),
+                ],
+                rows=[
+                    {**vars(s), "median": float(s.median), "largest": float(s.largest)}
+                    for s in bound_summaries()
+                ],
+                title="Bounds against generic counts",
+                notes=[
+                    "sharp: the bound is the count; factor: by what it exceeds it. Table 3 counts",
+                    "one of the two planes of a DLL and is compared with that count.",
+                ],
+            ),
+        ],
+    )
+
+
+def _numbers(*keys: str) -> list[Column]:
+    return [Column(key, align="right", essential=True) for key in keys]
+
+
+@command.command
+@click.option("--fast", is_flag=True, help="A random sample of small ones: a few seconds.")
+@click.option(
+    "--method",
+    type=click.Choice(["groebner", "tracking", "both"]),
+    help="How to count.  [default: both, or tracking alone without msolve]",
+)
+@click.option(
+    "--seed",
+    type=int,
+    help="Other random platforms, and another sample.  [default: those of the record]",
+)
+@_jobs
+@_timeout
+@_work
+@output_options()
+def verify(
+    fast: bool,
+    method: str | None,
+    seed: int | None,
+    jobs: int | None,
+    timeout: float | None,
+    journal: Path | None,
+    output: Output,
+) -> None:
+    """Count again and compare with the record; exit with 1 if anything differs.
+
+    Without --fast everything is counted: platforms of all types, and general quadrics of
+    the 119 families. That takes hours; --work FILE lets it be interrupted and taken up again.
+
+    \b
+    Examples:
+      gsp atlas verify --fast
+      gsp atlas verify --fast --seed 7 --method tracking
+      gsp atlas verify --work verify.jsonl
+    """
+    from gspcli.atlas.groebner import msolve_path
+    from gspcli.atlas.journal import carry_out
+    from gspcli.atlas.records import recorded
+    from gspcli.atlas.tasks import PRIMES, SEED, all_tasks
+
+    chosen = method or ("both" if msolve_path() else "tracking")
+    characteristics = (0,) * (chosen != "groebner") + PRIMES * (chosen != "tracking")
+    seed = SEED if seed is None else seed
+    tasks = all_tasks(seed=seed, characteristics=characteristics)
+    if fast:
+        size, largest = _FAST
+        tasks = random.Random(seed).sample([t for t in tasks if recorded(t) <= largest], size)
+    results = carry_out(
+        tasks, journal=journal, jobs=_processes(jobs), timeout_s=timeout, progress=progress
+    )
+    verdicts = [(r, recorded(r.task)) for r in map(results.__getitem__, tasks)]
+    wrong = [r for r, count in verdicts if r.count not in (None, count)]
+    unfinished = [r for r, _ in verdicts if r.count is None]
+    emit(output, [_verified(verdicts), *([_differing(wrong)] if wrong else [])])
+    if wrong:
+        message = f"{len(wrong)} of {len(results)} counts differ from the record"
+        raise CheckFailed(message)
+    if unfinished:
+        message = f"{len(unfinished)} of {len(results)} counts were not finished: raise --timeout"
+        raise IncompleteError(message)
+
+
+def _processes(jobs: int | None) -> int:
+    return jobs or os.cpu_count() or 1
+
+
+def _verified(verdicts: Sequence[tuple[Result, int]]) -> Table:
+    """Say for each method how many counts were as recorded."""
+    rows: list[dict[str, Any]] = []
+    for characteristic in dict.fromkeys(r.task.characteristic for r, _ in verdicts):
+        of_method = [(r, n) for r, n in verdicts if r.task.characteristic == characteristic]
+        rows.append(
+            {
+                "method": f"Gröbner bases modulo {characteristic}"
+                if characteristic
+                else "tracking",
+                "counts": len(of_method),
+                "equal": sum(r.count == n for r, n in of_method),
+                "different": sum(r.count not in (None, n) for r, n in of_method),
+                "unfinished": sum(r.count is None for r, _ in of_method),
+            }
+        )
+    columns = [Column("method", essential=True)]
+    return Table([*columns, *_numbers("counts", "equal", "different", "unfinished")], rows)
+
+
+def _differing(wrong: Sequence[Result]) -> Table:
+    from gspcli.atlas.records import recorded
+
+    return Table(
+        columns=[
+            Column("subject", essential=True),
+            *_numbers("sides", "characteristic", "recorded", "counted"),
+        ],
+        rows=[{**vars(r.task), "recorded": recorded(r.task), "counted": r.count} for r in wrong],
+        title="Different from the record",
+    )
+
+
+@command.command
+@click.option(
+    "-o",
+    "--output",
+    "folder",
+    type=click.Path(file_okay=False, path_type=Path),
+    required=True,
+    metavar="DIRECTORY",
+    help="Where to write, such as data/counts.",
+)
+@click.option("--check", is_flag=True, help="Compare instead of writing; exit 1 if it differs.")
+@_jobs
+@_timeout
+@_work
+def build(
+    folder: Path, check: bool, jobs: int | None, timeout: float | None, journal: Path | None
+) -> None:
+    """Count everything and write the record, to the same bytes each time.
+
+    This takes hours and needs msolve. Use --work FILE, so that it can be interrupted and taken
+    up again. What is not finished within --timeout is recorded as not established.
+
+    \b
+    Examples:
+      gsp atlas build --work counts.jsonl -o data/counts
+      gsp atlas build --work counts.jsonl -o data/counts --check
+    """
+    from gspcli.atlas.journal import carry_out
+    from gspcli.atlas.records import build_tasks, contents, differences
+
+    results = carry_out(
+        build_tasks(),
+        journal=journal,
+        jobs=_processes(jobs),
+        timeout_s=timeout,
+        progress=progress,
+    )
+    files = contents(results)
+    if check:
+        if different := differences(folder, files):
+            message = f"{folder}: what was built differs: {', '.join(different)}"
+            raise CheckFailed(message)
+        click.echo(f"{folder}: {len(files)} files confirmed", err=True)
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in files.items():
+        write_whole(folder / name, text)
+    click.echo(f"{folder}: {len(results)} counts recorded", err=True)
