@@ -30,7 +30,9 @@ from gspcli.continuation.tracker import (
 
 _ATTEMPTS = 4
 _INFINITE = 1e-10
-_CONDITION = 1e8
+_CONDITION = 1e6
+_ENDGAME_CONDITION = 1e10
+_END_ERROR = 1e-6
 _CORRECTION = 1e-9
 _SAME = 1e-6
 _KEY = np.exp(1j * np.arange(8) ** 2) / np.sqrt(8)
@@ -74,13 +76,18 @@ def norms(points: ComplexArray) -> FloatArray:
     return np.abs((points[..., :4] ** 2).sum(axis=-1))
 
 
-def trusted(results: PathResults) -> NDArray[np.bool_]:
-    """Return which ends (B, P) are at well determined regular solutions."""
+def well_conditioned(
+    status: NDArray[np.uint8], condition: FloatArray, correction: FloatArray, limit: float
+) -> NDArray[np.bool_]:
+    """Return which ends are at regular solutions with a condition below a limit."""
     return np.asarray(
-        (results.status == PathStatus.REGULAR)
-        & (results.condition < _CONDITION)
-        & (results.correction < _CORRECTION)
+        (status == PathStatus.REGULAR) & (condition < limit) & (correction < _CORRECTION)
     )
+
+
+def trusted(results: PathResults) -> NDArray[np.bool_]:
+    """Return which ends (B, P) are at regular solutions so good that no endgame is needed."""
+    return well_conditioned(results.status, results.condition, results.correction, _CONDITION)
 
 
 def clusters(points: ComplexArray, distance: float = _SAME) -> list[NDArray[np.intp]]:
@@ -208,6 +215,7 @@ class _Attempt:
         self.status = results.status[0].copy()
         self.condition = results.condition[0].copy()
         self.residual = results.residual[0].copy()
+        self.correction = results.correction[0].copy()
         self.regular = trusted(results)[0]
 
     def account(self, seed: int) -> Account:
@@ -231,7 +239,7 @@ class _Attempt:
         results = _track(
             self.start, self.origin, self.target, self.start.points[index], options, self.jobs
         )
-        for name in ("points", "t", "status", "condition", "residual"):
+        for name in ("points", "t", "status", "condition", "residual", "correction"):
             getattr(self, name)[index] = getattr(results, name)[0]
         self.regular[index] = trusted(results)[0]
 
@@ -244,25 +252,47 @@ class _Attempt:
         index = np.flatnonzero(~self.regular)
         if not len(index):
             return winding
-        radius = CAREFUL.waypoint
-        # Those that were stopped elsewhere than at the waypoint are tracked there once more.
-        away = index[self.t[index] != 1 - radius]
-        if len(away):
-            near = self.origin.towards(self.target, 1 - radius)
-            results = _track(
-                self.start, self.origin, near, self.start.points[away], CAREFUL, self.jobs
-            )
-            arrived = results.status[0] == PathStatus.REGULAR
-            self.points[away] = results.points[0]
-            winding[away[~arrived]] = -1
-            index = index[winding[index] == 0]
-        ends = find_ends(self.products, self.origin, self.target, self.points[index], radius)
-        values = self.target.values(self.products, np.nan_to_num(ends.points))
-        known = (ends.error < 1e-5) & (np.abs(values).max(axis=1) < 1e-9 + ends.error)
+        ends = find_ends(
+            self.products, self.origin, self.target, self._waypoints(index), CAREFUL.waypoint
+        )
+        known = ends.error < _END_ERROR
+        # Two solutions so near to each other that every circle is around the branch point too:
+        # what Newton's method found stands.
+        nearly = ~known & well_conditioned(
+            self.status[index], self.condition[index], self.correction[index], _ENDGAME_CONDITION
+        )
+        self.regular[index[nearly]] = True
         self.points[index[known]] = ends.points[known]
-        winding[index] = np.where(known, ends.winding, -1)
-        self.condition[index] = np.inf
+        self.condition[index[known]] = np.inf
+        winding[index] = np.where(known, ends.winding, np.where(nearly, 0, -1))
+        self._recognize_regular(index[known & (ends.winding == 1)], winding)
         return winding
+
+    def _waypoints(self, index: NDArray[np.intp]) -> ComplexArray:
+        """Return the points of some paths where the endgame starts; NaN if not reached."""
+        points = self.points[index]
+        away = np.flatnonzero(self.t[index] != 1 - CAREFUL.waypoint)
+        if len(away):
+            near = self.origin.towards(self.target, 1 - CAREFUL.waypoint)
+            starts = self.start.points[index[away]]
+            results = _track(self.start, self.origin, near, starts, CAREFUL, self.jobs)
+            arrived = results.status[0] == PathStatus.REGULAR
+            points[away] = np.where(arrived[:, None], results.points[0], np.nan)
+        return points
+
+    def _recognize_regular(self, index: NDArray[np.intp], winding: NDArray[np.int64]) -> None:
+        """Treat ends of unbranched paths as regular if Newton's method confirms them."""
+        results = _track(
+            self.start, self.target, self.target, self.points[index], PARANOID, self.jobs
+        )
+        regular = well_conditioned(
+            results.status[0], results.condition[0], results.correction[0], _ENDGAME_CONDITION
+        )
+        chosen = index[regular]
+        for name in ("points", "condition", "residual"):
+            getattr(self, name)[chosen] = getattr(results, name)[0][regular]
+        self.regular[chosen] = True
+        winding[chosen] = 0
 
     def _classify(self, winding: NDArray[np.int64], rng: np.random.Generator) -> Account:
         lost = int((winding < 0).sum())

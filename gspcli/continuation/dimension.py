@@ -88,6 +88,9 @@ def tangents(
     shifts = moved / (moved @ point.conj())[:, None] - point
     distance = np.linalg.norm(shifts, axis=1)
     near = converged & (distance > _DISTANCE / 10) & (distance < 5 * _DISTANCE)
+    # The whole solution set around is singular; another isolated solution in general is not.
+    for i in np.flatnonzero(near):
+        near[i] = kernel(products, target, moved[i]).shape[1] > 0
     if not basis.shape[1] or near.sum() < count // 4:
         return np.zeros((8, 0), dtype=np.complex128)
     shifts = shifts[near] / distance[near, None]

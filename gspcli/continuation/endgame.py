@@ -20,8 +20,9 @@ from gspcli.continuation.tracker import CAREFUL, PathStatus, track
 _SAMPLES = 8
 _MAX_WINDING = 16
 _SHRINK = 8.0
-_ROUNDS = 6
-_ACCURACY = 1e-12
+_ROUNDS = 11
+_ACCURACY = 1e-8
+_RESIDUAL = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +34,8 @@ class Ends:
     winding: NDArray[np.int64]
     """Winding numbers, shape (k,); 0 where no loop closed."""
     error: FloatArray
-    """Estimated error of the points, shape (k,); infinite where unknown."""
+    """How much the mean of every other point differs, shape (k,); the error of `points` is far
+    smaller, with eight points its square. Infinite where unknown or no solution."""
 
 
 def find_ends(
@@ -55,7 +57,7 @@ def find_ends(
     start, target
         The systems at t = 0 and t = 1.
     points
-        Shape (k, 8).
+        Shape (k, 8); the ends of those that are NaN stay unknown.
     radius
         Where `points` are.
     """
@@ -135,9 +137,10 @@ def _circle(
             index = under_way[returned]
             ends[index] = mean / size[:, None]
             winding[index] = rounds
-            # Every other point gives an error of (radius / distance of the next branch point)^4
-            # and all of them its square.
-            error[index] = (halves / size) ** 2 + 1e-14
+            # If another branch point is inside the circle, the mean is no solution at all.
+            values = target.values(products, ends[index])
+            solved = np.abs(values).max(axis=1) < _RESIDUAL
+            error[index] = np.where(solved, halves / size, np.inf)
         going = ~returned & np.isfinite(samples[-1]).all(axis=1)
         under_way, charts = under_way[going], charts[going]
         samples = [s[going] for s in samples]
