@@ -97,7 +97,7 @@ def quotient_dimension(
         given.write_text(_system(polynomials, prime), encoding="utf-8")
         # -g 1: the leading monomials, in the order by degree and then reverse lexicographic.
         options = ["-g", "1", "-t", "1", "-l", "2" if exact else "44"]
-        command = [_program(), *options, "-f", given, "-o", answer]
+        command = [str(_program()), *options, "-f", str(given), "-o", str(answer)]
         try:
             run = subprocess.run(command, capture_output=True, text=True, timeout=timeout_s)
         except subprocess.TimeoutExpired:

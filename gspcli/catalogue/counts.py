@@ -13,11 +13,13 @@ from enum import Enum
 from functools import cache
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
-from gspcli.catalogue.types import CLASSES, CONSTRAINTS, Family, GspType, families
+from gspcli.catalogue.types import CLASSES, CONSTRAINTS, Family, GspType, PlatformClass, families
 from gspcli.errors import DataError
 from gspcli.resources import data_path
 
 FOLDER = "counts"
+FAMILIES_FILE = "families.csv"
+NUMBERS_FILE = "intersection-numbers.csv"
 #: The families of quadrics in Study coordinates, in their canonical order.
 LETTERS = "apqls"
 #: The family of each kind of distance; the angles are of family a.
@@ -29,6 +31,7 @@ PRODUCTS = frozenset({DPL, DLP, DLL})
 class Method(Enum):
     """How a generic count was established."""
 
+    BOTH = "groebner+tracking"
     GROEBNER = "groebner"
     TRACKING = "tracking"
     LAW = "law"
@@ -40,8 +43,10 @@ class Method(Enum):
 
 
 _MEANINGS = {
-    Method.GROEBNER: "Gröbner bases of random platforms modulo two primes, equal to the law",
-    Method.TRACKING: "certified distinct poses of a random platform, as many as the law says",
+    Method.BOTH: "Gröbner bases of random platforms modulo two primes, and as many poses of a "
+    "random real platform proved to be different",
+    Method.GROEBNER: "Gröbner bases of random platforms modulo two primes",
+    Method.TRACKING: "so many poses of a random real platform proved to be different",
     Method.LAW: "not established for the platforms themselves, only by the law for products",
 }
 
@@ -61,6 +66,10 @@ class Counts:
     one_sided: int
     two_sided: int
     established: Method
+
+    def of(self, *, sides: int) -> int:
+        """Return the one-sided count for 1, the two-sided one for 2."""
+        return self.one_sided if sides == 1 else self.two_sided
 
 
 def letters(distances: tuple[Kind, ...]) -> str:
@@ -94,7 +103,7 @@ def canonical(families_of_quadrics: str) -> str:
 @cache
 def intersection_numbers() -> dict[str, int]:
     """Return the 119 recorded intersection numbers by their families, such as ``appqls``."""
-    return {row["families"]: int(row["number"]) for row in _rows("intersection-numbers.csv")}
+    return {row["families"]: int(row["number"]) for row in _rows(NUMBERS_FILE)}
 
 
 def law(distances: tuple[Kind, ...]) -> int:
@@ -117,6 +126,12 @@ def family_counts(family: Family) -> Counts:
     return _recorded()[family.distances]
 
 
+def family_of(distances: tuple[Kind, ...]) -> Family:
+    """Return the family with the given distances, in canonical order."""
+    angles = CONSTRAINTS - len(distances)
+    return Family(PlatformClass(len(distances), angles), distances)
+
+
 def all_families() -> Iterator[Family]:
     """Yield the 896 families in catalogue order."""
     for platform_class in CLASSES:
@@ -125,7 +140,7 @@ def all_families() -> Iterator[Family]:
 
 @cache
 def _recorded() -> dict[tuple[Kind, ...], Counts]:
-    rows = {row["family"]: row for row in _rows("families.csv")}
+    rows = {row["family"]: row for row in _rows(FAMILIES_FILE)}
     try:
         return {
             family.distances: Counts(
@@ -135,7 +150,7 @@ def _recorded() -> dict[tuple[Kind, ...], Counts]:
             for row in [rows[family.id]]
         }
     except KeyError as error:
-        message = f"{FOLDER}/families.csv has no row for {error.args[0]}"
+        message = f"{FOLDER}/{FAMILIES_FILE} has no row for {error.args[0]}"
         raise DataError(message) from error
 
 
