@@ -529,8 +529,9 @@ void track(const Homotopy& H, const Options& options, int paths, const Complex* 
     for (int k = 0; k <= kOrder; ++k)
       for (int i = 0; i < N; ++i) s.series[k][i] = select(accepted, series[k][i], s.series[k][i]);
 
-    const V a0 = norm(series[kOrder]) + 1e-100, a1 = norm(series[kOrder - 1]),
-            a2 = norm(series[kOrder - 2]);
+    // The small numbers make the radius 1 where a path stands still.
+    const V a0 = norm(series[kOrder]) + 1e-100, a1 = norm(series[kOrder - 1]) + 1e-100,
+            a2 = norm(series[kOrder - 2]) + 1e-100;
     C pole{};
     for (int i = 0; i < N; ++i) add_conjugate_product(pole, series[kOrder - 1][i], series[kOrder][i]);
     pole = (1.0 / (a1 * a1 + 1e-200)) * pole;
