@@ -8,7 +8,7 @@ from fractions import Fraction
 from statistics import median_low
 
 from gspcli.catalogue.bounds import type_bounds
-from gspcli.catalogue.counts import generic_counts
+from gspcli.catalogue.counts import Method, generic_counts, study_bound
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import CLASSES, GspType, all_types
 
@@ -31,6 +31,8 @@ class ClassSummary:
         A family with the largest count.
     different
         How many different counts there are.
+    proved
+        How many of them are proved, see `is_proved`.
     """
 
     name: str
@@ -41,6 +43,7 @@ class ClassSummary:
     largest: int
     of_largest: str
     different: int
+    proved: int
 
 
 @dataclass(frozen=True)
@@ -87,6 +90,14 @@ def one_plane(gsp_type: GspType) -> int:
     return int(one_sided(gsp_type) // 2 ** gsp_type.count(DLL))
 
 
+def is_proved(gsp_type: GspType) -> bool:
+    """Return whether so many poses are certified as a proved bound allows at most."""
+    counts = generic_counts(gsp_type)
+    certified = counts.established in (Method.BOTH, Method.TRACKING)
+    bounds = (type_bounds(gsp_type).refined_one_sided.value, study_bound(gsp_type.distances))
+    return certified and counts.one_sided == min(bounds)
+
+
 #: What each bound is a bound of.
 BOUNDED: dict[str, Callable[[GspType], int]] = {
     "theorem_5_2": two_sided,
@@ -95,6 +106,7 @@ BOUNDED: dict[str, Callable[[GspType], int]] = {
     "table_3": one_plane,
     "refined_one_sided": one_sided,
     "refined_two_sided": two_sided,
+    "study": one_sided,
 }
 
 
@@ -120,6 +132,7 @@ def class_summaries() -> list[ClassSummary]:
                     max(values),
                     max(types, key=read).family.id,
                     len(set(values)),
+                    sum(map(is_proved, types)),
                 )
             )
     return summaries
@@ -131,8 +144,8 @@ def bound_summaries() -> list[BoundSummary]:
     for bound, read in BOUNDED.items():
         groups = []
         for name, types in classes_with_types():
-            values = [(getattr(type_bounds(t), bound), t) for t in types]
-            factors = [(Fraction(b.value, read(t)), t) for b, t in values if b is not None]
+            values = [(_bound(bound, t), t) for t in types]
+            factors = [(Fraction(b, read(t)), t) for b, t in values if b is not None]
             if factors:
                 groups.append((name, factors))
         # A bound of one class needs no total.
@@ -150,3 +163,9 @@ def bound_summaries() -> list[BoundSummary]:
                 )
             )
     return summaries
+
+
+def _bound(name: str, gsp_type: GspType) -> int | None:
+    if name == "study":
+        return study_bound(gsp_type.distances)
+    return type_bounds(gsp_type).values()[name]

@@ -13,7 +13,6 @@ from gspcli.geometry.residuals import Arrangement
 from gspcli.solve.generate import random_instance
 from gspcli.solve.tracking import solve_by_tracking
 
-
 #: How many random platforms are tried for the largest count. Some have poses so far away that
 #: they are taken for poses at infinity or cannot be certified.
 ATTEMPTS = 5

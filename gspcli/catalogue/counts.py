@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
+from math import comb
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.catalogue.types import CLASSES, CONSTRAINTS, Family, GspType, PlatformClass, families
@@ -114,6 +115,31 @@ def law(distances: tuple[Kind, ...]) -> int:
     """
     products = sum(kind in PRODUCTS for kind in distances)
     return int(2**products * intersection_numbers()[canonical(letters(distances))])
+
+
+def study_bound(distances: tuple[Kind, ...]) -> int:
+    """Return a proved ceiling for the one-sided count, often the count itself.
+
+    It is an intersection number on a smooth compactification of the rigid motions in Study
+    coordinates, on which angles are of class 2h, other constraints of class x, products 2x and
+    one DPP 2x - 2h; the other DPP lose their quadratic term to the first. The powers h^k x^(6-k)
+    are 64, 22, 6, 1. The proof is in docs/counts.md.
+
+    >>> study_bound((DLL,) * 6) == 2**6 * 64
+    True
+    """
+    angles = CONSTRAINTS - len(distances)
+    products = sum(kind in PRODUCTS for kind in distances)
+    if DPP in distances:
+        power = 2 * (_power(angles) - _power(angles + 1))
+    else:
+        power = _power(angles)
+    return int(2 ** (angles + products) * power)
+
+
+def _power(h: int) -> int:
+    """Return the coefficient of t^(3-h) in 1 / ((1 - t)^4 (1 - 2t))."""
+    return sum(comb(k + 3, 3) * 2 ** (3 - h - k) for k in range(4 - h))
 
 
 def generic_counts(gsp_type: GspType) -> Counts:

@@ -78,11 +78,14 @@ def summary(output: Output) -> None:
                     Column("sides", essential=True),
                     *_numbers("types", "smallest", "median", "largest"),
                     Column("of_largest", "largest for"),
-                    *_numbers("different"),
+                    *_numbers("different", "proved"),
                 ],
                 rows=[vars(s) for s in class_summaries()],
                 title="Generic counts",
-                notes=established,
+                notes=[
+                    *established,
+                    "proved: so many poses are certified as a proved bound allows at most",
+                ],
             ),
             Table(
                 columns=[
@@ -100,7 +103,8 @@ def summary(output: Output) -> None:
                 title="Bounds against generic counts",
                 notes=[
                     "sharp: the bound is the count; factor: by what it exceeds it. Table 3 counts",
-                    "one of the two planes of a DLL and is compared with that count.",
+                    "one of the two planes of a DLL and is compared with that count. study: the",
+                    "intersection number on a compactification in Study coordinates.",
                 ],
             ),
         ],

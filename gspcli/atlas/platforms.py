@@ -1,0 +1,120 @@
+"""Many platforms of one type as arrays, from random numbers to solutions without `Instance`s."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind, Primitive
+from gspcli.continuation.solve import SystemSolutions, solve_systems
+from gspcli.continuation.systems import TargetSystem
+from gspcli.geometry.poses import Field, apply, cross, dot, normalised, rotation_from_quaternion
+from gspcli.solve.systems import Equation, equation, target_system
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Platforms:
+    """The numbers of platforms with the same kinds of constraints.
+
+    Attributes
+    ----------
+    kinds
+        The kinds of the six constraints.
+    y, x
+        A point of each platform and of each base primitive, shape (..., 6, 3); zero for the
+        lines and planes of angles.
+    u, v
+        Unit direction or normal of each, shape (..., 6, 3); zero for points.
+    values
+        Distances, signed where there are sides, and for angles the values of ``R u . v``;
+        shape (..., 6).
+    """
+
+    kinds: tuple[Kind, ...]
+    y: Array
+    x: Array
+    u: Array
+    v: Array
+    values: Array
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __getitem__(self, index: int | slice | NDArray[np.int64]) -> Platforms:
+        """Return some of the platforms."""
+        return Platforms(
+            self.kinds, *(part[index] for part in (self.y, self.x, self.u, self.v, self.values))
+        )
+
+    def systems(self) -> Iterator[TargetSystem]:
+        """Yield the system of each platform, for the sides that its values have."""
+        numbers = zip(
+            self.kinds,
+            *(np.moveaxis(part, -2, 0) for part in (self.y, self.x, self.u, self.v)),
+            np.moveaxis(self.values, -1, 0),
+            strict=True,
+        )
+        equations = [equation(kind, *rest) for kind, *rest in numbers]
+        for k in range(len(self)):
+            yield target_system(
+                [
+                    Equation(e.letter, e.g[k], None if e.h is None else e.h[k], e.tau[k])
+                    for e in equations
+                ]
+            )
+
+    def on_all_sides(self) -> Platforms:
+        """Return each platform with all combinations of sides, one directly after the other."""
+        sided = [kind.has_sides for kind in self.kinds]
+        signs = np.array(list(product(*[(1, -1) if free else (1,) for free in sided])))
+        each = self[np.repeat(np.arange(len(self)), len(signs))]
+        return replace(each, values=each.values * np.tile(signs, (len(self), 1)))
+
+    def solutions(self, seed: int) -> Iterator[SystemSolutions]:
+        """Yield the solutions of each platform by path tracking."""
+        return solve_systems(self.systems(), seed=seed)
+
+
+def random_platforms(kinds: Sequence[Kind], count: int, rng: np.random.Generator) -> Platforms:
+    """Return random platforms, each with at least one real pose.
+
+    Points are uniform in the cube from -1 to 1, directions and the rotation of a hidden pose on
+    the sphere and the rotation group, its translation in the same cube; the values are what the
+    constraints measure there. `gsp new` draws from the same distribution, but rounds, and
+    rejects hidden poses with condition numbers above 1000.
+    """
+    shape = (count, len(kinds))
+    distance = np.array([kind.is_distance for kind in kinds])[:, None]
+    y, x = rng.uniform(-1, 1, size=(2, *shape, 3)) * distance
+    u, v = normalised(rng.normal(size=(2, *shape, 3)))
+    u *= np.array([kind.platform is not Primitive.POINT for kind in kinds])[:, None]
+    v *= np.array([kind.base is not Primitive.POINT for kind in kinds])[:, None]
+    R = rotation_from_quaternion(rng.normal(size=(count, 4)))
+    T = rng.uniform(-1, 1, size=(count, 3))
+    r = apply(R[:, None], y) + T[:, None] - x
+    w = apply(R[:, None], u)
+    values = [_measured(kind, r[:, i], w[:, i], v[:, i]) for i, kind in enumerate(kinds)]
+    return Platforms(tuple(kinds), y, x, u, v, np.stack(values, axis=-1))
+
+
+def _measured(kind: Kind, r: Field, w: Field, v: Field) -> Array:
+    """Return the value of one constraint at poses, shape (n,); r, w, v of shape (n, 3)."""
+    if kind is DPP:
+        return np.asarray(np.sqrt(dot(r, r)))
+    if kind in (DPL, DLP):
+        along = cross(r, v if kind is DPL else w)
+        return np.asarray(np.sqrt(dot(along, along)))
+    if kind is DPH:
+        return np.asarray(dot(r, v))
+    if kind is DHP:
+        return np.asarray(-dot(r, w))
+    if kind is DLL:
+        normal = cross(w, v)
+        return np.asarray(np.abs(dot(r, normal)) / np.sqrt(dot(normal, normal)))
+    return np.asarray(dot(w, v))

@@ -1,0 +1,71 @@
+"""The work file survives interruptions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from gspcli.atlas import journal as module
+from gspcli.atlas.journal import Result, append, carry_out, read_journal
+from gspcli.atlas.tasks import Task
+from gspcli.errors import GspError
+
+TASKS = [Task("DPP DPP DPP", 1, 0, seed) for seed in range(3)]
+
+
+def _result(task: Task) -> Result:
+    return Result(task, 10 + task.seed, 0.5)
+
+
+def test_results_come_back(tmp_path: Path) -> None:
+    path = tmp_path / "work.jsonl"
+    assert read_journal(path) == {}
+    for task in TASKS:
+        append(path, _result(task))
+    append(path, Result(TASKS[0], None, 1.0))
+    assert read_journal(path) == {
+        **{task: _result(task) for task in TASKS},
+        TASKS[0]: Result(TASKS[0], None, 1.0),
+    }
+
+
+def test_a_line_cut_off_is_dropped(tmp_path: Path) -> None:
+    path = tmp_path / "work.jsonl"
+    append(path, _result(TASKS[0]))
+    append(path, _result(TASKS[1]))
+    path.write_bytes(path.read_bytes()[:-7])
+    assert set(read_journal(path)) == {TASKS[0]}
+    append(path, _result(TASKS[2]))
+    assert set(read_journal(path)) == {TASKS[0], TASKS[2]}
+
+
+def test_another_file_is_not_taken_for_a_work_file(tmp_path: Path) -> None:
+    path = tmp_path / "notes.txt"
+    path.write_text('{"task": 3}\n')
+    with pytest.raises(GspError, match=r"notes\.txt:1: this is not a line of a work file"):
+        read_journal(path)
+
+
+def test_done_work_is_not_done_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "work.jsonl"
+    done = []
+
+    def measure(task: Task, timeout_s: float | None = None) -> Result:
+        done.append(task)
+        if len(done) == 3:
+            raise KeyboardInterrupt
+        return _result(task)
+
+    monkeypatch.setattr(module, "measure", measure)
+    with pytest.raises(KeyboardInterrupt):
+        carry_out(TASKS, journal=path)
+    assert carry_out(TASKS, journal=path) == {task: _result(task) for task in TASKS}
+    assert done == [*TASKS, TASKS[2]]
+
+
+def test_processes_give_the_same(tmp_path: Path) -> None:
+    one = carry_out(TASKS)
+    two = carry_out(TASKS, jobs=2, journal=tmp_path / "work.jsonl")
+    assert {t: r.count for t, r in one.items()} == {t: r.count for t, r in two.items()}
+    assert set(read_journal(tmp_path / "work.jsonl")) == set(TASKS)

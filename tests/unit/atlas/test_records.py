@@ -1,0 +1,75 @@
+"""The record says what was found, how, and nothing else."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+import pytest
+
+from gspcli.atlas.journal import Result
+from gspcli.atlas.records import contents
+from gspcli.atlas.tasks import PRIMES, SEED, Task
+from gspcli.errors import CheckFailed
+
+SUBJECT, FAMILY = "DPP DPP DPL", "3D3A PP PP PL"
+
+
+def _rows(counts: dict[tuple[str, int, int], int | None]) -> dict[str, dict[str, str]]:
+    results = {Task(*key): Result(Task(*key), count, 0.1) for key, count in counts.items()}
+    rows = csv.DictReader(io.StringIO(contents(results)["families.csv"]))
+    return {row["family"]: row for row in rows}
+
+
+def _modulo(subject: str, *counts: int | None) -> dict[tuple[str, int, int], int | None]:
+    return {(subject, 1, p): count for p, count in zip(PRIMES, counts, strict=True)}
+
+
+def test_without_results_there_is_only_the_law() -> None:
+    rows = _rows({})
+    assert len(rows) == 896
+    assert {row["method"] for row in rows.values()} == {"law"}
+    assert {row["orders"] + row["certified"] for row in rows.values()} == {""}
+
+
+def test_methods_are_named() -> None:
+    both = _rows({**_modulo(SUBJECT, 32, 32), (SUBJECT, 1, 0): 32})[FAMILY]
+    assert (both["method"], both["one_sided"], both["orders"]) == (
+        "groebner+tracking",
+        "32",
+        "32 32",
+    )
+    assert _rows(_modulo(SUBJECT, 32, 32))[FAMILY]["method"] == "groebner"
+    assert _rows({(SUBJECT, 1, 0): 32})[FAMILY]["method"] == "tracking"
+    # One prime is not enough.
+    assert _rows(_modulo(SUBJECT, 32, None))[FAMILY]["method"] == "law"
+
+
+def test_the_mirror_image_stands_in_for_orders_and_is_named() -> None:
+    rows = _rows(_modulo(SUBJECT, 32, 32))
+    assert rows[FAMILY]["orders_of"] == ""
+    assert rows["3D3A PP PP LP"]["orders_of"] == FAMILY
+    assert rows["3D3A PP PP LP"]["method"] == "groebner"
+
+
+def test_what_was_counted_prevails_over_the_law() -> None:
+    assert _rows({**_modulo(SUBJECT, 31, 31), (SUBJECT, 1, 0): 31})[FAMILY]["one_sided"] == "31"
+
+
+@pytest.mark.parametrize(
+    "counts",
+    [
+        _modulo(SUBJECT, 32, 31),
+        {**_modulo(SUBJECT, 32, 32), (SUBJECT, 1, 0): 31},
+        {("DPP DPP DPH", 1, 0): 16, ("DPP DPP DPH", 2, 0): 31},
+        {("ssssss", 1, PRIMES[0]): 39, ("ssssss", 1, PRIMES[1]): 39},
+    ],
+)
+def test_disagreement_is_an_error(counts: dict[tuple[str, int, int], int | None]) -> None:
+    with pytest.raises(CheckFailed, match="the methods disagree"):
+        _rows(counts)
+
+
+def test_results_of_another_seed_are_not_recorded() -> None:
+    task = Task(SUBJECT, 1, 0, SEED + 1)
+    assert contents({task: Result(task, 32, 0.1)}) == contents({})
