@@ -1,0 +1,436 @@
+"""Verify that the solver finds all poses of random platforms, and record it in the data.
+
+    python tools/verify_solve.py platforms [--count 100000] [--jobs 2]
+    python tools/verify_solve.py signatures [--each 10] [--jobs 2]
+    python tools/verify_solve.py show TASK INSTANCE
+
+`platforms` solves random real platforms with six DPP, `signatures` several random platforms of
+each of the 896 families (kinds up to the kinds of angles), both sides of every plane. Each instance
+has a hidden real pose, from which its values are measured. What must hold of every result:
+
+- every path is accounted for and ends at an isolated simple finite pose;
+- there are as many different poses as the generic count, no two of them nearer than `SEPARATION`;
+- the conjugate of every pose is a pose, and exactly those said to be real are their own conjugates;
+- every pose satisfies the constraints as stated;
+- the hidden pose is among the real ones.
+
+3D3A platforms are solved twice, in closed form and by tracking paths. Work goes through a journal
+in ``build/verify-solve/``: interrupted, the same command takes it up again, unless the
+solver has changed. A finished run is written to ``data/verification/``; it does not depend on
+``--jobs``. `show` prints an instance as a file, for `gsp solve`. The exit code is 1 if anything
+does not hold.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import hashlib
+import io
+import json
+import platform as machine
+import sys
+import time
+import zlib
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict, dataclass
+from functools import cache, partial
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+from gspcli import __version__, dumps
+from gspcli.catalogue.counts import generic_counts
+from gspcli.catalogue.kinds import DPP
+from gspcli.catalogue.types import CLASSES, CONSTRAINTS, MAX_ANGLES, Family, GspType, families
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.poses import Field, rotation_from_quaternion
+from gspcli.geometry.primitives import Point, vector
+from gspcli.geometry.residuals import Arrangement, measured, residuals
+from gspcli.solve import PoseSet, SolveResult, solve
+from gspcli.solve.generate import random_instance
+from gspcli.solve.tracking import solve_by_tracking, solve_each_by_tracking
+
+ROOT = Path(__file__).resolve().parents[1]
+JOURNALS = ROOT / "build" / "verify-solve"
+RECORDS = ROOT / "data" / "verification"
+#: What the answers come from; a journal of other sources is begun anew.
+SOURCES = ("native", "gspcli/continuation", "gspcli/solve", "gspcli/geometry", "data/start-systems")
+SEED = 20031
+#: Platforms in one task.
+CHUNK = 500
+
+#: Poses nearer than this, in the chart of `_charted`, count as the same.
+SEPARATION = 1e-9
+#: How far the conjugate of a pose may be from a pose, and the hidden pose from a real one.
+MATCH = 1e-6
+#: Largest residual relative to the length, a complex pose's to the square of its size.
+RESIDUAL = 1e-8
+
+Array = NDArray[np.float64]
+Pose = tuple[Array, Array]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What is found of one answer.
+
+    Attributes
+    ----------
+    expected, found, real
+        The generic count, the distinct poses, and the real ones.
+    residual, separation, asymmetry
+        The largest residual, the smallest distance of two poses, and the largest distance of a
+        conjugate from the nearest pose.
+    problems
+        What does not hold; empty if all does.
+    """
+
+    expected: int
+    found: int
+    real: int
+    residual: float
+    separation: float
+    asymmetry: float
+    problems: tuple[str, ...]
+
+
+def examine(
+    arrangement: Arrangement, poses: PoseSet | SolveResult, expected: int, hidden: Pose
+) -> Finding:
+    """Return what is found of the answer to a generic platform with a known real pose."""
+    R, T, real = poses.R, poses.T, poses.real
+    charted = _charted(arrangement, R, T)
+    separation = _distances(charted, charted, 2)[:, 1].min(initial=np.inf)
+    to_conjugate, conjugate = _nearest(charted.conj(), charted)
+    hidden_R, hidden_T = (part[None].astype(complex) for part in hidden)
+    to_hidden, nearest = _nearest(_charted(arrangement, hidden_R, hidden_T), charted)
+    size = np.maximum(1, np.abs(R).max((1, 2), initial=0)) + np.abs(T).max(1) / arrangement.length
+    relative = residuals(arrangement, R, T)
+    relative[:, arrangement.distances] /= arrangement.length
+    residual = (relative.max(axis=1) / size**2).max(initial=0)
+    own = conjugate == np.arange(len(R))
+    statements = {
+        "lost paths": poses.lost > 0,
+        "paths on curves": poses.on_curves > 0 or len(poses.motions) > 0,
+        "poses at infinity": poses.at_infinity > 0,
+        "multiple poses": bool((poses.multiplicity > 1).any()),
+        "wrong number": len(R) != expected,
+        "equal poses": separation < SEPARATION,
+        "conjugate missing": to_conjugate.max(initial=0) > MATCH,
+        "reality wrong": bool((own != real).any()),
+        "residual": not residual < RESIDUAL,
+        "hidden pose missing": not (len(R) and to_hidden[0] < MATCH and real[nearest[0]]),
+    }
+    return Finding(
+        expected,
+        len(R),
+        int(real.sum()),
+        float(residual),
+        float(separation),
+        float(to_conjugate.max(initial=0)),
+        tuple(name for name, wrong in statements.items() if wrong),
+    )
+
+
+def _charted(arrangement: Arrangement, R: Field, T: Field) -> Field:
+    """Return (R, T, 1) scaled to norm 1, so that large poses are compared by relative size."""
+    flat = np.concatenate((R.reshape(-1, 9), T / arrangement.length, np.ones((len(R), 1))), axis=1)
+    return flat / np.linalg.norm(flat, axis=1, keepdims=True)
+
+
+def _distances(points: Field, among: Field, count: int) -> Array:
+    return np.asarray(_tree(among).query(_flat(points), count)[0]).reshape(len(points), -1)
+
+
+def _nearest(points: Field, among: Field) -> tuple[Array, NDArray[np.intp]]:
+    distances, index = _tree(among).query(_flat(points))
+    return np.asarray(distances), np.asarray(index)
+
+
+def _tree(points: Field) -> KDTree:
+    return KDTree(_flat(points))
+
+
+def _flat(points: Field) -> Array:
+    return np.concatenate((points.real, points.imag), axis=1)
+
+
+@dataclass(frozen=True)
+class Task:
+    """Some random platforms: of a type chosen at random in a family, or with six DPP.
+
+    Attributes
+    ----------
+    name
+        The name of the family, or that of a chunk.
+    count
+        How many instances.
+    seed
+        The source of randomness, with the name.
+    """
+
+    name: str
+    count: int
+    seed: int
+
+    def rng(self, instance: int) -> np.random.Generator:
+        """Return the source of randomness of one of the instances."""
+        return np.random.default_rng([self.seed, zlib.crc32(self.name.encode()), instance])
+
+
+def random_platform(rng: np.random.Generator) -> tuple[Arrangement, Pose]:
+    """Return a real platform with six DPP, all coordinates uniform in [-1, 1], and a pose."""
+    y, x = rng.uniform(-1, 1, (2, CONSTRAINTS, 3))
+    R, T = rotation_from_quaternion(rng.normal(size=4)), rng.uniform(-1, 1, 3)
+    arrangement = Arrangement(
+        kinds=(DPP,) * CONSTRAINTS,
+        y=y,
+        x=x,
+        u=np.zeros_like(y),
+        v=np.zeros_like(x),
+        values=np.zeros(CONSTRAINTS),
+        sides=np.zeros(CONSTRAINTS, dtype=np.int64),
+        in_radians=1.0,
+    )
+    return arrangement.with_values(measured(arrangement, R, T)), (R, T)
+
+
+def verify_platforms(task: Task) -> list[Finding]:
+    """Solve a chunk of random platforms with six DPP."""
+    drawn = [random_platform(task.rng(i)) for i in range(task.count)]
+    expected = generic_counts(GspType.of((DPP,) * CONSTRAINTS)).two_sided
+    answers = solve_each_by_tracking((arrangement for arrangement, _ in drawn), seed=task.seed)
+    return [
+        examine(arrangement, poses, expected, hidden)
+        for (arrangement, hidden), poses in zip(drawn, answers, strict=True)
+    ]
+
+
+@cache
+def signatures() -> dict[str, Family]:
+    """Return the families by name, such as ``3D3A PL PL LP``."""
+    return {family.id: family for platform_class in CLASSES for family in families(platform_class)}
+
+
+def random_member(task: Task, number: int) -> tuple[Instance, Pose]:
+    """Return one of the random instances of a family."""
+    rng = task.rng(number)
+    types = signatures()[task.name].types
+    return random_instance(types[rng.integers(len(types))], rng)
+
+
+def verify_signature(task: Task) -> list[Finding]:
+    """Solve random platforms of a family."""
+    findings = []
+    for number in range(task.count):
+        instance, hidden = random_member(task, number)
+        arrangement = Arrangement.of(instance)
+        expected = generic_counts(instance.type).two_sided
+        answers: list[PoseSet | SolveResult] = [solve(instance, seed=task.seed, certify=False)]
+        if len(instance.type.angles) == MAX_ANGLES:
+            answers.append(solve_by_tracking(arrangement, seed=task.seed))
+        # The worse one of two counts, whichever way it was found.
+        each = [examine(arrangement, answer, expected, hidden) for answer in answers]
+        findings.append(max(each, key=lambda finding: len(finding.problems)))
+    return findings
+
+
+def sources() -> str:
+    """Return a hash of what the answers come from."""
+    digest = hashlib.sha256()
+    for folder in SOURCES:
+        for path in sorted((ROOT / folder).rglob("*")):
+            if path.is_file() and path.suffix in {".py", ".cpp", ".hpp", ".npy"}:
+                digest.update(path.relative_to(ROOT).as_posix().encode() + path.read_bytes())
+    return digest.hexdigest()
+
+
+def read_journal(path: Path, origin: str) -> dict[Task, list[Finding]]:
+    """Return what is done already; nothing if the journal belongs to other sources."""
+    lines = path.read_text(encoding="utf-8").split("\n") if path.is_file() else []
+    if not lines or json.loads(lines[0] or "{}") != {"sources": origin}:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps({"sources": origin}) + "\n", encoding="utf-8")
+        return {}
+    # What follows the last end of line was cut off by an interruption.
+    complete = lines[:-1]
+    path.write_text("\n".join(complete) + "\n", encoding="utf-8")
+    done = {}
+    for line in complete[1:]:
+        entry = json.loads(line)
+        done[Task(**entry["task"])] = [
+            Finding(**{**finding, "problems": tuple(finding["problems"])})
+            for finding in entry["findings"]
+        ]
+    return done
+
+
+def run(
+    tasks: Sequence[Task],
+    verify: Callable[[Task], list[Finding]],
+    journal: Path,
+    origin: str,
+    jobs: int,
+) -> dict[Task, list[Finding]]:
+    """Do the tasks that the journal does not have yet; return the findings of all."""
+    done = read_journal(journal, origin)
+    done = {task: done[task] for task in tasks if task in done}
+    rest = [task for task in tasks if task not in done]
+    reported = began = time.monotonic()
+    # Interrupted workers of a forked process would leave its locks as they were.
+    with (
+        ProcessPoolExecutor(jobs, get_context("spawn")) as pool,
+        journal.open("a", encoding="utf-8") as file,
+    ):
+        futures = {pool.submit(verify, task): task for task in rest}
+        for finished, future in enumerate(as_completed(futures), start=1):
+            task, findings = futures[future], future.result()
+            done[task] = findings
+            entry = {"task": asdict(task), "findings": [asdict(finding) for finding in findings]}
+            file.write(json.dumps(entry) + "\n")
+            file.flush()
+            for number, finding in _problems(findings):
+                print(f"{task.name}, {number}: {', '.join(finding.problems)}", file=sys.stderr)
+            now = time.monotonic()
+            if now - reported > 10 or finished == len(rest):
+                reported = now
+                left = (now - began) / finished * (len(rest) - finished)
+                bad = sum(len(_problems(findings)) for findings in done.values())
+                print(
+                    f"{len(done)} of {len(tasks)} tasks, {bad} problems, about {left:.0f} s left",
+                    file=sys.stderr,
+                )
+    return {task: done[task] for task in tasks}
+
+
+def _problems(findings: Sequence[Finding]) -> list[tuple[int, Finding]]:
+    return [(i, finding) for i, finding in enumerate(findings) if finding.problems]
+
+
+def rows(done: Mapping[Task, list[Finding]]) -> Iterator[dict[str, object]]:
+    """Yield a row of the record for each task."""
+    for task, findings in done.items():
+        real = Counter(finding.real for finding in findings)
+        yield {
+            "task": task.name,
+            "instances": len(findings),
+            "expected": " ".join(str(n) for n in sorted({f.expected for f in findings})),
+            "complete": sum(not finding.problems for finding in findings),
+            "found": sum(finding.found for finding in findings),
+            "largest_residual": f"{max(finding.residual for finding in findings):.1e}",
+            "smallest_separation": f"{min(finding.separation for finding in findings):.1e}",
+            "largest_asymmetry": f"{max(finding.asymmetry for finding in findings):.1e}",
+            "real": " ".join(f"{poses}:{times}" for poses, times in sorted(real.items())),
+        }
+
+
+def write(name: str, command: str, origin: str, done: Mapping[Task, list[Finding]]) -> None:
+    """Write the record of a finished run and its entry in the manifest."""
+    table = list(rows(done))
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(table[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(table)
+    RECORDS.mkdir(parents=True, exist_ok=True)
+    (RECORDS / f"{name}.csv").write_text(text.getvalue(), encoding="utf-8")
+    path = RECORDS / "manifest.json"
+    manifest = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    manifest[name] = {
+        "command": command,
+        "seed": SEED,
+        "versions": {
+            "gsp": __version__,
+            "numpy": np.__version__,
+            "python": machine.python_version(),
+        },
+        "machine": machine.machine(),
+        "sources_sha256": origin,
+        "sha256": hashlib.sha256(text.getvalue().encode()).hexdigest(),
+        "instances": sum(len(findings) for findings in done.values()),
+        "problems": [
+            {"task": task.name, "instance": number, "problems": list(finding.problems)}
+            for task, findings in done.items()
+            for number, finding in _problems(findings)
+        ],
+    }
+    document = json.dumps(dict(sorted(manifest.items())), indent=1) + "\n"
+    path.write_text(document, encoding="utf-8")
+
+
+def shown(name: str, number: int) -> Instance:
+    """Return an instance of a run, its doubles written out."""
+    task = Task(name, 0, SEED)
+    if name in signatures():
+        return random_member(task, number)[0]
+    arrangement, _ = random_platform(task.rng(number))
+
+    def exact(value: float) -> Number:
+        return Number.of(f"{value:.17f}")
+
+    constraints = tuple(
+        Constraint(
+            DPP,
+            Point(vector(*map(exact, y))),
+            Point(vector(*map(exact, x))),
+            exact(d),
+            platform_name=f"P{i}",
+            base_name=f"B{i}",
+        )
+        for i, (y, x, d) in enumerate(
+            zip(arrangement.y, arrangement.x, arrangement.values, strict=True), start=1
+        )
+    )
+    return Instance(constraints, Units("unit", AngleUnit.DEGREE))
+
+
+def main() -> int:
+    """Verify, write the record, and return the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    commands = parser.add_subparsers(dest="command", required=True)
+    add = partial(commands.add_parser, formatter_class=argparse.ArgumentDefaultsHelpFormatter)
+    platforms = add("platforms", help="random platforms with six DPP")
+    platforms.add_argument("--count", type=int, default=100_000, help="how many platforms")
+    members = add("signatures", help="random platforms of all 896 families")
+    members.add_argument("--each", type=int, default=10, help="platforms of each family")
+    members.add_argument("--only", default="", help="families whose name contains this")
+    for command in (platforms, members):
+        command.add_argument("--jobs", type=int, default=1, help="processes")
+        command.add_argument("--no-record", action="store_true", help="leave data/ as it is")
+    show = add("show", help="print an instance of a run")
+    show.add_argument("task")
+    show.add_argument("instance", type=int)
+    arguments = parser.parse_args()
+    if arguments.command == "show":
+        print(dumps(shown(arguments.task, arguments.instance)), end="")
+        return 0
+    if arguments.command == "platforms":
+        name, verify = "platforms-6-6", verify_platforms
+        command = f"python tools/verify_solve.py platforms --count {arguments.count}"
+        sizes = [min(CHUNK, arguments.count - k) for k in range(0, arguments.count, CHUNK)]
+        tasks = [Task(f"chunk {i}", size, SEED) for i, size in enumerate(sizes)]
+    else:
+        name, verify = "signatures", verify_signature
+        command = f"python tools/verify_solve.py signatures --each {arguments.each}"
+        names = [name for name in signatures() if arguments.only in name]
+        if arguments.only:
+            command += f" --only '{arguments.only}'"
+        tasks = [Task(name, arguments.each, SEED) for name in names]
+    origin = sources()
+    done = run(tasks, verify, JOURNALS / f"{name}.jsonl", origin, arguments.jobs)
+    if not arguments.no_record:
+        write(name, command, origin, done)
+    bad = sum(len(_problems(findings)) for findings in done.values())
+    count = sum(len(findings) for findings in done.values())
+    print(f"{name}: {count} instances, {bad} with problems")
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
