@@ -16,6 +16,14 @@ from numpy.typing import NDArray
 
 from gspcli.continuation.dimension import real_point, sample_motion, tangents
 from gspcli.continuation.endgame import find_ends
+from gspcli.continuation.ends import (
+    SINGULAR_ERROR,
+    clusters,
+    distances,
+    infinite,
+    may_coincide,
+    regular_error,
+)
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.start import StartSystem
 from gspcli.continuation.systems import EQUATIONS, Coefficients
@@ -29,13 +37,10 @@ from gspcli.continuation.tracker import (
 )
 
 _ATTEMPTS = 4
-_INFINITE = 1e-10
 _CONDITION = 1e6
 _ENDGAME_CONDITION = 1e10
 _END_ERROR = 1e-6
 _CORRECTION = 1e-9
-_SAME = 1e-6
-_KEY = np.exp(1j * np.arange(8) ** 2) / np.sqrt(8)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,11 +76,6 @@ def random_start(start: StartSystem, seed: int, attempt: int) -> Coefficients:
     return start.coefficients.scaled(g, h)
 
 
-def norms(points: ComplexArray) -> FloatArray:
-    """Return |N| of points (..., 8)."""
-    return np.abs((points[..., :4] ** 2).sum(axis=-1))
-
-
 def well_conditioned(
     status: NDArray[np.uint8], condition: FloatArray, correction: FloatArray, limit: float
 ) -> NDArray[np.bool_]:
@@ -90,40 +90,13 @@ def trusted(results: PathResults) -> NDArray[np.bool_]:
     return well_conditioned(results.status, results.condition, results.correction, _CONDITION)
 
 
-def clusters(points: ComplexArray, distance: float = _SAME) -> list[NDArray[np.intp]]:
-    """Return the indices of points (n, 8) of norm 1 grouped by nearness up to a factor."""
-    order, near = _sorted_nearness(points[None], distance)
-    groups = []
-    for run in np.split(order[0], np.flatnonzero(~near[0]) + 1):
-        rest = run
-        while len(rest):
-            inner = np.abs(points[rest] @ points[rest[0]].conj())
-            # The sine of the angle between the two lines, without cancellation.
-            apart = (
-                points[rest] - (points[rest] @ points[rest[0]].conj())[:, None] * points[rest[0]]
-            )
-            together = (np.linalg.norm(apart, axis=1) < distance) & (inner > 0.5)
-            together[0] = True
-            groups.append(np.sort(rest[together]))
-            rest = rest[~together]
-    return groups
-
-
-def _sorted_nearness(
-    points: ComplexArray, distance: float
-) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """Sort points (B, P, 8) by a continuous invariant; say which neighbours may be near."""
-    keys = np.abs(points @ _KEY)
-    order = np.argsort(keys, axis=1)
-    return order, np.diff(np.take_along_axis(keys, order, axis=1), axis=1) < distance
-
-
 def all_regular(results: PathResults) -> NDArray[np.bool_]:
     """Return for which targets (B,) all paths end at distinct finite regular solutions."""
-    good = (trusted(results) & (norms(results.points) > _INFINITE)).all(axis=1)
-    near = _sorted_nearness(results.points, _SAME)[1].any(axis=1)
+    error = regular_error(results.correction)
+    good = np.asarray((trusted(results) & ~infinite(results.points, error)).all(axis=1))
+    near = may_coincide(results.points, error)[1].any(axis=1)
     for i in np.flatnonzero(good & near):
-        good[i] = len(clusters(results.points[i])) == results.points.shape[1]
+        good[i] = len(clusters(results.points[i], error[i])) == results.points.shape[1]
     return good
 
 
@@ -180,7 +153,7 @@ def _completed(account: Account, other: Account) -> Account:
         i
         for i in np.flatnonzero(other.condition < _CONDITION)
         if other.multiplicity[i] == 1
-        and np.abs(account.points @ other.points[i].conj()).max(initial=0.0) < 1 - 1e-9
+        and distances(account.points, other.points[i]).min(initial=1.0) > SINGULAR_ERROR
     ]
     if not index or len(index) > account.lost:
         return account
@@ -217,6 +190,7 @@ class _Attempt:
         self.residual = results.residual[0].copy()
         self.correction = results.correction[0].copy()
         self.regular = trusted(results)[0]
+        self.error = regular_error(self.correction)
 
     def account(self, seed: int) -> Account:
         for options in (CAREFUL, PARANOID):
@@ -230,7 +204,7 @@ class _Attempt:
         """Return which paths share a regular end with another."""
         collided = np.zeros(len(self.points), dtype=np.bool_)
         index = np.flatnonzero(self.regular)
-        for group in clusters(self.points[index]):
+        for group in clusters(self.points[index], self.error[index]):
             if len(group) > 1:
                 collided[index[group]] = True
         return collided
@@ -242,6 +216,7 @@ class _Attempt:
         for name in ("points", "t", "status", "condition", "residual", "correction"):
             getattr(self, name)[index] = getattr(results, name)[0]
         self.regular[index] = trusted(results)[0]
+        self.error[index] = regular_error(self.correction[index])
 
     def _find_singular_ends(self) -> NDArray[np.int64]:
         """Put the ends of the paths that are not regular; return their winding numbers.
@@ -264,13 +239,14 @@ class _Attempt:
         self.regular[index[nearly]] = True
         self.points[index[known]] = ends.points[known]
         self.condition[index[known]] = np.inf
+        self.error[index[known]] = SINGULAR_ERROR
         winding[index] = np.where(known, ends.winding, np.where(nearly, 0, -1))
         self._recognize_regular(index[known & (ends.winding == 1)], winding)
         return winding
 
     def _waypoints(self, index: NDArray[np.intp]) -> ComplexArray:
         """Return the points of some paths where the endgame starts; NaN if not reached."""
-        points = self.points[index]
+        points: ComplexArray = self.points[index]
         away = np.flatnonzero(self.t[index] != 1 - CAREFUL.waypoint)
         if len(away):
             near = self.origin.towards(self.target, 1 - CAREFUL.waypoint)
@@ -291,16 +267,17 @@ class _Attempt:
         chosen = index[regular]
         for name in ("points", "condition", "residual"):
             getattr(self, name)[chosen] = getattr(results, name)[0][regular]
+        self.error[chosen] = regular_error(results.correction[0][regular])
         self.regular[chosen] = True
         winding[chosen] = 0
 
     def _classify(self, winding: NDArray[np.int64], rng: np.random.Generator) -> Account:
         lost = int((winding < 0).sum())
         known = np.flatnonzero(winding >= 0)
-        infinite = norms(self.points[known]) < np.where(winding[known] > 0, 1e-8, _INFINITE)
-        finite = known[~infinite]
+        away = infinite(self.points[known], self.error[known])
+        finite = known[~away]
         rows, curves, on_curves, suspect = [], [], 0, False
-        for group in clusters(self.points[finite]):
+        for group in clusters(self.points[finite], self.error[finite]):
             members = finite[group]
             first = members[np.argmin(self.condition[members])]
             if self.regular[first]:
@@ -326,7 +303,7 @@ class _Attempt:
             np.array([count for _, count in rows], dtype=np.int64),
             self.condition[index],
             residual,
-            int(infinite.sum()),
+            int(away.sum()),
             on_curves,
             lost,
             suspect,

@@ -16,8 +16,9 @@ _DAMPING = 0.01
 
 
 def kernel(products: NDArray[np.bool_], target: Coefficients, point: ComplexArray) -> ComplexArray:
-    """Return an orthonormal basis (8, k) of the directions in which all equations vanish to
-    first order at a solution, without the direction of the point itself.
+    """Return an orthonormal basis (8, k) of the kernel of the Jacobian matrix at a solution.
+
+    The point itself, which is always in it, is left out.
     """
     jacobian = target.jacobians(products, point[None])[0]
     size = np.linalg.norm(jacobian, axis=1, keepdims=True)

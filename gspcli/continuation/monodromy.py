@@ -9,6 +9,7 @@ chosen point, leads to all. That all are there is confirmed by trace tests.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +48,7 @@ def random_complex(rng: np.random.Generator, *shape: int) -> ComplexArray:
 
 def random_phases(rng: np.random.Generator, *shape: int) -> ComplexArray:
     """Return random complex numbers of absolute value 1."""
-    return np.exp(2j * np.pi * rng.random(shape))
+    return np.asarray(np.exp(2j * np.pi * rng.random(shape)))
 
 
 def random_point(rng: np.random.Generator) -> ComplexArray:
@@ -98,7 +99,7 @@ def move(
     results = track(
         _NO_PRODUCTS, _coefficients(start), _coefficients(target[None]), points, options=options
     )
-    return results.points[0][results.status[0] == PathStatus.REGULAR]
+    return np.asarray(results.points[0][results.status[0] == PathStatus.REGULAR])
 
 
 def _merge(points: ComplexArray, others: ComplexArray) -> ComplexArray:
@@ -133,7 +134,7 @@ def solve_family(families: str, rng: np.random.Generator) -> SolvedFamily:
             raise MonodromyError(message)
         corners = [base, *(random_quadrics(families, rng) for _ in range(2)), base]
         ends = points
-        for start, target in zip(corners[:-1], corners[1:], strict=True):
+        for start, target in pairwise(corners):
             ends = move(start * random_phases(rng, EQUATIONS, 1), target, ends)
         merged = _merge(points, ends)
         quiet = quiet + 1 if len(merged) == len(points) else 0

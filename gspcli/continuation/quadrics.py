@@ -23,13 +23,14 @@ s      1, R, T, U, T.T  17
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
+Number = TypeVar("Number", np.float64, np.complex128)
 
 COEFFICIENTS: Final = 27
 LETTERS: Final = "apqls"
@@ -146,18 +147,18 @@ _CONJUGATION = np.r_[_SIGN[_ROW] * _SIGN[_COLUMN], np.outer(_SIGN, _SIGN).ravel(
 _POINT_CONJUGATION = np.r_[_SIGN, _SIGN]
 
 
-def swap_quadrics(quadrics: NDArray[np.inexact]) -> NDArray[np.inexact]:
+def swap_quadrics(quadrics: NDArray[Number]) -> NDArray[Number]:
     """Return the quadrics ``Q(z*)``, ``z* = (e*, f*)``: base and platform exchanged.
 
     ``z*`` is the inverse motion, so that T becomes -U and U becomes -T: the family p becomes
     q and q becomes p; the others stay. The map is its own inverse.
     """
-    return np.asarray(quadrics * _CONJUGATION)
+    return np.multiply(quadrics, _CONJUGATION, dtype=quadrics.dtype)
 
 
-def swap_points(points: NDArray[np.inexact]) -> NDArray[np.inexact]:
+def swap_points(points: NDArray[Number]) -> NDArray[Number]:
     """Return the inverse motions ``(e*, f*)`` of Study points ``(..., 8)``."""
-    return np.asarray(points * _POINT_CONJUGATION)
+    return np.multiply(points, _POINT_CONJUGATION, dtype=points.dtype)
 
 
 def swap_letters(families: str) -> str:

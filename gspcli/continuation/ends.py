@@ -1,0 +1,68 @@
+"""Telling ends of paths apart, and finite ends from those at infinity.
+
+Every end comes with an error: a length, of points of norm 1, within which it is certainly meant.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.continuation.quadrics import ComplexArray, FloatArray
+
+SINGULAR_ERROR = 1e-7
+"""Error of ends found by the endgame; solutions that are nearer to each other count as one."""
+# Any vector will do: |z.v| is a function of the point that does not depend on its phase.
+_KEY = np.exp(1j * np.arange(8) ** 2) / np.sqrt(8)
+
+
+def regular_error(correction: FloatArray) -> FloatArray:
+    """Return the errors of regular ends from the lengths of their last Newton corrections."""
+    return 1e-13 + 100 * correction
+
+
+def infinite(points: ComplexArray, error: FloatArray) -> NDArray[np.bool_]:
+    """Return which points (..., 8) have N = e.e = 0 within their errors (...)."""
+    e = points[..., :4]
+    size = np.sqrt((e.real**2 + e.imag**2).sum(axis=-1))
+    return np.asarray(np.abs((e**2).sum(axis=-1)) <= error * (size + error))
+
+
+def may_coincide(
+    points: ComplexArray, error: FloatArray
+) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Sort points (B, P, 8) by a continuous invariant; say which neighbours may be the same.
+
+    Returns
+    -------
+    order, near
+        Shapes (B, P) and (B, P - 1).
+    """
+    keys = np.abs(points @ _KEY)
+    order = np.argsort(keys, axis=1)
+    keys = np.take_along_axis(keys, order, axis=1)
+    error = np.take_along_axis(error, order, axis=1)
+    return order, np.diff(keys, axis=1) < np.maximum(error[:, 1:], error[:, :-1])
+
+
+def distances(points: ComplexArray, point: ComplexArray) -> FloatArray:
+    """Return the sines of the angles between points (n, 8) and a point, all of norm 1."""
+    # Not from the cosine, whose rounding hides angles below 1e-8.
+    return np.asarray(np.linalg.norm(points - np.outer(points @ point.conj(), point), axis=1))
+
+
+def clusters(points: ComplexArray, error: FloatArray) -> list[NDArray[np.intp]]:
+    """Return the indices of points (n, 8), grouped by being the same within their errors (n,)."""
+    order, near = may_coincide(points[None], error[None])
+    groups = []
+    for run in np.split(order[0], np.flatnonzero(~near[0]) + 1):
+        rest = run
+        while len(rest):
+            first = rest[0]
+            together = distances(points[rest], points[first]) < np.maximum(
+                error[rest], error[first]
+            )
+            together[0] = True
+            groups.append(np.sort(rest[together]))
+            rest = rest[~together]
+    return groups
