@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -78,6 +79,14 @@ class Kind:
 
     def __lt__(self, other: Kind) -> bool:
         return self.order < other.order
+
+    def __reduce__(self) -> tuple[Callable[[str], Kind], tuple[str]]:
+        # Kinds are compared by identity, also after a way to another process.
+        return _kind, (self.name,)
+
+
+def _kind(name: str) -> Kind:
+    return KINDS_BY_NAME[name]
 
 
 def _kinds(names: str) -> tuple[Kind, ...]:

@@ -12,7 +12,8 @@ import click
 from gspcli import __version__
 from gspcli.errors import GspError
 
-#: The subcommands in the order of the help; each is `command` of the module of its name.
+#: The subcommands in the order of the help; each is `command` of the module of its
+#: name (a dash is an underscore there).
 COMMANDS = (
     "enumerate",
     "show",
@@ -25,6 +26,7 @@ COMMANDS = (
     "check",
     "solve",
     "certify",
+    "sample",
     "atlas",
 )
 
@@ -46,7 +48,9 @@ class CommandGroup(click.Group):
         del ctx
         if cmd_name not in COMMANDS:
             return None
-        command: click.Command = importlib.import_module(f"gspcli.cli.{cmd_name}").command
+        command: click.Command = importlib.import_module(
+            f"gspcli.cli.{cmd_name.replace('-', '_')}"
+        ).command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

@@ -24,6 +24,7 @@ _SUFFIXES = {
     ".md": "markdown",
     ".tex": "latex",
     ".txt": "table",
+    ".svg": "svg",
 }
 _UNLIMITED_WIDTH = 100_000
 

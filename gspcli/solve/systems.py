@@ -165,7 +165,7 @@ def _plane_point(y: Array, x: Array, u: Array) -> Array:
 
 def _mutual_moment(y: Array, x: Array, u: Array, v: Array) -> Array:
     """Return the quadric of ``(R y + T - x) . (R u x v)``."""
-    turning = np.einsum("...i,...j,ijk->...k", v, u, MOMENT)
+    turning: Array = np.einsum("...i,...j,ijk->...k", v, u, MOMENT)
     quadric: Array = turning + _turned(cross(y, u), v) - _turned(u, cross(v, x))
     return quadric
 
@@ -173,5 +173,4 @@ def _mutual_moment(y: Array, x: Array, u: Array, v: Array) -> Array:
 def _point_point(y: Array, x: Array, d: Array) -> Array:
     """Return the quadric of ``|R y + T - x|^2 - d^2``."""
     linear = 2 * (y @ BODY_TRANSLATION - x @ TRANSLATION - _turned(y, x))
-    quadric: Array = RHO + linear + _constant(dot(y, y) + dot(x, x) - d**2)
-    return quadric
+    return np.asarray(RHO + linear + _constant(dot(y, y) + dot(x, x) - d**2))

@@ -1,0 +1,60 @@
+"""Which of many solutions are real, with an honest third answer near double ones."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.continuation.solve import SystemSolutions
+from gspcli.geometry.poses import normalised
+
+#: The error of a solution of norm 1 is about the condition number times this, ...
+_EPS = float(np.finfo(float).eps)
+#: ... and certainly less than so many times that: imaginary parts below are those of real ones, ...
+_REAL = 100.0
+#: ... and above this many times not.
+_COMPLEX = 10_000.0
+
+
+@dataclass(frozen=True, eq=False)
+class Reality:
+    """Which solutions of a system are real.
+
+    Attributes
+    ----------
+    real
+        Shape (n,).
+    decided
+        Whether that is certain for all of them: all simple, none with an imaginary part or a
+        distance to another real one of the size of its error. A numerical argument, no proof.
+    """
+
+    real: NDArray[np.bool_]
+    decided: bool
+
+    @property
+    def count(self) -> int:
+        """How many are real."""
+        return int(self.real.sum())
+
+
+def reality(solutions: SystemSolutions) -> Reality:
+    """Return which solutions are real.
+
+    Real systems have conjugate solutions. A solution with an imaginary part of the size of
+    its error is one with its conjugate, unless there is another as near.
+    """
+    z = normalised(solutions.points)
+    error = _EPS * solutions.condition
+    height = np.linalg.norm(z.imag, axis=-1)
+    real = height < _REAL * error
+    unclear = ~(real | (height > _COMPLEX * error))
+    x = z[real].real
+    overlap = np.abs(x @ x.T)
+    np.fill_diagonal(overlap, 0.0)
+    # The sine of the angle between two lines, squared.
+    apart = 1.0 - overlap.max(axis=-1, initial=0.0) ** 2
+    double = apart < np.maximum(_COMPLEX * error[real], 1e-7) ** 2
+    return Reality(real, not (unclear.any() or double.any()))

@@ -1,0 +1,126 @@
+"""How the number of real solutions is distributed over random platforms of a type."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from gspcli.atlas.platforms import random_platforms
+from gspcli.atlas.processes import in_order
+from gspcli.atlas.reality import reality
+from gspcli.catalogue.counts import generic_counts
+from gspcli.catalogue.types import GspType
+
+#: The default seed of everything random.
+SEED = 20031
+#: About how many paths are one piece of work.
+_PATHS = 16_384
+
+
+@dataclass
+class Tally:
+    """The numbers of real solutions of some random platforms.
+
+    Attributes
+    ----------
+    real
+        From a number of real solutions to how many platforms have it.
+    undecided
+        How many platforms have a solution too near a double one to say whether it is real.
+    incomplete
+        How many were not solved completely.
+    """
+
+    real: Counter[int] = field(default_factory=Counter)
+    undecided: int = 0
+    incomplete: int = 0
+
+    @property
+    def platforms(self) -> int:
+        """How many platforms were drawn."""
+        return self.real.total() + self.undecided + self.incomplete
+
+    @property
+    def mean(self) -> float | None:
+        """The mean number of real solutions where it is known; None if it is nowhere."""
+        total = self.real.total()
+        return sum(k * n for k, n in self.real.items()) / total if total else None
+
+    def add(self, other: Tally) -> None:
+        """Add the numbers of other platforms."""
+        self.real += other.real
+        self.undecided += other.undecided
+        self.incomplete += other.incomplete
+
+
+@dataclass(frozen=True)
+class Sample:
+    """What is to be drawn.
+
+    Attributes
+    ----------
+    gsp_type
+        The type; the kinds of its angles make no difference.
+    count
+        How many platforms.
+    seed
+        Source of the random numbers.
+    one_sided
+        Whether DPH and DHP distances ask for the side of a hidden pose, or for both sides.
+    """
+
+    gsp_type: GspType
+    count: int
+    seed: int = SEED
+    one_sided: bool = False
+
+    @property
+    def expected(self) -> int:
+        """How many complex solutions almost every platform has."""
+        counts = generic_counts(self.gsp_type)
+        return counts.one_sided if self.one_sided else counts.two_sided
+
+    @property
+    def pieces(self) -> list[int]:
+        """How many platforms are drawn and solved together; does not depend on processes."""
+        size = max(1, _PATHS // self.expected)
+        full, rest = divmod(self.count, size)
+        return [size] * full + [rest] * (rest > 0)
+
+    def tally(self, number: int) -> Tally:
+        """Return the tally of one of the `pieces`, by its number."""
+        rng = np.random.default_rng([self.seed, number])
+        platforms = random_platforms(self.gsp_type.kinds, self.pieces[number], rng)
+        systems = 1
+        if not self.one_sided:
+            systems = 2 ** sum(kind.has_sides for kind in self.gsp_type.kinds)
+            platforms = platforms.on_all_sides()
+        tally = Tally()
+        solutions = platforms.solutions(self.seed)
+        for _ in range(self.pieces[number]):
+            every = [next(solutions) for _ in range(systems)]
+            if any(one.verdict != "complete" for one in every):
+                tally.incomplete += 1
+                continue
+            found = [reality(one) for one in every]
+            if all(one.decided for one in found):
+                tally.real[sum(one.count for one in found)] += 1
+            else:
+                tally.undecided += 1
+        return tally
+
+
+def sample(wanted: Sample, *, jobs: int = 1) -> Iterator[Tally]:
+    """Return the tallies of the pieces, in order; they do not depend on the processes.
+
+    Parameters
+    ----------
+    wanted
+        What to draw. The distribution is that of `random_platforms`.
+    jobs
+        Processes.
+    """
+    return in_order(wanted.tally, range(len(wanted.pieces)), jobs)

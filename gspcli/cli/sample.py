@@ -1,0 +1,162 @@
+"""`gsp sample`: how many solutions of random platforms are real."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.output import FORMATS, Column, Output, Table, emit, output_options
+
+if TYPE_CHECKING:
+    from gspcli.atlas.sampling import Sample, Tally
+
+SCHEMA = "gsp.sample/1"
+#: Exit code after Ctrl-C, as of the whole program.
+_INTERRUPTED = 130
+#: The longest bar of the histogram, characters.
+_BAR = 40
+_WIDTH, _HEIGHT, _MARGIN = 640, 320, 40
+
+
+@click.command()
+@click.argument("names", nargs=-1, required=True, metavar="TYPE")
+@click.option(
+    "--count",
+    default=1000,
+    show_default=True,
+    type=click.IntRange(min=1),
+    help="How many platforms to draw.",
+)
+@click.option(
+    "--seed",
+    default=20031,
+    show_default=True,
+    type=click.IntRange(min=0),
+    help="Seed of the random numbers; the same seed gives the same numbers.",
+)
+@click.option("--jobs", default=1, show_default=True, type=click.IntRange(min=1), help="Processes.")
+@click.option(
+    "--one-sided", is_flag=True, help="Ask for one side of each PH and HP distance, not both."
+)
+@output_options((*FORMATS, "svg"))
+def command(
+    names: tuple[str, ...], count: int, seed: int, jobs: int, one_sided: bool, output: Output
+) -> int:
+    """Count the real solutions of random platforms of a type.
+
+    Points are uniform in a cube, directions and a hidden pose uniform, and the values are what
+    the constraints measure at that pose, so there is always a real solution. Every platform is
+    solved completely. One with a solution too near a double one is counted as undecided. An
+    interruption shows what is known so far.
+
+    \b
+    Examples:
+      gsp sample 6PP --count 10000 --jobs 2
+      gsp sample 3D3A PL PL LP ALL ALL ALL --format csv
+      gsp sample 6PH --one-sided --count 5000 -o planes.svg
+    """
+    from gspcli.atlas.sampling import Sample, Tally, sample
+    from gspcli.catalogue.parsing import parse_type
+    from gspcli.cli.progress import progress
+
+    wanted = Sample(parse_type(names), count, seed, one_sided)
+    total = Tally()
+    interrupted = False
+    try:
+        for part in progress(
+            sample(wanted, jobs=jobs), total=len(wanted.pieces), label="solving platforms"
+        ):
+            total.add(part)
+    except KeyboardInterrupt:
+        interrupted = True
+        click.echo(f"interrupted after {total.platforms} of {count} platforms", err=True)
+    emit(
+        output,
+        _table(wanted, total),
+        document=_document(wanted, total),
+        texts={"svg": histogram(wanted, total)},
+    )
+    return _INTERRUPTED if interrupted else 0
+
+
+def _table(wanted: Sample, tally: Tally) -> Table:
+    most = max(tally.real.values(), default=1)
+    decided = tally.real.total()
+    rows = [
+        {
+            "real": real,
+            "platforms": tally.real[real],
+            "share": tally.real[real] / decided,
+            "bar": "#" * round(_BAR * tally.real[real] / most),
+        }
+        for real in sorted(tally.real)
+    ]
+    mean = "" if tally.mean is None else f", {tally.mean:.4g} real on average"
+    return Table(
+        columns=[
+            Column("real", "real solutions", align="right", essential=True),
+            Column("platforms", align="right", essential=True),
+            Column("share", align="right", essential=True),
+            Column("bar", " "),
+        ],
+        rows=rows,
+        title=f"{wanted.gsp_type.id}: {_subject(wanted)}",
+        notes=[
+            f"{tally.platforms} platforms{mean}; {tally.undecided} undecided, "
+            f"{tally.incomplete} incomplete"
+        ],
+    )
+
+
+def _subject(wanted: Sample) -> str:
+    sides = " for one choice of sides" if wanted.one_sided else ""
+    return f"real ones of {wanted.expected} solutions{sides}"
+
+
+def _document(wanted: Sample, tally: Tally) -> dict[str, Any]:
+    gsp_type = wanted.gsp_type
+    return {
+        "schema": SCHEMA,
+        "type": {
+            "id": gsp_type.id,
+            "number": gsp_type.number,
+            "class": gsp_type.platform_class.id,
+        },
+        "one_sided": wanted.one_sided,
+        "expected": wanted.expected,
+        "seed": wanted.seed,
+        "platforms": tally.platforms,
+        "undecided": tally.undecided,
+        "incomplete": tally.incomplete,
+        "mean": tally.mean,
+        "real": {str(real): tally.real[real] for real in sorted(tally.real)},
+    }
+
+
+def histogram(wanted: Sample, tally: Tally) -> str:
+    """Return the distribution as an SVG picture."""
+    numbers = sorted(tally.real) or [0]
+    step = 1 if any(number % 2 for number in numbers) else 2
+    places = range(numbers[0], numbers[-1] + 1, step)
+    most = max(tally.real.values(), default=1)
+    width = (_WIDTH - 2 * _MARGIN) / len(places)
+    height = (_HEIGHT - 2 * _MARGIN) / most
+    floor = _HEIGHT - _MARGIN
+    label_every = max(1, len(places) // 20)
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" '
+        'font-family="sans-serif" font-size="12" text-anchor="middle">',
+        f'<text x="{_WIDTH / 2:g}" y="20">{wanted.gsp_type.id}: {tally.platforms} random '
+        "platforms by their number of real solutions</text>",
+    ]
+    for k, number in enumerate(places):
+        left, high = _MARGIN + k * width, height * tally.real[number]
+        lines.append(
+            f'<rect x="{left:.2f}" y="{floor - high:.2f}" width="{0.8 * width:.2f}" '
+            f'height="{high:.2f}" fill="#4477aa"><title>{number}: {tally.real[number]}</title>'
+            "</rect>"
+        )
+        if k % label_every == 0:
+            lines.append(f'<text x="{left + 0.4 * width:.2f}" y="{floor + 16}">{number}</text>')
+    return "\n".join([*lines, "</svg>"]) + "\n"

@@ -1,0 +1,67 @@
+"""`gsp sample`: table, CSV, JSON, picture, and an interruption."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from gspcli.atlas import sampling
+from gspcli.atlas.sampling import Sample, Tally
+
+WORDS = ("sample", "6PH", "--one-sided", "--count", "20")
+
+
+def test_table(gsp) -> None:
+    done = gsp(*WORDS)
+    assert done.code == 0
+    lines = done.out.splitlines()
+    assert lines[0] == ("DPH DPH DPH DPH DPH DPH: real ones of 8 solutions for one choice of sides")
+    assert lines[2].split() == ["real", "solutions", "platforms", "share"]
+    assert done.out.endswith("; 0 undecided, 0 incomplete\n")
+    assert "########" in done.out
+
+
+def test_csv_and_json_agree(gsp) -> None:
+    document = json.loads(gsp(*WORDS, "--format", "json").out)
+    assert document["schema"] == "gsp.sample/1"
+    assert document["expected"] == 8
+    assert document["platforms"] == 20
+    rows = gsp(*WORDS, "--format", "csv").out.splitlines()
+    assert rows[0] == "real,platforms,share,bar"
+    assert {row.split(",")[0]: int(row.split(",")[1]) for row in rows[1:]} == document["real"]
+    assert sum(document["real"].values()) == 20
+
+
+def test_the_seed_decides(gsp) -> None:
+    assert gsp(*WORDS, "--seed", "1").out == gsp(*WORDS, "--seed", "1").out
+    assert gsp(*WORDS, "--seed", "1").out != gsp(*WORDS, "--seed", "2").out
+
+
+def test_picture(gsp, tmp_path: Path) -> None:
+    path = tmp_path / "planes.svg"
+    assert gsp(*WORDS, "-o", path).code == 0
+    root = ElementTree.fromstring(path.read_text())
+    assert root.tag.endswith("svg")
+    assert len([child for child in root if child.tag.endswith("rect")]) >= 2
+
+
+def test_an_interruption_shows_what_is_known(gsp, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(wanted: Sample, *, jobs: int) -> Iterator[Tally]:
+        del jobs
+        yield Sample(wanted.gsp_type, 7, one_sided=True).tally(0)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(sampling, "sample", interrupted)
+    done = gsp("sample", "6PH", "--one-sided", "--count", "3000", "--format", "json")
+    assert done.code == 130
+    assert done.err == "interrupted after 7 of 3000 platforms\n"
+    assert json.loads(done.out)["platforms"] == 7
+
+
+def test_errors(gsp) -> None:
+    assert gsp("sample", "7PP").code == 2
+    assert gsp("sample", "6PP", "--count", "0").code == 2
