@@ -130,10 +130,7 @@ def study_bound(distances: tuple[Kind, ...]) -> int:
     """
     angles = CONSTRAINTS - len(distances)
     products = sum(kind in PRODUCTS for kind in distances)
-    if DPP in distances:
-        power = 2 * (_power(angles) - _power(angles + 1))
-    else:
-        power = _power(angles)
+    power = 2 * (_power(angles) - _power(angles + 1)) if DPP in distances else _power(angles)
     return int(2 ** (angles + products) * power)
 
 
