@@ -26,6 +26,11 @@ _jobs = click.option(
     metavar="N",
     help="Processes that work at once.  [default: all cores]",
 )
+_scheduler = click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Let the workers of this Dask scheduler do it (pip install 'gspcli[cluster]').",
+)
 _work = click.option(
     "--work",
     "journal",
@@ -128,6 +133,7 @@ def _numbers(*keys: str) -> list[Column]:
     help="Other random platforms, and another sample.  [default: those of the record]",
 )
 @_jobs
+@_scheduler
 @_timeout
 @_work
 @output_options()
@@ -136,6 +142,7 @@ def verify(
     method: str | None,
     seed: int | None,
     jobs: int | None,
+    scheduler: str | None,
     timeout: float | None,
     journal: Path | None,
     output: Output,
@@ -164,7 +171,12 @@ def verify(
         size, largest = _FAST
         tasks = random.Random(seed).sample([t for t in tasks if recorded(t) <= largest], size)
     results = carry_out(
-        tasks, journal=journal, jobs=_processes(jobs), timeout_s=timeout, progress=progress
+        tasks,
+        journal=journal,
+        jobs=_processes(jobs),
+        scheduler=scheduler,
+        timeout_s=timeout,
+        progress=progress,
     )
     verdicts = [(r, recorded(r.task)) for r in map(results.__getitem__, tasks)]
     wrong = [r for r, count in verdicts if r.count not in (None, count)]
@@ -227,10 +239,16 @@ def _differing(wrong: Sequence[Result]) -> Table:
 )
 @click.option("--check", is_flag=True, help="Compare instead of writing; exit 1 if it differs.")
 @_jobs
+@_scheduler
 @_timeout
 @_work
 def build(
-    folder: Path, check: bool, jobs: int | None, timeout: float | None, journal: Path | None
+    folder: Path,
+    check: bool,
+    jobs: int | None,
+    scheduler: str | None,
+    timeout: float | None,
+    journal: Path | None,
 ) -> None:
     """Count everything and write the record, to the same bytes each time.
 
@@ -249,6 +267,7 @@ def build(
         build_tasks(),
         journal=journal,
         jobs=_processes(jobs),
+        scheduler=scheduler,
         timeout_s=timeout,
         progress=progress,
     )
