@@ -18,6 +18,7 @@ _COLUMNS = (
     Column("class"),
     Column("number", "no.", align="right"),
     Column("type"),
+    Column("expected", align="right"),
     Column("bound", align="right"),
     Column("warnings", align="right"),
     Column("shared"),
@@ -32,8 +33,8 @@ def command(specs: tuple[str, ...], output: Output) -> None:
 
     Every mistake in every file is reported with its line and column. Warnings tell what is
     allowed but perhaps not meant: values that are not one equation, primitives that no
-    constraint uses, sharing that can never fix the platform. The bound is the refined one,
-    for the sides that the file asks for.
+    constraint uses, sharing that can never fix the platform. Expected is the generic count of
+    the type, bound the refined bound, both for the sides that the file asks for.
 
     SPEC is a file, or - for standard input. The exit code is 2 if a file has mistakes.
 
@@ -71,7 +72,9 @@ def command(specs: tuple[str, ...], output: Output) -> None:
 
 
 def _facts(instance: Instance) -> dict[str, Any]:
+    from gspcli.catalogue.bounds import type_bounds
     from gspcli.catalogue.coincidence import canonical_bonds
+    from gspcli.catalogue.counts import generic_counts
     from gspcli.spec import bonds, sharing
 
     platform, base = sharing(instance)
@@ -86,20 +89,20 @@ def _facts(instance: Instance) -> dict[str, Any]:
         "units": {"length": instance.units.length, "angle": instance.units.angle.value},
         "shared": {"platform": platform, "base": base},
         "pattern": " ".join(map(str, canonical_bonds(bonds(instance)))),
-        "bound": _bound(instance),
+        "expected": generic_counts(gsp_type).one_sided * _side_choices(instance),
+        "bound": type_bounds(gsp_type).refined_one_sided.value * _side_choices(instance),
     }
 
 
-def _bound(instance: Instance) -> int:
-    """Return the refined bound for the sides asked for; a distance of zero has one side."""
-    from gspcli.catalogue.bounds import type_bounds
+def _side_choices(instance: Instance) -> int:
+    """Return in how many ways the sides left open can be chosen; a distance of zero has one."""
     from gspcli.geometry.instance import Side
 
-    two_sided = sum(
+    left_open = sum(
         constraint.kind.has_sides and constraint.side is Side.BOTH and float(constraint.value) != 0
         for constraint in instance.constraints
     )
-    return type_bounds(instance.type).refined_one_sided.value << two_sided
+    return 1 << left_open
 
 
 def _type_cells(instance: Instance) -> dict[str, object]:
