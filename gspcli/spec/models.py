@@ -159,8 +159,13 @@ def _nonzero(components: list[Number]) -> list[Number]:
 
 Text = Annotated[str, BeforeValidator(_text)]
 OptionalText = Annotated[str | SkipJsonSchema[None], BeforeValidator(_optional_text)]
-Name = Annotated[str, WithJsonSchema({"type": "string", "pattern": rf"^\S{{1,{MAX_NAME}}}$"})]
-Named = Annotated[Name, BeforeValidator(lambda value: _scalar(value, "the name of a primitive"))]
+_NAME_PATTERN = rf"^\S{{1,{MAX_NAME}}}$"
+_NAMES: dict[str, Any] = {"propertyNames": {"pattern": _NAME_PATTERN}}
+Named = Annotated[
+    str,
+    BeforeValidator(lambda value: _scalar(value, "the name of a primitive")),
+    WithJsonSchema({"type": "string", "pattern": _NAME_PATTERN}),
+]
 Real = Annotated[
     Number,
     BeforeValidator(_number),
@@ -291,7 +296,7 @@ class ConstraintModel(Section):
     ] = Field(None, description="The side of the plane on which the point lies. Default: both.")
 
 
-Body = Annotated[dict[Name, Tolerant[PrimitiveModel]], BeforeValidator(_body)]
+Body = Annotated[dict[str, Tolerant[PrimitiveModel]], BeforeValidator(_body)]
 
 
 class InstanceModel(Section):
@@ -303,11 +308,17 @@ class InstanceModel(Section):
     name: Tolerant[OptionalText] = Field(None, description="A name of the instance.")
     source: Tolerant[OptionalText] = Field(None, description="Where the numbers come from.")
     type: Tolerant[OptionalText] = Field(
-        None, description="The type of the platform, in any spelling; it is checked."
+        None,
+        description="The type of the platform: six kinds in any spelling, or its number; checked.",
+        json_schema_extra={"type": ["string", "integer"]},
     )
     units: Tolerant[UnitsModel]
-    platform: Tolerant[Body] = Field(description="The primitives of the moving platform.")
-    base: Tolerant[Body] = Field(description="The primitives of the base.")
+    platform: Tolerant[Body] = Field(
+        description="The primitives of the moving platform.", json_schema_extra=_NAMES
+    )
+    base: Tolerant[Body] = Field(
+        description="The primitives of the base.", json_schema_extra=_NAMES
+    )
     constraints: Tolerant[
         Annotated[list[Tolerant[ConstraintModel]], _list("a list of six constraints")]
     ] = Field(

@@ -1,0 +1,23 @@
+"""The JSON Schema of the instance file, for editors and other programs."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from gspcli.spec.models import InstanceModel
+
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the schema of the parsed YAML.
+
+    It tells keys, arities and sorts of values. What needs arithmetic or names (ranges of angles,
+    zero directions, unknown primitives) only `gspcli.spec.load` checks.
+    """
+    schema = InstanceModel.model_json_schema()
+    schema["title"] = "gsp instance file"
+    text = json.dumps({"$schema": DIALECT, **schema})
+    result: dict[str, Any] = json.loads(text.replace("Model", ""))
+    return result
