@@ -450,7 +450,8 @@ void refine(const Homotopy& H, Workspace& w, int count, const int* index, const 
   condition = root(condition);
   linearize(H, w, z, one);
   V residual = square(w.f[0]);
-  for (int i = 1; i < kRows; ++i) residual = maximum(residual, square(w.f[i]));
+  for (int i = 1; i < kRows; ++i)
+    residual = maximum(residual, square(w.f[i]) / (w.magnitude[i] * w.magnitude[i]));
   residual = root(residual);
   for (int l = 0; l < count; ++l) {
     const int p = index[l];

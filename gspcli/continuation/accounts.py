@@ -191,6 +191,7 @@ class _Attempt:
         self.correction = results.correction[0].copy()
         self.regular = trusted(results)[0]
         self.error = regular_error(self.correction)
+        self.vanishing = np.zeros(len(self.points), dtype=np.bool_)
 
     def account(self, seed: int) -> Account:
         for options in (CAREFUL, PARANOID):
@@ -236,6 +237,7 @@ class _Attempt:
         nearly = ~known & well_conditioned(
             self.status[index], self.condition[index], self.correction[index], _ENDGAME_CONDITION
         )
+        self.vanishing[index] = ends.vanishing & ~known & ~nearly
         self.regular[index[nearly]] = True
         self.points[index[known]] = ends.points[known]
         self.condition[index[known]] = np.inf
@@ -272,7 +274,7 @@ class _Attempt:
         winding[chosen] = 0
 
     def _classify(self, winding: NDArray[np.int64], rng: np.random.Generator) -> Account:
-        lost = int((winding < 0).sum())
+        lost = int(((winding < 0) & ~self.vanishing).sum())
         known = np.flatnonzero(winding >= 0)
         away = infinite(self.points[known], self.error[known])
         finite = known[~away]
@@ -295,15 +297,12 @@ class _Attempt:
             suspect |= bool((of_cycle[1:] % cycle[1:]).any())
             rows.append((first, len(members)))
         index = np.array([first for first, _ in rows], dtype=np.intp)
-        residual = np.abs(self.target.values(self.products, self.points[index])).max(
-            axis=1, initial=0.0
-        )
         return Account(
             self.points[index],
             np.array([count for _, count in rows], dtype=np.int64),
             self.condition[index],
-            residual,
-            int(away.sum()),
+            self.target.residuals(self.products, self.points[index]),
+            int(away.sum() + self.vanishing.sum()),
             on_curves,
             lost,
             suspect,

@@ -19,10 +19,11 @@ from gspcli.continuation.tracker import CAREFUL, PathStatus, track
 
 _SAMPLES = 8
 _MAX_WINDING = 16
-_SHRINK = 8.0
-_ROUNDS = 11
+_SHRINK = 4.0
+_ROUNDS = 15
 _ACCURACY = 1e-8
-_RESIDUAL = 1e-10
+_RESIDUAL = 1e-12
+_VANISHING = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +37,9 @@ class Ends:
     error: FloatArray
     """How much the mean of every other point differs, shape (k,); the error of `points` is far
     smaller, with eight points its square. Infinite where unknown or no solution."""
+    vanishing: NDArray[np.bool_]
+    """Whether N falls below 1e-8 on the way in and is still falling, shape (k,): evidence of an
+    end at infinity also where no loop closes."""
 
 
 def find_ends(
@@ -66,6 +70,7 @@ def find_ends(
         np.full((count, 8), np.nan, dtype=np.complex128),
         np.zeros(count, dtype=np.int64),
         np.full(count, np.inf),
+        np.zeros(count, dtype=np.bool_),
     )
     todo = np.arange(count)
     for _ in range(_ROUNDS):
@@ -86,8 +91,15 @@ def find_ends(
             options=CAREFUL,
         )
         arrived = results.status[0] == PathStatus.REGULAR
+        before = _norms(points[arrived])
         todo, points, radius = todo[arrived], results.points[0][arrived], nearer
+        after = _norms(points)
+        best.vanishing[todo] = (after < _VANISHING) & (after < before / 2)
     return best
+
+
+def _norms(points: ComplexArray) -> FloatArray:
+    return np.asarray(np.abs((points[:, :4] ** 2).sum(axis=1)))
 
 
 def _single(coefficients: Coefficients) -> Coefficients:
@@ -138,12 +150,11 @@ def _circle(
             ends[index] = mean / size[:, None]
             winding[index] = rounds
             # If another branch point is inside the circle, the mean is no solution at all.
-            values = target.values(products, ends[index])
-            solved = np.abs(values).max(axis=1) < _RESIDUAL
+            solved = target.residuals(products, ends[index]) < _RESIDUAL
             error[index] = np.where(solved, halves / size, np.inf)
         going = ~returned & np.isfinite(samples[-1]).all(axis=1)
         under_way, charts = under_way[going], charts[going]
         samples = [s[going] for s in samples]
         if not len(under_way):
             break
-    return Ends(ends, winding, error)
+    return Ends(ends, winding, error, np.zeros(count, dtype=np.bool_))

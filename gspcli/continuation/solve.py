@@ -64,7 +64,8 @@ class SystemSolutions:
     in them. A relative change of the coefficients moves the solution by about as much times
     this. Infinite where singular."""
     residual: FloatArray
-    """Largest value of an equation, relative to its coefficients, shape (n,)."""
+    """Largest value of an equation, divided by the size of the terms that cancel in it, for
+    coordinates and factors of norm 1; shape (n,)."""
     paths: int
     """Number of paths, which is the generic count of the structure: 2^products times I."""
     at_infinity: int

@@ -133,6 +133,21 @@ class Coefficients(NamedTuple):
             rows = np.where(products, product, rows)
         return np.concatenate([(e * f).sum(axis=1, keepdims=True), rows], axis=1)
 
+    def residuals(self, products: NDArray[np.bool_], points: ComplexArray) -> FloatArray:
+        """Return the largest of the seven equations at points (P, 8) of norm 1: shape (P,).
+
+        Each equation is divided by the size of the terms that cancel in it, which is 1 for a
+        quadric of norm 1.
+        """
+        size = np.ones((len(points), 1 + EQUATIONS))
+        if products.any():
+            terms = (evaluate(self.g, points), evaluate(self.h, points))
+            right = self.tau * evaluate(NORM[None], points)
+            product = np.sqrt(sum(np.abs(x) ** 2 for x in (*terms, right)))
+            size[:, 1:] = np.where(products, product + 1e-300, 1.0)
+        values = np.abs(self.values(products, points)) / size
+        return np.asarray(values.max(axis=1, initial=0.0))
+
     def jacobians(self, products: NDArray[np.bool_], points: ComplexArray) -> ComplexArray:
         """Return the derivatives of `values` at points (P, 8): shape (P, 7, 8)."""
         rows = gradients(self.g, points)

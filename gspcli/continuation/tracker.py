@@ -70,7 +70,7 @@ class PathResults:
     the terms that cancel in them, shape (B, P); like the next two, -1 unless the status is
     `REGULAR`."""
     residual: FloatArray
-    """Largest absolute value of the seven equations, shape (B, P)."""
+    """Largest absolute value of the seven equations, divided likewise, shape (B, P)."""
     correction: FloatArray
     """Length of the last Newton correction, shape (B, P)."""
 
