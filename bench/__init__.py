@@ -1,0 +1,1 @@
+"""Benchmarks of gsp against other polynomial solvers: `python -m bench --help`."""

@@ -1,0 +1,92 @@
+"""PHCpack: `phc -b` (blackbox) and `phc -p` (parameter homotopy from our start system)."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.homotopy import UNKNOWNS, Homotopy, Style, blackbox_system, terms
+from bench.peers import Answer, no_answer
+from bench.processes import run
+from gspcli.geometry.instance import Instance
+
+#: PHCpack reserves e (and i) for numbers.
+STYLE = Style([f"x{k}" for k in range(1, UNKNOWNS + 1)], "I", "E")
+_COORDINATE = re.compile(r"^ x(\d) : +(\S+) +(\S+)", re.MULTILINE)
+_RULE = "=" * 75
+
+
+def version() -> str:
+    """Return the version, or an empty string if PHCpack is not installed."""
+    if shutil.which("phc") is None:
+        return ""
+    found = re.search(r"PHCv(\S+)", run(["phc", "--version"]).output)
+    return found[1] if found else "unknown"
+
+
+def blackbox(instance: Instance, folder: Path, limit: float) -> Answer:
+    """Solve an instance with nothing but its equations."""
+    system, result = folder / "system", folder / "result"
+    rows = [terms(p, 1 / max(abs(float(c)) for c in p.coeffs())) for p in blackbox_system(instance)]
+    _fresh(result)
+    system.write_text(_system([STYLE.written(row) for row in rows]))
+    done = run(["phc", "-b", system, result], limit=limit)
+    if done.trouble:
+        return no_answer(done.trouble)
+    # The solutions are appended to the input.
+    return Answer(done.cpu, read_solutions(system.read_text()))
+
+
+def parameter_homotopy(homotopy: Homotopy, folder: Path, limit: float) -> Answer:
+    """Track the solutions of the start system to the instance."""
+    names = ("target", "output", "start", "solutions")
+    target, result, start, solutions = (folder / name for name in names)
+    for path, rows in ((target, homotopy.target), (start, homotopy.start)):
+        path.write_text(_system(["+".join(map(STYLE.product, row)) for row in rows]))
+    solutions.write_text(written_solutions(homotopy.points))
+    _fresh(result)
+    # Homotopy of degree 1 in t (quicker here than the default 2), then the defaults of all menus.
+    answers = [target, result, "n", start, solutions, "k", 1, 0, 0, 0, 0]
+    done = run(["phc", "-p"], stdin="\n".join(map(str, answers)) + "\n", limit=limit)
+    if done.trouble:
+        return no_answer(done.trouble)
+    text = result.read_text().rpartition("THE SOLUTIONS")[2]
+    return Answer(done.cpu, read_solutions(text))
+
+
+def read_solutions(text: str) -> NDArray[np.complex128]:
+    """Return the solutions in PHCpack's format, shape (n, 7).
+
+    A path that was given up is listed as well, with the point where it was left.
+    """
+    numbers = [complex(float(m[2]), float(m[3])) for m in _COORDINATE.finditer(text)]
+    order = [int(m[1]) for m in _COORDINATE.finditer(text)]
+    points = np.array(numbers, complex).reshape(-1, UNKNOWNS)
+    columns = np.array(order, int).reshape(-1, UNKNOWNS) - 1
+    result = np.empty_like(points)
+    np.put_along_axis(result, columns, points, axis=1)
+    return result
+
+
+def written_solutions(points: NDArray[np.complex128]) -> str:
+    """Return solutions in PHCpack's format."""
+    text = f"{len(points)} {UNKNOWNS}\n{_RULE}\n"
+    for number, point in enumerate(points, start=1):
+        text += f"solution {number} :\nt : 0.0E+00 0.0E+00\nm : 1\nthe solution for t :\n"
+        for name, x in zip(STYLE.names, point, strict=True):
+            text += f" {name} : {x.real:.16E} {x.imag:.16E}\n"
+        text += "== err : 0.0E+00 = rco : 1.0E+00 = res : 0.0E+00 ==\n"
+    return text
+
+
+def _system(rows: list[str]) -> str:
+    return f"{len(rows)}\n" + "".join(f"{row};\n" for row in rows)
+
+
+def _fresh(path: Path) -> None:
+    # PHCpack asks before it overwrites.
+    path.unlink(missing_ok=True)
