@@ -47,7 +47,8 @@ _MEANINGS = {
     Method.BOTH: "Gröbner bases of random platforms modulo two primes, and as many poses of a "
     "random real platform proved to be different",
     Method.GROEBNER: "Gröbner bases of random platforms modulo two primes",
-    Method.TRACKING: "so many poses of a random real platform proved to be different",
+    Method.TRACKING: "so many poses of a random real platform proved to be different; no more by "
+    "the law for products",
     Method.LAW: "not established for the platforms themselves, only by the law for products",
 }
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import random
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,7 @@ from gspcli.errors import CheckFailed, IncompleteError
 
 if TYPE_CHECKING:
     from gspcli.atlas.journal import Result
+    from gspcli.atlas.records import Verdict
 
 #: What `verify --fast` does: so many tasks, of at most so many solutions.
 _FAST = (40, 256)
@@ -160,7 +162,7 @@ def verify(
     """
     from gspcli.atlas.groebner import msolve_path
     from gspcli.atlas.journal import carry_out
-    from gspcli.atlas.records import recorded
+    from gspcli.atlas.records import Verdict, recorded, verdict
     from gspcli.atlas.tasks import PRIMES, SEED, all_tasks
 
     chosen = method or ("both" if msolve_path() else "tracking")
@@ -178,15 +180,18 @@ def verify(
         timeout_s=timeout,
         progress=progress,
     )
-    verdicts = [(r, recorded(r.task)) for r in map(results.__getitem__, tasks)]
-    wrong = [r for r, count in verdicts if r.count not in (None, count)]
-    unfinished = [r for r, _ in verdicts if r.count is None]
+    verdicts = {result: verdict(result) for result in map(results.__getitem__, tasks)}
+    wrong = [result for result, v in verdicts.items() if v is Verdict.DIFFERENT]
+    unfinished = [result for result, v in verdicts.items() if v is Verdict.UNFINISHED]
     emit(output, [_verified(verdicts), *([_differing(wrong)] if wrong else [])])
     if wrong:
         message = f"{len(wrong)} of {len(results)} counts differ from the record"
         raise CheckFailed(message)
     if unfinished:
-        message = f"{len(unfinished)} of {len(results)} counts were not finished: raise --timeout"
+        message = (
+            f"{len(unfinished)} of {len(results)} counts were not finished\n"
+            "or too few poses were certified: raise --timeout, or use another --seed"
+        )
         raise IncompleteError(message)
 
 
@@ -194,24 +199,20 @@ def _processes(jobs: int | None) -> int:
     return jobs or os.cpu_count() or 1
 
 
-def _verified(verdicts: Sequence[tuple[Result, int]]) -> Table:
+def _verified(verdicts: Mapping[Result, Verdict]) -> Table:
     """Say for each method how many counts were as recorded."""
     rows: list[dict[str, Any]] = []
-    for characteristic in dict.fromkeys(r.task.characteristic for r, _ in verdicts):
-        of_method = [(r, n) for r, n in verdicts if r.task.characteristic == characteristic]
-        rows.append(
-            {
-                "method": f"Gröbner bases modulo {characteristic}"
-                if characteristic
-                else "tracking",
-                "counts": len(of_method),
-                "equal": sum(r.count == n for r, n in of_method),
-                "different": sum(r.count not in (None, n) for r, n in of_method),
-                "unfinished": sum(r.count is None for r, _ in of_method),
-            }
-        )
-    columns = [Column("method", essential=True)]
-    return Table([*columns, *_numbers("counts", "equal", "different", "unfinished")], rows)
+    for characteristic in dict.fromkeys(result.task.characteristic for result in verdicts):
+        found = [
+            v.value
+            for result, v in verdicts.items()
+            if result.task.characteristic == characteristic
+        ]
+        method = f"Gröbner bases modulo {characteristic}" if characteristic else "tracking"
+        rows.append({"method": method, "counts": len(found), **Counter(found)})
+    numbers = _numbers("counts", "equal", "different", "unfinished")
+    rows = [{**dict.fromkeys((c.key for c in numbers), 0), **row} for row in rows]
+    return Table([Column("method", essential=True), *numbers], rows)
 
 
 def _differing(wrong: Sequence[Result]) -> Table:

@@ -53,20 +53,38 @@ def test_the_mirror_image_stands_in_for_orders_and_is_named() -> None:
 
 
 def test_what_was_counted_prevails_over_the_law() -> None:
-    assert _rows({**_modulo(SUBJECT, 31, 31), (SUBJECT, 1, 0): 31})[FAMILY]["one_sided"] == "31"
+    row = _rows({**_modulo(SUBJECT, 31, 31), (SUBJECT, 1, 0): 31})[FAMILY]
+    assert (row["one_sided"], row["method"]) == ("31", "groebner+tracking")
+
+
+def test_too_few_certified_poses_establish_nothing() -> None:
+    alone = _rows({(SUBJECT, 1, 0): 30})[FAMILY]
+    assert (alone["one_sided"], alone["method"], alone["certified"]) == ("32", "law", "30")
+    both = _rows({**_modulo(SUBJECT, 32, 32), (SUBJECT, 1, 0): 30})[FAMILY]
+    assert (both["method"], both["certified"]) == ("groebner", "30")
 
 
 @pytest.mark.parametrize(
-    "counts",
+    ("counts", "problem"),
     [
-        _modulo(SUBJECT, 32, 31),
-        {**_modulo(SUBJECT, 32, 32), (SUBJECT, 1, 0): 31},
-        {("DPP DPP DPH", 1, 0): 16, ("DPP DPP DPH", 2, 0): 31},
-        {("ssssss", 1, PRIMES[0]): 39, ("ssssss", 1, PRIMES[1]): 39},
+        (_modulo(SUBJECT, 32, 31), "the methods disagree"),
+        ({**_modulo(SUBJECT, 32, 32), (SUBJECT, 1, 0): 33}, "33 poses are certified"),
+        ({(SUBJECT, 1, 0): 33}, "33 poses are certified"),
+        ({("DPP DPP DPH", 2, 0): 33}, "33 poses are certified"),
+        (
+            {
+                **_modulo("DPP DPP DPH", 16, 16),
+                **{("DPP DPP DPH", 2, p): 31 for p in PRIMES},
+            },
+            "the methods disagree",
+        ),
+        ({("ssssss", 1, p): 39 for p in PRIMES}, "the methods disagree"),
     ],
 )
-def test_disagreement_is_an_error(counts: dict[tuple[str, int, int], int | None]) -> None:
-    with pytest.raises(CheckFailed, match="the methods disagree"):
+def test_disagreement_is_an_error(
+    counts: dict[tuple[str, int, int], int | None], problem: str
+) -> None:
+    with pytest.raises(CheckFailed, match=problem):
         _rows(counts)
 
 
