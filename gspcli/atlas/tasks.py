@@ -22,6 +22,8 @@ SEED = 20031
 #: Up to so many solutions the linear algebra is exact, and two-sided counts are computed too,
 #: although they follow from the one-sided ones.
 EXACT_LIMIT = 512
+#: Above so many solutions there are no Gröbner bases: paths are tracked.
+GROEBNER_LIMIT = 2048
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,13 @@ class Task:
         """Whether exchanging platform and base gives another task with the same count."""
         return self.distances is not None and mirrored(self.distances) < self.distances
 
+    @property
+    def worthwhile(self) -> bool:
+        """Whether the task is done without being asked for in particular."""
+        if self.characteristic == 0 or self.exact:
+            return True
+        return self.expected <= GROEBNER_LIMIT and not self.repeats
+
     def equations(self) -> list[Equation]:
         """Return the random system modulo the prime."""
         random = Random(f"{self.seed} {self.characteristic} {self.sides} {self.subject}")
@@ -98,8 +107,12 @@ class Task:
 
 
 def all_tasks(*, seed: int = SEED, characteristics: Sequence[int] = PRIMES) -> list[Task]:
-    """Return every task: repetitions last, and those with few solutions first."""
-    tasks = [task for c in characteristics for task in _tasks(c, seed)]
+    """Return every task, those with few solutions first.
+
+    Modulo primes, families with many solutions are left out: all of them above
+    `GROEBNER_LIMIT`, and above `EXACT_LIMIT` one of two mirror images.
+    """
+    tasks = [task for c in characteristics for task in _tasks(c, seed) if task.worthwhile]
     return sorted(tasks, key=lambda task: (task.repeats, task.expected))
 
 

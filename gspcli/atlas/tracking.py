@@ -14,7 +14,7 @@ from gspcli.solve.generate import random_instance
 from gspcli.solve.tracking import solve_by_tracking
 
 #: How many random platforms are tried for the largest count. Some have poses so far away that
-#: they are taken for poses at infinity or cannot be certified.
+#: floating point does not find them accurately enough to certify them.
 ATTEMPTS = 5
 
 
