@@ -2,6 +2,7 @@
 
     python tools/verify_solve.py platforms [--count 100000] [--jobs 2]
     python tools/verify_solve.py signatures [--each 10] [--jobs 2]
+    python tools/verify_solve.py all
     python tools/verify_solve.py show TASK INSTANCE
 
 `platforms` solves random real platforms with six DPP, `signatures` several random platforms of
@@ -142,7 +143,8 @@ def examine(
 def _charted(arrangement: Arrangement, R: Field, T: Field) -> Field:
     """Return (R, T, 1) scaled to norm 1, so that large poses are compared by relative size."""
     flat = np.concatenate((R.reshape(-1, 9), T / arrangement.length, np.ones((len(R), 1))), axis=1)
-    return flat / np.linalg.norm(flat, axis=1, keepdims=True)
+    charted: Field = flat / np.linalg.norm(flat, axis=1, keepdims=True)
+    return charted
 
 
 def _distances(points: Field, among: Field, count: int) -> Array:
@@ -372,7 +374,7 @@ def shown(name: str, number: int) -> Instance:
     arrangement, _ = random_platform(task.rng(number))
 
     def exact(value: float) -> Number:
-        return Number.of(f"{value:.17f}")
+        return Number.of(repr(float(value)))
 
     constraints = tuple(
         Constraint(
@@ -390,17 +392,38 @@ def shown(name: str, number: int) -> Instance:
     return Instance(constraints, Units("unit", AngleUnit.DEGREE))
 
 
+def platform_tasks(count: int) -> list[Task]:
+    """Return the tasks of a run over random platforms with six DPP."""
+    sizes = [min(CHUNK, count - k) for k in range(0, count, CHUNK)]
+    return [Task(f"chunk {i}", size, SEED) for i, size in enumerate(sizes)]
+
+
+def signature_tasks(each: int) -> list[Task]:
+    """Return the tasks of a run over the families, those with the most solutions first."""
+    by_size = sorted(
+        signatures().values(), key=lambda family: -generic_counts(family.types[0]).two_sided
+    )
+    return [Task(family.id, each, SEED) for family in by_size]
+
+
 def main() -> int:
     """Verify, write the record, and return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     commands = parser.add_subparsers(dest="command", required=True)
     add = partial(commands.add_parser, formatter_class=argparse.ArgumentDefaultsHelpFormatter)
-    platforms = add("platforms", help="random platforms with six DPP")
-    platforms.add_argument("--count", type=int, default=100_000, help="how many platforms")
-    members = add("signatures", help="random platforms of all 896 families")
-    members.add_argument("--each", type=int, default=10, help="platforms of each family")
-    members.add_argument("--only", default="", help="families whose name contains this")
-    for command in (platforms, members):
+    helps = {
+        "platforms": "random platforms with six DPP",
+        "signatures": "random platforms of all 896 families",
+        "all": "both",
+    }
+    for name, text in helps.items():
+        command = add(name, help=text)
+        if name != "signatures":
+            command.add_argument(
+                "--count", type=int, default=100_000, help="platforms with six DPP"
+            )
+        if name != "platforms":
+            command.add_argument("--each", type=int, default=10, help="platforms of each family")
         command.add_argument("--jobs", type=int, default=1, help="processes")
         command.add_argument("--no-record", action="store_true", help="leave data/ as it is")
     show = add("show", help="print an instance of a run")
@@ -410,25 +433,23 @@ def main() -> int:
     if arguments.command == "show":
         print(dumps(shown(arguments.task, arguments.instance)), end="")
         return 0
-    if arguments.command == "platforms":
-        name, verify = "platforms-6-6", verify_platforms
-        command = f"python tools/verify_solve.py platforms --count {arguments.count}"
-        sizes = [min(CHUNK, arguments.count - k) for k in range(0, arguments.count, CHUNK)]
-        tasks = [Task(f"chunk {i}", size, SEED) for i, size in enumerate(sizes)]
-    else:
-        name, verify = "signatures", verify_signature
-        command = f"python tools/verify_solve.py signatures --each {arguments.each}"
-        names = [name for name in signatures() if arguments.only in name]
-        if arguments.only:
-            command += f" --only '{arguments.only}'"
-        tasks = [Task(name, arguments.each, SEED) for name in names]
+    runs: list[tuple[str, str, Callable[[Task], list[Finding]], list[Task]]] = []
+    if arguments.command != "signatures":
+        options = f"platforms --count {arguments.count}"
+        runs.append(("platforms-6-6", options, verify_platforms, platform_tasks(arguments.count)))
+    if arguments.command != "platforms":
+        options = f"signatures --each {arguments.each}"
+        runs.append(("signatures", options, verify_signature, signature_tasks(arguments.each)))
     origin = sources()
-    done = run(tasks, verify, JOURNALS / f"{name}.jsonl", origin, arguments.jobs)
-    if not arguments.no_record:
-        write(name, command, origin, done)
-    bad = sum(len(_problems(findings)) for findings in done.values())
-    count = sum(len(findings) for findings in done.values())
-    print(f"{name}: {count} instances, {bad} with problems")
+    bad = 0
+    for name, options, verify, tasks in runs:
+        done = run(tasks, verify, JOURNALS / f"{name}.jsonl", origin, arguments.jobs)
+        if not arguments.no_record:
+            write(name, f"python tools/verify_solve.py {options}", origin, done)
+        wrong = sum(len(_problems(findings)) for findings in done.values())
+        count = sum(len(findings) for findings in done.values())
+        print(f"{name}: {count} instances, {wrong} with problems")
+        bad += wrong
     return 1 if bad else 0
 
 
