@@ -1,4 +1,4 @@
-// Adaptive tracking of up to eight paths at a time, one in each lane of a vector.
+// Adaptive tracking of several paths at a time, one in each lane of a vector.
 //
 // A step: evaluate the Taylor series of every lane at its own step length (the last term summed as
 // a geometric series, a Pade approximant with the common pole), correct twice by Newton's method,
@@ -13,14 +13,14 @@
 // branches between lanes.
 #include "tracker.hpp"
 
-#ifndef GSP_TRACK
-#error "GSP_TRACK must name the entry point of this build"
+#if !defined(GSP_TRACK) || !defined(GSP_LANES)
+#error "GSP_TRACK must name the entry point of this build and GSP_LANES the width of its vectors"
 #endif
 
 namespace gsp {
 namespace {
 
-constexpr int W = kLanes;
+constexpr int W = GSP_LANES;  // paths tracked side by side, one in each lane of a vector
 constexpr int N = kVariables;
 constexpr int kRows = kEquations + 1;
 #ifndef GSP_ORDER
@@ -374,7 +374,7 @@ void expand(const Homotopy& H, Workspace& w, const V& t, C (*series)[N]) {
   }
 }
 
-// The state of the eight paths under way.
+// The state of the paths under way.
 struct Lanes {
   C series[kOrder + 1][N];
   C pole;     // 1 / (common pole of the last two terms)
@@ -410,7 +410,7 @@ INLINE void normalize(C* z) {
   for (int i = 0; i < N; ++i) z[i] = scale * z[i];
 }
 
-// Newton's method with a new factorization each time, at t = 1, for up to eight end points.
+// Newton's method with a new factorization each time, at t = 1, for as many end points as there are lanes.
 void refine(const Homotopy& H, Workspace& w, int count, const int* index, const Results& out) {
   constexpr int kIterations = 3;
   C z[N];
@@ -421,19 +421,24 @@ void refine(const Homotopy& H, Workspace& w, int count, const int* index, const 
       z[i].im[l] = x.im;
     }
   const V one = splat(1.0);
-  V last = splat(0.0);
-  for (int k = 0; k < kIterations; ++k) {
-    C dz[N];
+  V last = splat(1.0);
+  // A lane that has converged stays as it is, whatever the others need.
+  bool going = true;
+  for (int k = 0; k < kIterations && going; ++k) {
+    C dz[N], moved[N];
     linearize(H, w, z, one);
     factorize(w);
     solve(w, w.f, dz);
-    for (int i = 0; i < N; ++i) z[i] = z[i] - dz[i];
-    last = norm(dz);
-    normalize(z);
-    bool done = true;
-    for (int l = 0; l < count; ++l) done &= last[l] < 1e-13;
-    if (done) break;
+    for (int i = 0; i < N; ++i) moved[i] = z[i] - dz[i];
+    normalize(moved);
+    const Mask settled = last < 1e-13;
+    for (int i = 0; i < N; ++i) z[i] = select(settled, z[i], moved[i]);
+    last = settled ? last : norm(dz);
+    going = false;
+    for (int l = 0; l < W; ++l) going |= !(last[l] < 1e-13);
   }
+  linearize(H, w, z, one);
+  factorize(w);
   // The Frobenius norm of the inverse of L with the equations divided by their magnitude.
   V condition = splat(0.0);
   for (int c = 0; c < kRows; ++c) {
@@ -448,7 +453,6 @@ void refine(const Homotopy& H, Workspace& w, int count, const int* index, const 
     }
   }
   condition = root(condition);
-  linearize(H, w, z, one);
   V residual = square(w.f[0]);
   for (int i = 1; i < kRows; ++i)
     residual = maximum(residual, square(w.f[i]) / (w.magnitude[i] * w.magnitude[i]));

@@ -8,7 +8,6 @@
 
 namespace gsp {
 
-constexpr int kLanes = 8;      // paths tracked side by side, one in each lane of a vector
 constexpr int kVariables = 8;  // e0..e3, f0..f3
 constexpr int kEquations = 6;  // besides e.f = 0
 constexpr int kQuadrics = 2 * kEquations;

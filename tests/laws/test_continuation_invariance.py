@@ -1,0 +1,84 @@
+"""The solutions do not depend on the seed, the order of equations, units, frames or the swap."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gspcli.continuation.monodromy import random_quadrics
+from gspcli.continuation.quadrics import (
+    BASES,
+    monomials,
+    swap_letters,
+    swap_points,
+    swap_quadrics,
+)
+from gspcli.continuation.solve import solve_system
+from gspcli.continuation.systems import Structure, TargetSystem
+
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+def real_system(families: str, rng: np.random.Generator) -> TargetSystem:
+    """Random real quadrics through a random real Study point."""
+    e, f = rng.standard_normal((2, 4))
+    values = monomials(np.r_[e, f - e * (e @ f) / (e @ e)])
+    rows = []
+    for letter in families:
+        row = rng.standard_normal(len(BASES[letter])) @ BASES[letter]
+        rows.append(row - (row @ values) / (BASES["a"][0] @ values) * BASES["a"][0])
+    return TargetSystem(Structure(families), rows)
+
+
+def match(a: np.ndarray, b: np.ndarray) -> None:
+    """Assert that two sets of points are the same up to factors."""
+    assert len(a) == len(b)
+    a, b = (x / np.linalg.norm(x, axis=1, keepdims=True) for x in (a, b))
+    inner = np.abs(a.conj() @ b.T)
+    assert sorted(inner.argmax(axis=1)) == list(range(len(b)))
+    assert inner.max(axis=1).min() > 1 - 1e-9
+
+
+@settings(max_examples=8)
+@given(seed=SEEDS, families=st.sampled_from(["ssssss", "apqlss", "pppqqs", "aallsp"]))
+def test_seed_and_order(seed, families):
+    rng = np.random.default_rng(seed)
+    target = real_system(families, rng)
+    solutions = solve_system(target)
+    assert solutions.verdict == "complete"
+    again = solve_system(target.reordered(rng.permutation(6)), seed=seed)
+    match(solutions.points, again.points)
+
+
+@settings(max_examples=8)
+@given(seed=SEEDS, families=st.sampled_from(["ssssss", "aplsss", "pppqss", "aaqlsp"]))
+def test_swap(seed, families):
+    target = real_system(families, np.random.default_rng(seed))
+    swapped = TargetSystem(Structure(swap_letters(families)), swap_quadrics(target.g))
+    match(solve_system(target).points, swap_points(solve_system(swapped).points))
+
+
+@settings(max_examples=6)
+@given(seed=SEEDS, exponent=st.floats(-6, 6))
+def test_unit_of_length(seed, exponent):
+    unit = 10.0**exponent
+    target = real_system("pqlsss", np.random.default_rng(seed))
+    powers = np.r_[np.ones(10), np.full(16, 1 / unit), 1 / unit**2]
+    scaled = solve_system(TargetSystem(target.structure, target.g * powers)).points
+    scaled[:, 4:] /= unit
+    match(solve_system(target).points, scaled)
+
+
+@pytest.mark.parametrize("families", ["ssssss", "apqlss"])
+def test_real_systems_have_conjugate_solutions(families):
+    points = solve_system(real_system(families, np.random.default_rng(11))).points
+    match(points, points.conj())
+
+
+def test_complex_systems(seed=12):
+    rng = np.random.default_rng(seed)
+    solutions = solve_system(TargetSystem(Structure("plsssq"), random_quadrics("plsssq", rng)))
+    assert solutions.verdict == "complete"
+    assert len(solutions.points) == solutions.paths

@@ -1,0 +1,125 @@
+"""Whole solution sets of random real platforms, and of special ones."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gspcli.continuation.solve import solve_system, solve_systems
+
+KINDS = [
+    "PP PP PP PP PP PP",
+    "PH PH PH PH PH PH",
+    "PH PH PH HP HP HP",
+    "HP HP HP HP PH PP",
+    "PL PL PL PL PL PL",
+    "PP PP LP HP HP HP",
+    "PP PP PP PP PP PL",
+    "A A A PL PL LP",
+    "A A PP PL LP LL",
+    "A LL LL PH PP HP",
+    "LL LL LL PP HP PH",
+]
+
+
+def is_account_consistent(solutions) -> bool:
+    found = solutions.finite + solutions.at_infinity + solutions.on_curves + solutions.lost
+    return found == solutions.paths
+
+
+@pytest.mark.parametrize("kinds", KINDS)
+def test_random_platforms_are_complete(build, kinds):
+    rng = np.random.default_rng(9)
+    cases = [build.platform(kinds, rng) for _ in range(2)]
+    for (_, r, t), solutions in zip(
+        cases, solve_systems(target for target, _, _ in cases), strict=True
+    ):
+        assert solutions.verdict == "complete"
+        assert len(solutions.points) == solutions.paths
+        assert is_account_consistent(solutions)
+        assert solutions.residual.max() < 1e-13
+        rotations, translations = build.poses(solutions.points)
+        error = np.abs(rotations - r).max(axis=(1, 2)) + np.abs(translations - t).max(axis=1)
+        assert error.min() < 1e-9
+
+
+def test_dietmaier_has_forty_real_poses(build):
+    x = [[0, 0, 0], [1.107915, 0, 0], [0.549094, 0.756063, 0], [0.735077, -0.223935, 0.525991],
+         [0.514188, -0.526063, -0.368418], [0.590473, 0.094733, -0.205018]]  # fmt: skip
+    y = [[0, 0, 0], [0.542805, 0, 0], [0.956919, -0.528915, 0], [0.665885, -0.353482, 1.402538],
+         [0.478359, 1.158742, 0.107672], [-0.137087, -0.235121, 0.353913]]  # fmt: skip
+    d = [1, 0.645275, 1.086284, 1.503439, 1.281933, 0.771071]
+    solutions = solve_system(build.legs(np.array(y), np.array(x), d))
+    assert len(solutions.points) == 40
+    assert np.abs(solutions.points.imag).max() < 1e-9
+
+
+def triangle(p: np.ndarray) -> list[np.ndarray]:
+    return [p[0], p[0], p[1], p[1], p[2], p[2]]
+
+
+def special(name: str, build, rng: np.random.Generator):
+    r, t = build.rotation(rng), rng.standard_normal(3)
+    x, y = rng.standard_normal((2, 6, 3))
+    flat = np.array([1.0, 1.0, 0.0])
+    if name == "octahedral":
+        return build.legs_at(triangle(y), [x[0], x[1], x[1], x[2], x[2], x[0]], r, t)
+    if name == "6-3":
+        return build.legs_at(triangle(y), x, r, t)
+    if name == "planar":
+        return build.legs_at(y * flat, x * flat, r, t)
+    if name == "no real solution":
+        return build.legs(y, x, [0.01] * 6)
+    assert name == "singular pose"
+    # All legs meet a common line: the inverse Jacobian matrix is singular there.
+    point, direction = rng.standard_normal((2, 3))
+    ends = y @ r.T + t
+    on_line = point + rng.standard_normal((6, 1)) * direction
+    return build.legs_at(y, ends + (1.5 + rng.random((6, 1))) * (on_line - ends), r, t)
+
+
+@pytest.mark.parametrize(
+    ("name", "finite", "distinct"),
+    [
+        ("octahedral", 16, 16),
+        ("6-3", 16, 16),
+        ("planar", 40, 40),
+        ("no real solution", 40, 40),
+        ("singular pose", 40, 39),
+    ],
+)
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_special_positions(build, name, finite, distinct, seed):
+    solutions = solve_system(special(name, build, np.random.default_rng(seed)))
+    assert is_account_consistent(solutions)
+    assert (solutions.verdict, solutions.lost) == ("complete", 0)
+    assert (solutions.finite, len(solutions.points)) == (finite, distinct)
+    assert solutions.singular.sum() == finite - distinct
+
+
+def test_congruent_platform_with_equal_legs_moves(build):
+    x = np.random.default_rng(10).standard_normal((6, 3))
+    solutions = solve_system(build.legs(x, x, [1.5] * 6))
+    assert solutions.verdict == "infinite"
+    assert is_account_consistent(solutions)
+    # R = 1 and T on a sphere.
+    assert {curve.dimension for curve in solutions.curves} == {2}
+    moving = [curve for curve in solutions.curves if curve.real]
+    assert moving
+    for curve in moving:
+        assert len(curve.motion) > 5
+        assert not curve.motion.imag.any()
+        rotations, translations = build.poses(curve.motion)
+        np.testing.assert_allclose(rotations - np.eye(3), 0, atol=1e-5)
+        np.testing.assert_allclose(np.linalg.norm(translations, axis=1), 1.5, atol=1e-5)
+
+
+def test_griffis_duffy_moves(build):
+    angle = 2 * np.pi * np.arange(3) / 3
+    corners = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    sides = np.array([p for k in range(3) for p in (corners[k], (corners[k] + corners[k - 2]) / 2)])
+    target = build.legs_at(np.roll(sides, -1, axis=0), sides, np.eye(3), np.array([0, 0, 1.3]))
+    solutions = solve_system(target)
+    assert solutions.verdict == "infinite"
+    assert is_account_consistent(solutions)
+    assert any(curve.real and curve.dimension == 1 for curve in solutions.curves)

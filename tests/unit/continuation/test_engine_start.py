@@ -1,0 +1,86 @@
+"""Stored start systems: their counts, that they are solved, and that monodromy finds them again."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gspcli.continuation.monodromy import random_complex, solve_family, trace_defects
+from gspcli.continuation.start import (
+    canonical_families,
+    distinct,
+    intersection_number,
+    path_count,
+    start_system,
+)
+from gspcli.continuation.systems import Structure
+
+
+def test_there_are_119_families():
+    families = canonical_families()
+    assert len(families) == len(set(families)) == 119
+
+
+@pytest.mark.parametrize(
+    ("families", "known"),
+    [
+        # 6-6 platforms (Ronga and Vust 1995); Lazard's variety; three planes leave three quadrics.
+        ("ssssss", 40),
+        ("pppqqq", 20),
+        ("pppppp", 8),
+        # Table 3 of the paper, divided by 2 for each PL, LP: PPP, SSS.
+        ("aaappp", 8),
+        ("aaasss", 16),
+    ],
+)
+def test_known_counts(families, known):
+    assert intersection_number(families) == known
+
+
+def test_counts_are_symmetric_under_the_swap():
+    assert intersection_number("aqqqps") == intersection_number("apppqs")
+    with pytest.raises(ValueError, match="at most three"):
+        intersection_number("aaaass")
+
+
+@pytest.mark.parametrize("families", canonical_families())
+def test_stored_points_solve_the_stored_systems(families):
+    start = start_system(Structure(families))
+    products = np.zeros(6, dtype=bool)
+    # Stored in single precision.
+    assert np.abs(start.coefficients.values(products, start.points)).max() < 1e-6
+    assert distinct(start.points)
+
+
+@pytest.mark.parametrize(
+    ("families", "products"),
+    [("pppppp", (1,) * 6), ("aqqqqs", (0, 1, 1, 0, 1, 0)), ("plllss", (1, 0, 1, 1, 0, 0))],
+)
+def test_derived_start_systems(families, products):
+    structure = Structure(families, tuple(map(bool, products))).canonical()
+    start = start_system(structure)
+    assert len(start.points) == path_count(structure)
+    assert distinct(start.points)
+    mask = np.array(structure.products)
+    assert np.abs(start.coefficients.values(mask, start.points)).max() < 1e-6
+    assert not start.coefficients.tau.any()
+
+
+@pytest.mark.parametrize("families", ["ssssss", "aaappp", "ppqqll", "aaplls", "plllll"])
+def test_monodromy_from_another_seed_agrees(families):
+    solved = solve_family(families, np.random.default_rng(2003))
+    assert len(solved.points) == intersection_number(families)
+
+
+def test_trace_test_notices_a_missing_solution():
+    rng = np.random.default_rng(6)
+    for families in ("ssssss", "aaappp", "llllll"):
+        solved = solve_family(families, rng)
+        complete = trace_defects(families, solved.quadrics, solved.points, rng)
+        missing = trace_defects(families, solved.quadrics, solved.points[:-1], rng)
+        assert complete.max() < 1e-9
+        assert missing.max() > 1e-6
+
+
+def test_random_complex_shape():
+    assert random_complex(np.random.default_rng(0), 2, 3).shape == (2, 3)

@@ -1,0 +1,102 @@
+"""The tracker: builds, threads and batches agree; failures are reported, not hidden."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gspcli import _kernel
+from gspcli.continuation.accounts import random_start
+from gspcli.continuation.monodromy import random_quadrics
+from gspcli.continuation.start import start_system
+from gspcli.continuation.systems import Coefficients, Structure
+from gspcli.continuation.tracker import PathStatus, TrackerOptions, track
+
+PRODUCTS = (False, True, False, True, False, False)
+
+
+@pytest.fixture(scope="module")
+def homotopy():
+    structure = Structure("pplsss", PRODUCTS).canonical()
+    start = start_system(structure)
+    rng = np.random.default_rng(7)
+    rows = [
+        np.array([random_quadrics(structure.families, rng) for _ in range(3)]) for _ in range(2)
+    ]
+    products = np.array(structure.products)
+    targets = Coefficients(
+        rows[0], np.where(products[:, None], rows[1], 0), np.where(products, 0.3, 0) * np.ones(6)
+    )
+    targets = Coefficients(targets.g, targets.h, np.broadcast_to(targets.tau, (3, 6)))
+    return products, random_start(start, 8, 0), targets, start.points
+
+
+def same(a, b, tolerance=1e-9):
+    inner = np.abs((a.points.conj() * b.points).sum(axis=-1))
+    return np.abs(inner - 1).max() < tolerance
+
+
+def test_ends_are_solutions(homotopy):
+    products, _, targets, _ = homotopy
+    results = track(*homotopy)
+    assert (results.status == PathStatus.REGULAR).all()
+    assert (results.residual < 1e-14).all()
+    for i in range(3):
+        assert targets.take(i).residuals(products, results.points[i]).max() < 1e-14
+
+
+@pytest.mark.parametrize("build", ["portable", "avx2", "avx512"])
+def test_builds_agree(homotopy, build):
+    if build not in _available():
+        pytest.skip(f"this processor cannot run {build}")
+    assert same(track(*homotopy), track(*homotopy, build=build))
+
+
+def _available() -> list[str]:
+    order = ["portable", "avx2", "avx512"]
+    return order[: order.index(_kernel.build()) + 1]
+
+
+def test_threads_do_not_matter(homotopy):
+    one, four = track(*homotopy), track(*homotopy, jobs=4)
+    np.testing.assert_array_equal(one.points, four.points)
+
+
+def test_batched_equals_looped_in_any_order(homotopy):
+    products, start, targets, points = homotopy
+    together = track(products, start, targets, points)
+    for i in range(3):
+        alone = track(products, start, targets.take(slice(i, i + 1)), points[::-1])
+        np.testing.assert_array_equal(alone.points[0, ::-1], together.points[i])
+
+
+def test_too_few_steps_fail(homotopy):
+    results = track(*homotopy, options=TrackerOptions(max_steps=3))
+    assert (results.status == PathStatus.FAILED).all()
+    assert (results.t < 1).all()
+
+
+def test_a_point_that_is_no_solution_fails(homotopy):
+    products, start, targets, points = homotopy
+    wrong = np.roll(points, 1, axis=1)
+    results = track(products, start, targets, wrong)
+    assert (results.status == PathStatus.FAILED).all()
+
+
+def test_not_a_number_fails(homotopy):
+    products, start, targets, points = homotopy
+    results = track(products, start, targets, np.full_like(points[:3], np.nan))
+    assert (results.status == PathStatus.FAILED).all()
+
+
+def test_no_paths(homotopy):
+    products, start, targets, points = homotopy
+    assert track(products, start, targets, points[:0]).points.shape == (3, 0, 8)
+
+
+def test_wrong_shapes(homotopy):
+    products, start, targets, points = homotopy
+    with pytest.raises(ValueError, match="points must have shape"):
+        track(products, start, targets, points[:, :7])
+    with pytest.raises(ValueError, match="no build named"):
+        track(products, start, targets, points, build="sse9")
