@@ -36,7 +36,7 @@ def _combined(children):
     )
 
 
-expressions = st.recursive(atoms.map(str), _combined, max_leaves=6)
+expressions = st.recursive(atoms.map(str), _combined, max_leaves=3)
 
 
 def _readable(text):
@@ -152,7 +152,7 @@ def _python(text):
     return eval(text, {"__builtins__": {}}, vars(math))
 
 
-@QUICK
+@settings(QUICK, max_examples=25)
 @given(instances())
 def test_what_is_written_reads_back(instance):
     assert loads(dumps(instance)) == instance

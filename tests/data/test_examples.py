@@ -1,0 +1,34 @@
+"""The example instances: recorded counts belong to them and the solver finds just these."""
+
+import hashlib
+
+import pytest
+
+from gspcli.resources import data_directory, data_json
+from gspcli.solve.api import solve
+from gspcli.spec import load
+
+EXAMPLES = sorted((data_directory() / "examples").glob("*.yaml"))
+EXPECTED = data_json("examples", "expected.json")["examples"]
+
+
+def test_every_example_has_its_record():
+    missing = {path.stem for path in EXAMPLES} - set(EXPECTED)
+    assert not missing, "run python tools/build_example_counts.py"
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_solver_finds_the_recorded_counts(path):
+    record = EXPECTED[path.stem]
+    content = hashlib.sha256(path.read_bytes()).hexdigest()
+    assert content == record["sha256"], "run python tools/build_example_counts.py"
+    instance = load(path)
+    assert instance.type.id == record["type"]
+    result = solve(instance, certify=False)
+    if record["dimension"] > 0:
+        assert result.verdict == "infinite"
+    else:
+        assert result.verdict == "complete"
+        assert sum(solution.multiplicity for solution in result.solutions) == record["complex"]
+        assert result.counts.found == record["distinct"]
+        assert result.counts.real == record["real"]
