@@ -46,8 +46,8 @@ class Platforms:
     def __len__(self) -> int:
         return len(self.values)
 
-    def __getitem__(self, index: int | slice | NDArray[np.int64]) -> Platforms:
-        """Return some of the platforms."""
+    def __getitem__(self, index: int | slice | NDArray[np.int64] | None) -> Platforms:
+        """Return some of the platforms; None adds a leading axis."""
         return Platforms(
             self.kinds, *(part[index] for part in (self.y, self.x, self.u, self.v, self.values))
         )

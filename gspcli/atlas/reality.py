@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.continuation.solve import SystemSolutions
 from gspcli.geometry.poses import normalised
 
 #: The error of a solution of norm 1 is about the condition number times this, ...
@@ -40,14 +39,21 @@ class Reality:
         return int(self.real.sum())
 
 
-def reality(solutions: SystemSolutions) -> Reality:
+def reality(points: NDArray[np.complex128], condition: NDArray[np.float64]) -> Reality:
     """Return which solutions are real.
 
     Real systems have conjugate solutions. A solution with an imaginary part of the size of
     its error is one with its conjugate, unless there is another as near.
+
+    Parameters
+    ----------
+    points
+        All solutions of a system, scaled to N = 1, shape (n, 8).
+    condition
+        Their condition numbers, shape (n,).
     """
-    z = normalised(solutions.points)
-    error = _EPS * solutions.condition
+    z = normalised(points)
+    error = _EPS * condition
     height = np.linalg.norm(z.imag, axis=-1)
     real = height < _REAL * error
     unclear = ~(real | (height > _COMPLEX * error))

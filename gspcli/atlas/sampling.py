@@ -105,7 +105,7 @@ class Sample:
             if any(one.verdict != "complete" for one in every):
                 tally.incomplete += 1
                 continue
-            found = [reality(one) for one in every]
+            found = [reality(one.points, one.condition) for one in every]
             if all(one.decided for one in found):
                 tally.real[sum(one.count for one in found)] += 1
             else:

@@ -27,6 +27,7 @@ COMMANDS = (
     "solve",
     "certify",
     "sample",
+    "maximize-real",
     "atlas",
 )
 

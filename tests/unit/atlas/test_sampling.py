@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 from gspcli.atlas.platforms import random_platforms
-from gspcli.atlas.reality import reality
+from gspcli.atlas.reality import Reality, reality
 from gspcli.atlas.sampling import Sample, Tally, sample
 from gspcli.catalogue.kinds import AHH, AHL, ALH, KINDS
 from gspcli.catalogue.parsing import parse_type
-from gspcli.continuation.solve import SystemSolutions
 from gspcli.geometry.poses import pose_from_study
 from gspcli.geometry.residuals import Arrangement, residuals
 
@@ -32,7 +31,7 @@ def test_solutions_satisfy_the_constraints_as_stated(name: str) -> None:
     platforms = random_platforms(kinds, 2, np.random.default_rng(5))
     for k, solutions in enumerate(platforms.solutions(1)):
         assert len(solutions.points) == solutions.paths
-        points = solutions.points[reality(solutions).real].real
+        points = solutions.points[reality(solutions.points, solutions.condition).real].real
         R, T = pose_from_study(points[:, :4], points[:, 4:])
         one = platforms[k]
         sine = np.array([kind in (ALH, AHL) for kind in kinds])
@@ -81,21 +80,8 @@ def test_a_tally_is_the_same_with_other_processes() -> None:
     assert _total(wanted) == _total(wanted, jobs=2)
 
 
-def _solutions(points: list[list[complex]], condition: float) -> SystemSolutions:
-    count = len(points)
-    return SystemSolutions(
-        np.array(points, complex),
-        np.ones(count, int),
-        np.zeros(count, bool),
-        np.full(count, condition),
-        np.zeros(count),
-        count,
-        0,
-        0,
-        0,
-        (),
-        0,
-    )
+def _reality(points: list[list[complex]], condition: float) -> Reality:
+    return reality(np.array(points, complex), np.full(len(points), condition))
 
 
 def _point(height: float, shift: float = 0.0) -> list[complex]:
@@ -103,13 +89,13 @@ def _point(height: float, shift: float = 0.0) -> list[complex]:
 
 
 def test_reality_near_double_solutions_is_undecided() -> None:
-    assert reality(_solutions([_point(1e-15), _point(1e-15, 1)], 1)).count == 2
-    assert reality(_solutions([_point(0.1), _point(-0.1)], 1)).count == 0
-    assert reality(_solutions([_point(0.1), _point(-0.1)], 1)).decided
+    assert _reality([_point(1e-15), _point(1e-15, 1)], 1).count == 2
+    assert _reality([_point(0.1), _point(-0.1)], 1).count == 0
+    assert _reality([_point(0.1), _point(-0.1)], 1).decided
     # A pair whose imaginary parts are of the size of the error, and two real ones as near.
-    assert not reality(_solutions([_point(1e-9), _point(-1e-9)], 1e5)).decided
-    assert not reality(_solutions([_point(0.0), _point(0.0, 1e-9)], 1e8)).decided
-    assert not reality(_solutions([_point(0.0), _point(0.1)], np.inf)).decided
+    assert not _reality([_point(1e-9), _point(-1e-9)], 1e5).decided
+    assert not _reality([_point(0.0), _point(0.0, 1e-9)], 1e8).decided
+    assert not _reality([_point(0.0), _point(0.1)], np.inf).decided
 
 
 def test_kinds_keep_their_identity_in_other_processes() -> None:

@@ -1,0 +1,308 @@
+"""A search for platforms with many real solutions.
+
+After P. Dietmaier (1998): take a conjugate pair of solutions that is close to a fold, move the
+platform so that the pair comes together and becomes real, and keep all real solutions from
+coming together meanwhile. A step is the shortest change of the platform's numbers that does this
+to first order (`gspcli.atlas.maximize_folds`), of limited length. After each step all solutions
+are followed along a random complex path; the search accepts no step that loses a real one.
+
+It works on *reduced* platforms: distances to planes and of lines are zero. A plane can be moved
+instead of changing its distance, so nothing is lost on one side; and a small distance gives
+each real solution of a reduced platform one near it for each sign, so all sides, and both signs
+of the mutual moment of two lines, have as many real solutions as one (`docs/real-counts.md`).
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.atlas.maximize_folds import Folds, folds, moved
+from gspcli.atlas.maximize_step import shortest_step
+from gspcli.atlas.platforms import Platforms, random_platforms
+from gspcli.atlas.processes import in_order
+from gspcli.atlas.reality import reality
+from gspcli.catalogue.kinds import DHP, DLL, DPH, Kind
+from gspcli.continuation.accounts import all_regular
+from gspcli.continuation.solve import solve_systems
+from gspcli.continuation.systems import Coefficients, Structure
+from gspcli.continuation.tracker import track
+from gspcli.geometry.poses import normalised, pose_from_study
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+#: The default seed of everything random.
+SEED = 20031
+#: How many random platforms an attempt begins with: the best goes on.
+_STARTS = 32
+#: Their sizes, in turn by the number of the attempt. Small ones are good for distances of lines.
+_SIZES = (1.0, 0.3)
+#: Real solutions are kept this far from folds, or if they are nearer, ...
+_MARGIN = 0.005
+#: ... driven away by this factor.
+_GROWTH = 1.3
+#: First and largest length of a step; numbers are of the order of one.
+_RADIUS, _MAX_RADIUS, _MIN_RADIUS = 0.05, 0.3, 1e-3
+#: The shortest step that drives a pair may be so much longer than its part towards the fold.
+_DETOUR = 4.0
+#: Mean rank, by distance, of the conjugate pair that is driven.
+_RANK = 2.0
+#: An attempt ends after so many steps without a new real pair.
+_PATIENCE = 200
+#: Solutions are followed from those of the last platform, and solved anew after so many steps.
+_AFRESH = 50
+#: Angles of the random phases of short paths: not zero, lest a path meets a fold.
+_PHASES = (0.3, 1.0)
+#: Limits of the numbers: points, distances, and the least difference from 1 of a cosine.
+_LARGEST, _SMALLEST, _COSINE = 4.0, 0.02, 1e-3
+#: Distance to folds up to which a finished platform is improved, and with how many steps.
+_COMFORT, _IMPROVEMENTS = 0.03, 60
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A reduced platform with all its solutions.
+
+    Attributes
+    ----------
+    platform
+        One platform, no leading axes.
+    coefficients
+        Of its system.
+    points
+        Solutions in Study coordinates, N = 1, shape (n, 8).
+    real
+        Which are real, shape (n,).
+    """
+
+    platform: Platforms
+    coefficients: Coefficients
+    points: Complex
+    real: NDArray[np.bool_]
+
+    @property
+    def count(self) -> int:
+        """How many solutions are real."""
+        return int(self.real.sum())
+
+    def folds(self) -> tuple[Folds, Folds]:
+        """Return the folds of conjugate pairs and those of real solutions."""
+        R, T = pose_from_study(self.points[:, :4], self.points[:, 4:])
+        return folds(self.platform, R, T, self.real)
+
+
+def reduced(platforms: Platforms) -> Platforms:
+    """Return platforms with planes moved to distance zero, and lines that meet."""
+    y, x, values = platforms.y.copy(), platforms.x.copy(), platforms.values.copy()
+    for i, kind in enumerate(platforms.kinds):
+        shift = values[..., i, None]
+        if kind is DPH:
+            x[..., i, :] += shift * platforms.v[..., i, :]
+        elif kind is DHP:
+            y[..., i, :] += shift * platforms.u[..., i, :]
+        if kind in (DPH, DHP, DLL):
+            values[..., i] = 0.0
+    return replace(platforms, y=y, x=x, values=values)
+
+
+def multiplier(kinds: tuple[Kind, ...]) -> int:
+    """Return how many solutions on all sides there are for each of a reduced platform."""
+    return int(2 ** sum(kind in (DPH, DHP, DLL) for kind in kinds))
+
+
+def solved(platform: Platforms, seed: int = SEED) -> Solved | None:
+    """Return a platform with all solutions, or None if some cannot be made out."""
+    system = next(platform[None].systems())
+    result = next(solve_systems([system], seed=seed))
+    if result.verdict != "complete" or len(result.points) < result.paths:
+        return None
+    found = reality(result.points, result.condition)
+    if not found.decided:
+        return None
+    return Solved(platform, system.coefficients.normalized(), result.points, found.real)
+
+
+def _followed(known: Solved, platform: Platforms, rng: np.random.Generator) -> Solved | None:
+    """Return a platform near another with all solutions, followed from those of the other."""
+    system = next(platform[None].systems())
+    coefficients = system.coefficients.normalized()
+    g, h = np.exp(1j * rng.uniform(*_PHASES, size=(2, 6)))
+    target = Coefficients(*(part[None] for part in coefficients))
+    products = np.array(system.structure.products)
+    results = track(products, known.coefficients.scaled(g, h), target, normalised(known.points))
+    if not all_regular(results)[0]:
+        return None
+    points = results.points[0]
+    points = points / np.sqrt((points[:, :4] ** 2).sum(axis=1, keepdims=True))
+    found = reality(points, results.condition[0])
+    return Solved(platform, coefficients, points, found.real) if found.decided else None
+
+
+def _acceptable(platform: Platforms) -> bool:
+    """Return whether the numbers of a platform are neither too large nor degenerate."""
+    values = np.abs(platform.values)
+    distance = np.array([kind.is_distance for kind in platform.kinds])
+    smallest = np.where([kind in (DPH, DHP, DLL) for kind in platform.kinds], 0.0, _SMALLEST)
+    largest = max(np.abs(platform.y).max(), np.abs(platform.x).max(), values.max())
+    return bool(
+        largest < _LARGEST
+        and (values >= np.where(distance, smallest, 0.0)).all()
+        and (values[~distance] < 1 - _COSINE).all()
+    )
+
+
+def _centred(platform: Platforms) -> Platforms:
+    """Return a platform with the origins of its frames at the centres of the points."""
+    distance = np.array([kind.is_distance for kind in platform.kinds])[:, None]
+    centres = ((part * distance).sum(0) / distance.sum() for part in (platform.y, platform.x))
+    y, x = (
+        (part - centre) * distance
+        for part, centre in zip((platform.y, platform.x), centres, strict=True)
+    )
+    return replace(platform, y=y, x=x)
+
+
+@dataclass(frozen=True)
+class Search:
+    """What is sought.
+
+    Attributes
+    ----------
+    kinds
+        The kinds of the six constraints.
+    seed
+        Source of the random numbers.
+    target
+        The number of real solutions of a reduced platform at which the search may end; None:
+        all solutions.
+    start
+        The reduced platform that every attempt begins with; random ones if None.
+    deadline
+        Time (`time.monotonic`) at which attempts end.
+    """
+
+    kinds: tuple[Kind, ...]
+    seed: int = SEED
+    target: int | None = None
+    start: Platforms | None = None
+    deadline: float | None = None
+
+    @property
+    def structure(self) -> Structure:
+        """The structure of the systems of reduced platforms."""
+        platforms = reduced(random_platforms(self.kinds, 1, np.random.default_rng(self.seed)))
+        return next(platforms.systems()).structure.canonical()
+
+    @property
+    def is_late(self) -> bool:
+        """Whether the deadline has passed."""
+        return self.deadline is not None and time.monotonic() > self.deadline
+
+    def attempt(self, number: int) -> Solved | None:
+        """Return the best platform that one attempt finds, None if it finds none in time."""
+        rng = np.random.default_rng([self.seed, number])
+        best = self._first(rng, number)
+        if best is None:
+            return None
+        best = self._raised(best, rng)
+        return self._comfortable(best, rng)
+
+    def _first(self, rng: np.random.Generator, number: int) -> Solved | None:
+        if self.start is not None:
+            return solved(_centred(self.start), self.seed)
+        best: Solved | None = None
+        platforms = reduced(random_platforms(self.kinds, _STARTS, rng))
+        size = _SIZES[number % len(_SIZES)]
+        platforms = replace(platforms, y=size * platforms.y, x=size * platforms.x)
+        for k in range(_STARTS):
+            if best is not None and self.is_late:
+                break
+            found = solved(_centred(platforms[k]), self.seed)
+            if found is not None and (best is None or found.count > best.count):
+                best = found
+        return best
+
+    def _raised(self, best: Solved, rng: np.random.Generator) -> Solved:
+        """Return the platform after steps that make pairs real."""
+        goal = len(best.points) if self.target is None else self.target
+        radius, idle, followed = _RADIUS, 0, 0
+        while best.count < goal and idle < _PATIENCE and not self.is_late:
+            idle += 1
+            step = _raising_step(best, radius, rng)
+            if step is None:
+                radius = radius / 2 if radius > 2 * _MIN_RADIUS else _RADIUS
+                continue
+            platform = _centred(moved(best.platform, step))
+            new = None
+            if _acceptable(platform):
+                followed += 1
+                if followed % _AFRESH:
+                    new = _followed(best, platform, rng)
+                else:
+                    new = solved(platform, self.seed)
+            if new is None or new.count < best.count:
+                radius = radius / 2 if radius > 2 * _MIN_RADIUS else _RADIUS
+                continue
+            radius = min(1.5 * radius, _MAX_RADIUS)
+            if new.count > best.count:
+                idle = 0
+            best = new
+        return best
+
+    def _comfortable(self, best: Solved, rng: np.random.Generator) -> Solved:
+        """Return a platform as good but further from folds, so that it can be rounded."""
+        radius, nearest = _RADIUS, _nearest(best)
+        for _ in range(_IMPROVEMENTS):
+            if nearest > _COMFORT or radius < _MIN_RADIUS or self.is_late:
+                break
+            real = best.folds()[1]
+            near = real.distances < nearest + 2 * radius
+            wanted = np.minimum(nearest + radius, 1.5 * nearest)
+            step = shortest_step(real.normals[near], wanted - real.distances[near])
+            new = None
+            if step is not None and np.linalg.norm(step) < _DETOUR * radius:
+                platform = _centred(moved(best.platform, step))
+                if _acceptable(platform):
+                    new = _followed(best, platform, rng)
+            if new is None or new.count < best.count or _nearest(new) <= nearest:
+                radius /= 2
+                continue
+            best, nearest, radius = new, _nearest(new), min(1.5 * radius, _MAX_RADIUS)
+        return best
+
+
+def _nearest(platform: Solved) -> float:
+    """Return the linear distance to the nearest fold of real solutions."""
+    return float(platform.folds()[1].distances.min(initial=np.inf))
+
+
+def _raising_step(best: Solved, radius: float, rng: np.random.Generator) -> Array | None:
+    """Return a step of about a length at most that brings one conjugate pair together."""
+    pairs, real = best.folds()
+    rank = min(int(rng.exponential(_RANK)), len(pairs.distances) - 1)
+    chosen = np.argsort(pairs.distances)[rank]
+    towards = min(float(pairs.distances[chosen]) + _MARGIN, radius)
+    near = real.distances < 3 * radius + _MARGIN
+    kept = np.minimum(_MARGIN, _GROWTH * real.distances[near])
+    step = shortest_step(
+        np.concatenate((-pairs.normals[[chosen]], real.normals[near])),
+        np.concatenate(([towards], kept - real.distances[near])),
+    )
+    if step is None or np.linalg.norm(step) > _DETOUR * radius:
+        return None
+    return step
+
+
+def attempts(search: Search, first: int, *, jobs: int = 1) -> Iterator[tuple[int, Solved | None]]:
+    """Yield the numbers and results of attempts, in order, until the deadline has passed.
+
+    Each attempt depends only on the search and its number, unless the deadline ends it.
+    """
+    numbers = iter(range(first, 2**63))
+    wanted = iter(lambda: next(numbers) if not search.is_late else None, None)
+    yield from enumerate(in_order(search.attempt, wanted, jobs), start=first)

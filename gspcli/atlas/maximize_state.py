@@ -1,0 +1,94 @@
+"""What a search has found so far, in a file, so that it can be taken up again."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gspcli.atlas.maximize import Solved
+from gspcli.atlas.platforms import Platforms
+from gspcli.catalogue.kinds import KINDS_BY_NAME
+from gspcli.errors import GspError
+
+SCHEMA = "gsp.maximize-real/1"
+_PARTS = ("y", "x", "u", "v", "values")
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """The outcome of the first attempts of a search.
+
+    Attributes
+    ----------
+    subject
+        What is searched: the type, or the content of the instance file.
+    seed
+        The seed of the search.
+    attempts
+        How many attempts are done.
+    real
+        Real solutions of the best reduced platform; 0 if there is none yet.
+    platform
+        That platform.
+    """
+
+    subject: str
+    seed: int
+    attempts: int = 0
+    real: int = 0
+    platform: Platforms | None = None
+
+    def after(self, number: int, found: Solved | None) -> State:
+        """Return the state after one more attempt."""
+        state = replace(self, attempts=number + 1)
+        if found is None or found.count <= self.real:
+            return state
+        return replace(state, real=found.count, platform=found.platform)
+
+    def text(self) -> str:
+        """Return the content of the file."""
+        document: dict[str, Any] = {
+            "schema": SCHEMA,
+            "subject": self.subject,
+            "seed": self.seed,
+            "attempts": self.attempts,
+            "real": self.real,
+        }
+        if self.platform is not None:
+            document["kinds"] = [kind.name for kind in self.platform.kinds]
+            document |= {part: getattr(self.platform, part).tolist() for part in _PARTS}
+        return json.dumps(document) + "\n"
+
+
+def read_state(path: Path, subject: str, seed: int) -> State:
+    """Return the state in a file; that of a new search if there is no file.
+
+    Raises
+    ------
+    GspError
+        If the file is not one, or belongs to another search.
+    """
+    if not path.exists():
+        return State(subject, seed)
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+        if document["schema"] != SCHEMA:
+            raise ValueError
+        platform = None
+        if "kinds" in document:
+            kinds = tuple(KINDS_BY_NAME[name] for name in document["kinds"])
+            platform = Platforms(kinds, *(np.array(document[part], float) for part in _PARTS))
+        state = State(
+            document["subject"], document["seed"], document["attempts"], document["real"], platform
+        )
+    except (ValueError, KeyError, TypeError) as error:
+        message = f"{path}: this is not a state of gsp maximize-real: choose another file"
+        raise GspError(message) from error
+    if (state.subject, state.seed) != (subject, seed):
+        message = f"{path}: this is the state of a search for other numbers or with another seed"
+        raise GspError(message)
+    return state

@@ -1,0 +1,70 @@
+"""The shortest step that satisfies linear inequalities (Lawson and Hanson's LDP)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+#: Relative size below which a multiplier or a gradient counts as zero.
+_ZERO = 1e-11
+
+
+def shortest_step(normals: Array, least: Array) -> Array | None:
+    """Return the shortest vector x with ``normals @ x >= least``, or None if there is none.
+
+    C. L. Lawson, R. J. Hanson, *Solving Least Squares Problems* (1974), chapter 23: the
+    dual problem is one of least squares with nonnegative unknowns.
+
+    Parameters
+    ----------
+    normals
+        Rows of norm about 1, shape (m, n).
+    least
+        Shape (m,).
+    """
+    scale = float(np.abs(least).max(initial=0.0))
+    if scale == 0 or (least <= 0).all():
+        return np.zeros(normals.shape[1])
+    matrix = np.concatenate((normals.T, least[None] / scale))
+    goal = np.zeros(len(matrix))
+    goal[-1] = 1.0
+    rest = matrix @ nonnegative_least_squares(matrix, goal) - goal
+    # The rest vanishes if some combination of the rows says 0 >= 1.
+    if rest @ rest < _ZERO:
+        return None
+    return np.asarray(-scale * rest[:-1] / rest[-1])
+
+
+def nonnegative_least_squares(matrix: Array, goal: Array) -> Array:
+    """Return the x >= 0 that minimises ``|matrix @ x - goal|``, shape (m, n), (m,) -> (n,).
+
+    Lawson and Hanson, chapter 23, on the normal equations (Bro and de Jong 1997).
+    """
+    gram, right = matrix.T @ matrix, matrix.T @ goal
+    count = len(right)
+    # Keeps dependent columns from making the passive equations singular.
+    ridge = _ZERO * float(np.trace(gram)) / max(count, 1)
+    x = np.zeros(count)
+    passive = np.zeros(count, bool)
+    for _ in range(3 * count):
+        gradient = np.where(passive, -np.inf, right - gram @ x)
+        best = int(gradient.argmax())
+        if gradient[best] <= _ZERO * np.abs(right).max():
+            break
+        passive[best] = True
+        while True:
+            index = np.flatnonzero(passive)
+            inner = gram[np.ix_(index, index)] + ridge * np.eye(len(index))
+            wanted = np.linalg.solve(inner, right[index])
+            if (wanted > 0).all():
+                break
+            # Walk towards the wanted point until the first unknown vanishes, and drop it.
+            wrong = wanted <= 0
+            ratio = x[index[wrong]] / (x[index[wrong]] - wanted[wrong])
+            x[index] += ratio.min() * (wanted - x[index])
+            passive[index[wrong][ratio <= ratio.min()]] = False
+            x[~passive] = 0.0
+        x[index] = wanted
+    return x

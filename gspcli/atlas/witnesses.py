@@ -1,0 +1,237 @@
+"""From the numbers that a search found to an instance with short decimals, and its proof."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.atlas.platforms import Platforms
+from gspcli.catalogue.kinds import AHH, ALL, DHP, DLL, DPH, Kind, Primitive
+from gspcli.catalogue.types import GspType
+from gspcli.catalogue.witnesses import Witness, witness
+from gspcli.certification import certify
+from gspcli.errors import GspError
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
+from gspcli.geometry.residuals import Arrangement
+from gspcli.solve.poses import PoseSet
+from gspcli.solve.tracking import solve_by_tracking
+
+Array = NDArray[np.float64]
+
+#: Decimals that are tried, in units of the size of the platform.
+_DIGITS = range(2, 13)
+#: Distances of planes and of lines that are tried, in the same units; the first is best.
+_GAPS = tuple(Fraction(m, 10**k) for k in range(1, 9) for m in (5, 2, 1))
+DEFAULT_UNITS = Units("unit", AngleUnit.DEGREE)
+_SEED = 20031
+#: Numbers of each primitive in a recorded witness.
+_SIZE = {Primitive.POINT: 3, Primitive.LINE: 6, Primitive.PLANE: 6}
+
+
+def platform_of(instance: Instance) -> tuple[Platforms, float]:
+    """Return the numbers of an instance, with lengths of order one, and its typical length."""
+    arrangement = Arrangement.of(instance)
+    given = arrangement.normalised
+    distance = np.array([kind.is_distance for kind in given.kinds])
+    values = np.where(given.signs < 0, -given.values, given.values)
+    values[given.angles] = given.cosines(given.values)
+    y, x = given.y * distance[:, None], given.x * distance[:, None]
+    return Platforms(given.kinds, y, x, given.u, given.v, values), arrangement.length
+
+
+def real_instance(
+    platform: Platforms,
+    count: int,
+    *,
+    units: Units = DEFAULT_UNITS,
+    length: float = 1.0,
+) -> Instance:
+    """Return an instance with short decimals near a reduced platform, with as many real poses.
+
+    Parameters
+    ----------
+    platform
+        One reduced platform (`gspcli.atlas.maximize`), lengths of order one.
+    count
+        How many real poses the instance has to have, on all sides.
+    units
+        Units of the instance.
+    length
+        Its typical length.
+
+    Raises
+    ------
+    GspError
+        If no rounding keeps the number.
+    """
+    exponent = math.floor(math.log10(length))
+    has_gap = any(kind in (DPH, DHP, DLL) for kind in platform.kinds)
+    without = count // 2 ** sum(kind in (DPH, DHP, DLL) for kind in platform.kinds)
+    scaled = _scaled(platform, length)
+    for digits in _DIGITS:
+        draft = _rounded(scaled, digits, exponent, units)
+        if not has_gap:
+            if _real_count(draft) == count:
+                return draft
+            continue
+        # One sided at distance zero: the platform that the search found, rounded.
+        if _real_count(draft) != without:
+            continue
+        for gap in _GAPS:
+            if (gap * 10**digits).denominator > 1:
+                break
+            instance = _with_gap(draft, gap * Fraction(10) ** exponent)
+            if _real_count(instance) == count:
+                return instance
+    message = f"no rounding of the platform keeps its {count} real poses"
+    raise GspError(message)
+
+
+def poses(instance: Instance, *, jobs: int = 1) -> PoseSet:
+    """Return all poses of an instance by path tracking."""
+    return solve_by_tracking(Arrangement.of(instance), seed=_SEED, jobs=jobs)
+
+
+def certified_real(instance: Instance, *, jobs: int = 1) -> int:
+    """Return how many different real poses of an instance are proved to exist."""
+    found = poses(instance, jobs=jobs)
+    return certify(instance, found.R[found.real], found.T[found.real]).real
+
+
+def _real_count(instance: Instance) -> int:
+    found = poses(instance)
+    return -1 if found.lost or found.motions else int(found.real.sum())
+
+
+def _scaled(platform: Platforms, length: float) -> Platforms:
+    distance = [kind.is_distance for kind in platform.kinds]
+    return replace(
+        platform,
+        y=platform.y * length,
+        x=platform.x * length,
+        values=np.where(distance, platform.values * length, platform.values),
+    )
+
+
+def _rounded(platform: Platforms, digits: int, exponent: int, units: Units) -> Instance:
+    """Return the instance of a platform, rounded; lengths in units of 10^exponent."""
+    constraints = []
+    for i, kind in enumerate(platform.kinds):
+        value, places = float(platform.values[i]), digits - exponent
+        if not kind.is_distance:
+            angle = math.acos(-value if kind is AHH else value)
+            angle = angle if kind in (ALL, AHH) else math.pi / 2 - angle
+            value, places = angle / units.angle.in_radians, digits
+        constraints.append(
+            Constraint(
+                kind,
+                _geometry(kind.platform, platform.y[i], platform.u[i], digits, exponent),
+                _geometry(kind.base, platform.x[i], platform.v[i], digits, exponent),
+                _decimal(value, places),
+            )
+        )
+    return Instance(tuple(constraints), units)
+
+
+def _geometry(
+    primitive: Primitive, point: Array, direction: Array, digits: int, exponent: int
+) -> Geometry:
+    position = _vector(point, digits - exponent)
+    if primitive is Primitive.POINT:
+        return Point(position)
+    along = _vector(direction, digits)
+    return Line(position, along) if primitive is Primitive.LINE else Plane(position, along)
+
+
+def _vector(values: Array, places: int) -> Vector:
+    x, y, z = (_decimal(float(value), places) for value in values)
+    return (x, y, z)
+
+
+def _decimal(value: float, places: int) -> Number:
+    return Number.of(round(Fraction(value), places))
+
+
+def _with_gap(instance: Instance, gap: Fraction) -> Instance:
+    values = {
+        i: Number.of(gap)
+        for i, constraint in enumerate(instance.constraints)
+        if constraint.kind in (DPH, DHP, DLL)
+    }
+    return instance.with_values(values)
+
+
+def known_instance(gsp_type: GspType) -> Instance:
+    """Return the witness of the best known number of real poses of a type.
+
+    Raises
+    ------
+    GspError
+        If none is recorded.
+    """
+    found = witness(gsp_type.family)
+    if found is None:
+        message = f"{gsp_type.id}: no witness is recorded: search for one"
+        raise GspError(message)
+    return replace(
+        witness_instance(found, gsp_type.angles),
+        name=f"{gsp_type.family.id} with {found.real} real poses",
+    )
+
+
+def witness_instance(found: Witness, angles: tuple[Kind, ...]) -> Instance:
+    """Return the instance of a recorded witness with some kinds of angles, in degrees.
+
+    The cosine of the angle of two lines is the sine of that of a line and a plane whose normal
+    is one of them, and minus the cosine of that of two planes (Section 4).
+    """
+    kinds = (*found.family.distances, *angles)
+    constraints = []
+    for kind, row in zip(kinds, found.rows, strict=True):
+        numbers = [Fraction(text) for text in row]
+        platform, rest = _read(kind.platform, kind, numbers[:-1])
+        base, rest = _read(kind.base, kind, rest)
+        value = numbers[-1]
+        if kind is AHH:
+            value = 180 - value
+        elif not kind.is_distance and kind is not ALL:
+            value = 90 - value
+        constraints.append(Constraint(kind, platform, base, Number.of(value)))
+    return Instance(tuple(constraints), DEFAULT_UNITS)
+
+
+def _read(
+    primitive: Primitive, kind: Kind, numbers: list[Fraction]
+) -> tuple[Geometry, list[Fraction]]:
+    """Return the primitive that begins a list of numbers, and the rest of the list."""
+    if not kind.is_distance:
+        numbers = [Fraction(0)] * 3 + numbers
+    size = _SIZE[primitive]
+    a, b, c, *more = (Number.of(value) for value in numbers[:size])
+    rest = numbers[size:]
+    if primitive is Primitive.POINT:
+        return Point((a, b, c)), rest
+    p, q, r = more
+    shape = Line if primitive is Primitive.LINE else Plane
+    return shape((a, b, c), (p, q, r)), rest
+
+
+def rows_of(instance: Instance) -> Iterator[tuple[str, ...]]:
+    """Yield the numbers of each constraint as `Witness.rows` has them; all angles are ALL."""
+    for constraint in instance.constraints:
+        numbers: list[Number] = []
+        for geometry in (constraint.platform, constraint.base):
+            if constraint.kind.is_distance:
+                numbers += geometry.position
+            if isinstance(geometry, Line):
+                numbers += geometry.direction
+            elif isinstance(geometry, Plane):
+                numbers += geometry.normal
+        yield tuple(map(str, [*numbers, constraint.value]))

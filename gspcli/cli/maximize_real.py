@@ -1,0 +1,187 @@
+"""`gsp maximize-real`: search for a platform with many real poses."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from gspcli.cli.names import is_file, load_instance
+from gspcli.cli.output import Output, write, write_whole
+from gspcli.errors import CheckFailed, GspError, IncompleteError
+
+if TYPE_CHECKING:
+    from gspcli.atlas.maximize import Search
+    from gspcli.atlas.maximize_state import State
+    from gspcli.catalogue.types import GspType
+    from gspcli.geometry.instance import Instance, Units
+
+_INTERRUPTED = 130
+
+
+@click.command()
+@click.argument("names", nargs=-1, required=True, metavar="TYPE|SPEC")
+@click.option("--show", is_flag=True, help="Do not search: write the best known platform.")
+@click.option(
+    "--target",
+    type=click.IntRange(min=1),
+    help="Stop at so many real poses; exit code 1 if they are not reached.  [default: all]",
+)
+@click.option(
+    "--time",
+    "seconds",
+    type=click.FloatRange(min=0, min_open=True),
+    default=60.0,
+    show_default=True,
+    help="Stop after so many seconds.",
+)
+@click.option(
+    "--attempts", "most", type=click.IntRange(min=1), help="Stop after so many attempts in all."
+)
+@click.option(
+    "--seed",
+    default=20031,
+    show_default=True,
+    type=click.IntRange(min=0),
+    help="Seed of the random numbers; attempts depend on it and on their number only.",
+)
+@click.option("--jobs", default=1, show_default=True, type=click.IntRange(min=1), help="Processes.")
+@click.option(
+    "--state",
+    "state_file",
+    metavar="FILE",
+    help="Continue from FILE, and save what is found there.",
+)
+@click.option("-o", "--output", "path", metavar="FILE", help="Write to FILE instead of stdout.")
+def command(
+    names: tuple[str, ...],
+    show: bool,
+    target: int | None,
+    seconds: float,
+    most: int | None,
+    seed: int,
+    jobs: int,
+    state_file: str | None,
+    path: str | None,
+) -> int:
+    """Search for a platform with as many real poses as possible.
+
+    The search begins with random platforms of TYPE, or with the instance file SPEC, and moves
+    points, lines, planes and values so that pairs of complex poses come together and become
+    real, without losing a real one (after P. Dietmaier, 1998). The best platform found is
+    rounded to short decimals, its real poses are certified, and it is written as an instance
+    file. Their number, sides of PH and HP distances left open, is a lower bound of what is
+    possible. A line for each attempt goes to stderr.
+
+    \b
+    Examples:
+      gsp maximize-real 6PP --target 40 -o forty.yaml
+      gsp maximize-real "4D2A PP PP PL PL ALL ALL" --jobs 2 --time 600 --state search.json
+      gsp maximize-real platform.yaml --attempts 3
+      gsp maximize-real 6LL --show | gsp solve -
+    """
+    from gspcli.spec import dumps
+
+    output = Output("yaml", None if path in (None, "-") else Path(str(path)))
+    given = load_instance(names[0]) if len(names) == 1 and is_file(names[0]) else None
+    gsp_type = _type(names) if given is None else given.type
+    if show:
+        from gspcli.atlas.witnesses import known_instance
+
+        write(output, dumps(known_instance(gsp_type)))
+        return 0
+
+    from gspcli.atlas.maximize import Search, multiplier, reduced
+    from gspcli.atlas.maximize_state import State, read_state
+    from gspcli.atlas.witnesses import DEFAULT_UNITS, platform_of
+
+    kinds, start, length, units = gsp_type.kinds, None, 1.0, DEFAULT_UNITS
+    if given is not None:
+        platform, length = platform_of(given)
+        kinds, start, units = platform.kinds, reduced(platform), given.units
+    each = multiplier(kinds)
+    wanted = None if target is None else -(-target // each)
+    search = Search(kinds, seed, wanted, start, time.monotonic() + seconds)
+    subject = gsp_type.id if given is None else dumps(given)
+    state = State(subject, seed)
+    if state_file is not None:
+        state = read_state(Path(state_file), subject, seed)
+    interrupted = False
+    try:
+        state = _searched(search, state, most, jobs, state_file)
+    except _Interrupted as interruption:
+        state, interrupted = interruption.state, True
+    if state.platform is None:
+        message = "no platform was solved in the time given: use a greater --time"
+        raise IncompleteError(message)
+    instance, real = _witness(state, each, units, length)
+    write(output, dumps(instance))
+    click.echo(f"{real} real poses, certified", err=True)
+    if interrupted:
+        return _INTERRUPTED
+    if target is not None and real < target:
+        message = f"{target} real poses were asked for, {real} were found: use a greater --time"
+        raise CheckFailed(message)
+    return 0
+
+
+class _Interrupted(Exception):
+    """Ctrl-C, with what is known so far."""
+
+    def __init__(self, state: State) -> None:
+        self.state = state
+
+
+def _type(names: tuple[str, ...]) -> GspType:
+    from gspcli.catalogue.parsing import parse_type
+
+    return parse_type(names)
+
+
+def _searched(
+    search: Search, state: State, most: int | None, jobs: int, state_file: str | None
+) -> State:
+    """Return the state after the search; reports each attempt on stderr."""
+    from gspcli.atlas.maximize import attempts, multiplier
+    from gspcli.continuation.start import path_count
+
+    each = multiplier(search.kinds)
+    everything = path_count(search.structure)
+    goal = everything if search.target is None else min(search.target, everything)
+    if state.real >= goal or (most is not None and state.attempts >= most):
+        return state
+    try:
+        for number, found in attempts(search, state.attempts, jobs=jobs):
+            # An attempt that the deadline cut short is not done, but may have found something.
+            after = state.after(number, found)
+            cut = search.is_late
+            state = replace(after, attempts=state.attempts) if cut else after
+            if state_file is not None:
+                write_whole(Path(state_file), state.text())
+            if found is not None:
+                click.echo(
+                    f"attempt {number}: {each * found.count} of {each * len(found.points)} real"
+                    f" (best: {each * state.real})" + (", cut short" if cut else ""),
+                    err=True,
+                )
+            if state.real >= goal or cut or (most is not None and state.attempts >= most):
+                break
+    except KeyboardInterrupt:
+        raise _Interrupted(state) from None
+    return state
+
+
+def _witness(state: State, each: int, units: Units, length: float) -> tuple[Instance, int]:
+    """Return the instance and how many real poses of it are certified."""
+    from gspcli.atlas.witnesses import certified_real, real_instance
+
+    assert state.platform is not None
+    instance = real_instance(state.platform, each * state.real, units=units, length=length)
+    real = certified_real(instance)
+    if real < each * state.real:
+        message = f"only {real} of {each * state.real} real poses could be certified"
+        raise GspError(message)
+    return replace(instance, name=f"{instance.type.family.id} with {real} real poses"), real
