@@ -10,9 +10,10 @@ random linear form; two primes must agree. Square roots in an instance exist mod
 primes and are kept consistent. The cosine of an angle that is no multiple of 30 degrees is replaced
 by a random residue, so such a count is that of the instance's geometry with generic angles.
 
-The real poses are those that the package's solver finds and proves real by interval arithmetic;
-`certified` says how many of the distinct solutions are proved. Where that is all of them, the real
-count is a theorem. Where the number is known otherwise, both must agree. With ``--check`` the
+The real poses are those that the package's solver finds; `certified` says how many of the distinct
+solutions are proved, with whether they are real, by interval arithmetic. That the list is complete
+rests on the count modulo primes, which is evidence and no proof over the rationals; a proved bound
+that equals it (`gsp check`) makes it one. Where a number is known otherwise, both must agree. With ``--check`` the
 record is compared instead of written.
 """
 
