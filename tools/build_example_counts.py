@@ -13,8 +13,8 @@ by a random residue, so such a count is that of the instance's geometry with gen
 The real poses are those that the package's solver finds; `certified` says how many of the distinct
 solutions are proved, with whether they are real, by interval arithmetic. That the list is complete
 rests on the count modulo primes, which is evidence and no proof over the rationals; a proved bound
-that equals it (`gsp check`) makes it one. Where a number is known otherwise, both must agree. With ``--check`` the
-record is compared instead of written.
+that equals it (`gsp check`) makes it one. Where a number is known otherwise, both must agree.
+With ``--check`` the record is compared instead of written.
 """
 
 from __future__ import annotations
