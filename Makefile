@@ -36,5 +36,9 @@ lint: $(STAMP) ## style of the code
 types: $(STAMP) ## static types of the package
 	$(BIN)/mypy
 
+JOBS ?= $(shell nproc 2>/dev/null || echo 2)
+verify-solve: $(STAMP) ## random platforms of every family solved completely, recorded (40 minutes)
+	$(BIN)/python tools/verify_solve.py all --jobs $(JOBS)
+
 clean: ## remove the virtual environment and everything built
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -1,0 +1,129 @@
+"""A sample of what `make verify-solve` verifies, and that its checks see what is wrong."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gspcli.catalogue.counts import generic_counts
+
+TOOL = Path(__file__).parents[2] / "tools" / "verify_solve.py"
+MANY = 256
+
+
+@pytest.fixture(scope="module")
+def tool():
+    spec = importlib.util.spec_from_file_location("verify_solve", TOOL)
+    module = importlib.util.module_from_spec(spec)
+    # Dataclasses look their module up.
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    yield module
+    del sys.modules[spec.name]
+
+
+def test_random_platforms_with_six_dpp_are_solved_completely(tool):
+    findings = tool.verify_platforms(tool.Task("chunk 0", 300, tool.SEED))
+    assert [finding.problems for finding in findings] == [()] * 300
+    assert {finding.found for finding in findings} == {40}
+
+
+def test_random_platforms_of_every_class_are_solved_completely(tool):
+    families = [
+        family
+        for family in tool.signatures().values()
+        if generic_counts(family.types[0]).two_sided <= MANY
+    ]
+    assert len(families) > 200
+    for family in families[::3]:
+        (finding,) = tool.verify_signature(tool.Task(family.id, 1, tool.SEED))
+        assert finding.problems == (), family.id
+
+
+@pytest.fixture(scope="module")
+def solved(tool):
+    """A platform with its poses, complex and real, and the real one it was made from."""
+    arrangement, hidden = tool.random_platform(np.random.default_rng(5))
+    poses = next(tool.solve_each_by_tracking([arrangement], seed=1))
+    assert 0 < poses.real.sum() < 40
+    return arrangement, poses, hidden
+
+
+def without(poses, index):
+    keep = np.delete(np.arange(len(poses.R)), index)
+    arrays = ("R", "T", "real", "multiplicity")
+    return replace(poses, **{name: getattr(poses, name)[keep] for name in arrays})
+
+
+def test_examine_accepts_the_right_answer(tool, solved):
+    arrangement, poses, hidden = solved
+    finding = tool.examine(arrangement, poses, 40, hidden)
+    assert finding.problems == ()
+    assert (finding.found, finding.real) == (40, poses.real.sum())
+
+
+def test_examine_sees_missing_poses(tool, solved):
+    arrangement, poses, hidden = solved
+    complex_pose = np.flatnonzero(~poses.real)[0]
+    problems = tool.examine(arrangement, without(poses, complex_pose), 40, hidden).problems
+    assert {"wrong number", "conjugate missing"} <= set(problems)
+    flat = np.abs(poses.T - hidden[1]).max(axis=1)
+    problems = tool.examine(arrangement, without(poses, flat.argmin()), 40, hidden).problems
+    assert {"wrong number", "hidden pose missing"} <= set(problems)
+
+
+def test_examine_sees_equal_poses(tool, solved):
+    arrangement, poses, hidden = solved
+    # Instead of one conjugate pair, another one twice.
+    first, second = np.flatnonzero(~poses.real)[[0, -1]]
+    R, T = poses.R.copy(), poses.T.copy()
+    R[first], T[first] = R[second], T[second]
+    problems = tool.examine(arrangement, replace(poses, R=R, T=T), 40, hidden).problems
+    assert "equal poses" in problems
+
+
+def test_examine_sees_wrong_poses(tool, solved):
+    arrangement, poses, hidden = solved
+    problems = tool.examine(arrangement, replace(poses, T=poses.T + 1e-4), 40, hidden).problems
+    assert "residual" in problems
+    assert "hidden pose missing" in problems
+
+
+def test_examine_sees_wrong_reality(tool, solved):
+    arrangement, poses, hidden = solved
+    problems = tool.examine(arrangement, replace(poses, real=~poses.real), 40, hidden).problems
+    assert "reality wrong" in problems
+
+
+@pytest.mark.parametrize(
+    ("changes", "problem"),
+    [
+        ({"lost": 1}, "lost paths"),
+        ({"at_infinity": 2}, "poses at infinity"),
+        ({"on_curves": 1}, "paths on curves"),
+        ({"multiplicity": np.full(40, 2)}, "multiple poses"),
+    ],
+)
+def test_examine_reads_the_account(tool, solved, changes, problem):
+    arrangement, poses, hidden = solved
+    assert problem in tool.examine(arrangement, replace(poses, **changes), 40, hidden).problems
+
+
+def test_a_journal_is_taken_up_where_it_was_cut_off(tool, tmp_path):
+    finding = tool.Finding(40, 40, 2, 1e-15, 1e-3, 1e-15, ())
+    tasks = [tool.Task(f"chunk {i}", 1, tool.SEED) for i in range(2)]
+    lines = [
+        {"task": vars(task), "findings": [{**vars(finding), "problems": []}]} for task in tasks
+    ]
+    journal = tmp_path / "journal.jsonl"
+    header = json.dumps({"sources": "here"})
+    first, second = map(json.dumps, lines)
+    journal.write_text(f"{header}\n{first}\n{second[:20]}", encoding="utf-8")
+    assert tool.read_journal(journal, "here") == {tasks[0]: [finding]}
+    assert tool.read_journal(journal, "elsewhere") == {}
