@@ -106,13 +106,38 @@ struct Pairs {
 
 INLINE void clear(Pairs& p) { p = Pairs{}; }
 
-INLINE void add_pairs(Pairs& p, const C* x, const C* y) {
+// Adds the products of x with itself.
+INLINE void add_square(Pairs& p, const C* x) {
   int n = 0;
   for (int i = 0; i < 4; ++i)
-    for (int j = i; j < 4; ++j) add_product(p.ee[n++], x[i], y[j]);
+    for (int j = i; j < 4; ++j) add_product(p.ee[n++], x[i], x[j]);
   for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j) add_product(p.ef[i][j], x[i], y[4 + j]);
-  for (int i = 0; i < 4; ++i) add_product(p.ff, x[4 + i], y[4 + i]);
+    for (int j = 0; j < 4; ++j) add_product(p.ef[i][j], x[i], x[4 + j]);
+  for (int i = 4; i < N; ++i) add_product(p.ff, x[i], x[i]);
+}
+
+// Adds the products of x with y and of y with x.
+INLINE void add_both(Pairs& p, const C* x, const C* y) {
+  int n = 0;
+  for (int i = 0; i < 4; ++i) {
+    add_product(p.ee[n++], x[i] + x[i], y[i]);
+    for (int j = i + 1; j < 4; ++j, ++n) {
+      C s = p.ee[n];
+      add_product(s, x[i], y[j]);
+      add_product(s, x[j], y[i]);
+      p.ee[n] = s;
+    }
+  }
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) {
+      C s = p.ef[i][j];
+      add_product(s, x[i], y[4 + j]);
+      add_product(s, y[i], x[4 + j]);
+      p.ef[i][j] = s;
+    }
+  C s = p.ff;
+  for (int i = 4; i < N; ++i) add_product(s, x[i] + x[i], y[i]);
+  p.ff = s;
 }
 
 INLINE void features(const Pairs& p, C* phi) {
@@ -324,13 +349,14 @@ void expand(const Homotopy& H, Workspace& w, const V& t, C (*series)[N]) {
   Pairs pairs;
   C phi[kFeatures], before[kFeatures], mixed[kFeatures], b[kRows];
   clear(pairs);
-  add_pairs(pairs, series[0], series[0]);
+  add_square(pairs, series[0]);
   features(pairs, before);
   bool any_product = false;
   for (int i = 0; i < kEquations; ++i) any_product |= H.product[i];
   for (int k = 1; k <= kOrder; ++k) {
     clear(pairs);
-    for (int i = 1; i < k; ++i) add_pairs(pairs, series[i], series[k - i]);
+    for (int i = 1; 2 * i < k; ++i) add_both(pairs, series[i], series[k - i]);
+    if (k % 2 == 0) add_square(pairs, series[k / 2]);
     features(pairs, phi);
     for (int i = 0; i < kFeatures; ++i) {
       mixed[i].re = t * phi[i].re + before[i].re;
@@ -367,8 +393,7 @@ void expand(const Homotopy& H, Workspace& w, const V& t, C (*series)[N]) {
         add_product(w.h[i][k], w.factor[i + kEquations][j], x[j]);
       }
     }
-    add_pairs(pairs, series[0], x);
-    add_pairs(pairs, x, series[0]);
+    add_both(pairs, series[0], x);
     w.n[k] = norm_form(pairs);
     features(pairs, before);
   }
