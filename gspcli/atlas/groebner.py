@@ -57,11 +57,7 @@ def _program() -> Path:
 
 
 def quotient_dimension(
-    equations: Sequence[Equation],
-    prime: int,
-    *,
-    exact: bool = True,
-    timeout_s: float | None = None,
+    equations: Sequence[Equation], prime: int, *, timeout_s: float | None = None
 ) -> int | None:
     """Return the number of solutions over the algebraic closure, with multiplicities.
 
@@ -71,9 +67,6 @@ def quotient_dimension(
         Six, over the integers modulo the prime.
     prime
         Below 2^31.
-    exact
-        Whether every row is reduced, or only random combinations of rows, which is three times
-        as fast and goes wrong with a probability of the order of 1 / prime a row.
     timeout_s
         When to give up.
 
@@ -96,7 +89,8 @@ def quotient_dimension(
         given, answer = Path(folder, "in"), Path(folder, "out")
         given.write_text(_system(polynomials, prime), encoding="utf-8")
         # -g 1: the leading monomials, in the order by degree and then reverse lexicographic.
-        options = ["-g", "1", "-t", "1", "-l", "2" if exact else "44"]
+        # -l 2: exact linear algebra.
+        options = ["-g", "1", "-t", "1", "-l", "2"]
         command = [str(_program()), *options, "-f", str(given), "-o", str(answer)]
         try:
             run = subprocess.run(command, capture_output=True, text=True, timeout=timeout_s)

@@ -16,7 +16,7 @@ from typing import Any
 
 from gspcli.atlas.groebner import msolve_path, msolve_version
 from gspcli.atlas.journal import Result
-from gspcli.atlas.tasks import PRIMES, SEED, Task, all_tasks, monodromy_counts
+from gspcli.atlas.tasks import PRIMES, SEED, Task, monodromy_counts
 from gspcli.catalogue.counts import (
     FAMILIES_FILE,
     NUMBERS_FILE,
@@ -26,7 +26,6 @@ from gspcli.catalogue.counts import (
     family_of,
     intersection_numbers,
     law,
-    mirrored,
 )
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import Family
@@ -41,9 +40,7 @@ COLUMNS = {
         "two_sided": "the same with every side open: twice as many for each",
         "method": "what establishes it: groebner, tracking, both, or only the law for products",
         "certified": "different poses of a random real platform proved to exist",
-        "orders": "dimensions of the quotients of random platforms modulo the primes",
-        "algebra": "linear algebra of the Gröbner bases: exact, or probabilistic for large ones",
-        "orders_of": "the mirror image that the orders are of, if it was computed instead",
+        "orders": "dimensions of the quotients of random platforms modulo the primes, if not large",
         "two_sided_certified": "as certified, sides open, where the poses are few",
         "two_sided_orders": "as orders, likewise",
     },
@@ -88,18 +85,13 @@ def verdict(result: Result) -> Verdict:
     return Verdict.DIFFERENT
 
 
-def build_tasks(seed: int = SEED) -> list[Task]:
-    """Return the tasks whose results the data are made of, quick ones first."""
-    return [*all_tasks(characteristics=(0,), seed=seed), *all_tasks(seed=seed)]
-
-
 def contents(results: Results, seed: int = SEED) -> dict[str, str]:
     """Return the files of the data by their names, manifest included.
 
     Parameters
     ----------
     results
-        Of `build_tasks`; any may be missing.
+        Of `all_tasks`; any may be missing.
     seed
         That of the tasks.
 
@@ -154,10 +146,8 @@ def _family(family: Family, counts: Mapping[Task, int | None], seed: int) -> Row
     subject, sides = _subject(family.distances), 2 ** _sides(family)
     certified = counts.get(Task(subject, 1, 0, seed))
     two_certified = counts.get(Task(subject, 2, 0, seed))
-    image = mirrored(family.distances)
-    source = subject if _orders(subject, 1, counts, seed) else _subject(image)
-    orders = _orders(source, 1, counts, seed)
-    two_orders = _orders(source, 2, counts, seed)
+    orders = _orders(subject, 1, counts, seed)
+    two_orders = _orders(subject, 2, counts, seed)
     # By the law there are no more solutions, and certified ones are a lower bound.
     count = _agreed(family.id, orders or [law(family.distances)])
     _agreed(f"{family.id}, both sides", [sides * count, *two_orders])
@@ -169,7 +159,6 @@ def _family(family: Family, counts: Mapping[Task, int | None], seed: int) -> Row
         method = Method.BOTH if certified == count else Method.GROEBNER
     else:
         method = Method.TRACKING if certified == count else Method.LAW
-    algebra = "exact" if Task(source, 1, PRIMES[0], seed).exact else "probabilistic"
     return {
         "family": family.id,
         "one_sided": count,
@@ -177,8 +166,6 @@ def _family(family: Family, counts: Mapping[Task, int | None], seed: int) -> Row
         "method": method.value,
         "certified": certified,
         "orders": orders,
-        "algebra": algebra if orders else None,
-        "orders_of": family_of(image).id if orders and source != subject else None,
         "two_sided_certified": two_certified,
         "two_sided_orders": two_orders,
     }

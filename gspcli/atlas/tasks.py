@@ -10,7 +10,7 @@ from random import Random
 from gspcli.atlas.equations import Equation, random_platform, random_quadrics
 from gspcli.atlas.groebner import quotient_dimension
 from gspcli.atlas.tracking import certified_count
-from gspcli.catalogue.counts import all_families, law, mirrored
+from gspcli.catalogue.counts import all_families, law
 from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind
 from gspcli.catalogue.types import CONSTRAINTS
 from gspcli.resources import data_json
@@ -19,11 +19,9 @@ from gspcli.resources import data_json
 PRIMES = (2147483647, 2147483629)
 #: The default seed of everything random.
 SEED = 20031
-#: Up to so many solutions the linear algebra is exact, and two-sided counts are computed too,
-#: although they follow from the one-sided ones.
-EXACT_LIMIT = 512
-#: Above so many solutions there are no Gröbner bases: paths are tracked.
-GROEBNER_LIMIT = 2048
+#: With more solutions a Gröbner basis takes too long, and paths are tracked. Two-sided counts are
+#: computed up to this one too, although they follow from the one-sided ones.
+LIMIT = 512
 
 
 @dataclass(frozen=True)
@@ -63,23 +61,6 @@ class Task:
         open_sides = sum(kind.has_sides for kind in self.distances) * (self.sides - 1)
         return int(law(self.distances) * 2**open_sides)
 
-    @property
-    def exact(self) -> bool:
-        """Whether the linear algebra modulo the prime is exact or probabilistic."""
-        return self.expected <= EXACT_LIMIT
-
-    @property
-    def repeats(self) -> bool:
-        """Whether exchanging platform and base gives another task with the same count."""
-        return self.distances is not None and mirrored(self.distances) < self.distances
-
-    @property
-    def worthwhile(self) -> bool:
-        """Whether the task is done without being asked for in particular."""
-        if self.characteristic == 0 or self.exact:
-            return True
-        return self.expected <= GROEBNER_LIMIT and not self.repeats
-
     def equations(self) -> list[Equation]:
         """Return the random system modulo the prime."""
         random = Random(f"{self.seed} {self.characteristic} {self.sides} {self.subject}")
@@ -97,23 +78,17 @@ class Task:
         to be different count, and there is no time limit.
         """
         if self.characteristic:
-            return quotient_dimension(
-                self.equations(), self.characteristic, exact=self.exact, timeout_s=timeout_s
-            )
+            return quotient_dimension(self.equations(), self.characteristic, timeout_s=timeout_s)
         if self.distances is None:
             message = f"{self.subject}: paths are tracked for platforms only"
             raise ValueError(message)
         return certified_count(self.distances, self.sides, self.seed)
 
 
-def all_tasks(*, seed: int = SEED, characteristics: Sequence[int] = PRIMES) -> list[Task]:
-    """Return every task, those with few solutions first.
-
-    Modulo primes, families with many solutions are left out: all of them above
-    `GROEBNER_LIMIT`, and above `EXACT_LIMIT` one of two mirror images.
-    """
-    tasks = [task for c in characteristics for task in _tasks(c, seed) if task.worthwhile]
-    return sorted(tasks, key=lambda task: (task.repeats, task.expected))
+def all_tasks(*, seed: int = SEED, characteristics: Sequence[int] = (0, *PRIMES)) -> list[Task]:
+    """Return every task, those with few solutions first; above `LIMIT` there is only tracking."""
+    tasks = [task for c in characteristics for task in _tasks(c, seed)]
+    return sorted(tasks, key=lambda task: task.expected)
 
 
 def _tasks(characteristic: int, seed: int) -> Iterator[Task]:
@@ -122,10 +97,12 @@ def _tasks(characteristic: int, seed: int) -> Iterator[Task]:
             yield Task(families, 1, characteristic, seed)
     for family in all_families():
         subject = " ".join(kind.name for kind in family.distances)
-        yield Task(subject, 1, characteristic, seed)
-        task = Task(subject, 2, characteristic, seed)
-        if any(kind.has_sides for kind in family.distances) and task.expected <= EXACT_LIMIT:
-            yield task
+        one_sided = Task(subject, 1, characteristic, seed)
+        if characteristic == 0 or one_sided.expected <= LIMIT:
+            yield one_sided
+        two_sided = Task(subject, 2, characteristic, seed)
+        if any(kind.has_sides for kind in family.distances) and two_sided.expected <= LIMIT:
+            yield two_sided
 
 
 @cache

@@ -262,10 +262,11 @@ def build(
       gsp atlas build --work counts.jsonl -o data/counts --check
     """
     from gspcli.atlas.journal import carry_out
-    from gspcli.atlas.records import build_tasks, contents, differences
+    from gspcli.atlas.records import contents, differences
+    from gspcli.atlas.tasks import all_tasks
 
     results = carry_out(
-        build_tasks(),
+        all_tasks(),
         journal=journal,
         jobs=_processes(jobs),
         scheduler=scheduler,

@@ -71,7 +71,7 @@ def test_verify_finds_a_wrong_record(gsp: Run, monkeypatch: pytest.MonkeyPatch) 
 
 def test_build_and_check(gsp: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     tasks = [Task("DPP DPP DPL", 1, 0, SEED), Task("DPH DPH DPH DPH", 2, 0, SEED)]
-    monkeypatch.setattr(records, "build_tasks", lambda: tasks)
+    monkeypatch.setattr("gspcli.atlas.tasks.all_tasks", lambda: tasks)
     folder, work = tmp_path / "counts", tmp_path / "work.jsonl"
     build = ("atlas", "build", "-o", str(folder), "--work", str(work), "--jobs", "1")
     assert gsp(*build).code == 0

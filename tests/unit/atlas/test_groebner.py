@@ -47,17 +47,6 @@ def test_quotients_have_the_expected_dimension(subject: str, sides: int, prime: 
 
 
 @needs_msolve
-def test_the_linear_algebra_makes_no_difference() -> None:
-    from gspcli.atlas.groebner import quotient_dimension
-
-    task = Task("DPP DPP DPP DPP DPP DPP", 1, PRIMES[0])
-    exact, quick = (
-        quotient_dimension(task.equations(), PRIMES[0], exact=exact) for exact in (True, False)
-    )
-    assert exact == quick == task.expected
-
-
-@needs_msolve
 def test_a_time_limit_gives_no_count() -> None:
     assert Task("DLL DLL DLL DLL DLL DLL", 1, PRIMES[0]).run(timeout_s=0.2) is None
 

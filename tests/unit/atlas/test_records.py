@@ -45,13 +45,6 @@ def test_methods_are_named() -> None:
     assert _rows(_modulo(SUBJECT, 32, None))[FAMILY]["method"] == "law"
 
 
-def test_the_mirror_image_stands_in_for_orders_and_is_named() -> None:
-    rows = _rows(_modulo(SUBJECT, 32, 32))
-    assert rows[FAMILY]["orders_of"] == ""
-    assert rows["3D3A PP PP LP"]["orders_of"] == FAMILY
-    assert rows["3D3A PP PP LP"]["method"] == "groebner"
-
-
 def test_what_was_counted_prevails_over_the_law() -> None:
     row = _rows({**_modulo(SUBJECT, 31, 31), (SUBJECT, 1, 0): 31})[FAMILY]
     assert (row["one_sided"], row["method"]) == ("31", "groebner+tracking")
