@@ -132,6 +132,8 @@ def account(result: SolveResult) -> str:
     parts.append(f"{counts.at_infinity} at infinity")
     if counts.on_curves:
         parts.append(f"{counts.on_curves} on curves")
+    if counts.spurious:
+        parts.append(f"{counts.spurious} where parallel lines have another distance")
     parts.append(f"{counts.lost} lost")
     return f"{', '.join(parts)}; {result.verdict}"
 

@@ -56,6 +56,7 @@ def solve(
         expected=poses.paths,
         at_infinity=poses.at_infinity,
         on_curves=poses.on_curves,
+        spurious=poses.spurious,
         lost=poses.lost,
         motions=poses.motions,
         seed=seed,

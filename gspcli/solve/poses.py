@@ -30,7 +30,11 @@ class PoseSet:
         The generic count for the sides asked for.
     at_infinity, on_curves, lost
         How many of the paths end at infinity, on positive-dimensional sets, or are not
-        accounted for. With the multiplicities they add up to the paths.
+        accounted for.
+    spurious
+        How many paths end where the equations hold and a constraint does not: the lines of a
+        DLL are parallel, at another distance. With the multiplicities of the poses and the
+        other three numbers they add up to the paths.
     """
 
     R: Complex
@@ -42,3 +46,4 @@ class PoseSet:
     at_infinity: int
     on_curves: int
     lost: int
+    spurious: int = 0

@@ -34,9 +34,10 @@ class Counts:
         Distinct finite isolated solutions.
     real, certified, singular
         How many of those are real, are certified, have a multiplicity above one.
-    at_infinity, on_curves, lost
-        Paths that end at infinity or on positive-dimensional sets, and those whose end is
-        not known. Multiplicities of the found ones and these three add up to the paths.
+    at_infinity, on_curves, spurious, lost
+        Paths that end at infinity, on positive-dimensional sets, or where parallel lines of a
+        DLL have another distance (no pose, though the equations hold), and those whose end is
+        not known. Multiplicities of the found ones and these four add up to the paths.
     """
 
     found: int
@@ -45,6 +46,7 @@ class Counts:
     singular: int
     at_infinity: int
     on_curves: int
+    spurious: int
     lost: int
 
     def to_json(self) -> dict[str, int]:
@@ -131,7 +133,7 @@ class SolveResult:
         How many paths end at each, shape (n,).
     expected
         The number of paths: the generic count for the sides asked for.
-    at_infinity, on_curves, lost
+    at_infinity, on_curves, spurious, lost
         What became of the other paths, see `Counts`.
     motions
         Positive-dimensional sets of poses that were found.
@@ -149,6 +151,7 @@ class SolveResult:
     expected: int
     at_infinity: int
     on_curves: int
+    spurious: int
     lost: int
     motions: tuple[Motion, ...]
     seed: int
@@ -170,6 +173,7 @@ class SolveResult:
             singular=int((self.multiplicity > 1).sum()),
             at_infinity=self.at_infinity,
             on_curves=self.on_curves,
+            spurious=self.spurious,
             lost=self.lost,
         )
 

@@ -15,6 +15,7 @@ from gspcli.geometry.poses import Field, pose_from_study
 from gspcli.geometry.quadrics import made_real, real_points
 from gspcli.geometry.residuals import Arrangement
 from gspcli.solve.motion import Motion
+from gspcli.solve.parallel_lines import judge_parallel_lines
 from gspcli.solve.poses import PoseSet
 from gspcli.solve.systems import target_systems
 
@@ -61,18 +62,23 @@ def solve_each_by_tracking(
 def _pose_set(arrangement: Arrangement, results: list[SystemSolutions]) -> PoseSet:
     """Return the poses for all sides together."""
     points = np.concatenate([result.points for result in results])
+    multiplicity = np.concatenate([result.multiplicity for result in results])
     real = np.concatenate([real_points(result.points) for result in results])
     R, T = _poses(arrangement, np.where(real[:, None], made_real(points), points))
+    spurious, undecided = judge_parallel_lines(arrangement, R, T)
+    posed = ~spurious & ~undecided
+    motions, beside = _motions(arrangement, results)
     return PoseSet(
-        R=R,
-        T=T,
-        real=real,
-        multiplicity=np.concatenate([result.multiplicity for result in results]),
-        motions=tuple(motion for result in results for motion in _motions(arrangement, result)),
+        R=R[posed],
+        T=T[posed],
+        real=real[posed],
+        multiplicity=multiplicity[posed],
+        motions=motions,
         paths=sum(result.paths for result in results),
         at_infinity=sum(result.at_infinity for result in results),
-        on_curves=sum(result.on_curves for result in results),
-        lost=sum(result.lost for result in results),
+        on_curves=sum(result.on_curves for result in results) - beside,
+        lost=sum(result.lost for result in results) + int(multiplicity[undecided].sum()),
+        spurious=int(multiplicity[spurious].sum()) + beside,
     )
 
 
@@ -82,9 +88,16 @@ def _poses(arrangement: Arrangement, points: Field) -> tuple[Field, Field]:
     return R, arrangement.restored(R, T)
 
 
-def _motions(arrangement: Arrangement, result: SystemSolutions) -> list[Motion]:
-    motions = []
-    for curve in result.curves:
+def _motions(
+    arrangement: Arrangement, results: list[SystemSolutions]
+) -> tuple[tuple[Motion, ...], int]:
+    """Return the motions, and how many paths end on sets that are none (parallel lines)."""
+    motions, beside = [], 0
+    for curve in (curve for result in results for curve in result.curves):
         R, T = _poses(arrangement, made_real(curve.motion) if curve.real else curve.motion)
-        motions.append(Motion(curve.dimension, curve.real, R, T))
-    return motions
+        spurious, _ = judge_parallel_lines(arrangement, R, T)
+        if spurious.all():
+            beside += len(curve.points)
+        else:
+            motions.append(Motion(curve.dimension, curve.real, R, T))
+    return tuple(motions), beside

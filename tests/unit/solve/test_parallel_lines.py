@@ -1,0 +1,68 @@
+"""Where the lines of a DLL are parallel its equation holds at every distance: no pose."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gspcli.solve import SolveResult, solve
+from gspcli.spec import loads
+
+SPEC = """
+gsp: 1
+units: {{length: m, angle: deg}}
+platform:
+  L: {{line: {{point: [0, 0, 0], direction: [0, 0, 1]}}}}
+  P1: {{point: [0.3, 0.2, 0.1]}}
+  P2: {{point: [-0.3, 0.4, 0.5]}}
+  P3: {{point: [0.1, -0.6, 0.3]}}
+  P4: {{point: [0.5, 0.6, -0.3]}}
+base:
+  l: {{line: {{point: [0.25, 0, 0], direction: [0, 0, 1]}}}}
+  p1: {{point: [1, 0, 0]}}
+  p2: {{point: [0, 1.2, 0.1]}}
+  p3: {{point: [-0.8, 0.1, 0.4]}}
+  p4: {{point: [-0.8, -0.9, 0.4]}}
+constraints:
+  - {{distance: [L, l], value: {distance}}}
+  - {{angle: [L, l], value: {angle}}}
+  - {{distance: [P1, p1], value: sqrt(0.7*0.7 + 0.2*0.2 + 0.1*0.1)}}
+  - {{distance: [P2, p2], value: sqrt(0.3*0.3 + 0.8*0.8 + 0.4*0.4)}}
+  - {{distance: [P3, p3], value: sqrt(0.9*0.9 + 0.7*0.7 + 0.1*0.1)}}
+  - {{distance: [P4, p4], value: sqrt(1.3*1.3 + 1.5*1.5 + 0.7*0.7)}}
+"""
+
+
+def _solved(distance: str, angle: str) -> SolveResult:
+    return solve(loads(SPEC.format(distance=distance, angle=angle)), certify=False)
+
+
+def _accounted(result: SolveResult) -> int:
+    counts = result.counts
+    ends = counts.at_infinity + counts.on_curves + counts.spurious + counts.lost
+    return int(result.multiplicity.sum()) + ends
+
+
+def test_parallel_lines_at_the_distance_asked_for_are_a_pose() -> None:
+    result = _solved("0.25", "0")
+    assert result.verdict == "complete"
+    # The identity is the pose that the values were taken from; its parallel lines are right.
+    at_identity = [np.allclose(s.R, np.eye(3), atol=1e-4) for s in result.real_solutions]
+    assert sum(at_identity) == 1
+    assert result.counts.spurious > 0
+    assert _accounted(result) == result.expected
+
+
+@pytest.mark.parametrize("distance", ["0.3", "0.2", "1"])
+def test_parallel_lines_at_another_distance_are_none(distance: str) -> None:
+    result = _solved(distance, "0")
+    assert result.verdict == "complete"
+    assert not len(result.R)
+    assert result.counts.spurious > 0
+    assert _accounted(result) == result.expected
+
+
+def test_lines_that_are_not_parallel_are_left_alone() -> None:
+    result = _solved("0.25", "20")
+    assert result.counts.spurious == 0
+    assert _accounted(result) == result.expected
