@@ -20,7 +20,8 @@ from gspcli.errors import TypeNameError
 
 _CLASSES_BY_ID = {platform_class.id: platform_class for platform_class in CLASSES}
 _SEPARATORS = re.compile(r"[\s,;+]+")
-_REPEATED = re.compile(r"(\d+)[*x]?([A-Z]{2,3})|([A-Z]{2,3})[*^](\d+)")
+_NUMBER_DIGITS = 9
+_REPEATED = re.compile(r"(\d{1,3})[*x]?([A-Z]{2,3})|([A-Z]{2,3})[*^](\d{1,3})")
 
 
 def parse_class(text: str) -> PlatformClass:
@@ -122,8 +123,10 @@ def parse_name(text: str | Sequence[str]) -> GspType | Family:
     if not words:
         message = "no type given: write six kinds, a number, or a family as 3D3A PL PL LP"
         raise TypeNameError(message)
-    if len(words) == 1 and words[0].lstrip("#").isdecimal():
-        return type_by_number(int(words[0].lstrip("#")))
+    number = words[0].lstrip("#")
+    if len(words) == 1 and number.isdecimal():
+        # Python refuses to read integers of thousands of digits.
+        return type_by_number(int(number[:_NUMBER_DIGITS]))
     named = None
     if words[0][0].isdigit():
         named, words = parse_class(words[0]), words[1:]
