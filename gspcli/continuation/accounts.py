@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.continuation.dimension import real_point, sample_motion, tangents
+from gspcli.continuation.dimension import real_point, sample_motions, tangents
 from gspcli.continuation.endgame import find_ends
 from gspcli.continuation.ends import (
     SINGULAR_ERROR,
@@ -167,6 +167,15 @@ def _completed(account: Account, other: Account) -> Account:
     )
 
 
+@dataclass(frozen=True, eq=False)
+class _OnCurve:
+    """Paths that ended at one point of a positive-dimensional solution set."""
+
+    members: NDArray[np.intp]
+    point: ComplexArray
+    tangents: ComplexArray
+
+
 class _Attempt:
     """The paths from one origin to one target."""
 
@@ -278,7 +287,7 @@ class _Attempt:
         known = np.flatnonzero(winding >= 0)
         away = infinite(self.points[known], self.error[known])
         finite = known[~away]
-        rows, curves, on_curves, suspect = [], [], 0, False
+        rows, found, suspect = [], list[_OnCurve](), False
         for group in clusters(self.points[finite], self.error[finite]):
             members = finite[group]
             first = members[np.argmin(self.condition[members])]
@@ -287,10 +296,9 @@ class _Attempt:
                 lost += len(members) - 1
                 rows.append((first, 1))
                 continue
-            curve = self._curve(members, rng)
-            if curve is not None:
-                curves.append(curve)
-                on_curves += len(members)
+            point, along = self._tangents(self.points[first], rng)
+            if along.shape[1]:
+                found.append(_OnCurve(members, point, along))
                 continue
             of_cycle = np.bincount(winding[members])
             cycle = np.arange(len(of_cycle))
@@ -303,22 +311,39 @@ class _Attempt:
             self.condition[index],
             self.target.residuals(self.products, self.points[index]),
             int(away.sum() + self.vanishing.sum()),
-            on_curves,
+            sum(len(end.members) for end in found),
             lost,
             suspect,
-            curves,
+            self._curves(found),
         )
 
-    def _curve(self, members: NDArray[np.intp], rng: np.random.Generator) -> Curve | None:
-        point = self.points[members[0]]
-        directions = tangents(self.products, self.target, point, rng)
-        dimension, real = directions.shape[1], False
-        if not dimension:
-            return None
-        candidate = real_point(self.products, self.target, point)
+    def _tangents(
+        self, point: ComplexArray, rng: np.random.Generator
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """Return a point, real if one is found, of the solution set at an end, and its tangents."""
+        along = tangents(self.products, self.target, point, rng)
+        candidate = real_point(self.products, self.target, point) if along.shape[1] else None
         if candidate is not None:
-            along = tangents(self.products, self.target, candidate, rng)
-            if along.shape[1] and not along.imag.any():
-                point, directions, real = candidate, along, True
-        motion = sample_motion(self.products, self.target, point, directions[:, 0])
-        return Curve(dimension, self.points[members], motion, real)
+            real = tangents(self.products, self.target, candidate, rng)
+            if real.shape[1] and not real.imag.any():
+                return candidate, real
+        return point, along
+
+    def _curves(self, found: list[_OnCurve]) -> list[Curve]:
+        if not found:
+            return []
+        motions = sample_motions(
+            self.products,
+            self.target,
+            np.array([end.point for end in found]),
+            np.array([end.tangents[:, 0] for end in found]),
+        )
+        return [
+            Curve(
+                end.tangents.shape[1],
+                self.points[end.members],
+                motion,
+                not (end.point.imag.any() or end.tangents.imag.any()),
+            )
+            for end, motion in zip(found, motions, strict=True)
+        ]

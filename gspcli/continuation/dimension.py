@@ -15,14 +15,22 @@ _NEWTON_STEPS = 60
 _DAMPING = 0.01
 
 
+def _scaled_jacobians(
+    products: NDArray[np.bool_], target: Coefficients, points: ComplexArray
+) -> ComplexArray:
+    """Return the Jacobian matrices (n, 8, 8) with rows of length 1, the last the point's patch."""
+    jacobian = target.jacobians(products, points)
+    size = np.linalg.norm(jacobian, axis=2, keepdims=True)
+    scaled = jacobian / np.where(size > 0, size, 1.0)
+    return np.concatenate([scaled, points.conj()[:, None, :]], axis=1)
+
+
 def kernel(products: NDArray[np.bool_], target: Coefficients, point: ComplexArray) -> ComplexArray:
     """Return an orthonormal basis (8, k) of the kernel of the Jacobian matrix at a solution.
 
     The point itself, which is always in it, is left out.
     """
-    jacobian = target.jacobians(products, point[None])[0]
-    size = np.linalg.norm(jacobian, axis=1, keepdims=True)
-    rows = np.vstack([jacobian / np.where(size > 0, size, 1.0), point.conj()[None]])
+    rows = _scaled_jacobians(products, target, point[None])[0]
     # A real basis if there is one.
     _, values, basis = np.linalg.svd(rows if rows.imag.any() else rows.real)
     return np.asarray(basis[values < _RANK_TOLERANCE].conj().T, dtype=np.complex128)
@@ -100,43 +108,57 @@ def tangents(
     return np.asarray(spanned[:dimension].conj().T, dtype=np.complex128)
 
 
-def sample_motion(
+def _in_kernel(
+    products: NDArray[np.bool_], target: Coefficients, points: ComplexArray, vectors: ComplexArray
+) -> ComplexArray:
+    """Project vectors (n, 8) to the kernels of `kernel` at points (n, 8)."""
+    _, values, basis = np.linalg.svd(_scaled_jacobians(products, target, points))
+    inside = np.where(values < _RANK_TOLERANCE, (basis @ vectors[..., None])[..., 0], 0.0)
+    return np.asarray((basis.conj().swapaxes(1, 2) @ inside[..., None])[..., 0])
+
+
+def sample_motions(
     products: NDArray[np.bool_],
     target: Coefficients,
-    point: ComplexArray,
-    direction: ComplexArray,
+    points: ComplexArray,
+    directions: ComplexArray,
     steps: int = 24,
-) -> ComplexArray:
-    """Return consecutive solutions along a positive-dimensional solution set.
+) -> list[ComplexArray]:
+    """Return consecutive solutions along positive-dimensional solution sets.
 
     Parameters
     ----------
-    point
-        A solution on it, shape (8,).
-    direction
-        One of its `tangents`, shape (8,).
+    points
+        Solutions on them, shape (n, 8).
+    directions
+        For each one of its `tangents`, shape (n, 8).
 
     Returns
     -------
-    ndarray
-        Shape (at most steps + 1, 8), norm 1, beginning with the point. Real if the arguments are.
+    list of ndarray
+        For each a motion that begins with the point, shape (at most steps + 1, 8), norm 1; real
+        if the point and the direction are.
     """
-    real = not (point.imag.any() or direction.imag.any())
-    motion = [point]
-    for _ in range(steps):
-        basis = kernel(products, target, motion[-1])
-        tangent = basis @ (basis.conj().T @ direction)
-        length = np.linalg.norm(tangent)
-        if not length > 0:
-            break
-        trial = motion[-1] + 2 * _DISTANCE * tangent / length
-        moved, converged = correct(products, target, (trial / np.linalg.norm(trial))[None])
-        phase = 1.0 if real else np.exp(-1j * np.angle(np.vdot(motion[-1], moved[0])))
-        direction = phase * moved[0] - motion[-1]
-        if not converged[0] or not _DISTANCE / 10 < np.linalg.norm(direction) < 10 * _DISTANCE:
-            break
-        motion.append(phase * moved[0])
-    return np.array(motion)
+    real = np.asarray(~(points.imag.any(axis=1) | directions.imag.any(axis=1)))
+    motions = [[point] for point in points]
+    moving = np.arange(len(points))
+    while len(moving) and len(motions[moving[0]]) <= steps:
+        now = np.array([motions[i][-1] for i in moving])
+        tangent = _in_kernel(products, target, now, directions)
+        length = np.linalg.norm(tangent, axis=1, keepdims=True)
+        trial = now + 2 * _DISTANCE * tangent / np.maximum(length, 1e-300)
+        trial[real] = trial[real].real
+        trial /= np.linalg.norm(trial, axis=1, keepdims=True)
+        moved, converged = correct(products, target, trial)
+        inner = (now.conj() * moved).sum(axis=1, keepdims=True)
+        moved *= np.where(real[:, None], 1.0, np.exp(-1j * np.angle(inner)))
+        directions = moved - now
+        size = np.linalg.norm(directions, axis=1)
+        going = converged & (size > _DISTANCE / 10) & (size < 10 * _DISTANCE)
+        moving, real, directions = moving[going], real[going], directions[going]
+        for i, point in zip(moving, moved[going], strict=True):
+            motions[i].append(point)
+    return [np.array(motion) for motion in motions]
 
 
 def real_point(

@@ -22,8 +22,12 @@ def regular_error(correction: FloatArray) -> FloatArray:
 
 
 def infinite(points: ComplexArray, error: FloatArray) -> NDArray[np.bool_]:
-    """Return which points (..., 8) have N = e.e = 0 within their errors (...)."""
-    e = points[..., :4]
+    """Return which points (..., 8) have N = e.e = 0 within a twentieth of their errors (...).
+
+    The errors are generous, so that no two ends at one solution count as two. Here that would
+    take solutions that are merely far away, at 1e5 times the size of the platform, for infinite.
+    """
+    e, error = points[..., :4], error / 20
     size = np.sqrt((e.real**2 + e.imag**2).sum(axis=-1))
     return np.asarray(np.abs((e**2).sum(axis=-1)) <= error * (size + error))
 
