@@ -74,6 +74,30 @@ def _quadratic_forms() -> NDArray[np.float64]:
 ROTATION_FORMS = _quadratic_forms()
 
 
+def _translation_forms(sign: float) -> NDArray[np.float64]:
+    """Return the bilinear forms of ``2 (e0 f_i - e_i f0 + sign (e x f)_i)``, shape (3, 4, 4)."""
+    forms = np.zeros((3, 4, 4))
+    for i in range(3):
+        j, k = (i + 1) % 3 + 1, (i + 2) % 3 + 1
+        forms[i, 0, i + 1], forms[i, i + 1, 0] = 2, -2
+        forms[i, j, k], forms[i, k, j] = 2 * sign, -2 * sign
+    return forms
+
+
+#: ``N T_i = e^T TRANSLATION_FORMS[i] f``, and the same for ``U = R^T T``.
+TRANSLATION_FORMS = _translation_forms(1.0)
+BODY_TRANSLATION_FORMS = _translation_forms(-1.0)
+
+
+def rotated_forms(u: Field, v: Field) -> Field:
+    """Return the symmetric forms of ``N v . R u``, ``(..., 3), (..., 3) -> (..., 4, 4)``."""
+    outer = v[..., :, None] * u[..., None, :]
+    forms: Field = (outer.reshape(*outer.shape[:-2], 9) @ ROTATION_FORMS).reshape(
+        *outer.shape[:-2], 4, 4
+    )
+    return forms
+
+
 def rotation_from_quaternion(e: Field) -> Field:
     """Return the rotation of a quaternion of any nonzero ``N``, ``(..., 4) -> (..., 3, 3)``."""
     outer = (e[..., :, None] * e[..., None, :]).reshape(*e.shape[:-1], 16)

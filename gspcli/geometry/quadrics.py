@@ -113,7 +113,9 @@ def _turn(size: int) -> Array:
     return np.linalg.qr(np.random.default_rng(1120).normal(size=(size, size)))[0]
 
 
-def _newton_step(forms: Field, z: Field, accuracy: float = _EPS) -> tuple[Field, Array, Array]:
+def _newton_step(
+    forms: Field, z: Field, accuracy: Array | float = _EPS
+) -> tuple[Field, Array, Array]:
     """Return p points of norm 1 after a Newton step, its length, and the error that is left.
 
     The last row of the Jacobian matrix, ``conj(z)``, keeps corrections orthogonal to the point.
@@ -132,7 +134,9 @@ def _newton_step(forms: Field, z: Field, accuracy: float = _EPS) -> tuple[Field,
 
 # What is not a number belongs to systems that are not answered for.
 @np.errstate(all="ignore")
-def generic_roots(forms: Field) -> tuple[Field, Array, NDArray[np.bool_]]:
+def generic_roots(
+    forms: Field, accuracy: Array | float = _EPS
+) -> tuple[Field, Array, NDArray[np.bool_]]:
     """Return the points of systems in general position.
 
     Parameters
@@ -141,6 +145,8 @@ def generic_roots(forms: Field) -> tuple[Field, Array, NDArray[np.bool_]]:
         Symmetric matrices of n quadrics for each system, shape (..., n, n + 1, n + 1); n = 0
         to 3. Real ones give points that are exactly real or come in exactly conjugate pairs,
         one directly after the other.
+    accuracy
+        The relative error of the forms, shape (..., 1) if it differs.
 
     Returns
     -------
@@ -159,7 +165,7 @@ def generic_roots(forms: Field) -> tuple[Field, Array, NDArray[np.bool_]]:
     forms = turn.T @ forms @ turn
     forms = forms / np.sqrt((forms.real**2 + forms.imag**2).sum(axis=(-2, -1), keepdims=True))
     try:
-        z, _, errors = _newton_step(forms, normalised(_eigenpoints(forms)))
+        z, _, errors = _newton_step(forms, normalised(_eigenpoints(forms)), accuracy)
     except np.linalg.LinAlgError:
         return _separately(turn @ forms @ turn.T)
     overlaps = np.abs(z @ np.swapaxes(z.conj(), -1, -2)) - np.eye(2**n)

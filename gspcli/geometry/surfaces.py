@@ -5,22 +5,34 @@ and DLL on a plane or two parallel ones, DPP on a sphere, DPL and DLP on a circu
 and so does DLL when its lines are parallel. Three such surfaces meet in 2^m points, m of them
 being quadrics once the differences of spheres have been replaced by planes.
 
-Surfaces are forms in X = (1, T): a plane is a vector of length 4, a quadric a symmetric matrix of
-order 4. Lengths should be of order one and the points near the origin.
+Coordinates are X = (s, t), homogeneous in a basis B of the f with ``e.f = 0``: the Study point of
+X is (s e, B t), so that ``T = 2 vec(B t e*) / (s N)``. Surfaces are forms in X, and a plane is a
+vector of length 4, a quadric a symmetric matrix of order 4. At a complex rotation N may be
+small and R large. The forms are made of the quaternion, nowhere divided by N and without
+cancellation, so that they stay accurate. Lengths should be of order one and the points near the
+origin.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
-from gspcli.geometry.poses import Field, apply, cross, dot, normalised
+from gspcli.geometry.poses import (
+    BODY_TRANSLATION_FORMS,
+    TRANSLATION_FORMS,
+    Field,
+    cross,
+    dot,
+    normalised,
+    rotated_forms,
+)
 from gspcli.geometry.quadrics import all_roots, generic_roots
 from gspcli.geometry.residuals import Arrangement
 
@@ -36,31 +48,178 @@ _DIFFERENCE = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
+class Measures:
+    """What the distances measure, as forms in the Study parameters.
+
+    A form (a, b), shape (4, 8), is ``s^2 e^T a e + s e^T b f`` at the Study point (s e, f).
+
+    Attributes
+    ----------
+    heights
+        N times the heights over planes and the moments of two lines, shape (k, 4, 8).
+    squares
+        N times the squared distances of points but for ``4 f.f``; those of the spheres
+        first, then those of the cylinders, shape (m, 4, 8).
+    axial
+        For each cylinder N times the height along its axis, shape (m - spheres, 4, 8).
+    normals
+        N times the vector product of the directions of two lines, shape (l, 3, 4, 8).
+    skew
+        Which of the heights are moments of these lines, l of them.
+    flat, curved
+        Positions of the heights and of the squares among the distances.
+    basis
+        The forms of T or of U if all distances are simplest in those, else None.
+    signs
+        The combinations of sides asked for: ``height = sign distance``, shape (s, k).
+    """
+
+    heights: Array
+    squares: Array
+    axial: Array
+    normals: Array
+    skew: list[int]
+    flat: list[int]
+    curved: list[int]
+    basis: Array | None
+    signs: Array
+
+    @property
+    def spheres(self) -> int:
+        """How many of the squares are those of spheres."""
+        return len(self.squares) - len(self.axial)
+
+    @cached_property
+    def stacked(self) -> Array:
+        """All forms and those of N T side by side, shape (4, 8 forms)."""
+        translation = np.zeros((3, 4, 8))
+        translation[..., 4:] = TRANSLATION_FORMS
+        parts = (self.heights, self.squares, self.axial, self.normals, translation)
+        forms = np.concatenate([part.reshape(-1, 4, 8) for part in parts])
+        return forms.transpose(1, 0, 2).reshape(4, -1)
+
+
+def measures(arrangement: Arrangement, parallel: Collection[int] = ()) -> Measures:
+    """Return the forms of the distances of an arrangement.
+
+    Parameters
+    ----------
+    arrangement
+        The geometry.
+    parallel
+        Line-line distances whose lines are parallel at the rotations in question.
+    """
+    indices = arrangement.distances.tolist()
+    heights: list[tuple[int, Array]] = []
+    spheres: list[tuple[int, Array]] = []
+    cylinders: list[tuple[int, Array, Array]] = []
+    normals: list[Array] = []
+    skew: list[int] = []
+    sorts = set()
+    for j, i in enumerate(indices):
+        kind = arrangement.kinds[i]
+        y, x, u, v = (a[i] for a in (arrangement.y, arrangement.x, arrangement.u, arrangement.v))
+        if kind is DPH:
+            heights.append((j, _base_height(y, x, v)))
+        elif kind is DHP:
+            heights.append((j, -_platform_height(y, x, u)))
+        elif kind is DPP:
+            spheres.append((j, _square(y, x)))
+        elif kind is DLP:
+            cylinders.append((j, _square(y, x), _platform_height(y, x, u)))
+        elif i in parallel and arrangement.values[i] == 0:
+            # One line on the other: two planes, not the cylinder of radius zero about them.
+            across = np.linalg.svd(v[None])[2][1:]
+            heights += [(j, _base_height(y, x, normal)) for normal in across]
+        elif kind is DPL or i in parallel:
+            cylinders.append((j, _square(y, x), _base_height(y, x, v)))
+        else:
+            skew.append(len(heights))
+            heights.append((j, _moment(y, x, u, v)))
+            normals.append(_form(rotated_forms(u, cross(v, np.eye(3)))))
+        sorts.add("q" if kind in (DHP, DLP) else "s" if kind is DPP else "p")
+    flat = [j for j, _ in heights]
+    return Measures(
+        heights=np.array([h for _, h in heights]).reshape(-1, 4, 8),
+        squares=np.array([h for _, h, *_ in (*spheres, *cylinders)]).reshape(-1, 4, 8),
+        axial=np.array([h for _, _, h in cylinders]).reshape(-1, 4, 8),
+        normals=np.array(normals).reshape(-1, 3, 4, 8),
+        skew=skew,
+        flat=flat,
+        curved=[j for j, _ in spheres] + [j for j, _, _ in cylinders],
+        basis=TRANSLATION_FORMS
+        if "q" not in sorts
+        else BODY_TRANSLATION_FORMS
+        if "p" not in sorts
+        else None,
+        signs=signs_of(arrangement, [indices[j] for j in flat]),
+    )
+
+
+def _form(a: Array, b: Array | None = None) -> Array:
+    """Return forms from their two matrices, ``(..., 4, 4)`` twice to ``(..., 4, 8)``."""
+    return np.concatenate((a, np.zeros_like(a) if b is None else b), axis=-1)
+
+
+def _base_height(y: Array, x: Array, v: Array) -> Array:
+    """Return the form of ``v . (R y + T - x)``."""
+    return _form(rotated_forms(y, v) - (v @ x) * np.eye(4), np.tensordot(v, TRANSLATION_FORMS, 1))
+
+
+def _platform_height(y: Array, x: Array, u: Array) -> Array:
+    """Return the form of ``R u . (R y + T - x) = u . (y + U - R^T x)``."""
+    turned = (u @ y) * np.eye(4) - rotated_forms(u, x)
+    return _form(turned, np.tensordot(u, BODY_TRANSLATION_FORMS, 1))
+
+
+def _moment(y: Array, x: Array, u: Array, v: Array) -> Array:
+    """Return the form of ``(R y + T - x) . (R u x v)``.
+
+    N R is quadratic in e, and N [T]x R is its derivative along f: twice the polar form.
+    """
+    turned = rotated_forms(cross(y, u), v) - rotated_forms(u, cross(v, x))
+    return _form(turned, 2 * rotated_forms(u, v))
+
+
+def _square(y: Array, x: Array) -> Array:
+    """Return the form of ``|R y + T - x|^2`` but for ``4 f.f = N T.T``."""
+    turned = (x @ x + y @ y) * np.eye(4) - 2 * rotated_forms(y, x)
+    moved = np.tensordot(y, BODY_TRANSLATION_FORMS, 1) - np.tensordot(x, TRANSLATION_FORMS, 1)
+    return _form(turned, 2 * moved)
+
+
+@dataclass(frozen=True, eq=False)
 class Surfaces:
     """The surfaces of one structure for many rotations; f counts the rotations.
 
     Attributes
     ----------
     planes
-        Forms of the planes for the distance zero, unit normals, shape (f, k, 4).
-    distances
-        Distances of the planes, shape (f, k) or (k,).
+        Forms of the planes for the distance zero, shape (f, k, 4).
+    offsets
+        What a distance adds to their first coefficient, shape (f, k).
     signs
-        The combinations of sides asked for, shape (s, k): ``form . X = sign distance``.
+        The combinations of sides asked for, shape (s, k): ``form . X = sign offset s``.
     quadrics
         The m quadrics, spheres first, shape (f, m, 4, 4).
     spheres
         How many of them are spheres.
     skewness
         Least squared sine, in absolute value, of line pairs that give planes, shape (f,).
+    basis
+        The basis of the f, shape (f, 4, 3).
+    frame
+        ``T = frame t / s``, shape (f, 3, 3).
     """
 
     planes: Field
-    distances: Array
+    offsets: Field
     signs: Array
     quadrics: Field
     spheres: int
     skewness: Array
+    basis: Field
+    frame: Field
 
 
 def surface_counts(kinds: Collection[Kind]) -> tuple[int, int, int]:
@@ -96,82 +255,71 @@ def signs_of(arrangement: Arrangement, planes: list[int]) -> Array:
     return _signs(free, tuple(s or 1 for s in sides))
 
 
-def surfaces(
-    arrangement: Arrangement,
-    R: Field,
-    distances: Array | None = None,
-    parallel: Collection[int] = (),
-) -> Surfaces:
-    """Return the surfaces for rotations R, shape (f, 3, 3).
+def surfaces(given: Measures, e: Field, distances: Array) -> Surfaces:
+    """Return the surfaces at rotations.
 
     Parameters
     ----------
-    arrangement
-        The geometry.
-    R
-        Real or complex rotations.
+    given
+        What the distances measure.
+    e
+        Quaternions of norm 1, real or complex, shape (f, 4).
     distances
-        The distances for each rotation, shape (f, d); those of the arrangement if None.
-    parallel
-        Line-line distances whose lines are parallel at these rotations.
+        The distances for each rotation, shape (f, d).
     """
-    indices = list(arrangement.distances)
-    d = arrangement.values[indices] if distances is None else distances
-    turned = np.swapaxes(R, -1, -2)
-    p = arrangement.x[indices] - arrangement.y[indices] @ turned
-    w = arrangement.u[indices] @ turned
-    v = arrangement.v
-    planes: list[tuple[int, Field]] = []
-    spheres: list[int] = []
-    cylinders: list[tuple[int, Field]] = []
-    skewness = np.ones(len(R))
-    for j, i in enumerate(indices):
-        kind = arrangement.kinds[i]
-        if kind is DPH:
-            planes.append((j, np.broadcast_to(v[i], p[:, j].shape)))
-        elif kind is DHP:
-            planes.append((j, -w[:, j]))
-        elif kind is DPP:
-            spheres.append(j)
-        elif i in parallel and arrangement.values[i] == 0:
-            # One line on the other: two planes, not the cylinder of radius zero about them.
-            across = np.linalg.svd(v[i : i + 1])[2][1:]
-            planes += [(j, np.broadcast_to(a, p[:, j].shape)) for a in across]
-        elif kind is DPL or i in parallel:
-            cylinders.append((j, np.broadcast_to(v[i], p[:, j].shape)))
-        elif kind is DLP:
-            cylinders.append((j, w[:, j]))
-        elif kind is DLL:
-            normal = cross(w[:, j], np.broadcast_to(v[i], p[:, j].shape))
-            square = dot(normal, normal)
-            skewness = np.minimum(skewness, np.abs(square))
-            length = np.sqrt(np.where(square == 0, 1.0, square))
-            planes.append((j, normal / length[:, None]))
-    chosen = [j for j, _ in planes]
-    normals = [normal for _, normal in planes]
-    forms = np.zeros((len(R), len(planes), 4), R.dtype)
-    if planes:
-        forms[..., 1:] = np.stack(normals, axis=1)
-        forms[..., 0] = -dot(forms[..., 1:], p[:, chosen])
-    curved = spheres + [j for j, _ in cylinders]
-    quadrics = np.zeros((len(R), len(curved), 4, 4), R.dtype)
-    if curved:
-        block = quadrics[..., 1:, 1:]
-        block += np.eye(3)
-        if cylinders:
-            axes = np.stack([axis for _, axis in cylinders], axis=1)
-            block[:, len(spheres) :] -= axes[..., :, None] * axes[..., None, :]
-        linear = -apply(block, p[:, curved])
-        quadrics[..., 0, 1:] = quadrics[..., 1:, 0] = linear
-        quadrics[..., 0, 0] = -dot(linear, p[:, curved]) - d[..., curved] ** 2
+    basis = _basis(e, given.basis)
+    forms = (e @ given.stacked).reshape(len(e), given.stacked.shape[1] // 8, 8)
+    linear = np.empty((*forms.shape[:2], 4), e.dtype)
+    linear[..., 0] = (forms[..., :4] @ e[..., None])[..., 0]
+    linear[..., 1:] = forms[..., 4:] @ basis
+    norm = dot(e, e)
+    k, m, c = len(given.heights), len(given.squares), len(given.axial)
+    offsets = distances[:, given.flat] * norm[:, None]
+    skewness = np.ones(len(e))
+    if given.skew:
+        normals = linear[:, k + m + c : -3, 0].reshape(len(e), len(given.skew), 3)
+        square = dot(normals, normals)
+        offsets[:, given.skew] *= np.sqrt(square) / norm[:, None]
+        skewness = np.abs(square / norm[:, None] ** 2).min(axis=1)
+    quadrics = np.empty((len(e), m, 4, 4), e.dtype)
+    if m:
+        squares = linear[:, k : k + m]
+        quadrics[..., 1:, 1:] = 4 * (np.swapaxes(basis, -1, -2) @ basis)[:, None]
+        quadrics[..., 0, 1:] = quadrics[..., 1:, 0] = squares[..., 1:] / 2
+        quadrics[..., 0, 0] = squares[..., 0] - distances[:, given.curved] ** 2 * norm[:, None]
+    if c:
+        axial = linear[:, k + m : k + m + c]
+        quadrics[:, m - c :] *= norm[:, None, None, None]
+        quadrics[:, m - c :] -= axial[..., :, None] * axial[..., None, :]
     return Surfaces(
-        planes=forms,
-        distances=d[..., chosen],
-        signs=signs_of(arrangement, [indices[j] for j in chosen]),
+        planes=linear[:, :k],
+        offsets=offsets,
+        signs=given.signs,
         quadrics=quadrics,
-        spheres=len(spheres),
+        spheres=given.spheres,
         skewness=skewness,
+        basis=basis,
+        frame=linear[:, -3:, 1:] / norm[:, None, None],
     )
+
+
+def _basis(e: Field, forms: Array | None) -> Field:
+    """Return a basis of the f with ``e.f = 0`` for each quaternion, shape (f, 4, 3).
+
+    With the forms of T (or U) its coordinates are those of T (or U). Else it is orthogonal in
+    the Hermitian sense, so that it stays sound where N vanishes and T is infinite.
+    """
+    basis: Field
+    if forms is not None:
+        basis = np.swapaxes((e @ forms.transpose(1, 0, 2).reshape(4, 12)).reshape(-1, 3, 4), 1, 2)
+        return basis / 4
+    # A reflection that takes the first unit vector into a multiple of conj(e).
+    mirror = e.conj().copy()  # conj() returns real arrays themselves
+    size = np.abs(mirror[:, 0])
+    mirror[:, 0] += np.where(size == 0, 1, mirror[:, 0] / np.where(size == 0, 1, size))
+    scale = (mirror.real**2 + mirror.imag**2).sum(axis=1)[:, None, None]
+    basis = np.eye(4)[:, 1:] - 2 / scale * mirror[:, :, None] * mirror[:, None, 1:].conj()
+    return basis / 2
 
 
 @cache
@@ -181,8 +329,15 @@ def _directions() -> Array:
 
 
 @np.errstate(all="ignore")
-def generic_positions(given: Surfaces) -> tuple[Field, Array, NDArray[np.bool_]]:
+def generic_positions(given: Surfaces, accuracy: Array) -> tuple[Field, Array, NDArray[np.bool_]]:
     """Return the intersection points of surfaces in general position.
+
+    Parameters
+    ----------
+    given
+        The surfaces.
+    accuracy
+        The relative error of their forms, shape (f,).
 
     Returns
     -------
@@ -197,7 +352,7 @@ def generic_positions(given: Surfaces) -> tuple[Field, Array, NDArray[np.bool_]]
     f, s = len(given.planes), len(given.signs)
     k = given.planes.shape[1]
     linear = np.repeat(given.planes[:, None], s, axis=1)
-    linear[..., 0] -= given.signs * given.distances[..., None, :]
+    linear[..., 0] -= given.signs * given.offsets[:, None]
     quadrics = given.quadrics
     if given.spheres > 1:
         # Spheres differ by the plane of their common circle.
@@ -208,7 +363,7 @@ def generic_positions(given: Surfaces) -> tuple[Field, Array, NDArray[np.bool_]]
         quadrics = np.concatenate((quadrics[:, :1], quadrics[:, given.spheres :]), axis=1)
         k = linear.shape[2]
     if k == 0:
-        points, errors, ok = generic_roots(quadrics)
+        points, errors, ok = generic_roots(quadrics, accuracy[:, None])
         return points[:, None], errors[:, None], ok[:, None]
     # Spheres that nearly coincide leave a plane that is mostly rounding error.
     sound = (np.abs(linear).max(axis=-1) > _DIFFERENCE).all(axis=-1)
@@ -222,14 +377,14 @@ def generic_positions(given: Surfaces) -> tuple[Field, Array, NDArray[np.bool_]]
         basis = inverse[..., k:] / size[..., None, None]
         across = np.swapaxes(basis, -1, -2)
         points, errors, ok = generic_roots(
-            across[:, :, None] @ quadrics[:, None] @ basis[:, :, None]
+            across[:, :, None] @ quadrics[:, None] @ basis[:, :, None], accuracy[:, None, None]
         )
         X = _corrected(linear, quadrics, points @ across)
     except np.linalg.LinAlgError:
         # Exactly singular somewhere: planes are parallel or surfaces touch.
         shape = (f, s, 2 ** quadrics.shape[1])
         return np.full((*shape, 4), np.nan), np.full(shape, np.inf), np.zeros((f, s), bool)
-    return X, (errors + _EPS) * size[..., None], ok & sound & (size < _KERNEL)
+    return X, (errors + accuracy[:, None, None]) * size[..., None], ok & sound & (size < _KERNEL)
 
 
 def _corrected(linear: Field, quadrics: Field, X: Field) -> Field:
@@ -257,11 +412,13 @@ class Intersection:
     Attributes
     ----------
     points
-        The isolated points T, shape (k, 3).
+        The isolated finite points ``t / s``, shape (k, 3).
     multiplicity
         Of each, shape (k,).
+    distant
+        Forms X of simple points so far away that they may be at infinity, shape (l, 4).
     samples
-        Some points T of positive-dimensional components, shape (m, 3).
+        Some points of positive-dimensional components, shape (m, 3).
     infinite
         Whether there are such components at finite distance.
     lost
@@ -270,6 +427,7 @@ class Intersection:
 
     points: Complex
     multiplicity: Index
+    distant: Complex
     samples: Complex
     infinite: bool
     lost: int
@@ -277,8 +435,10 @@ class Intersection:
 
 #: Relative singular values below the first number count as zero, above the second as not.
 _RANK = (1e-12, 1e-9)
-#: Points with a smaller first coordinate (of norm one) are at infinity.
-_INFINITY = 1e-12
+#: A point is at infinity if its first coordinate (of norm one) is not larger than this.
+_INFINITY = 1e-9
+#: A coordinate of a point of norm one is not zero if it is larger than this and its error.
+_CERTAIN = 1e-12
 
 
 class _UndecidedError(Exception):
@@ -306,13 +466,13 @@ def intersection(planes: Field, quadrics: Field, accuracy: float = _EPS) -> Inte
         The relative error of both.
     """
     nothing = np.zeros((0, 3), complex)
-    no_counts = np.zeros(0, int)
+    empty = Intersection(nothing, np.zeros(0, int), np.zeros((0, 4), complex), nothing, False, 0)
     try:
         reduced = _reduced(planes.astype(complex), quadrics.astype(complex), accuracy)
     except _UndecidedError:
-        return Intersection(nothing, no_counts, nothing, False, 2 ** len(quadrics))
+        return replace(empty, lost=2 ** len(quadrics))
     if reduced is None:
-        return Intersection(nothing, no_counts, nothing, False, 0)
+        return empty
     frame, forms = reduced
     free = frame.shape[1] - 1 - len(forms)
     if free:
@@ -320,19 +480,37 @@ def intersection(planes: Field, quadrics: Field, accuracy: float = _EPS) -> Inte
         cut = np.random.default_rng(free).normal(size=(frame.shape[1], len(forms) + 1))
         cut[0] = np.eye(len(forms) + 1)[0]
         roots = all_roots(cut.T @ forms @ cut)
-        points, _ = _finite(frame @ cut, roots.points, roots.errors)
-        return Intersection(nothing, no_counts, points, True, 0)
+        finite = certainly_not_zero(roots.points[:, 0], roots.errors)
+        return replace(empty, samples=_affine(frame @ cut, roots.points[finite]), infinite=True)
     roots = all_roots(forms, accuracy)
-    points, finite = _finite(frame, roots.points, roots.errors)
-    samples, _ = _finite(frame, roots.samples, np.full(len(roots.samples), _EPS))
-    return Intersection(points, roots.multiplicity[finite], samples, len(samples) > 0, roots.lost)
+    size, errors = np.abs(roots.points[:, 0]), roots.errors
+    finite = certainly_not_zero(size, errors)
+    simple = roots.multiplicity == 1
+    # A multiple point may only be called infinite if its coordinate is as good as zero.
+    lost = ~finite & ~simple & (size > _INFINITY)
+    samples = roots.samples[certainly_not_zero(roots.samples[:, 0], np.full(1, _EPS))]
+    return Intersection(
+        points=_affine(frame, roots.points[finite]),
+        multiplicity=roots.multiplicity[finite],
+        distant=normalised(roots.points[~finite & simple] @ frame.T),
+        samples=_affine(frame, samples),
+        infinite=len(samples) > 0,
+        lost=roots.lost + int(roots.multiplicity[lost].sum()),
+    )
 
 
-def _finite(frame: Complex, z: Complex, errors: Array) -> tuple[Complex, NDArray[np.bool_]]:
-    """Return the points T of those z that are at finite distance, and which these are."""
-    finite = np.abs(z[:, 0]) > np.maximum(_INFINITY, 100 * errors)
-    X = z[finite] @ frame.T
-    return X[:, 1:] / X[:, :1], finite
+def certainly_not_zero(coordinate: Field, errors: Array) -> NDArray[np.bool_]:
+    """Return which coordinates of points of norm one differ from zero beyond doubt.
+
+    The others are examined in extended precision (`gspcli.solve.infinity`).
+    """
+    return np.asarray(np.abs(coordinate) > np.maximum(_CERTAIN, 100 * errors))
+
+
+def _affine(frame: Complex, z: Complex) -> Complex:
+    X = z @ frame.T
+    affine: Complex = X[:, 1:] / X[:, :1]
+    return affine
 
 
 def _reduced(planes: Complex, quadrics: Complex, accuracy: float) -> tuple[Complex, Complex] | None:

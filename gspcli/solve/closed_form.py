@@ -8,26 +8,30 @@ answer is not certain are solved again one by one with everything that can happe
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cached_property
 from itertools import groupby, islice
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import MAX_ANGLES
-from gspcli.geometry.poses import Field, apply, cross
+from gspcli.geometry.poses import Field, apply, cross, rotation_from_quaternion
 from gspcli.geometry.residuals import Arrangement
 from gspcli.geometry.surfaces import (
+    Measures,
+    certainly_not_zero,
     generic_positions,
     intersection,
     intersection_number,
+    measures,
     surface_counts,
     surfaces,
 )
+from gspcli.solve.infinity import finite_pose
 from gspcli.solve.motion import Motion, local_motion
 from gspcli.solve.poses import PoseSet
-from gspcli.solve.rotations import ROTATIONS, RotationGroup, rotations
+from gspcli.solve.rotations import ROTATIONS, RotationGroup, angle_forms, rotations
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -39,15 +43,11 @@ _BATCH = 64
 _PARALLEL = 1e-9
 #: Squared sine below which a batch is not trusted.
 _NEARLY_PARALLEL = 1e-6
-#: Forms X of norm 1 with a smaller first coordinate are at infinity.
-_INFINITY = 1e-12
 #: About how many samples of infinite sets are examined for motions.
 _SAMPLES = 8
 #: Error of rotations on components.
 _SAMPLE_ACCURACY = 1e-12
 _EPS = float(np.finfo(float).eps)
-#: Translations nearer than this are one, found for two signs of a distance that do not differ.
-_SAME = 1e-10
 
 
 def generic_count(arrangement: Arrangement) -> int:
@@ -102,114 +102,169 @@ def solve_closed_forms(arrangement: Arrangement, values: Array) -> Iterator[Pose
 def _solve_batch(arrangement: Arrangement, values: Array) -> Iterator[PoseSet]:
     """Yield the poses for sets of values in which the same distances are zero."""
     length = arrangement.length_with(values)
-    inner = values.copy()
-    inner[:, arrangement.distances] /= length
+    distances = values[:, arrangement.distances] / length
     given = arrangement.with_values(values[0]).in_units_of(length)
     angles = given.angles
-    turned = rotations(given.u[angles], given.v[angles], given.cosines(values))
-    real = _translated(given, inner, [rotation.real.R for rotation in turned])
-    upper = _translated(given, inner, [rotation.upper.R for rotation in turned])
+    forms = angle_forms(given.u[angles], given.v[angles], given.cosines(values))
+    turned = rotations(forms)
+    shapes = measures(given)
+    real = _translated(shapes, distances, [rotation.real for rotation in turned])
+    upper = _translated(shapes, distances, [rotation.upper for rotation in turned])
     each = generic_count(given) // ROTATIONS
     for k, rotation in enumerate(turned):
-        ledger = _Ledger(given, inner[k], each)
+        ledger = _Ledger(given, shapes, forms[k], distances[k], each)
         ledger.add_rotations(rotation.real, real[k])
         ledger.add_rotations(rotation.upper, upper[k])
-        for R in rotation.samples:
-            ledger.add_sample(R)
+        for e in rotation.samples:
+            ledger.add_sample(e)
         ledger.at_infinity += each * rotation.at_infinity
         ledger.lost += each * rotation.lost
         yield ledger.poses(arrangement, values[k], length)
 
 
-#: Forms X, which of them are finite, and which rotations are solved: (f, s, p, 4), (f, s, p), (f,).
-_Points = tuple[Field, NDArray[np.bool_], NDArray[np.bool_]]
+#: Rotations, translations, which of those there are, and which rotations are solved:
+#: (f, 3, 3), (f, s p, 3), (f,).
+_Points = tuple[Field, Field, NDArray[np.bool_]]
 
 
-def _translated(given: Arrangement, values: Array, rotations: list[Field]) -> list[_Points]:
+def _translated(shapes: Measures, distances: Array, groups: list[RotationGroup]) -> list[_Points]:
     """Return the quick solutions for the rotations of each set of values."""
-    counts = [len(R) for R in rotations]
-    R = np.concatenate(rotations)
-    shapes = surfaces(given, R, np.repeat(values[:, given.distances], counts, axis=0))
-    X, errors, ok = generic_positions(shapes)
-    good = ok.all(axis=1) & (shapes.skewness > _NEARLY_PARALLEL)
-    finite = np.abs(X[..., 0]) > np.maximum(_INFINITY, 100 * errors)
-    finite[~good] = False
+    counts = [len(group.e) for group in groups]
+    e = np.concatenate([group.e for group in groups])
+    accuracy = np.concatenate([group.errors for group in groups])
+    given = surfaces(shapes, e, np.repeat(distances, counts, axis=0))
+    X, errors, ok = generic_positions(given, accuracy + _EPS)
+    finite = certainly_not_zero(X[..., 0], errors)
+    good = (ok & finite.all(axis=2)).all(axis=1) & (given.skewness > _NEARLY_PARALLEL)
+    R = rotation_from_quaternion(e)
+    t = X[..., 1:] / np.where(finite, X[..., 0], 1)[..., None]
+    T = t.reshape(len(e), t.shape[1] * t.shape[2], 3) @ np.swapaxes(given.frame, -1, -2)
     ends = np.cumsum(counts)
     return [
-        (X[end - count : end], finite[end - count : end], good[end - count : end])
+        (R[end - count : end], T[end - count : end], good[end - count : end])
         for count, end in zip(counts, ends, strict=True)
     ]
+
+
+class _Translations(NamedTuple):
+    """Translations at a rotation, their multiplicities, samples of sets, how many are lost."""
+
+    T: Complex
+    multiplicity: Index
+    samples: Complex
+    lost: int
 
 
 class _Ledger:
     """Collects poses in the unit of length of a batch, and counts what became of every path."""
 
-    def __init__(self, geometry: Arrangement, values: Array, each: int) -> None:
+    def __init__(
+        self, geometry: Arrangement, shapes: Measures, forms: Array, distances: Array, each: int
+    ) -> None:
         self.geometry = geometry
-        self.values = values
+        self.shapes = shapes
+        self.forms = forms
+        self.distances = distances
         self.each = each
         self.isolated: list[tuple[Field, Field, NDArray[np.bool_], Index]] = []
         self.samples: list[tuple[Field, Field]] = []
         self.at_infinity = self.on_curves = self.lost = 0
 
-    @cached_property
-    def given(self) -> Arrangement:
-        """The arrangement with its own values; only special positions ask for it."""
-        return self.geometry.with_values(self.values)
-
     def add_rotations(self, group: RotationGroup, points: _Points) -> None:
         """Add the poses of isolated rotations; of complex ones the conjugate poses as well."""
-        R, multiplicity = group.R, group.multiplicity
-        X, finite, good = points
-        which = finite.nonzero()[0]
-        X = X[finite]
+        R, T, good = points
+        count = T.shape[1]
+        multiplicity = np.repeat(group.multiplicity[good], count)
+        T = T[good].reshape(-1, 3)
         is_complex = np.iscomplexobj(R)
-        real = np.zeros(len(X), bool) if is_complex else ~(X.imag != 0).any(axis=-1)
-        self._add(R[which], X[:, 1:] / X[:, :1], real, multiplicity[which])
-        missing = self.each * multiplicity[good].sum() - multiplicity[which].sum()
-        self.at_infinity += (1 + is_complex) * int(missing)
-        for f in (~good).nonzero()[0]:
-            self._add_carefully(R[f], int(multiplicity[f]), float(group.errors[f]))
+        real = np.zeros(len(T), bool) if is_complex else ~(T.imag != 0).any(axis=-1)
+        self._add(np.repeat(R[good], count, axis=0), T, real, multiplicity)
+        if not good.all():
+            for f in (~good).nonzero()[0]:
+                self._add_carefully(
+                    R[f], group.e[f], int(group.multiplicity[f]), float(group.errors[f])
+                )
 
     def _add(self, R: Field, T: Field, real: NDArray[np.bool_], multiplicity: Index) -> None:
         self.isolated.append((R, T, real, multiplicity))
         if np.iscomplexobj(R):
             self.isolated.append((R.conj(), T.conj(), real, multiplicity))
 
-    def _add_carefully(self, R: Field, multiplicity: int, accuracy: float) -> None:
+    def _add_carefully(self, R: Field, e: Field, multiplicity: int, accuracy: float) -> None:
         """Add the poses of one isolated rotation, whatever the position of its surfaces."""
-        T, counts, samples, lost = _translations(self.given, R, accuracy)
+        found = self._translations(e, accuracy, multiplicity == 1)
+        T, counts = found.T, found.multiplicity
         real = np.zeros(len(T), bool)
         weight = multiplicity * (2 if np.iscomplexobj(R) else 1)
         if not np.iscomplexobj(R):
             distances = np.abs(T.conj()[:, None] - T).sum(axis=-1)
             real = distances.argmin(axis=1) == np.arange(len(T)) if len(T) else real
             T = np.where(real[:, None], T.real, T)
-        count = len(T)
-        self._add(np.repeat(R[None], count, 0), T, real, counts * multiplicity)
-        self.samples += [(R, point) for point in samples]
-        rest = max(0, self.each - int(counts.sum()) - lost)
-        on_curves = min(len(samples), rest)
+        self._add(np.repeat(R[None], len(T), 0), T, real, counts * multiplicity)
+        self.samples += [(R, point) for point in found.samples]
+        rest = max(0, self.each - int(counts.sum()) - found.lost)
+        on_curves = min(len(found.samples), rest)
         self.at_infinity += weight * (rest - on_curves)
         self.on_curves += weight * on_curves
-        self.lost += weight * lost
+        self.lost += weight * found.lost
 
-    def add_sample(self, R: Field) -> None:
+    def add_sample(self, e: Field) -> None:
         """Add the poses of one rotation on a positive-dimensional set of rotations.
 
         If there are none, there may still be poses at special rotations of the set. They are
         not looked for.
         """
-        T, _, samples, lost = _translations(self.given, R, _SAMPLE_ACCURACY)
-        found = [*T, *samples]
-        self.samples += [(R, point) for point in found]
-        on_curves = min(len(found), self.each)
+        found = self._translations(e, _SAMPLE_ACCURACY, False)
+        points = [*found.T, *found.samples]
+        R = rotation_from_quaternion(e)
+        self.samples += [(R, point) for point in points]
+        on_curves = min(len(points), self.each)
         self.on_curves += on_curves
-        if found:
-            self.lost += lost
-            self.at_infinity += self.each - on_curves - lost
+        if points:
+            self.lost += found.lost
+            self.at_infinity += self.each - on_curves - found.lost
         else:
             self.lost += self.each
+
+    def _translations(self, e: Field, accuracy: float, isolated: bool) -> _Translations:
+        """Return the translations at a rotation whose error is known.
+
+        Simple points that seem to be infinitely far are examined if the rotation is simple
+        too; else they are at infinity as well as can be told.
+        """
+        given, accuracy = self.geometry, max(accuracy, _EPS)
+        R = rotation_from_quaternion(e)
+        pairs = [i for i in given.distances if given.kinds[i] is DLL]
+        sines = np.linalg.norm(cross(apply(R, given.u[pairs]), given.v[pairs]), axis=-1)
+        parallel = [i for i, sine in zip(pairs, sines, strict=True) if sine < _PARALLEL]
+        shapes = measures(given, parallel) if parallel else self.shapes
+        there = surfaces(shapes, e[None], self.distances[None])
+        frame = there.frame[0]
+        points: list[Complex] = []
+        counts: list[int] = []
+        samples: list[Complex] = []
+        lost = 0
+        for signs in shapes.signs:
+            planes = there.planes[0].copy()
+            planes[:, 0] -= signs * there.offsets[0]
+            meet = intersection(planes, there.quadrics[0], accuracy)
+            points += list(meet.points @ frame.T)
+            counts += meet.multiplicity.tolist()
+            samples += list(meet.samples @ frame.T)
+            lost += meet.lost
+            for X in meet.distant if isolated else ():
+                X = np.concatenate((X[:1], there.basis[0] @ X[1:]))
+                pose = finite_pose(self.forms, shapes, signs, self.distances, e, X)
+                if pose:
+                    points.append(pose[1])
+                    counts.append(1)
+                lost += pose is None
+        return _Translations(
+            np.array(points, complex).reshape(-1, 3),
+            np.array(counts, int),
+            np.array(samples, complex).reshape(-1, 3),
+            lost,
+        )
 
     def poses(self, arrangement: Arrangement, values: Array, length: float) -> PoseSet:
         """Return everything in the frames and units of the arrangement with some values."""
@@ -242,41 +297,3 @@ class _Ledger:
                     break
         found.sort(key=lambda motion: (not motion.real, -motion.dimension))
         return tuple(found[:1])
-
-
-def _translations(
-    given: Arrangement, R: Field, accuracy: float
-) -> tuple[Complex, Index, Complex, int]:
-    """Return the points T, their multiplicities, samples of components, and how many are lost.
-
-    The accuracy is the error of the rotation.
-    """
-    pairs = [i for i in given.distances if given.kinds[i] is DLL]
-    normals = cross(apply(R, given.u[pairs]), given.v[pairs])
-    sines = np.linalg.norm(normals, axis=-1)
-    parallel = [i for i, sine in zip(pairs, sines, strict=True) if sine < _PARALLEL]
-    shapes = surfaces(given, R[None], parallel=parallel)
-    points: list[Complex] = []
-    counts: list[int] = []
-    samples: list[Complex] = []
-    lost = 0
-    near = max(_SAME, 10 * accuracy)
-    for signs in shapes.signs:
-        planes = shapes.planes[0].copy()
-        planes[:, 0] -= signs * shapes.distances
-        meet = intersection(planes, shapes.quadrics[0], max(accuracy, _EPS))
-        samples += list(meet.samples)
-        lost += meet.lost
-        for T, multiplicity in zip(meet.points, meet.multiplicity, strict=True):
-            same = [k for k, other in enumerate(points) if np.abs(T - other).max() < near]
-            if same:
-                counts[same[0]] += int(multiplicity)
-            else:
-                points.append(T)
-                counts.append(int(multiplicity))
-    return (
-        np.array(points, complex).reshape(-1, 3),
-        np.array(counts, int),
-        np.array(samples, complex).reshape(-1, 3),
-        lost,
-    )
