@@ -27,7 +27,8 @@ constexpr int kCoefficients = 27;  // as in gspcli.continuation.quadrics
 using Points = nb::ndarray<const std::complex<double>, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Matrix = Points;
 using Vector = nb::ndarray<const std::complex<double>, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Matrices = nb::ndarray<const std::complex<double>, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
+using Matrices =
+    nb::ndarray<const std::complex<double>, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 
 struct Build {
   const char* name;
@@ -85,7 +86,8 @@ bool uses(const std::complex<double>* q, int begin, int end) {
 
 unsigned groups(const std::complex<double>* q) {
   return (uses(q, kOffsetT, kOffsetT + 3) ? kT : 0) | (uses(q, kOffsetU, kOffsetU + 3) ? kU : 0) |
-         (uses(q, kOffsetS, kOffsetS + 9) ? kS : 0) | (uses(q, kOffsetRho, kOffsetRho + 1) ? kRho : 0);
+         (uses(q, kOffsetS, kOffsetS + 9) ? kS : 0) |
+         (uses(q, kOffsetRho, kOffsetRho + 1) ? kRho : 0);
 }
 
 Complex plain(const std::complex<double>& x) { return {x.real(), x.imag()}; }
@@ -126,7 +128,8 @@ void make_homotopy(const bool* products, const Side& start, const Side& target, 
 }
 
 template <class T>
-nb::ndarray<nb::numpy, T> owned(std::unique_ptr<T[]> data, std::initializer_list<std::size_t> shape) {
+nb::ndarray<nb::numpy, T> owned(std::unique_ptr<T[]> data,
+                                std::initializer_list<std::size_t> shape) {
   T* raw = data.release();
   nb::capsule owner(raw, [](void* p) noexcept { delete[] static_cast<T*>(p); });
   return nb::ndarray<nb::numpy, T>(raw, shape, owner);
@@ -139,8 +142,8 @@ void require(bool condition, const char* message) {
 nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu> products,
                 Matrix start_g, Matrix start_h, Vector start_tau, Matrices target_g,
                 Matrices target_h, Matrix target_tau, Points points, double predictor_tolerance,
-                double contraction, double radius_fraction, double min_step, double waypoint, double nearest,
-                int max_steps, int jobs, const std::string& build) {
+                double contraction, double radius_fraction, double min_step, double waypoint,
+                double nearest, int max_steps, int jobs, const std::string& build) {
   const std::size_t targets = target_g.shape(0), paths = points.shape(0);
   require(products.shape(0) == kEquations && start_tau.shape(0) == kEquations, "six equations");
   require(start_g.shape(0) == kEquations && start_g.shape(1) == kCoefficients &&
@@ -169,7 +172,8 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
     nb::gil_scoped_release release;
     // Work is dealt out in pieces of one target's paths; long ones are cut for the threads' sake.
     const std::size_t piece = std::max<std::size_t>(64, (paths + 4 * jobs - 1) / (4 * jobs));
-    const std::size_t pieces_each = jobs == 1 ? 1 : std::max<std::size_t>(1, (paths + piece - 1) / piece);
+    const std::size_t pieces_each =
+        jobs == 1 ? 1 : std::max<std::size_t>(1, (paths + piece - 1) / piece);
     const std::size_t length = (paths + pieces_each - 1) / std::max<std::size_t>(1, pieces_each);
     const std::size_t pieces = paths == 0 ? 0 : targets * pieces_each;
     std::atomic<std::size_t> next{0};
@@ -218,8 +222,8 @@ NB_MODULE(_kernel, m) {
   m.doc() = "The native path tracker of gspcli.continuation.";
   m.def("track", &gsp::track, "products"_a, "start_g"_a, "start_h"_a, "start_tau"_a, "target_g"_a,
         "target_h"_a, "target_tau"_a, "points"_a, nb::kw_only(), "predictor_tolerance"_a,
-        "contraction"_a, "radius_fraction"_a, "min_step"_a, "waypoint"_a, "nearest"_a, "max_steps"_a, "jobs"_a,
-        "build"_a = "",
+        "contraction"_a, "radius_fraction"_a, "min_step"_a, "waypoint"_a, "nearest"_a,
+        "max_steps"_a, "jobs"_a, "build"_a = "",
         "Track every point from the start system to each target; see gspcli.continuation.tracker.");
   m.def("build", [] { return gsp::choose_build().name; },
         "Name of the build that this processor runs: avx512, avx2 or portable.");

@@ -5,342 +5,15 @@
 // and, in lanes where the corrections contract as they should, compute the next Taylor series with
 // the second factorization. (With the first one the series inherits a relative error that is
 // proportional to the first correction, and steps are short wherever paths bend.)
-//
-// Points are in C^8 of norm 1. The seven equations (six and e.f = 0) have a Jacobian matrix J of
-// seven rows with J z = 0 on solutions, so least-norm solutions of J dz = b are orthogonal to z: the
-// row conj(z).dz = 0 of a moving patch is there without being written. J = L Q with L lower
-// triangular and orthonormal rows of Q, by modified Gram-Schmidt, which needs no pivoting and so no
-// branches between lanes.
-#include "tracker.hpp"
-
-#if !defined(GSP_TRACK) || !defined(GSP_LANES)
-#error "GSP_TRACK must name the entry point of this build and GSP_LANES the width of its vectors"
-#endif
+#include "newton.hpp"
 
 namespace gsp {
 namespace {
 
-constexpr int W = GSP_LANES;  // paths tracked side by side, one in each lane of a vector
-constexpr int N = kVariables;
-constexpr int kRows = kEquations + 1;
-#ifndef GSP_ORDER
-#define GSP_ORDER 7
-#endif
-constexpr int kOrder = GSP_ORDER;  // of the Taylor series
-
-typedef double V __attribute__((vector_size(8 * W)));
-typedef long long Mask __attribute__((vector_size(8 * W)));
-
-struct C {
-  V re, im;
-};
-
-#define INLINE inline __attribute__((always_inline))
-
-INLINE V splat(double x) { return V{} + x; }
-INLINE C operator+(const C& a, const C& b) { return {a.re + b.re, a.im + b.im}; }
-INLINE C operator-(const C& a, const C& b) { return {a.re - b.re, a.im - b.im}; }
-INLINE C operator*(const C& a, const C& b) {
-  return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
-}
-INLINE C operator*(const V& a, const C& b) { return {a * b.re, a * b.im}; }
-INLINE C operator*(const Complex& a, const C& b) {
-  return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
-}
-INLINE void add_product(C& s, const C& a, const C& b) {
-  s.re += a.re * b.re;
-  s.re -= a.im * b.im;
-  s.im += a.re * b.im;
-  s.im += a.im * b.re;
-}
-INLINE void add_product(C& s, const Complex& a, const C& b) {
-  s.re += a.re * b.re;
-  s.re -= a.im * b.im;
-  s.im += a.re * b.im;
-  s.im += a.im * b.re;
-}
-INLINE void subtract_product(C& s, const C& a, const C& b) {
-  s.re -= a.re * b.re;
-  s.re += a.im * b.im;
-  s.im -= a.re * b.im;
-  s.im -= a.im * b.re;
-}
-// s += conj(a) b
-INLINE void add_conjugate_product(C& s, const C& a, const C& b) {
-  s.re += a.re * b.re;
-  s.re += a.im * b.im;
-  s.im += a.re * b.im;
-  s.im -= a.im * b.re;
-}
-INLINE V square(const C& a) { return a.re * a.re + a.im * a.im; }
-INLINE V root(const V& x) {
-  V r;
-  for (int i = 0; i < W; ++i) r[i] = __builtin_sqrt(x[i]);
-  return r;
-}
-INLINE V minimum(const V& a, const V& b) { return a < b ? a : b; }
-INLINE V maximum(const V& a, const V& b) { return a > b ? a : b; }
-INLINE C select(const Mask& m, const C& a, const C& b) {
-  return {m ? a.re : b.re, m ? a.im : b.im};
-}
-INLINE C line(const Complex& start, const Complex& change, const V& t) {
-  return {start.re + t * change.re, start.im + t * change.im};
-}
-INLINE V norm(const C* x) {
-  V s = square(x[0]);
-  for (int i = 1; i < N; ++i) s += square(x[i]);
-  return root(s);
-}
-
-// x^(1/8), of positive finite numbers
-static_assert(kOrder == 3 || kOrder == 7, "the step length takes the root of order kOrder + 1");
+// The eighth root, of positive numbers.
 INLINE V order_root(const V& x) {
-  const V r = root(root(x));
-  return kOrder == 7 ? root(r) : r;
-}
-
-// The sum over i + j = k of products of the coefficients of two series.
-struct Pairs {
-  C ee[10], ef[4][4], ff;
-};
-
-INLINE void clear(Pairs& p) { p = Pairs{}; }
-
-// Adds the products of x with itself.
-INLINE void add_square(Pairs& p, const C* x) {
-  int n = 0;
-  for (int i = 0; i < 4; ++i)
-    for (int j = i; j < 4; ++j) add_product(p.ee[n++], x[i], x[j]);
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j) add_product(p.ef[i][j], x[i], x[4 + j]);
-  for (int i = 4; i < N; ++i) add_product(p.ff, x[i], x[i]);
-}
-
-// Adds the products of x with y and of y with x.
-INLINE void add_both(Pairs& p, const C* x, const C* y) {
-  int n = 0;
-  for (int i = 0; i < 4; ++i) {
-    add_product(p.ee[n++], x[i] + x[i], y[i]);
-    for (int j = i + 1; j < 4; ++j, ++n) {
-      C s = p.ee[n];
-      add_product(s, x[i], y[j]);
-      add_product(s, x[j], y[i]);
-      p.ee[n] = s;
-    }
-  }
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j) {
-      C s = p.ef[i][j];
-      add_product(s, x[i], y[4 + j]);
-      add_product(s, y[i], x[4 + j]);
-      p.ef[i][j] = s;
-    }
-  C s = p.ff;
-  for (int i = 4; i < N; ++i) add_product(s, x[i] + x[i], y[i]);
-  p.ff = s;
-}
-
-INLINE void features(const Pairs& p, C* phi) {
-  for (int i = 0; i < 10; ++i) phi[i] = p.ee[i];
-  for (int i = 1; i < 4; ++i) {
-    const int j = i % 3 + 1, k = j % 3 + 1;
-    const C d = p.ef[0][i] - p.ef[i][0], x = p.ef[j][k] - p.ef[k][j];
-    phi[kOffsetT + i - 1] = d + x;
-    phi[kOffsetU + i - 1] = d - x;
-  }
-  int n = kOffsetS;
-  for (int i = 0; i < 4; ++i)
-    for (int j = i + 1; j < 4; ++j) phi[n++] = p.ef[i][j] + p.ef[j][i];
-  for (int i = 1; i < 4; ++i) phi[n++] = p.ef[i][i];
-  phi[kOffsetRho] = p.ff;
-}
-
-INLINE C norm_form(const Pairs& p) { return p.ee[0] + p.ee[4] + p.ee[7] + p.ee[9]; }
-
-// Calls f(begin, end) for the ranges of features that a quadric uses.
-template <class F>
-INLINE void ranges(unsigned groups, F&& f) {
-  f(0, 10);
-  if (groups & kT) f(kOffsetT, kOffsetT + 3);
-  if (groups & kU) f(kOffsetU, kOffsetU + 3);
-  if (groups & kS) f(kOffsetS, kOffsetS + 9);
-  if (groups & kRho) f(kOffsetRho, kOffsetRho + 1);
-}
-
-// start.x + change.y
-INLINE C value(const Quadric& q, const C* x, const C* y) {
-  C s{}, r{};
-  ranges(q.groups, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) {
-      add_product(s, q.start[i], x[i]);
-      add_product(r, q.change[i], y[i]);
-    }
-  });
-  return s + r;
-}
-
-// The gradient of a quadric at z; returns its value.
-INLINE C gradient(const Quadric& q, const C* z, const V& t, C* g) {
-  const C *e = z, *f = z + 4;
-  for (int i = 0; i < N; ++i) g[i] = C{};
-  const auto coefficient = [&](int i) { return line(q.start[i], q.change[i], t); };
-  int n = 0;
-  for (int i = 0; i < 4; ++i) {
-    const C square_term = coefficient(n++);
-    add_product(g[i], square_term + square_term, e[i]);
-    for (int j = i + 1; j < 4; ++j) {
-      const C c = coefficient(n++);
-      add_product(g[i], c, e[j]);
-      add_product(g[j], c, e[i]);
-    }
-  }
-  if (q.groups & (kT | kU)) {
-    for (int i = 1; i < 4; ++i) {
-      C a{}, b{};  // of e0 f_i - e_i f0 and of (e x f)_i
-      if (q.groups & kT) a = b = coefficient(kOffsetT + i - 1);
-      if (q.groups & kU) {
-        const C u = coefficient(kOffsetU + i - 1);
-        a = a + u;
-        b = b - u;
-      }
-      const int j = i % 3 + 1, k = j % 3 + 1;
-      add_product(g[0], a, f[i]);
-      subtract_product(g[i], a, f[0]);
-      add_product(g[4 + i], a, e[0]);
-      subtract_product(g[4], a, e[i]);
-      add_product(g[j], b, f[k]);
-      subtract_product(g[k], b, f[j]);
-      add_product(g[4 + k], b, e[j]);
-      subtract_product(g[4 + j], b, e[k]);
-    }
-  }
-  if (q.groups & kS) {
-    n = kOffsetS;
-    for (int i = 0; i < 4; ++i)
-      for (int j = i + 1; j < 4; ++j) {
-        const C c = coefficient(n++);
-        add_product(g[i], c, f[j]);
-        add_product(g[j], c, f[i]);
-        add_product(g[4 + i], c, e[j]);
-        add_product(g[4 + j], c, e[i]);
-      }
-    for (int i = 1; i < 4; ++i) {
-      const C c = coefficient(n++);
-      add_product(g[i], c, f[i]);
-      add_product(g[4 + i], c, e[i]);
-    }
-  }
-  if (q.groups & kRho) {
-    C c = coefficient(kOffsetRho);
-    c = c + c;
-    for (int i = 0; i < 4; ++i) add_product(g[4 + i], c, f[i]);
-  }
-  C s{};
-  for (int i = 0; i < N; ++i) add_product(s, g[i], z[i]);
-  return {0.5 * s.re, 0.5 * s.im};
-}
-
-// What one lane-wide step works with.
-struct Workspace {
-  C row[kRows][N];        // of the Jacobian matrix, then of Q; row 0 is that of e.f
-  C lower[kRows][kRows];  // L below its diagonal
-  V inverse[kRows];       // of L's diagonal
-  V magnitude[kRows];     // of the terms that cancel in the values
-  C factor[kQuadrics][N]; // gradients of the factors of products
-  C f[kRows];             // values
-  C series[kOrder + 1][N];
-  // Series of the factors and of N, for products.
-  C g[kEquations][kOrder + 1], h[kEquations][kOrder + 1], n[kOrder + 1];
-};
-
-INLINE C study(const C* z) {
-  C s{};
-  for (int i = 0; i < 4; ++i) add_product(s, z[i], z[4 + i]);
-  return s;
-}
-
-// Values and Jacobian matrix at (z, t).
-void linearize(const Homotopy& H, Workspace& w, const C* z, const V& t) {
-  w.f[0] = study(z);
-  w.magnitude[0] = splat(1.0);
-  for (int i = 0; i < N; ++i) w.row[0][i] = z[(i + 4) % N];
-  for (int i = 0; i < kEquations; ++i) {
-    C* row = w.row[i + 1];
-    if (!H.product[i]) {
-      w.f[i + 1] = gradient(H.quadric[i], z, t, row);
-      w.magnitude[i + 1] = splat(1.0);
-      continue;
-    }
-    C *dg = w.factor[i], *dh = w.factor[i + kEquations];
-    const C g = gradient(H.quadric[i], z, t, dg);
-    const C h = gradient(H.quadric[i + kEquations], z, t, dh);
-    C n{};
-    for (int j = 0; j < 4; ++j) add_product(n, z[j], z[j]);
-    const C tau_n = line(H.tau_start[i], H.tau_change[i], t) * n;
-    w.g[i][0] = g;
-    w.h[i][0] = h;
-    w.n[0] = n;
-    w.f[i + 1] = g * h - tau_n * n;
-    w.magnitude[i + 1] = root(square(g) + square(h) + square(tau_n));
-    for (int j = 0; j < N; ++j) {
-      row[j] = g * dh[j];
-      add_product(row[j], h, dg[j]);
-      if (j < 4) row[j] = row[j] - splat(4.0) * (tau_n * z[j]);
-    }
-  }
-}
-
-// J = L Q; the rows of J become those of Q.
-void factorize(Workspace& w) {
-  for (int j = 0; j < kRows; ++j) {
-    C* q = w.row[j];
-    const V scale = 1.0 / norm(q);
-    w.inverse[j] = scale;
-    for (int k = 0; k < N; ++k) q[k] = scale * q[k];
-    for (int i = j + 1; i < kRows; ++i) {
-      C* r = w.row[i];
-      C s{};
-      for (int k = 0; k < N; ++k) add_conjugate_product(s, q[k], r[k]);
-      for (int k = 0; k < N; ++k) subtract_product(r[k], s, q[k]);
-      w.lower[i][j] = s;
-    }
-  }
-}
-
-// b becomes L^-1 b.
-void substitute(const Workspace& w, C* b) {
-  for (int i = 0; i < kRows; ++i) {
-    C s = b[i];
-    for (int j = 0; j < i; ++j) subtract_product(s, w.lower[i][j], b[j]);
-    b[i] = w.inverse[i] * s;
-  }
-}
-
-// The least-norm solution of J x = b; b becomes L^-1 b.
-void solve(const Workspace& w, C* b, C* x) {
-  substitute(w, b);
-  for (int k = 0; k < N; ++k) {
-    C s{};
-    for (int j = 0; j < kRows; ++j) add_conjugate_product(s, w.row[j][k], b[j]);
-    x[k] = s;
-  }
-}
-
-// About how far rounding in the values moves a solution: the least-norm solution of J x = b for
-// one b of the size of the rounding errors, with phases that nothing is special about.
-V rounding(const Workspace& w) {
-  constexpr double kPhase[kRows][2] = {{1.0, 0.0},   {-0.54, 0.84}, {0.28, 0.96}, {-0.8, -0.6},
-                                       {0.6, -0.8},  {0.96, 0.28},  {-0.28, 0.96}};
-  constexpr double kEpsilon = 4e-16;
-  C b[kRows];
-  for (int i = 0; i < kRows; ++i) {
-    const V size = kEpsilon * w.magnitude[i];
-    b[i] = {kPhase[i][0] * size, kPhase[i][1] * size};
-  }
-  substitute(w, b);
-  V s = square(b[0]);
-  for (int i = 1; i < kRows; ++i) s += square(b[i]);
-  return root(s);
+  static_assert(kOrder + 1 == 8);
+  return root(root(root(x)));
 }
 
 // The Taylor series of the paths through series[0] at t, with the factorization that linearize()
@@ -435,7 +108,7 @@ INLINE void normalize(C* z) {
   for (int i = 0; i < N; ++i) z[i] = scale * z[i];
 }
 
-// Newton's method with a new factorization each time, at t = 1, for as many end points as there are lanes.
+// Newton's method at t = 1, for as many end points as there are lanes.
 void refine(const Homotopy& H, Workspace& w, int count, const int* index, const Results& out) {
   constexpr int kIterations = 3;
   C z[N];
@@ -563,12 +236,13 @@ void track(const Homotopy& H, const Options& options, int paths, const Complex* 
     const V a0 = norm(series[kOrder]) + 1e-100, a1 = norm(series[kOrder - 1]) + 1e-100,
             a2 = norm(series[kOrder - 2]) + 1e-100;
     C pole{};
-    for (int i = 0; i < N; ++i) add_conjugate_product(pole, series[kOrder - 1][i], series[kOrder][i]);
+    for (int i = 0; i < N; ++i)
+      add_conjugate_product(pole, series[kOrder - 1][i], series[kOrder][i]);
     pole = (1.0 / (a1 * a1 + 1e-200)) * pole;
     s.pole = select(accepted, pole, s.pole);
     const V radius = minimum(a1 / a0, root(a2 / a0));
     const V step2 = step * step, step4 = step2 * step2;
-    const V power = kOrder == 7 ? step4 * step4 : step4;
+    const V power = step4 * step4;
     const V measured = n1 / (s.leading * power + 1e-300);
     V surplus = maximum(measured, 0.3 * s.surplus);
     surplus = minimum(maximum(surplus, splat(1e-4)), splat(1e4));
@@ -586,7 +260,8 @@ void track(const Homotopy& H, const Options& options, int paths, const Complex* 
     V length = accepted ? onward : 0.5 * step;
     V next = here + length;
     next = next >= 1.0 ? splat(1.0) : next;
-    next = (accepted & (here < waypoint) & (next > waypoint) & (next < 1.0)) ? splat(waypoint) : next;
+    const Mask over = accepted & (here < waypoint) & (next > waypoint) & (next < 1.0);
+    next = over ? splat(waypoint) : next;
     const V arrived = s.next;
     s.t = here;
     s.next = next;
@@ -607,7 +282,8 @@ void track(const Homotopy& H, const Options& options, int paths, const Complex* 
           }
         }
       }
-      const bool stuck = !(s.next[l] - s.t[l] > options.min_step) || s.steps[l] >= options.max_steps;
+      const bool stuck =
+          !(s.next[l] - s.t[l] > options.min_step) || s.steps[l] >= options.max_steps;
       if (s.passed[l] && (stuck || (s.t[l] > nearest && s.next[l] < 1.0)))
         finish(l, kSingular, s.waypoint, waypoint);
       else if (stuck)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.continuation.dimension import real_point, sample_motions, tangents
+from gspcli.continuation.dimension import real_point, sample_motions, split, tangents
 from gspcli.continuation.endgame import find_ends
 from gspcli.continuation.ends import (
     SINGULAR_ERROR,
@@ -40,6 +40,7 @@ _ATTEMPTS = 4
 _CONDITION = 1e6
 _ENDGAME_CONDITION = 1e10
 _END_ERROR = 1e-6
+_SPLIT = 1e-4
 _CORRECTION = 1e-9
 
 
@@ -300,6 +301,9 @@ class _Attempt:
             if along.shape[1]:
                 found.append(_OnCurve(members, point, along))
                 continue
+            if len(members) == 2 and self._separated(members):
+                rows.extend((i, 1) for i in members)
+                continue
             of_cycle = np.bincount(winding[members])
             cycle = np.arange(len(of_cycle))
             suspect |= bool((of_cycle[1:] % cycle[1:]).any())
@@ -316,6 +320,24 @@ class _Attempt:
             suspect,
             self._curves(found),
         )
+
+    def _separated(self, members: NDArray[np.intp]) -> bool:
+        """Put two paths with a double end at two near regular solutions, if there are such."""
+        guesses = split(self.products, self.target, self.points[members[0]])
+        if guesses is None or not np.isfinite(guesses).all():
+            return False
+        results = _track(self.start, self.target, self.target, guesses, PARANOID, self.jobs)
+        error = regular_error(results.correction[0])
+        regular = well_conditioned(
+            results.status[0], results.condition[0], results.correction[0], _ENDGAME_CONDITION
+        )
+        if not regular.all() or len(clusters(results.points[0], error)) < 2:
+            return False
+        if distances(results.points[0], self.points[members[0]]).max() > _SPLIT:
+            return False
+        self.points[members] = results.points[0]
+        self.condition[members] = results.condition[0]
+        return True
 
     def _tangents(
         self, point: ComplexArray, rng: np.random.Generator

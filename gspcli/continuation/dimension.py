@@ -68,6 +68,29 @@ def correct(
     return points, np.linalg.norm(values, axis=1) < _ZERO
 
 
+def split(
+    products: NDArray[np.bool_], target: Coefficients, point: ComplexArray
+) -> ComplexArray | None:
+    """Return first guesses (2, 8) of the two solutions that a double one may really be.
+
+    Along the kernel v of the Jacobian matrix the equations are ``u.F(z) + s^2 u.F''(v, v) / 2``,
+    u from the left kernel: two solutions at ``z + s v`` and ``z - s v`` if z is only between
+    them. None if the kernel has not dimension one.
+    """
+    basis = kernel(products, target, point)
+    if basis.shape[1] != 1:
+        return None
+    v = basis[:, 0]
+    jacobian = target.jacobians(products, point[None])[0]
+    size = np.maximum(np.linalg.norm(jacobian, axis=1), 1e-300)
+    u = np.linalg.svd(jacobian / size[:, None])[0][:, -1].conj() / size
+    step = 1e-4
+    ahead, behind = target.jacobians(products, np.array([point + step * v, point - step * v]))
+    bend = u @ (ahead - behind) @ v / (2 * step)
+    s = np.sqrt(-2 * (u @ target.values(products, point[None])[0]) / bend)
+    return np.array([point + s * v, point - s * v])
+
+
 def tangents(
     products: NDArray[np.bool_],
     target: Coefficients,

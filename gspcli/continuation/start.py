@@ -52,7 +52,9 @@ def canonical_families() -> list[str]:
 def pack_points(points: ComplexArray) -> ComplexArray:
     """Return Study points (n, 8) as stored: divided by e0, without it, in a fixed order."""
     affine = points[:, 1:] / points[:, :1]
-    return affine[np.argsort(affine[:, 0].real)].astype(np.complex64)
+    # Rounded, because solutions of some families share their rotation.
+    keys = np.round(affine.real, 5)
+    return affine[np.lexsort(keys.T[::-1])].astype(np.complex64)
 
 
 def distinct(points: ComplexArray) -> bool:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
+
 import numpy as np
 import pytest
 
-from gspcli.continuation.monodromy import random_complex, solve_family, trace_defects
+from gspcli.continuation.monodromy import solve_family, trace_defects
 from gspcli.continuation.start import (
     canonical_families,
     distinct,
@@ -14,11 +16,24 @@ from gspcli.continuation.start import (
     start_system,
 )
 from gspcli.continuation.systems import Structure
+from gspcli.resources import data_json, data_path
 
 
 def test_there_are_119_families():
     families = canonical_families()
     assert len(families) == len(set(families)) == 119
+
+
+def test_manifest_describes_the_files():
+    manifest = data_json("start-systems", "manifest.json")
+    assert list(manifest["counts"]) == canonical_families()
+    assert manifest["solutions"] == sum(manifest["counts"].values())
+    size = 0
+    for name, expected in manifest["sha256"].items():
+        content = data_path("start-systems", name).read_bytes()
+        assert hashlib.sha256(content).hexdigest() == expected
+        size += len(content)
+    assert size < 1_000_000
 
 
 @pytest.mark.parametrize(
@@ -80,7 +95,3 @@ def test_trace_test_notices_a_missing_solution():
         missing = trace_defects(families, solved.quadrics, solved.points[:-1], rng)
         assert complete.max() < 1e-9
         assert missing.max() > 1e-6
-
-
-def test_random_complex_shape():
-    assert random_complex(np.random.default_rng(0), 2, 3).shape == (2, 3)

@@ -1,0 +1,84 @@
+// Complex arithmetic on vectors of doubles, one path in each lane.
+//
+// Included by tracker.cpp in each of its builds: all in an anonymous namespace, so that the linker
+// cannot merge functions that were compiled for different processors.
+#pragma once
+
+#include "tracker.hpp"
+
+#if !defined(GSP_TRACK) || !defined(GSP_LANES)
+#error "GSP_TRACK must name the entry point of this build and GSP_LANES the width of its vectors"
+#endif
+
+namespace gsp {
+namespace {
+
+constexpr int W = GSP_LANES;
+constexpr int N = kVariables;
+
+typedef double V __attribute__((vector_size(8 * W)));
+typedef long long Mask __attribute__((vector_size(8 * W)));
+
+struct C {
+  V re, im;
+};
+
+#define INLINE inline __attribute__((always_inline))
+
+INLINE V splat(double x) { return V{} + x; }
+INLINE C operator+(const C& a, const C& b) { return {a.re + b.re, a.im + b.im}; }
+INLINE C operator-(const C& a, const C& b) { return {a.re - b.re, a.im - b.im}; }
+INLINE C operator*(const C& a, const C& b) {
+  return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+}
+INLINE C operator*(const V& a, const C& b) { return {a * b.re, a * b.im}; }
+INLINE C operator*(const Complex& a, const C& b) {
+  return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+}
+INLINE void add_product(C& s, const C& a, const C& b) {
+  s.re += a.re * b.re;
+  s.re -= a.im * b.im;
+  s.im += a.re * b.im;
+  s.im += a.im * b.re;
+}
+INLINE void add_product(C& s, const Complex& a, const C& b) {
+  s.re += a.re * b.re;
+  s.re -= a.im * b.im;
+  s.im += a.re * b.im;
+  s.im += a.im * b.re;
+}
+INLINE void subtract_product(C& s, const C& a, const C& b) {
+  s.re -= a.re * b.re;
+  s.re += a.im * b.im;
+  s.im -= a.re * b.im;
+  s.im -= a.im * b.re;
+}
+// s += conj(a) b
+INLINE void add_conjugate_product(C& s, const C& a, const C& b) {
+  s.re += a.re * b.re;
+  s.re += a.im * b.im;
+  s.im += a.re * b.im;
+  s.im -= a.im * b.re;
+}
+INLINE V square(const C& a) { return a.re * a.re + a.im * a.im; }
+INLINE V root(const V& x) {
+  V r;
+  for (int i = 0; i < W; ++i) r[i] = __builtin_sqrt(x[i]);
+  return r;
+}
+INLINE V minimum(const V& a, const V& b) { return a < b ? a : b; }
+INLINE V maximum(const V& a, const V& b) { return a > b ? a : b; }
+INLINE C select(const Mask& m, const C& a, const C& b) {
+  return {m ? a.re : b.re, m ? a.im : b.im};
+}
+INLINE C line(const Complex& start, const Complex& change, const V& t) {
+  return {start.re + t * change.re, start.im + t * change.im};
+}
+INLINE V norm(const C* x) {
+  V s = square(x[0]);
+  for (int i = 1; i < N; ++i) s += square(x[i]);
+  return root(s);
+}
+
+}  // namespace
+}  // namespace gsp
