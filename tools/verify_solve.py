@@ -16,10 +16,10 @@ has a hidden real pose, from which its values are measured. What must hold of ev
 - the hidden pose is among the real ones.
 
 3D3A platforms are solved twice, in closed form and by tracking paths. Work goes through a journal
-in ``build/verify-solve/``: interrupted, the same command takes it up again, unless the
-solver has changed. A finished run is written to ``data/verification/``; it does not depend on
-``--jobs``. `show` prints an instance as a file, for `gsp solve`. The exit code is 1 if anything
-does not hold.
+in ``build/verify-solve/``: interrupted, the same command takes it up again, unless the solver has
+changed. A finished run is written to ``data/verification/`` and docs/completeness.md; it does not
+depend on ``--jobs``. `show` prints an instance as a file, for `gsp solve`. The exit code is 1 if
+anything does not hold.
 """
 
 from __future__ import annotations
@@ -40,6 +40,7 @@ from dataclasses import asdict, dataclass
 from functools import cache, partial
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,6 +62,9 @@ from gspcli.solve.tracking import solve_by_tracking, solve_each_by_tracking
 ROOT = Path(__file__).resolve().parents[1]
 JOURNALS = ROOT / "build" / "verify-solve"
 RECORDS = ROOT / "data" / "verification"
+PAGE = ROOT / "docs" / "completeness.md"
+#: What is between these lines of the page is written from the record.
+BEGIN, END = "<!-- record -->", "<!-- end of record -->"
 #: What the answers come from; a journal of other sources is begun anew.
 SOURCES = ("native", "gspcli/continuation", "gspcli/solve", "gspcli/geometry", "data/start-systems")
 SEED = 20031
@@ -117,10 +121,12 @@ def examine(
     relative[:, arrangement.distances] /= arrangement.length
     residual = (relative.max(axis=1) / size**2).max(initial=0)
     own = conjugate == np.arange(len(R))
+    spurious = poses.spurious if isinstance(poses, PoseSet) else poses.counts.spurious
     statements = {
         "lost paths": poses.lost > 0,
         "paths on curves": poses.on_curves > 0 or len(poses.motions) > 0,
         "poses at infinity": poses.at_infinity > 0,
+        "spurious ends": spurious > 0,
         "multiple poses": bool((poses.multiplicity > 1).any()),
         "wrong number": len(R) != expected,
         "equal poses": separation < SEPARATION,
@@ -334,7 +340,7 @@ def rows(done: Mapping[Task, list[Finding]]) -> Iterator[dict[str, object]]:
 
 
 def write(name: str, command: str, origin: str, done: Mapping[Task, list[Finding]]) -> None:
-    """Write the record of a finished run and its entry in the manifest."""
+    """Write the record of a finished run, its entry in the manifest, and the page."""
     table = list(rows(done))
     text = io.StringIO()
     writer = csv.DictWriter(text, list(table[0]), lineterminator="\n")
@@ -344,6 +350,7 @@ def write(name: str, command: str, origin: str, done: Mapping[Task, list[Finding
     (RECORDS / f"{name}.csv").write_text(text.getvalue(), encoding="utf-8")
     path = RECORDS / "manifest.json"
     manifest = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    findings = [finding for each in done.values() for finding in each]
     manifest[name] = {
         "command": command,
         "seed": SEED,
@@ -355,15 +362,43 @@ def write(name: str, command: str, origin: str, done: Mapping[Task, list[Finding
         "machine": machine.machine(),
         "sources_sha256": origin,
         "sha256": hashlib.sha256(text.getvalue().encode()).hexdigest(),
-        "instances": sum(len(findings) for findings in done.values()),
+        "instances": len(findings),
+        "poses": sum(finding.found for finding in findings),
+        "expected": sum(finding.expected for finding in findings),
+        "largest_residual": float(f"{max(finding.residual for finding in findings):.1e}"),
+        "smallest_separation": float(f"{min(finding.separation for finding in findings):.1e}"),
         "problems": [
             {"task": task.name, "instance": number, "problems": list(finding.problems)}
-            for task, findings in done.items()
-            for number, finding in _problems(findings)
+            for task, each in done.items()
+            for number, finding in _problems(each)
         ],
     }
     document = json.dumps(dict(sorted(manifest.items())), indent=1) + "\n"
     path.write_text(document, encoding="utf-8")
+    page = PAGE.read_text(encoding="utf-8")
+    before, _, rest = page.partition(BEGIN)
+    after = rest.partition(END)[2]
+    PAGE.write_text(f"{before}{BEGIN}\n{report(manifest)}{END}{after}", encoding="utf-8")
+
+
+def report(manifest: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return the record as a table and a list of problems, in Markdown."""
+    lines = [
+        "| run | platforms | poses expected | found | with problems | largest residual "
+        "| nearest two poses |",
+        "|---|---|---|---|---|---|---|",
+        *(
+            f"| `{run['command']}` | {run['instances']} | {run['expected']} | {run['poses']} "
+            f"| {len(run['problems'])} | {run['largest_residual']} "
+            f"| {run['smallest_separation']} |"
+            for run in manifest.values()
+        ),
+        "",
+    ]
+    for problem in (problem for run in manifest.values() for problem in run["problems"]):
+        words = ", ".join(problem["problems"])
+        lines.append(f'- `show "{problem["task"]}" {problem["instance"]}`: {words}')
+    return "\n".join([*lines, ""])
 
 
 def shown(name: str, number: int) -> Instance:
@@ -446,9 +481,12 @@ def main() -> int:
         done = run(tasks, verify, JOURNALS / f"{name}.jsonl", origin, arguments.jobs)
         if not arguments.no_record:
             write(name, f"python tools/verify_solve.py {options}", origin, done)
-        wrong = sum(len(_problems(findings)) for findings in done.values())
-        count = sum(len(findings) for findings in done.values())
-        print(f"{name}: {count} instances, {wrong} with problems")
+        findings = [finding for each in done.values() for finding in each]
+        wrong = sum(bool(finding.problems) for finding in findings)
+        kinds = Counter(problem for finding in findings for problem in finding.problems)
+        print(f"{name}: {len(findings)} instances, {wrong} with problems")
+        for problem, times in sorted(kinds.items()):
+            print(f"  {problem}: {times}")
         bad += wrong
     return 1 if bad else 0
 

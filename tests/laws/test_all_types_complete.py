@@ -107,6 +107,7 @@ def test_examine_sees_wrong_reality(tool, solved):
         ({"lost": 1}, "lost paths"),
         ({"at_infinity": 2}, "poses at infinity"),
         ({"on_curves": 1}, "paths on curves"),
+        ({"spurious": 1}, "spurious ends"),
         ({"multiplicity": np.full(40, 2)}, "multiple poses"),
     ],
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import json
+import re
 from functools import cache
 from pathlib import Path
 
@@ -13,11 +14,13 @@ import pytest
 
 from gspcli import dumps, load
 from gspcli.catalogue.coincidence import parse_sharing
+from gspcli.catalogue.kinds import DLL, DPP
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.poses import rotation_from_quaternion
-from gspcli.geometry.residuals import Arrangement, jacobian, residuals
+from gspcli.geometry.poses import Field, normalised, rotation_from_quaternion
+from gspcli.geometry.residuals import Arrangement, jacobian, measured, residuals
 from gspcli.solve import SolveResult, solve
 from gspcli.solve.generate import random_instance
+from gspcli.solve.tracking import solve_by_tracking
 
 DATA = Path(__file__).parents[2] / "data"
 EXAMPLES = DATA / "examples"
@@ -29,7 +32,7 @@ def accounted(instance: Instance) -> SolveResult:
     """Solve, and check that every path and every pose is what the result says."""
     result = solve(instance, certify=False)
     counts = result.counts
-    ends = counts.at_infinity + counts.on_curves + counts.lost
+    ends = counts.at_infinity + counts.on_curves + counts.spurious + counts.lost
     assert int(result.multiplicity.sum()) + ends == result.expected
     assert counts.lost == 0
     size = 1 + np.abs(result.R).max((1, 2)) + np.abs(result.T).max(1) / result.arrangement.length
@@ -45,6 +48,19 @@ def example(name: str) -> SolveResult:
 
 def test_every_example_has_a_recorded_count():
     assert set(EXPECTED) == {path.stem for path in EXAMPLES.glob("*.yaml")}
+
+
+def test_the_page_on_completeness_has_these_counts():
+    page = DATA.parent / "docs" / "completeness.md"
+    checked = set()
+    for line in page.read_text(encoding="utf-8").splitlines():
+        cells = line.split("|")
+        names = re.findall(r"`([a-z0-9-]+)`", cells[2]) if len(cells) == 5 else []
+        finite = [name for name in names if EXPECTED[name]["dimension"] == 0]
+        counts = re.findall(r"(?:^ |, )(\d+)", cells[3]) if finite else []
+        assert [EXPECTED[name]["distinct"] for name in finite] == [int(n) for n in counts]
+        checked.update(finite)
+    assert len(checked) > 10
 
 
 @pytest.mark.parametrize("name", sorted(EXPECTED))
@@ -161,3 +177,49 @@ def test_dietmaier_has_40_real_poses():
     """P. Dietmaier 1998."""
     result = example("dietmaier")
     assert result.counts.found == result.counts.real == 40
+
+
+def nearly_parallel(angle: float) -> tuple[Arrangement, Field, Field]:
+    """Return five DPP and a DLL, and a pose in which its lines meet at an angle (radians)."""
+    rng = np.random.default_rng(3)
+    y, x = rng.uniform(-1, 1, (2, 6, 3))
+    R, T = rotation_from_quaternion(rng.normal(size=4)), rng.uniform(-1, 1, 3)
+    u, v = np.zeros((2, 6, 3))
+    v[5] = normalised(rng.normal(size=3))
+    across = normalised(np.cross(v[5], [1.0, 2.0, 3.0]))
+    u[5] = (np.cos(angle) * v[5] + np.sin(angle) * across) @ R
+    arrangement = Arrangement(
+        kinds=(DPP,) * 5 + (DLL,),
+        y=y,
+        x=x,
+        u=u,
+        v=v,
+        values=np.zeros(6),
+        sides=np.zeros(6, dtype=np.int64),
+        in_radians=1.0,
+    )
+    return arrangement.with_values(np.abs(measured(arrangement, R, T))), R, T
+
+
+@pytest.mark.parametrize(
+    "angle",
+    [
+        1e-2,
+        1e-3,
+        1e-4,
+        *(
+            pytest.param(
+                angle, marks=pytest.mark.xfail(reason="simple poses are judged to be spurious")
+            )
+            for angle in (1e-5, 1e-6)
+        ),
+    ],
+)
+def test_nearly_parallel_lines_are_a_pose(angle):
+    arrangement, R, T = nearly_parallel(angle)
+    poses = solve_by_tracking(arrangement, seed=1)
+    distances = np.abs(poses.R - R).max(axis=(1, 2)) + np.abs(poses.T - T).max(axis=1)
+    assert poses.spurious == poses.lost == poses.at_infinity == 0
+    assert len(poses.R) == poses.paths
+    # The gradient of the equation is as small as the sine.
+    assert distances.min() < 1e-13 / angle + 1e-12
