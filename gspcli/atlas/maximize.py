@@ -38,9 +38,8 @@ Complex = NDArray[np.complex128]
 
 #: The default seed of everything random.
 SEED = 20031
-#: How many random platforms an attempt begins with: the best goes on.
-_STARTS = 32
-#: Their sizes, in turn by the number of the attempt. Small ones are good for distances of lines.
+#: Sizes of random platforms, in turn by the number of the attempt; small ones suit distances of
+#: points and lines.
 _SIZES = (1.0, 0.3)
 #: Real solutions are kept this far from folds, or if they are nearer, ...
 _MARGIN = 0.005
@@ -184,6 +183,10 @@ class Search:
         The reduced platform that every attempt begins with; random ones if None.
     deadline
         Time (`time.monotonic`) at which attempts end.
+    starts
+        How many random platforms an attempt begins with: the best goes on.
+    steps
+        How many platforms an attempt may solve after that; None: until it is stuck.
     """
 
     kinds: tuple[Kind, ...]
@@ -191,6 +194,8 @@ class Search:
     target: int | None = None
     start: Platforms | None = None
     deadline: float | None = None
+    starts: int = 32
+    steps: int | None = None
 
     @property
     def structure(self) -> Structure:
@@ -216,10 +221,10 @@ class Search:
         if self.start is not None:
             return solved(_centred(self.start), self.seed)
         best: Solved | None = None
-        platforms = reduced(random_platforms(self.kinds, _STARTS, rng))
+        platforms = reduced(random_platforms(self.kinds, self.starts, rng))
         size = _SIZES[number % len(_SIZES)]
         platforms = replace(platforms, y=size * platforms.y, x=size * platforms.x)
-        for k in range(_STARTS):
+        for k in range(self.starts):
             if best is not None and self.is_late:
                 break
             found = solved(_centred(platforms[k]), self.seed)
@@ -232,6 +237,8 @@ class Search:
         goal = len(best.points) if self.target is None else self.target
         radius, idle, followed = _RADIUS, 0, 0
         while best.count < goal and idle < _PATIENCE and not self.is_late:
+            if followed == self.steps:
+                break
             idle += 1
             step = _raising_step(best, radius, rng)
             if step is None:

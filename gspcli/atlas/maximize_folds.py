@@ -99,7 +99,7 @@ def folds(
     pairs = np.flatnonzero(~real & (height > 0))
     imaginary = X[pairs].imag
     upper = _folds(platform, (imaginary**2).sum(-1), 2 * gradient(pairs, imaginary).imag)
-    first, second = _neighbours(X[real].real)
+    first, second = neighbours(X[real].real)
     index = np.flatnonzero(real)
     first, second = index[first], index[second]
     difference = X[first].real - X[second].real
@@ -129,7 +129,7 @@ def free_numbers(kinds: tuple[Kind, ...]) -> NDArray[np.bool_]:
     return free
 
 
-def _neighbours(X: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def neighbours(X: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return the pairs of points (n, 12) that are neighbours, each pair once."""
     if len(X) < 2:
         return np.zeros(0, int), np.zeros(0, int)

@@ -11,6 +11,7 @@ from gspcli.catalogue.coincidence_counts import count_coincident
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import GspType, PlatformClass, all_types
+from gspcli.catalogue.witnesses import best_real
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
@@ -83,6 +84,7 @@ COLUMNS: tuple[TypeColumn, ...] = (
     *(TypeColumn(name, _TITLES[name], _bound(name)) for name in BOUND_NAMES),
     TypeColumn("generic_one_sided", "generic 1-sided", _count("one_sided")),
     TypeColumn("generic_two_sided", "generic 2-sided", _count("two_sided")),
+    TypeColumn("best_real", "best known real", best_real),
     TypeColumn("patterns", "shared patterns", count_coincident, default=False),
 )
 DEFAULT_COLUMNS: tuple[TypeColumn, ...] = tuple(c for c in COLUMNS if c.default)

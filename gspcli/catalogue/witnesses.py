@@ -9,6 +9,7 @@ family.
 from __future__ import annotations
 
 import csv
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 
@@ -58,39 +59,55 @@ class Witness:
         )
 
 
-def best_real(gsp_type: GspType) -> int | None:
+def best_real(subject: GspType | Family) -> int | None:
     """Return the largest number of real solutions known for a type; None if none is recorded.
 
     It counts both sides of each DPH and DHP, as two-sided generic counts do. The largest
     possible number may be larger, up to the generic count.
     """
-    found = witness(gsp_type.family)
-    return None if found is None else found.real
+    row = _row(subject.distances)
+    return None if row is None else int(row["real"])
 
 
 def witness(family: Family) -> Witness | None:
     """Return the best known platform of a family; None if none is recorded."""
-    return recorded().get(family.distances)
+    row = _row(family.distances)
+    if row is None:
+        return None
+    found = read_row(row)
+    return found if found.family == family else found.exchanged
+
+
+def recorded() -> Iterator[Witness]:
+    """Yield the recorded witnesses, one for each two mirrored families."""
+    return map(read_row, _rows().values())
+
+
+def _row(distances: tuple[Kind, ...]) -> dict[str, str] | None:
+    rows = _rows()
+    return rows.get(_name(distances)) or rows.get(_name(mirrored(distances)))
+
+
+def _name(distances: tuple[Kind, ...]) -> str:
+    return " ".join(kind.short for kind in distances)
 
 
 @cache
-def recorded() -> dict[tuple[Kind, ...], Witness]:
-    """Return all recorded witnesses, those with the bodies exchanged included."""
+def _rows() -> dict[str, dict[str, str]]:
+    """Return the rows of the file by the distances."""
     text = data_path(*FILE).read_text(encoding="utf-8")
-    found: dict[tuple[Kind, ...], Witness] = {}
-    for row in csv.DictReader(text.splitlines()):
-        one = read_row(row)
-        found[one.family.distances] = one
-        other = mirrored(one.family.distances)
-        if other not in found:
-            found[other] = one.exchanged
-    return found
+    rows = csv.DictReader(text.splitlines())
+    return {row["family"].partition(" ")[2]: row for row in rows}
 
 
 def read_row(row: dict[str, str]) -> Witness:
     """Return the witness in a row of the file."""
-    _, *kinds = row["family"].split()
-    distances = tuple(KINDS_BY_NAME["D" + kind] for kind in kinds)
+    distances = tuple(KINDS_BY_NAME["D" + kind] for kind in row["family"].split()[1:])
     family = Family(PlatformClass(len(distances), CONSTRAINTS - len(distances)), distances)
     rows = tuple(tuple(numbers.split()) for numbers in row["numbers"].split(";"))
     return Witness(family, int(row["real"]), rows)
+
+
+def witness_text(found: Witness) -> str:
+    """Return the numbers of a witness as `read_row` reads them."""
+    return ";".join(" ".join(row) for row in found.rows)

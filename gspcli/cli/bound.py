@@ -12,6 +12,7 @@ from gspcli.catalogue.constraints import Degrees, constraint_facts
 from gspcli.catalogue.counts import Counts, family_counts, generic_counts
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import Family, GspType
+from gspcli.catalogue.witnesses import best_real
 from gspcli.catalogue.varieties import coordinates_label
 from gspcli.cli.names import read_names
 from gspcli.cli.output import Column, Output, Table, emit, output_options
@@ -107,6 +108,7 @@ def bound_document(subject: GspType | Family) -> dict[str, Any]:
             "two_sided": counts.two_sided,
             "established": counts.established.meaning,
         },
+        "best_real": best_real(subject),
     }
 
 
@@ -136,7 +138,7 @@ def _tables(subject: GspType | Family) -> list[Table]:
         title += f"  (a family of {len(subject.types)} types, angles left open)"
     return [
         constraint_table(_kinds(subject), title),
-        bound_table(_bounds(subject), _counts(subject)),
+        bound_table(_bounds(subject), _counts(subject), best_real(subject)),
     ]
 
 
@@ -169,8 +171,10 @@ def constraint_table(kinds: Sequence[Kind], title: str) -> Table:
     )
 
 
-def bound_table(bounds: Bounds, counts: Counts) -> Table:
-    """Return a row for each bound that applies and for the generic counts, with the reasons."""
+def bound_table(bounds: Bounds, counts: Counts, real: int | None) -> Table:
+    """Return a row for each bound that applies, for the generic counts, with the reasons, and
+    for the largest number of real solutions that is known.
+    """
     applying = [(name, bound) for name, bound in bounds.items() if bound is not None]
     rows = [
         {"kind": "bound", "source": _TITLES[name], "value": bound.value, "sides": _SIDES[name]}
@@ -180,6 +184,15 @@ def bound_table(bounds: Bounds, counts: Counts) -> Table:
         {"kind": "generic count", "source": "atlas", "value": value, "sides": sides}
         for value, sides in ((counts.one_sided, "one-sided"), (counts.two_sided, "two-sided"))
     ]
+    if real is not None:
+        rows.append(
+            {
+                "kind": "real, best known (lower bound)",
+                "source": "witness",
+                "value": real,
+                "sides": "two-sided",
+            }
+        )
     return Table(
         columns=[
             Column("kind", "number of solutions", essential=True),
@@ -200,12 +213,13 @@ def _summary(subjects: list[GspType | Family]) -> Table:
         _identity(subject)
         | _bounds(subject).values()
         | {name: getattr(_counts(subject), name.removeprefix("generic_")) for name in _GENERIC}
+        | {"best_real": best_real(subject)}
         for subject in subjects
     ]
     return Table(
         columns=[
             *(Column(key) for key in ("number", "id", "class", "family")),
-            *(Column(name, align="right") for name in (*_TITLES, *_GENERIC)),
+            *(Column(name, align="right") for name in (*_TITLES, *_GENERIC, "best_real")),
         ],
         rows=rows,
     )

@@ -14,6 +14,7 @@ from gspcli.catalogue.mechanism import Mechanism, mechanism_of_type
 from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.realization import realization
 from gspcli.catalogue.types import GspType
+from gspcli.catalogue.witnesses import best_real
 from gspcli.cli.bound import bound_document, bound_table, constraint_table
 from gspcli.cli.names import is_file, load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
@@ -43,7 +44,7 @@ def command(names: tuple[str, ...], output: Output) -> None:
         [
             constraint_table(gsp_type.kinds, _title(gsp_type)),
             _meanings(gsp_type),
-            bound_table(type_bounds(gsp_type), generic_counts(gsp_type)),
+            bound_table(type_bounds(gsp_type), generic_counts(gsp_type), best_real(gsp_type)),
             _chains(gsp_type, built),
             _facts(gsp_type),
         ],
