@@ -338,16 +338,16 @@ def condition_numbers(arrangement: Arrangement, R: Field, T: Field) -> Array:
     divided by the typical length of the arrangement, and whose rows are scaled to norm one. It
     depends neither on frames nor on units, and is infinite at a singular pose.
     """
-    with np.errstate(divide="ignore", invalid="ignore"):
+    # Where a measure has no derivative (parallel lines, distance or angle zero) rows are not finite.
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         rows = jacobian(arrangement, R, T)
-    # About the centre c of the platform: T + s (omega x R c moved back) leaves R c + T alone.
-    offset = apply(R, arrangement.platform_centre)[..., None, :]
-    rows[..., :3] -= cross(np.broadcast_to(offset, rows[..., 3:].shape), rows[..., 3:])
-    rows[..., :3] /= arrangement.length
-    norms = np.linalg.norm(rows, axis=-1, keepdims=True)
-    defined = np.isfinite(norms).all(axis=(-1, -2)) & (norms > 0).all(axis=(-1, -2))
-    rows = np.where(defined[..., None, None], rows / np.where(norms > 0, norms, 1.0), 0.0)
-    values = np.linalg.svd(rows, compute_uv=False)
-    with np.errstate(divide="ignore", invalid="ignore"):
+        # About the centre c of the platform: T + s (omega x R c moved back) leaves R c + T alone.
+        offset = apply(R, arrangement.platform_centre)[..., None, :]
+        rows[..., :3] -= cross(np.broadcast_to(offset, rows[..., 3:].shape), rows[..., 3:])
+        rows[..., :3] /= arrangement.length
+        norms = np.linalg.norm(rows, axis=-1, keepdims=True)
+        defined = np.isfinite(norms).all(axis=(-1, -2)) & (norms > 0).all(axis=(-1, -2))
+        rows = np.where(defined[..., None, None], rows / np.where(norms > 0, norms, 1.0), 0.0)
+        values = np.linalg.svd(rows, compute_uv=False)
         condition = values[..., 0] / values[..., -1]
     return np.where(defined, condition, np.inf)

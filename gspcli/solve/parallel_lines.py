@@ -3,6 +3,10 @@
 The paper's equation of a line-line distance (Section 4, DLL) is multiplied by the squared sine of
 the angle of the lines, so it holds wherever they are parallel, at every distance. Such an end is
 a pose only if the distance of the parallel lines is the one that was asked for.
+
+Where the lines are parallel the gradient of M^2 - d^2 (N^2 - C^2) vanishes (M = 0, and N - C or
+N + C is a sum of two squares that vanish), so those ends are singular: a regular end is always a
+pose, however small the angle of its lines.
 """
 
 from __future__ import annotations
@@ -14,9 +18,9 @@ from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.poses import Field, dot
 from gspcli.geometry.residuals import Arrangement, placed
 
-#: Squared sine below which the lines are parallel. The equation is singular there, so the ends of
-#: paths have half the digits: sines of 1e-7, and 1e-5 where several paths meet.
-_PARALLEL = 1e-10
+#: Unit directions that differ by less are parallel: what is left of double precision at an end
+#: where several paths meet.
+_PARALLEL = 1e-5
 #: Distances, in lengths of the platform, that differ by less are equal at such an end ...
 _EQUAL = 1e-5
 #: ... and those that differ by more are not.
@@ -24,7 +28,7 @@ _DIFFERENT = 1e-3
 
 
 def judge_parallel_lines(
-    arrangement: Arrangement, R: Field, T: Field
+    arrangement: Arrangement, R: Field, T: Field, singular: NDArray[np.bool_]
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Return which poses are none because parallel lines have another distance, or may be none.
 
@@ -34,6 +38,8 @@ def judge_parallel_lines(
         The platform.
     R, T
         Solutions of its equations, shapes (n, 3, 3) and (n, 3).
+    singular
+        At which of them the equations are singular, shape (n,).
 
     Returns
     -------
@@ -47,13 +53,13 @@ def judge_parallel_lines(
         return spurious, undecided
     r, w = (field[:, lines] for field in placed(arrangement, R, T))
     v = arrangement.v[lines]
-    cosine = dot(w, v)
+    apart = [np.sqrt((np.abs(w - sign * v) ** 2).sum(axis=-1)) for sign in (1, -1)]
+    parallel = singular[:, None] & (np.minimum(*apart) < _PARALLEL)
     # The squares of complex distances are compared: their roots have no sign.
     across = r - dot(r, v)[..., None] * v
     square = arrangement.targets[lines] ** 2
     error = np.abs(dot(across, across) - square)
     size = arrangement.length * (arrangement.length + np.sqrt(square))
-    parallel = np.abs(1 - cosine**2) < _PARALLEL
     spurious |= (parallel & (error > _DIFFERENT * size)).any(axis=1)
     undecided |= ~spurious & (parallel & (error > _EQUAL * size)).any(axis=1)
     return spurious, undecided

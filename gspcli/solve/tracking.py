@@ -65,7 +65,8 @@ def _pose_set(arrangement: Arrangement, results: list[SystemSolutions]) -> PoseS
     multiplicity = np.concatenate([result.multiplicity for result in results])
     real = np.concatenate([real_points(result.points) for result in results])
     R, T = _poses(arrangement, np.where(real[:, None], made_real(points), points))
-    spurious, undecided = judge_parallel_lines(arrangement, R, T)
+    singular = np.concatenate([result.singular for result in results]) | (multiplicity > 1)
+    spurious, undecided = judge_parallel_lines(arrangement, R, T, singular)
     posed = ~spurious & ~undecided
     motions, beside = _motions(arrangement, results)
     return PoseSet(
@@ -95,7 +96,7 @@ def _motions(
     motions, beside = [], 0
     for curve in (curve for result in results for curve in result.curves):
         R, T = _poses(arrangement, made_real(curve.motion) if curve.real else curve.motion)
-        spurious, _ = judge_parallel_lines(arrangement, R, T)
+        spurious, _ = judge_parallel_lines(arrangement, R, T, np.ones(len(R), dtype=np.bool_))
         if spurious.all():
             beside += len(curve.points)
         else:

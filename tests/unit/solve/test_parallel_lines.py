@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from gspcli.catalogue.parsing import parse_type
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Line, vector
+from gspcli.geometry.residuals import Arrangement, measured
 from gspcli.solve import SolveResult, solve
+from gspcli.solve.generate import random_instance
 from gspcli.spec import loads
 
 SPEC = """
@@ -57,7 +64,8 @@ def test_parallel_lines_at_the_distance_asked_for_are_a_pose() -> None:
 def test_parallel_lines_at_another_distance_are_none(distance: str) -> None:
     result = _solved(distance, "0")
     assert result.verdict == "complete"
-    assert not len(result.R)
+    # What is left are complex directions whose difference is isotropic: not parallel, angle zero.
+    assert not result.real_solutions
     assert result.counts.spurious > 0
     assert _accounted(result) == result.expected
 
@@ -66,3 +74,28 @@ def test_lines_that_are_not_parallel_are_left_alone() -> None:
     result = _solved("0.25", "20")
     assert result.counts.spurious == 0
     assert _accounted(result) == result.expected
+
+
+def test_nearly_parallel_lines_are_a_pose() -> None:
+    """A regular end is never spurious: the lines are 1e-6 from parallel and the pose is simple."""
+    rng = np.random.default_rng(3)
+    instance, (R, T) = random_instance(parse_type("5PP DLL"), rng)
+    tilted = instance.constraints[5]
+    # The line of the platform is turned to be almost parallel to that of the base at the pose.
+    along = R.T @ (tilted.base.unit + 1e-6 * np.cross(tilted.base.unit, [1.0, 2.0, 3.0]))
+    line = Line(tilted.platform.position, vector(*map(float, along)))
+    arrangement = Arrangement.of(
+        replace(instance, constraints=(*instance.constraints[:5], replace(tilted, platform=line)))
+    )
+    values = np.abs(measured(arrangement, R, T))
+    moved = replace(
+        instance,
+        constraints=tuple(
+            replace(c, platform=line if i == 5 else c.platform, value=Number.of(float(values[i])))
+            for i, c in enumerate(instance.constraints)
+        ),
+    )
+    result = solve(moved, certify=False)
+    assert result.counts.spurious == 0
+    distance = min(np.abs(s.R - R).max() + np.abs(s.T - T).max() for s in result.real_solutions)
+    assert distance < 1e-6
