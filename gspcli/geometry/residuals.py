@@ -338,7 +338,7 @@ def condition_numbers(arrangement: Arrangement, R: Field, T: Field) -> Array:
     divided by the typical length of the arrangement, and whose rows are scaled to norm one. It
     depends neither on frames nor on units, and is infinite at a singular pose.
     """
-    # Where a measure has no derivative (parallel lines, distance or angle zero) rows are not finite.
+    # A measure without a derivative (parallel lines, distance or angle zero) is not finite here.
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         rows = jacobian(arrangement, R, T)
         # About the centre c of the platform: T + s (omega x R c moved back) leaves R c + T alone.
