@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.continuation.quadrics import ComplexArray
+from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.systems import Coefficients
 
 _RANK_TOLERANCE = 1e-6
+_ROW_TOLERANCE = 1e-8
 _DISTANCE = 0.03
 _ZERO = 1e-13
 _NEWTON_STEPS = 60
@@ -18,11 +19,17 @@ _DAMPING = 0.01
 def _scaled_jacobians(
     products: NDArray[np.bool_], target: Coefficients, points: ComplexArray
 ) -> ComplexArray:
-    """Return the Jacobian matrices (n, 8, 8) with rows of length 1, the last the point's patch."""
+    """Return the Jacobian matrices (n, 8, 8) with rows of length 1, the last the point's patch.
+
+    Rows that vanish up to rounding stay small: the gradient of one equation may be zero.
+    """
     jacobian = target.jacobians(products, points)
-    size = np.linalg.norm(jacobian, axis=2, keepdims=True)
-    scaled = jacobian / np.where(size > 0, size, 1.0)
-    return np.concatenate([scaled, points.conj()[:, None, :]], axis=1)
+    return np.concatenate([jacobian / _row_lengths(jacobian), points.conj()[:, None, :]], axis=1)
+
+
+def _row_lengths(jacobian: ComplexArray) -> FloatArray:
+    size = np.linalg.norm(jacobian, axis=-1, keepdims=True)
+    return np.asarray(np.maximum(size, _ROW_TOLERANCE * size.max(axis=-2, keepdims=True)))
 
 
 def kernel(products: NDArray[np.bool_], target: Coefficients, point: ComplexArray) -> ComplexArray:
@@ -82,11 +89,13 @@ def split(
         return None
     v = basis[:, 0]
     jacobian = target.jacobians(products, point[None])[0]
-    size = np.maximum(np.linalg.norm(jacobian, axis=1), 1e-300)
-    u = np.linalg.svd(jacobian / size[:, None])[0][:, -1].conj() / size
+    size = _row_lengths(jacobian)
+    u = np.linalg.svd(jacobian / size)[0][:, -1].conj() / size[:, 0]
     step = 1e-4
     ahead, behind = target.jacobians(products, np.array([point + step * v, point - step * v]))
     bend = u @ (ahead - behind) @ v / (2 * step)
+    if not abs(bend) > 0:
+        return None
     s = np.sqrt(-2 * (u @ target.values(products, point[None])[0]) / bend)
     return np.array([point + s * v, point - s * v])
 
