@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import MAX_ANGLES
-from gspcli.geometry.poses import Field, apply, cross, rotation_from_quaternion
+from gspcli.geometry.poses import Field, apply, cross, dot, rotation_from_quaternion
 from gspcli.geometry.residuals import Arrangement
 from gspcli.geometry.surfaces import (
     Measures,
@@ -39,10 +39,13 @@ Index = NDArray[np.int64]
 
 #: How many sets of values are solved together.
 _BATCH = 64
-#: Sine of the angle of two lines below which they are parallel.
-_PARALLEL = 1e-9
+#: Lines are parallel if the sine of their angle is as good as zero: at most the first number.
+#: They are not if it is at least the second, and in between nothing is said.
+_PARALLEL, _SKEW = 1e-12, 1e-9
 #: Squared sine below which a batch is not trusted.
 _NEARLY_PARALLEL = 1e-6
+#: Rotations with a smaller N (of a quaternion of norm one) are nearly infinite.
+_NEARLY_NULL = 1e-3
 #: About how many samples of infinite sets are examined for motions.
 _SAMPLES = 8
 #: Error of rotations on components.
@@ -147,11 +150,16 @@ def _translated(shapes: Measures, distances: Array, groups: list[RotationGroup])
 
 
 class _Translations(NamedTuple):
-    """Translations at a rotation, their multiplicities, samples of sets, how many are lost."""
+    """What became of the points at one rotation.
+
+    Translations and their multiplicities, samples of infinite sets, simple points that were
+    examined and found to be at infinity, and how many are lost.
+    """
 
     T: Complex
     multiplicity: Index
     samples: Complex
+    at_infinity: int
     lost: int
 
 
@@ -192,21 +200,27 @@ class _Ledger:
 
     def _add_carefully(self, R: Field, e: Field, multiplicity: int, accuracy: float) -> None:
         """Add the poses of one isolated rotation, whatever the position of its surfaces."""
+        weight = multiplicity * (2 if np.iscomplexobj(R) else 1)
         found = self._translations(e, accuracy, multiplicity == 1)
         T, counts = found.T, found.multiplicity
+        lost, samples = found.lost, found.samples
+        if abs(dot(e, e)) < _NEARLY_NULL:
+            # Nothing but simple points can be told from the effects of a small N.
+            simple = counts == 1
+            T, counts, samples = T[simple], counts[simple], samples[:0]
+            lost = self.each - len(T) - found.at_infinity
         real = np.zeros(len(T), bool)
-        weight = multiplicity * (2 if np.iscomplexobj(R) else 1)
         if not np.iscomplexobj(R):
             distances = np.abs(T.conj()[:, None] - T).sum(axis=-1)
             real = distances.argmin(axis=1) == np.arange(len(T)) if len(T) else real
             T = np.where(real[:, None], T.real, T)
         self._add(np.repeat(R[None], len(T), 0), T, real, counts * multiplicity)
-        self.samples += [(R, point) for point in found.samples]
-        rest = max(0, self.each - int(counts.sum()) - found.lost)
-        on_curves = min(len(found.samples), rest)
+        self.samples += [(R, point) for point in samples]
+        rest = max(0, self.each - int(counts.sum()) - lost)
+        on_curves = min(len(samples), rest)
         self.at_infinity += weight * (rest - on_curves)
         self.on_curves += weight * on_curves
-        self.lost += weight * found.lost
+        self.lost += weight * lost
 
     def add_sample(self, e: Field) -> None:
         """Add the poses of one rotation on a positive-dimensional set of rotations.
@@ -234,16 +248,22 @@ class _Ledger:
         """
         given, accuracy = self.geometry, max(accuracy, _EPS)
         R = rotation_from_quaternion(e)
-        pairs = [i for i in given.distances if given.kinds[i] is DLL]
+        pairs = np.array([i for i in given.distances if given.kinds[i] is DLL], int)
         sines = np.linalg.norm(cross(apply(R, given.u[pairs]), given.v[pairs]), axis=-1)
-        parallel = [i for i, sine in zip(pairs, sines, strict=True) if sine < _PARALLEL]
+        parallel = pairs[sines <= _PARALLEL + 10 * accuracy].tolist()
+        least = sines.min(initial=1, where=sines > _PARALLEL + 10 * accuracy)
+        if least < _SKEW + 1e4 * accuracy:
+            nowhere = np.zeros((0, 3), complex)
+            return _Translations(nowhere, np.zeros(0, int), nowhere, 0, self.each)
+        # Normals of planes are as accurate as the sines.
+        accuracy /= least
         shapes = measures(given, parallel) if parallel else self.shapes
         there = surfaces(shapes, e[None], self.distances[None])
         frame = there.frame[0]
         points: list[Complex] = []
         counts: list[int] = []
         samples: list[Complex] = []
-        lost = 0
+        at_infinity = lost = 0
         for signs in shapes.signs:
             planes = there.planes[0].copy()
             planes[:, 0] -= signs * there.offsets[0]
@@ -258,11 +278,13 @@ class _Ledger:
                 if pose:
                     points.append(pose[1])
                     counts.append(1)
+                at_infinity += pose is False
                 lost += pose is None
         return _Translations(
             np.array(points, complex).reshape(-1, 3),
             np.array(counts, int),
             np.array(samples, complex).reshape(-1, 3),
+            at_infinity,
             lost,
         )
 

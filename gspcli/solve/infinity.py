@@ -21,7 +21,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.geometry.poses import ROTATION_FORMS, TRANSLATION_FORMS, Field
+from gspcli.geometry.poses import ROTATION_FORMS, TRANSLATION_FORMS, Field, normalised
 from gspcli.geometry.surfaces import Measures
 
 Array = NDArray[np.float64]
@@ -84,16 +84,18 @@ def _rounded(numbers: Digits | list[Any]) -> Complex:
     return np.array(numbers).astype(complex)
 
 
-def is_rotation(forms: Array, e: Complex) -> bool | None:
-    """Return whether N is not zero at a simple intersection point e of three real quadrics.
+def refined_rotation(forms: Array, e: Complex) -> tuple[Complex, bool | None]:
+    """Return a simple intersection point of three real quadrics, and whether N is not zero there.
 
-    None if that cannot be decided.
+    The point has norm 1 and is accurate to the last digit if that is decided; None says that
+    it is not.
     """
     refined = _refined(_rotation_equations, [forms], e, [slice(0, 4)])
     if refined is None:
-        return None
+        return e, None
     z, changes = refined
-    return _differs(complex(z @ z), 2 * changes @ _rounded(z))
+    point = _rounded(z)
+    return normalised(point), _differs(complex(z @ z), 2 * changes @ point)
 
 
 def _rotation_equations(given: list[Digits], z: Digits) -> list[Any]:

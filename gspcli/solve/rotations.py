@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gspcli.geometry.poses import Field, dot, rotated_forms
 from gspcli.geometry.quadrics import all_roots, generic_roots, made_real, real_points
 from gspcli.geometry.surfaces import certainly_not_zero
-from gspcli.solve.infinity import is_rotation
+from gspcli.solve.infinity import refined_rotation
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -24,6 +24,9 @@ Complex = NDArray[np.complex128]
 ROTATIONS = 8
 #: A multiple point, a quaternion of norm 1, is at infinity if |N| is not larger than this.
 _INFINITY = 1e-9
+#: Simple points with a larger error relative to N are refined.
+_ACCURACY = 1e-11
+_EPS = float(np.finfo(float).eps)
 #: The same for points on components, which are less accurate.
 _SAMPLE_INFINITY = 1e-7
 #: Two real linear forms without special position.
@@ -87,7 +90,8 @@ def rotations(forms: Array) -> list[Rotations]:
         From `angle_forms`, shape (b, 3, 4, 4).
     """
     e, errors, ok = generic_roots(forms)
-    ok &= certainly_not_zero(dot(e, e), errors).all(axis=-1)
+    norm = np.abs(dot(e, e))
+    ok &= (certainly_not_zero(norm, errors) & (errors < _ACCURACY * norm)).all(axis=-1)
     imaginary = (e.imag != 0).any(axis=-1)
     # Conjugates come one directly after the other.
     first = imaginary & (np.cumsum(imaginary, axis=-1) % 2 == 1)
@@ -115,14 +119,17 @@ def _simple(
 def _careful(forms: Field) -> Rotations:
     """Return the rotations of quadrics in any position."""
     roots = all_roots(forms)
-    e, samples, multiplicity = roots.points, roots.samples, roots.multiplicity
-    norm = dot(e, e)
-    finite = certainly_not_zero(norm, roots.errors)
+    e, errors, multiplicity = roots.points.copy(), roots.errors.copy(), roots.multiplicity
+    samples = roots.samples
+    norm = np.abs(dot(e, e))
+    finite = certainly_not_zero(norm, errors)
     # A multiple point may only be called infinite if N is as good as zero.
-    infinite = ~finite & (np.abs(norm) < _INFINITY)
-    for k in (~finite & (multiplicity == 1)).nonzero()[0]:
-        verdict = is_rotation(forms, e[k])
-        finite[k], infinite[k] = verdict is True, verdict is False
+    infinite = ~finite & (norm < _INFINITY)
+    # R is only as accurate as N is.
+    for k in ((multiplicity == 1) & (~finite | (errors > _ACCURACY * norm))).nonzero()[0]:
+        e[k], decided = refined_rotation(forms, e[k])
+        finite[k], infinite[k] = decided is True, decided is False
+        errors[k] = _EPS
     real = finite & real_points(e)
     # The quotient of two real linear forms tells conjugates apart by its imaginary part.
     quotient = (e @ _FORMS[0]) / (e @ _FORMS[1])
@@ -131,8 +138,8 @@ def _careful(forms: Field) -> Rotations:
     at_infinity = int(multiplicity[infinite].sum())
     known = multiplicity[real].sum() + 2 * multiplicity[upper].sum() + len(samples)
     return Rotations(
-        real=RotationGroup(made_real(e[real]), multiplicity[real], roots.errors[real]),
-        upper=RotationGroup(e[upper], multiplicity[upper], roots.errors[upper]),
+        real=RotationGroup(made_real(e[real]), multiplicity[real], errors[real]),
+        upper=RotationGroup(e[upper], multiplicity[upper], errors[upper]),
         samples=samples[on_curve],
         at_infinity=at_infinity + int((~on_curve).sum()),
         on_curves=int(on_curve.sum()),
