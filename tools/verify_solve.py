@@ -235,19 +235,28 @@ def random_member(task: Task, number: int) -> tuple[Instance, Pose]:
 
 
 def verify_signature(task: Task) -> list[Finding]:
-    """Solve random platforms of a family."""
+    """Solve random platforms of a family; an exception is a finding, so that the run goes on."""
     findings = []
     for number in range(task.count):
-        instance, hidden = random_member(task, number)
-        arrangement = Arrangement.of(instance)
-        expected = generic_counts(instance.type).two_sided
-        answers: list[PoseSet | SolveResult] = [solve(instance, seed=task.seed, certify=False)]
-        if len(instance.type.angles) == MAX_ANGLES:
-            answers.append(solve_by_tracking(arrangement, seed=task.seed))
-        # The worse one of two counts, whichever way it was found.
-        each = [examine(arrangement, answer, expected, hidden) for answer in answers]
-        findings.append(max(each, key=lambda finding: len(finding.problems)))
+        expected = generic_counts(signatures()[task.name].types[0]).two_sided
+        try:
+            findings.append(verify_member(task, number, expected))
+        except Exception as error:
+            raised = f"raises {type(error).__name__}: {error}"
+            findings.append(Finding(expected, 0, 0, 0.0, 0.0, 0.0, (raised,)))
     return findings
+
+
+def verify_member(task: Task, number: int, expected: int) -> Finding:
+    """Solve one of the random platforms of a family."""
+    instance, hidden = random_member(task, number)
+    arrangement = Arrangement.of(instance)
+    answers: list[PoseSet | SolveResult] = [solve(instance, seed=task.seed, certify=False)]
+    if len(instance.type.angles) == MAX_ANGLES:
+        answers.append(solve_by_tracking(arrangement, seed=task.seed))
+    # The worse one of two ways to solve.
+    each = [examine(arrangement, answer, expected, hidden) for answer in answers]
+    return max(each, key=lambda finding: len(finding.problems))
 
 
 def sources() -> str:
@@ -298,24 +307,31 @@ def run(
         journal.open("a", encoding="utf-8") as file,
     ):
         futures = {pool.submit(verify, task): task for task in rest}
-        for finished, future in enumerate(as_completed(futures), start=1):
-            task, findings = futures[future], future.result()
-            done[task] = findings
-            entry = {"task": asdict(task), "findings": [asdict(finding) for finding in findings]}
-            file.write(json.dumps(entry) + "\n")
-            file.flush()
-            for number, finding in _problems(findings):
-                print(f"{task.name}, {number}: {', '.join(finding.problems)}", file=sys.stderr)
-            now = time.monotonic()
-            if now - reported > 10 or finished == len(rest):
-                reported = now
-                left = (now - began) / finished * (len(rest) - finished)
-                bad = sum(len(_problems(findings)) for findings in done.values())
-                print(
-                    f"{len(done)} of {len(tasks)} tasks, {bad} problems, about {left:.0f} s left",
-                    file=sys.stderr,
-                )
+        try:
+            for finished, future in enumerate(as_completed(futures), start=1):
+                task, findings = futures[future], future.result()
+                done[task] = findings
+                file.write(json.dumps(_entry(task, findings)) + "\n")
+                file.flush()
+                for number, finding in _problems(findings):
+                    print(f"{task.name}, {number}: {', '.join(finding.problems)}", file=sys.stderr)
+                now = time.monotonic()
+                if now - reported > 10 or finished == len(rest):
+                    reported = now
+                    left = (now - began) / finished * (len(rest) - finished)
+                    bad = sum(len(_problems(findings)) for findings in done.values())
+                    state = f"{len(done)} of {len(tasks)} tasks, {bad} problems"
+                    print(f"{state}, about {left:.0f} s left", file=sys.stderr)
+        except BaseException:
+            # Otherwise an interruption would wait for all tasks that have not begun.
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
     return {task: done[task] for task in tasks}
+
+
+def _entry(task: Task, findings: Sequence[Finding]) -> dict[str, object]:
+    """Return a line of the journal, as `read_journal` reads it."""
+    return {"task": asdict(task), "findings": [asdict(finding) for finding in findings]}
 
 
 def _problems(findings: Sequence[Finding]) -> list[tuple[int, Finding]]:
@@ -492,4 +508,7 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        sys.exit(130)
