@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from gspcli.cli.digits import DECIMALS, decimals, digit_table, digits_option, refined
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.errors import CheckFailed, GspError, IncompleteError
 
@@ -27,12 +28,6 @@ _COLUMNS = (
     Column("precision", "bits", align="right"),
     Column("error", "error ≤", align="right"),
     Column("uniqueness", "alone within", align="right"),
-)
-#: The columns of the refined poses, real parts first.
-_DECIMALS = tuple(
-    name + suffix
-    for suffix in ("", "_imag")
-    for name in (*(f"r{i}{j}" for i in "123" for j in "123"), "tx", "ty", "tz")
 )
 
 
@@ -61,12 +56,7 @@ _DECIMALS = tuple(
     metavar="BITS",
     help="Where to stop raising the precision.",
 )
-@click.option(
-    "--digits",
-    type=click.IntRange(1, 100_000),
-    metavar="N",
-    help="Also print each certified solution to N proved digits.",
-)
+@digits_option
 @output_options(formats=("table", "csv", "json", "markdown"))
 def command(
     spec: str,
@@ -101,7 +91,7 @@ def command(
     if spec == result == "-":
         message = "SPEC and RESULT cannot both be standard input"
         raise click.UsageError(message)
-    from gspcli.certification import certify, read_candidates, refine
+    from gspcli.certification import certify, read_candidates
     from gspcli.spec import load, set_values
 
     instance = set_values(load(spec), settings)
@@ -111,12 +101,7 @@ def command(
     for number, (item, claim) in enumerate(zip(proved, given.claimed_real, strict=True), 1):
         entry = {"number": number, **_facts(item), "claimed_real": claim}
         if digits is not None and item.certified:
-            pose = refine(instance, item, digits)
-            entry["refined"] = {
-                key: value
-                for key in ("R", "T", "R_imag", "T_imag")
-                if (value := getattr(pose, key)) is not None
-            }
+            entry["refined"] = refined(instance, item, digits)
         solutions.append(entry)
     counts = {
         "poses": len(proved),
@@ -182,34 +167,15 @@ def _tables(
     rows: list[dict[str, Any]] = []
     for entry in solutions:
         sides = " ".join(f"{k}:{side}" for k, side in entry["sides"].items())
-        rows.append({**entry, "sides": sides, **_decimals(entry.get("refined", {}))})
+        rows.append({**entry, "sides": sides, **decimals(entry.get("refined", {}))})
     note = (
         "{poses} poses: {certified} certified, {distinct} of them proved pairwise different, "
         "{real} of these real"
     ).format(**counts)
-    refined = [Column(key) for key in _DECIMALS if any(key in row for row in rows)]
-    if output_format == "csv" or not refined:
-        return [Table([*_COLUMNS, *refined], rows, notes=[note])]
-    # For people one number a line: fifty digits do not fit beside each other.
-    lines = [
-        {"number": row["number"], "entry": key, "value": row[key]}
-        for row in rows
-        for key in _DECIMALS
-        if key in row
-    ]
-    columns = (_COLUMNS[0], Column("entry", essential=True), Column("value", essential=True))
-    return [Table(_COLUMNS, rows, notes=[note]), Table(columns, lines, title="Proved digits")]
-
-
-def _decimals(refined: dict[str, Any]) -> dict[str, str]:
-    """Return the columns of a refined pose."""
-    flat = [
-        text
-        for suffix in ("", "_imag")
-        if "R" + suffix in refined
-        for text in [*(x for row in refined["R" + suffix] for x in row), *refined["T" + suffix]]
-    ]
-    return dict(zip(_DECIMALS, flat, strict=False))
+    shown = [Column(key) for key in DECIMALS if any(key in row for row in rows)]
+    if output_format == "csv" or not shown:
+        return [Table([*_COLUMNS, *shown], rows, notes=[note])]
+    return [Table(_COLUMNS, rows, notes=[note]), digit_table(rows)]
 
 
 def _conclude(solutions: list[dict[str, Any]], proved: Certificates) -> None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from gspcli.cli.digits import DECIMALS, decimals, digit_table, digits_option, refined
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.errors import IncompleteError, NotFiniteError
 
@@ -36,6 +38,15 @@ _QUATERNION = ("qw", "qx", "qy", "qz")
     default=None,
     help="Seed of random choices; the answer does not depend on it.",
 )
+@click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="Threads; the answer does not depend on them.",
+)
+@digits_option
 @output_options()
 def command(
     spec: str,
@@ -43,6 +54,8 @@ def command(
     everything: bool,
     no_certify: bool,
     seed: int | None,
+    jobs: int,
+    digits: int | None,
     output: Output,
 ) -> None:
     """Find every pose of a platform and account for every path.
@@ -59,30 +72,62 @@ def command(
     Examples:
       gsp solve data/examples/example-6.8.yaml
       gsp solve platform.yaml --set 1=5.2 --set 4=60 --format csv
+      gsp solve data/examples/dietmaier.yaml --digits 50 -o poses.json
       gsp new "DPL DPL DLP ALL ALL ALH" | gsp solve - --all -o poses.json
     """
     from gspcli.solve import DEFAULT_SEED, solve
     from gspcli.spec import load, set_values
 
     instance = set_values(load(spec), settings)
-    result = solve(instance, seed=DEFAULT_SEED if seed is None else seed, certify=not no_certify)
-    emit(
-        output,
-        _table(result, everything, output.format in _READABLE),
-        document=result.to_json(everything=everything) if output.format == "json" else None,
+    result = solve(
+        instance,
+        seed=DEFAULT_SEED if seed is None else seed,
+        jobs=jobs,
+        certify=not no_certify,
     )
+    shown = result.solutions if everything else result.real_solutions
+    proved = _refined(result, shown, digits) if digits is not None else []
+    document = None
+    if output.format == "json":
+        document = result.to_json(everything=everything)
+        for entry, pose in zip(document["solutions"], proved, strict=False):
+            entry["refined"] = pose
+    emit(output, _tables(result, everything, proved, output.format), document=document)
     _complain(result, certified=not no_certify)
 
 
-def _table(result: SolveResult, everything: bool, readable: bool) -> Table:
+def _refined(
+    result: SolveResult, shown: Sequence[Solution], digits: int
+) -> list[dict[str, Any] | None]:
+    """Return each pose with proved digits; None for those that cannot be certified."""
+    import numpy as np
+
+    from gspcli.certification import certify
+
+    if not shown:
+        return []
+    poses = (np.stack([solution.R for solution in shown]), np.stack([s.T for s in shown]))
+    return [
+        refined(result.instance, certificate, digits) if certificate.certified else None
+        for certificate in certify(result.instance, *poses)
+    ]
+
+
+def _tables(
+    result: SolveResult, everything: bool, proved: list[dict[str, Any] | None], fmt: str
+) -> list[Table]:
+    readable = fmt in _READABLE
     shown = result.solutions if everything else result.real_solutions
     rows = [_row(number, solution, readable) for number, solution in enumerate(shown, start=1)]
+    for row, pose in zip(rows, proved, strict=False):
+        row |= decimals(pose or {})
     imaginary = [f"{key}_imag" for key in (*_AXES, *_QUATERNION)] if everything else []
     optional = {
         "real": everything,
         "sides": any(solution.sides for solution in shown),
         "multiplicity": any(solution.multiplicity > 1 for solution in shown),
     }
+    digits = [Column(key) for key in DECIMALS if any(key in row for row in rows)]
     columns = [
         Column("number", "no.", align="right", essential=True),
         *(Column(key, align="right", essential=True) for key in (*_AXES, *_QUATERNION)),
@@ -91,9 +136,11 @@ def _table(result: SolveResult, everything: bool, readable: bool) -> Table:
         Column("condition", align="right"),
         Column("certified"),
         *(Column(key, align="right") for key in imaginary),
+        *([] if readable else digits),
     ]
     title = ": ".join(part for part in (result.instance.name, result.instance.type.id) if part)
-    return Table(columns, rows, title=title, notes=[account(result)])
+    table = Table(columns, rows, title=title, notes=[account(result)])
+    return [table, digit_table(rows)] if readable and digits else [table]
 
 
 def _row(number: int, solution: Solution, readable: bool) -> dict[str, Any]:
