@@ -1,6 +1,6 @@
 """Search, build and check `data/witnesses/`: platforms with many real solutions.
 
-    python tools/build_witnesses.py search JOURNAL [--minutes N] [--effort PATHS]
+    python tools/build_witnesses.py search JOURNAL [--minutes N] [--effort PATHS] [--most SOLUTIONS]
     python tools/build_witnesses.py write JOURNAL
     python tools/build_witnesses.py check [--sample N]
 
@@ -60,13 +60,16 @@ def solutions(family: Family) -> int:
     return family_counts(family).two_sided // multiplier(kinds_of(family))
 
 
-def search(journal: Path, minutes: float, effort: int) -> None:
-    """Make attempts until the time is over, or all solutions of all families are real."""
+def search(journal: Path, minutes: float, effort: int, most: int) -> None:
+    """Make attempts until the time is over, or all solutions of all families are real.
+
+    Families with more than `most` solutions are left out.
+    """
     done: dict[str, list[int]] = {}
     for entry in read_journal(journal):
         done.setdefault(entry["family"], []).append(entry["real"])
     end = time.monotonic() + 60 * minutes
-    families = canonical_families()
+    families = [family for family in canonical_families() if solutions(family) <= most]
     for number in range(10_000):
         for family in families:
             real, total = done.setdefault(family.id, []), solutions(family)
@@ -217,10 +220,11 @@ def main() -> int:
         if name == "search":
             part.add_argument("--minutes", type=float, default=60)
             part.add_argument("--effort", type=int, default=EFFORT)
+            part.add_argument("--most", type=int, default=10_000)
     parts.add_parser("check").add_argument("--sample", type=int)
     arguments = parser.parse_args()
     if arguments.part == "search":
-        search(arguments.journal, arguments.minutes, arguments.effort)
+        search(arguments.journal, arguments.minutes, arguments.effort, arguments.most)
     elif arguments.part == "write":
         write(arguments.journal)
     else:

@@ -234,7 +234,7 @@ class Search:
 
     def _raised(self, best: Solved, rng: np.random.Generator) -> Solved:
         """Return the platform after steps that make pairs real."""
-        goal = len(best.points) if self.target is None else self.target
+        goal = min(self.target or len(best.points), len(best.points))
         radius, idle, followed = _RADIUS, 0, 0
         while best.count < goal and idle < _PATIENCE and not self.is_late:
             if followed == self.steps:

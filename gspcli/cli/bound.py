@@ -12,8 +12,8 @@ from gspcli.catalogue.constraints import Degrees, constraint_facts
 from gspcli.catalogue.counts import Counts, family_counts, generic_counts
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import Family, GspType
-from gspcli.catalogue.witnesses import best_real
 from gspcli.catalogue.varieties import coordinates_label
+from gspcli.catalogue.witnesses import best_real
 from gspcli.cli.names import read_names
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 
@@ -172,9 +172,7 @@ def constraint_table(kinds: Sequence[Kind], title: str) -> Table:
 
 
 def bound_table(bounds: Bounds, counts: Counts, real: int | None) -> Table:
-    """Return a row for each bound that applies, for the generic counts, with the reasons, and
-    for the largest number of real solutions that is known.
-    """
+    """Return rows: the bounds that apply with their reasons, the counts, the best known real."""
     applying = [(name, bound) for name, bound in bounds.items() if bound is not None]
     rows = [
         {"kind": "bound", "source": _TITLES[name], "value": bound.value, "sides": _SIDES[name]}

@@ -1,0 +1,96 @@
+"""`gsp maximize-real`: search, targets, resumption, instance files, the best known platform."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from gspcli.atlas import maximize
+from gspcli.spec import dumps, loads
+
+
+def _real(gsp, text: str, tmp_path: Path) -> int:
+    path = tmp_path / "again.yaml"
+    path.write_text(text)
+    return json.loads(gsp("solve", path, "--format", "json").out)["counts"]["real"]
+
+
+def test_a_witness_has_the_poses_it_claims(gsp, tmp_path: Path) -> None:
+    done = gsp("maximize-real", "3D3A PP PH HP ALL ALH AHH", "--time", "100", "--attempts", "1")
+    assert done.code == 0
+    first, last = done.err.splitlines()
+    assert first.startswith("attempt 0: ")
+    claimed = int(last.removesuffix(" real poses, certified"))
+    assert loads(done.out).type.id == "DPP DPH DHP ALL ALH AHH"
+    assert loads(done.out).name == f"3D3A PP PH HP with {claimed} real poses"
+    assert _real(gsp, done.out, tmp_path) == claimed
+
+
+def test_a_target_that_is_not_reached_is_exit_code_1(gsp) -> None:
+    done = gsp("maximize-real", "3D3A PP PP PP ALL ALL ALL", "--target", "17", "--attempts", "1")
+    assert done.code == 1
+    assert "17 real poses were asked for" in done.err
+    assert done.out.startswith("gsp: 1\n")
+
+
+def test_a_state_is_continued(gsp, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    state = tmp_path / "state.json"
+    name = "3D3A PP PP PP ALL ALL ALL"
+    done = gsp("maximize-real", name, "--target", "2", "--attempts", "1", "--state", state)
+    assert done.code == 0
+    assert json.loads(state.read_text())["attempts"] == 1
+
+    def never(*_: object) -> None:
+        pytest.fail("an attempt that is done is made again")
+
+    monkeypatch.setattr(maximize.Search, "attempt", never)
+    again = gsp("maximize-real", name, "--target", "2", "--attempts", "1", "--state", state)
+    assert again.code == 0
+    assert again.out == done.out
+    assert gsp("maximize-real", name, "--seed", "5", "--state", state).code == 2
+
+
+def test_an_instance_file_is_where_the_search_begins(gsp, tmp_path: Path) -> None:
+    path = tmp_path / "given.yaml"
+    given = gsp("new", "3D3A", "PP", "PP", "PP", "ALL", "AHH", "ALH").out
+    path.write_text(given)
+    before = _real(gsp, given, tmp_path)
+    done = gsp("maximize-real", path, "--attempts", "1")
+    assert done.code == 0
+    assert _real(gsp, done.out, tmp_path) >= before
+    assert [c.kind for c in loads(done.out).constraints] == [
+        c.kind for c in loads(given).constraints
+    ]
+
+
+def test_an_interruption_writes_the_best_so_far(gsp, monkeypatch: pytest.MonkeyPatch) -> None:
+    real_attempt = maximize.Search.attempt
+
+    def attempt(self: maximize.Search, number: int) -> maximize.Solved | None:
+        if number:
+            raise KeyboardInterrupt
+        return real_attempt(maximize.Search(self.kinds, starts=2, steps=2), 0)
+
+    monkeypatch.setattr(maximize.Search, "attempt", attempt)
+    done = gsp("maximize-real", "6PP")
+    assert done.code == 130
+    assert done.out.startswith("gsp: 1\n")
+
+
+def test_the_best_known_platform_is_shown(gsp, tmp_path: Path) -> None:
+    done = gsp("maximize-real", "3D3A", "PH", "PH", "PP", "ALL", "AHH", "ALH", "--show")
+    assert done.code == 0
+    assert done.err == ""
+    instance = loads(done.out)
+    assert instance.type.id == "DPP DPH DPH ALL ALH AHH"
+    assert dumps(instance) == done.out
+    best = json.loads(gsp("bound", instance.type.id, "--format", "json").out)["best_real"]
+    assert _real(gsp, done.out, tmp_path) == best
+
+
+def test_errors(gsp) -> None:
+    assert gsp("maximize-real", "7PP").code == 2
+    assert gsp("maximize-real", "nowhere.yaml").code == 2
+    assert gsp("maximize-real", "6PP", "--time", "0").code == 2
