@@ -1,12 +1,13 @@
-"""Ends of paths where the two lines of a DLL distance are parallel.
+"""Ends of paths where the two lines of a DLL distance are parallel, or almost.
 
 The paper's equation of a line-line distance (Section 4, DLL) is multiplied by the squared sine of
 the angle of the lines, so it holds wherever they are parallel, at every distance. Such an end is
 a pose only if the distance of the parallel lines is the one that was asked for.
 
 Where the lines are parallel the gradient of M^2 - d^2 (N^2 - C^2) vanishes (M = 0, and N - C or
-N + C is a sum of two squares that vanish), so those ends are singular: a regular end is always a
-pose, however small the angle of its lines.
+N + C is a sum of two squares that vanish), so several paths end there: an end of one path is
+always a pose, however small the angle of its lines. But it has lost the digits of that sine, and
+its distance loses them once more; `polish_parallel_lines` brings them back.
 """
 
 from __future__ import annotations
@@ -15,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
-from gspcli.geometry.poses import Field, dot
+from gspcli.geometry.poses import Field, dot, rotation_from_vector
 from gspcli.geometry.residuals import Arrangement, placed
+from gspcli.solve.stated import improved
 
 #: Unit directions that differ by less are parallel: what is left of double precision at an end
 #: where several paths meet.
@@ -25,10 +27,17 @@ _PARALLEL = 1e-5
 _EQUAL = 1e-5
 #: ... and those that differ by more are not.
 _DIFFERENT = 1e-3
+#: Lines at a smaller sine have lost so many digits that polishing is worth it.
+_ALMOST_PARALLEL = 1e-2
+_POLISHING_STEPS = 2
+#: Poses are sought about an end from so many places turned by so much, by so many steps.
+_TRIALS, _TURNS, _TRIAL_STEPS = 4, (1e-7, 1e-6, 1e-5), 12
+#: Residual, in lengths, at which a trial has arrived, and how near to the end it must be.
+_ARRIVED, _NEAR = 1e-9, 1e-3
 
 
 def judge_parallel_lines(
-    arrangement: Arrangement, R: Field, T: Field, singular: NDArray[np.bool_]
+    arrangement: Arrangement, R: Field, T: Field, multiple: NDArray[np.bool_]
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Return which poses are none because parallel lines have another distance, or may be none.
 
@@ -38,28 +47,67 @@ def judge_parallel_lines(
         The platform.
     R, T
         Solutions of its equations, shapes (n, 3, 3) and (n, 3).
-    singular
-        At which of them the equations are singular, shape (n,).
+    multiple
+        At which of them several paths end, shape (n,).
 
     Returns
     -------
     spurious, undecided
-        Shape (n,): proved by the distance of the lines to be no pose, and too near to tell.
+        Shape (n,): no pose, by the distance of the lines; and too near to poses to tell.
     """
     spurious = np.zeros(len(R), dtype=np.bool_)
     undecided = np.zeros(len(R), dtype=np.bool_)
-    lines = [i for i, kind in enumerate(arrangement.kinds) if kind is DLL]
-    if not lines or not len(R):
+    lines = _lines(arrangement)
+    if not lines or not multiple.any():
         return spurious, undecided
     r, w = (field[:, lines] for field in placed(arrangement, R, T))
     v = arrangement.v[lines]
     apart = [np.sqrt((np.abs(w - sign * v) ** 2).sum(axis=-1)) for sign in (1, -1)]
-    parallel = singular[:, None] & (np.minimum(*apart) < _PARALLEL)
+    parallel = multiple[:, None] & (np.minimum(*apart) < _PARALLEL)
     # The squares of complex distances are compared: their roots have no sign.
     across = r - dot(r, v)[..., None] * v
     square = arrangement.targets[lines] ** 2
     error = np.abs(dot(across, across) - square)
     size = arrangement.length * (arrangement.length + np.sqrt(square))
-    spurious |= (parallel & (error > _DIFFERENT * size)).any(axis=1)
-    undecided |= ~spurious & (parallel & (error > _EQUAL * size)).any(axis=1)
+    wrong = (parallel & (error > _EQUAL * size)).any(axis=1)
+    clearly = (parallel & (error > _DIFFERENT * size)).any(axis=1)
+    for i in np.flatnonzero(wrong):
+        # Two simple poses on either side of parallel lines look like one end of two paths.
+        undecided[i] = not clearly[i] or _poses_nearby(arrangement, R[i], T[i])
+    spurious[wrong] = ~undecided[wrong]
     return spurious, undecided
+
+
+def polish_parallel_lines(
+    arrangement: Arrangement, R: Field, T: Field, simple: NDArray[np.bool_]
+) -> tuple[Field, Field]:
+    """Return the poses with simple ones of almost parallel lines improved; shapes as above."""
+    lines = _lines(arrangement)
+    if not lines or not len(R):
+        return R, T
+    _, w = placed(arrangement, R, T)
+    sine = np.linalg.norm(np.cross(w[:, lines], arrangement.v[lines]), axis=-1)
+    chosen = np.flatnonzero(simple & (sine < _ALMOST_PARALLEL).any(axis=1))
+    if len(chosen):
+        R, T = R.copy(), T.copy()
+    for i in chosen:
+        R[i], T[i], _ = improved(arrangement, R[i], T[i], _POLISHING_STEPS)
+    return R, T
+
+
+def _lines(arrangement: Arrangement) -> list[int]:
+    return [i for i, kind in enumerate(arrangement.kinds) if kind is DLL]
+
+
+def _poses_nearby(arrangement: Arrangement, R: Field, T: Field) -> bool:
+    """Say whether Newton's method on the constraints as stated finds a pose beside an end."""
+    rng = np.random.default_rng(0)
+    for size in _TURNS:
+        for _ in range(_TRIALS):
+            turned = rotation_from_vector(size * rng.standard_normal(3)) @ R
+            with np.errstate(divide="ignore", invalid="ignore"):
+                pose, place, residual = improved(arrangement, turned, T, _TRIAL_STEPS)
+            distance = np.abs(pose - R).max() + np.abs(place - T).max() / arrangement.length
+            if residual < _ARRIVED * arrangement.length and distance < _NEAR:
+                return True
+    return False

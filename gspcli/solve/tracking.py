@@ -15,7 +15,7 @@ from gspcli.geometry.poses import Field, pose_from_study
 from gspcli.geometry.quadrics import made_real, real_points
 from gspcli.geometry.residuals import Arrangement
 from gspcli.solve.motion import Motion
-from gspcli.solve.parallel_lines import judge_parallel_lines
+from gspcli.solve.parallel_lines import judge_parallel_lines, polish_parallel_lines
 from gspcli.solve.poses import PoseSet
 from gspcli.solve.systems import target_systems
 
@@ -65,8 +65,8 @@ def _pose_set(arrangement: Arrangement, results: list[SystemSolutions]) -> PoseS
     multiplicity = np.concatenate([result.multiplicity for result in results])
     real = np.concatenate([real_points(result.points) for result in results])
     R, T = _poses(arrangement, np.where(real[:, None], made_real(points), points))
-    singular = np.concatenate([result.singular for result in results]) | (multiplicity > 1)
-    spurious, undecided = judge_parallel_lines(arrangement, R, T, singular)
+    spurious, undecided = judge_parallel_lines(arrangement, R, T, multiplicity > 1)
+    R, T = polish_parallel_lines(arrangement, R, T, multiplicity == 1)
     posed = ~spurious & ~undecided
     motions, beside = _motions(arrangement, results)
     return PoseSet(
