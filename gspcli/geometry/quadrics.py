@@ -29,8 +29,9 @@ Index = NDArray[np.int64]
 
 #: Points of norm 1 that are nearer than this are left to `all_roots`, ...
 _SEPARATION = 1e-4
-#: ... and so are systems with a point whose error is larger than this.
-_ACCURACY = 1e-11
+#: ... and so are systems with a point whose error is larger than the first number, or whose
+#: last step of Newton's method, with a square that is about what remains, than the second.
+_ACCURACY, _LAST_STEP = 1e-9, 1e-6
 _EPS = float(np.finfo(float).eps)
 #: How many points are compared with all others at a time.
 _PIECE = 64
@@ -165,11 +166,12 @@ def generic_roots(
     forms = turn.T @ forms @ turn
     forms = forms / np.sqrt((forms.real**2 + forms.imag**2).sum(axis=(-2, -1), keepdims=True))
     try:
-        z, _, errors = _newton_step(forms, normalised(_eigenpoints(forms)), accuracy)
+        z, steps, errors = _newton_step(forms, normalised(_eigenpoints(forms)), accuracy)
     except np.linalg.LinAlgError:
         return _separately(turn @ forms @ turn.T)
     overlaps = np.abs(z @ np.swapaxes(z.conj(), -1, -2)) - np.eye(2**n)
-    ok = (errors < _ACCURACY).all(axis=-1) & (overlaps < 1 - _SEPARATION**2).all(axis=(-2, -1))
+    ok = ((errors < _ACCURACY) & (steps < _LAST_STEP)).all(axis=-1)
+    ok &= (overlaps < 1 - _SEPARATION**2).all(axis=(-2, -1))
     return z @ turn.T, errors, ok
 
 

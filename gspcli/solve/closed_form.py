@@ -134,6 +134,9 @@ def _translated(shapes: Measures, distances: Array, groups: list[RotationGroup])
     """Return the quick solutions for the rotations of each set of values."""
     counts = [len(group.e) for group in groups]
     e = np.concatenate([group.e for group in groups])
+    if not len(e):
+        nothing = np.zeros((0, 3, 3), e.dtype)
+        return [(nothing, nothing, np.zeros(0, bool)) for _ in groups]
     accuracy = np.concatenate([group.errors for group in groups])
     given = surfaces(shapes, e, np.repeat(distances, counts, axis=0))
     X, errors, ok = generic_positions(given, accuracy + _EPS)

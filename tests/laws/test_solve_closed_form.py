@@ -11,14 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS
+from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.types import GspType, type_by_number
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.matching import pose_set_distance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.poses import apply, rotation_from_quaternion
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
-from gspcli.geometry.residuals import residuals
-from gspcli.solve import SolveResult, solve
+from gspcli.solve import SolveResult, solve, solve_values
 from gspcli.solve.generate import random_instance
 
 #: Sets of poses that are equal in exact arithmetic agree to this; poses are simple.
@@ -59,7 +59,7 @@ def motion(seed: int) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("index", range(len(DISTANCE_TRIPLES)))
 def test_every_distance_triple_and_angle_triple(index):
     """All poses of random instances, and the pose from which the values were taken."""
-    for shift in (0, 7):
+    for shift in (0, 3, 7, 11, 16):
         angles = ANGLE_TRIPLES[(index + shift) % len(ANGLE_TRIPLES)]
         gsp_type = GspType.of((*DISTANCE_TRIPLES[index], *angles))
         rng = np.random.default_rng([index, shift])
@@ -68,15 +68,48 @@ def test_every_distance_triple_and_angle_triple(index):
         counts = result.counts
         assert counts.found == result.expected
         assert counts.singular == counts.at_infinity == counts.lost == 0
-        a = result.arrangement
-        real = residuals(a, result.R[result.real].real, result.T[result.real].real)
-        assert real.max() < 1e-10 * a.length
-        # A far complex pose has large terms that cancel: its residual is relative to those.
-        size = 1 + np.abs(result.R).max(axis=(1, 2)) + np.abs(result.T).max(axis=1) / a.length
-        assert (result.residuals.max(axis=1) / size**2).max() < 1e-10 * a.length
+        assert_small_residuals(result)
         nearest = np.abs(result.R - R).max(axis=(1, 2)) + np.abs(result.T - T).max(axis=1)
         assert nearest.min() < 1e-9
         assert result.real[nearest.argmin()]
+
+
+def assert_small_residuals(result: SolveResult) -> None:
+    """Assert that real poses are exact to 1e-10 lengths, and complex ones as near as can be.
+
+    Of a complex pose of size s, terms of size s^2 cancel in a squared distance. When its numbers
+    are rounded to double precision the distance changes by that many units.
+    """
+    a = result.arrangement
+    residual = result.residuals.max(axis=1)
+    size = 1 + np.abs(result.R).max(axis=(1, 2)) + np.abs(result.T).max(axis=1) / a.length
+    assert residual[result.real].max() < 1e-10 * a.length
+    assert (residual / size**2).max() < 1e-10 * a.length
+
+
+@pytest.mark.parametrize(
+    ("name", "seed"),
+    [("DLP DLP DLP ALL ALL AHH", [7, 1843]), ("DLP DLP DLP ALL ALL ALL", [1, 869])],
+)
+def test_far_poses_are_finite(name, seed):
+    """Conjugate rotations with entries near 100, and translations up to 10^6 lengths."""
+    instance, _ = random_instance(parse_type(name), np.random.default_rng(seed))
+    result = solved(instance)
+    assert result.counts.found == result.expected == 64
+    assert np.abs(result.T).max() > 1e4
+    assert_small_residuals(result)
+
+
+@pytest.mark.parametrize("index", range(len(DISTANCE_TRIPLES)))
+def test_every_random_set_of_values_has_all_its_poses(index):
+    """One geometry of each triple with 16 sets of values, most of them without a real pose."""
+    gsp_type = GspType.of((*DISTANCE_TRIPLES[index], *ANGLE_TRIPLES[3 * index % 20]))
+    rng = np.random.default_rng([index, 99])
+    instance, _ = random_instance(gsp_type, rng)
+    ranges = [(0.1, 2) if c.kind.is_distance else (20, 80) for c in instance.constraints]
+    for poses in solve_values(instance, rng.uniform(*np.transpose(ranges), size=(16, 6))):
+        assert len(poses.R) == poses.paths
+        assert poses.at_infinity == poses.on_curves == poses.lost == 0
 
 
 @given(numbers_of_3d3a, seeds)
