@@ -1,6 +1,6 @@
 """The closed form on 20 000 random platforms of all 1120 types, and 500 of them by path tracking.
 
-It takes about ten minutes on one core:
+It takes a few minutes on one core:
 
     nice -n 19 python -m pytest -q -m slow tests/slow/test_closed_form_sweep.py
 """
