@@ -16,15 +16,14 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import MAX_ANGLES
+from gspcli.geometry.measures import Measures, measures
 from gspcli.geometry.poses import Field, apply, cross, dot, rotation_from_quaternion
 from gspcli.geometry.residuals import Arrangement
 from gspcli.geometry.surfaces import (
-    Measures,
     certainly_not_zero,
     generic_positions,
     intersection,
     intersection_number,
-    measures,
     surface_counts,
     surfaces,
 )

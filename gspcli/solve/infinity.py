@@ -21,8 +21,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.geometry.measures import Measures
 from gspcli.geometry.poses import ROTATION_FORMS, TRANSLATION_FORMS, Field, normalised
-from gspcli.geometry.surfaces import Measures
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
