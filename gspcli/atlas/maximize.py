@@ -26,7 +26,7 @@ from gspcli.atlas.maximize_step import shortest_step
 from gspcli.atlas.platforms import Platforms, random_platforms
 from gspcli.atlas.processes import in_order
 from gspcli.atlas.reality import reality
-from gspcli.catalogue.kinds import DHP, DLL, DPH, Kind
+from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, Kind
 from gspcli.continuation.accounts import all_regular
 from gspcli.continuation.solve import solve_systems
 from gspcli.continuation.systems import Coefficients, Structure
@@ -38,8 +38,8 @@ Complex = NDArray[np.complex128]
 
 #: The default seed of everything random.
 SEED = 20031
-#: Sizes of random platforms, in turn by the number of the attempt; small ones suit distances of
-#: points and lines.
+#: Sizes of random platforms, in turn by the number of the attempt. Types with distances of points
+#: and lines begin with the small ones, which have more real solutions there.
 _SIZES = (1.0, 0.3)
 #: Real solutions are kept this far from folds, or if they are nearer, ...
 _MARGIN = 0.005
@@ -222,7 +222,8 @@ class Search:
             return solved(_centred(self.start), self.seed)
         best: Solved | None = None
         platforms = reduced(random_platforms(self.kinds, self.starts, rng))
-        size = _SIZES[number % len(_SIZES)]
+        lines = any(kind in (DPL, DLP) for kind in self.kinds)
+        size = _SIZES[(number + lines) % len(_SIZES)]
         platforms = replace(platforms, y=size * platforms.y, x=size * platforms.x)
         for k in range(self.starts):
             if best is not None and self.is_late:
