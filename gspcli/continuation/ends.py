@@ -60,6 +60,9 @@ def clusters(points: ComplexArray, error: FloatArray) -> list[NDArray[np.intp]]:
     order, near = may_coincide(points[None], error[None])
     groups = []
     for run in np.split(order[0], np.flatnonzero(~near[0]) + 1):
+        if len(run) == 1:
+            groups.append(run)
+            continue
         rest = run
         while len(rest):
             first = rest[0]

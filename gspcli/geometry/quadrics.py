@@ -35,6 +35,8 @@ _ACCURACY, _LAST_STEP = 1e-9, 1e-6
 _EPS = float(np.finfo(float).eps)
 #: How many points are compared with all others at a time.
 _PIECE = 64
+#: Squared overlaps of unit vectors that differ by less do not tell which vector is nearer.
+_OVERLAP = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -449,11 +451,18 @@ def real_points(points: Complex) -> NDArray[np.bool_]:
     # In pieces, because a set may have thousands of points.
     for start in range(0, len(z), _PIECE):
         conjugates = z[start : start + _PIECE].conj()
-        overlaps = conjugates @ z.conj().T
-        # Bring each point into the phase in which it is nearest to the conjugate of another.
-        phases = overlaps / np.maximum(np.abs(overlaps), _EPS)
-        distances = np.linalg.norm(conjugates[:, None] - phases[..., None] * z, axis=-1)
-        real[start : start + _PIECE] = distances.argmin(axis=1) == start + np.arange(len(overlaps))
+        products = conjugates @ z.conj().T
+        overlaps = products.real**2 + products.imag**2
+        own = start + np.arange(len(overlaps))
+        real[own] = overlaps.argmax(axis=1) == own
+        # The overlap is 1 - distance^2, nearly, whose rounding hides distances below 1e-8.
+        near = overlaps > overlaps.max(axis=1, keepdims=True) - _OVERLAP
+        for row in np.flatnonzero(near.sum(axis=1) > 1):
+            rivals = np.flatnonzero(near[row])
+            # Bring each rival into the phase in which it is nearest to the conjugate.
+            phases = products[row, rivals] / np.sqrt(overlaps[row, rivals])
+            distances = np.linalg.norm(conjugates[row] - phases[:, None] * z[rivals], axis=1)
+            real[own[row]] = rivals[distances.argmin()] == own[row]
     return real
 
 
