@@ -43,6 +43,10 @@ class Case:
     """How many random instances a full run solves with the peers."""
     path: str = ""
     """The example file that is the one instance, instead of random ones."""
+    split: bool = False
+    """Whether phc's blackbox does better with products split (`bench.homotopy.split_system`)."""
+    beyond: tuple[str, ...] = ()
+    """The peers that are not even tried, because the case is far beyond what they can do."""
 
     def draw(self, seed: int, count: int) -> list[Instance]:
         """Return instances: `count` random ones, or the one of the file."""
@@ -57,15 +61,15 @@ CASES = (
     Case("Dietmaier", "6PP", 1, "dietmaier.yaml"),
     Case("6PH", "6PH", 5),
     Case("3PH+3HP", "3PH 3HP", 5),
-    Case("3D3A PL PL LP", "PL PL LP 3ALL", 3),
+    Case("3D3A PL PL LP", "PL PL LP 3ALL", 3, split=True),
     Case("5PP+PL", "5PP PL", 3),
     Case("6PL", "6PL", 1),
-    Case("6LL", "6DLL", 1),
+    Case("6LL", "6DLL", 1, beyond=("msolve", "phc -b")),
 )
 
 
-def random_instances(type_text: str, seed: int) -> Iterator[Instance]:
-    """Yield random one-sided instances of a type, their values measured at a pose and rounded."""
+def random_instances(type_text: str, seed: int, *, one_sided: bool = True) -> Iterator[Instance]:
+    """Yield random instances of a type, their values measured at a pose and rounded."""
     kinds = parse_type(type_text).kinds
     rng = np.random.default_rng(seed)
     while True:
@@ -81,19 +85,19 @@ def random_instances(type_text: str, seed: int) -> Iterator[Instance]:
             for i, kind in enumerate(kinds, start=1)
         )
         draft = Instance(rows, Units("unit", AngleUnit.RADIAN), name=f"{type_text}, seed {seed}")
-        instance = _with_values(draft, rng)
+        instance = _with_values(draft, rng, one_sided)
         if instance is not None:
             yield instance
 
 
-def _with_values(draft: Instance, rng: np.random.Generator) -> Instance | None:
+def _with_values(draft: Instance, rng: np.random.Generator, one_sided: bool) -> Instance | None:
     R, T = rotation_from_quaternion(rng.normal(size=4)), rng.uniform(-1, 1, size=3)
     rows = []
     for row, value in zip(draft.constraints, measured(Arrangement.of(draft), R, T), strict=True):
         if row.kind.is_distance:
             stated = abs(value)
             number, side = Number.of(_decimal(stated)), Side.BOTH
-            if row.kind.has_sides:
+            if row.kind.has_sides and one_sided:
                 side = Side.POSITIVE if value > 0 else Side.NEGATIVE
         else:
             cosine = row.kind in (ALL, AHH)

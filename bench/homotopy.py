@@ -16,6 +16,7 @@ from sympy.polys.rings import PolyElement
 
 from bench.polynomials import Equation, affine, equations, expanded, study
 from gspcli.continuation.accounts import random_start
+from gspcli.continuation.quadrics import NORM
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import Structure
 from gspcli.geometry.instance import Instance
@@ -82,6 +83,33 @@ def blackbox_system(instance: Instance) -> list[PolyElement]:
     motion = study()
     rows = [expanded(row) for row in equations(instance, motion)]
     return [affine(row) for row in (*rows, *motion.relations)]
+
+
+def split_system(instance: Instance) -> list[Terms]:
+    """Return the seven equations with each product split in two, by an unknown u more.
+
+    ``G = d N u`` and ``u H = d N`` for ``G H = d^2 N^2``, all in floating point. With it the mixed
+    volume is the number of solutions where there are three products and three angles.
+    """
+    [system] = target_systems(Arrangement.of(instance))
+    products = system.structure.products
+    more = sum(products)
+
+    def extended(polynomial: Terms, unknown: int | None = None) -> Terms:
+        tail = tuple(int(k == unknown) for k in range(more))
+        return [(value, (*powers, *tail)) for value, powers in polynomial]
+
+    rows: list[Terms] = [extended(terms(affine(study().relations[0])))]
+    u = 0
+    for g, h, tau, product in zip(system.g, system.h, system.tau, products, strict=True):
+        if not product:
+            rows.append(extended(quadric(g)))
+            continue
+        right = quadric(-np.sqrt(tau) * NORM)
+        rows.append(extended(quadric(g)) + extended(right, u))
+        rows.append(extended(quadric(h), u) + extended(right))
+        u += 1
+    return rows
 
 
 def poses(points: Field) -> tuple[Field, Field]:

@@ -9,15 +9,21 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.homotopy import UNKNOWNS, Homotopy, Style, blackbox_system, terms
+from bench.homotopy import UNKNOWNS, Homotopy, Style, blackbox_system, split_system, terms
 from bench.peers import Answer, no_answer
 from bench.processes import run
 from gspcli.geometry.instance import Instance
 
-#: PHCpack reserves e (and i) for numbers.
-STYLE = Style([f"x{k}" for k in range(1, UNKNOWNS + 1)], "I", "E")
-_COORDINATE = re.compile(r"^ x(\d) : +(\S+) +(\S+)", re.MULTILINE)
+_COORDINATE = re.compile(r"^ x(\d+) : +(\S+) +(\S+)", re.MULTILINE)
 _RULE = "=" * 75
+
+
+def style(unknowns: int) -> Style:
+    """Return how PHCpack writes polynomials; it reserves e (and i) for numbers."""
+    return Style([f"x{k}" for k in range(1, unknowns + 1)], "I", "E")
+
+
+STYLE = style(UNKNOWNS)
 
 
 def version() -> str:
@@ -28,17 +34,22 @@ def version() -> str:
     return found[1] if found else "unknown"
 
 
-def blackbox(instance: Instance, folder: Path, limit: float) -> Answer:
-    """Solve an instance with nothing but its equations."""
+def blackbox(instance: Instance, folder: Path, limit: float, *, split: bool = False) -> Answer:
+    """Solve an instance with nothing but its equations, products split if it is said."""
     system, result = folder / "system", folder / "result"
-    rows = [terms(p, 1 / max(abs(float(c)) for c in p.coeffs())) for p in blackbox_system(instance)]
+    if split:
+        rows = split_system(instance)
+    else:
+        exact = blackbox_system(instance)
+        rows = [terms(row, 1 / max(abs(float(c)) for c in row.coeffs())) for row in exact]
+    form = style(len(rows))
     _fresh(result)
-    system.write_text(_system([STYLE.written(row) for row in rows]))
+    system.write_text(_system([form.written(row) for row in rows]))
     done = run(["phc", "-b", system, result], limit=limit)
     if done.trouble:
         return no_answer(done.trouble)
     # The solutions are appended to the input.
-    return Answer(done.cpu, read_solutions(system.read_text()))
+    return Answer(done.cpu, read_solutions(system.read_text(), len(rows))[:, :UNKNOWNS])
 
 
 def parameter_homotopy(homotopy: Homotopy, folder: Path, limit: float) -> Answer:
@@ -58,18 +69,18 @@ def parameter_homotopy(homotopy: Homotopy, folder: Path, limit: float) -> Answer
     return Answer(done.cpu, read_solutions(text))
 
 
-def read_solutions(text: str) -> NDArray[np.complex128]:
-    """Return the solutions in PHCpack's format, shape (n, 7).
+def read_solutions(text: str, unknowns: int = UNKNOWNS) -> NDArray[np.complex128]:
+    """Return the solutions in PHCpack's format, shape (n, unknowns).
 
     A path that was given up is listed as well, with the point where it was left.
     """
-    numbers = [complex(float(m[2]), float(m[3])) for m in _COORDINATE.finditer(text)]
-    order = [int(m[1]) for m in _COORDINATE.finditer(text)]
-    points = np.array(numbers, complex).reshape(-1, UNKNOWNS)
-    columns = np.array(order, int).reshape(-1, UNKNOWNS) - 1
-    result = np.empty_like(points)
-    np.put_along_axis(result, columns, points, axis=1)
-    return result
+    found = [*_COORDINATE.finditer(text)]
+    numbers = [complex(float(m[2]), float(m[3])) for m in found]
+    columns = np.array([int(m[1]) - 1 for m in found], int).reshape(-1, unknowns)
+    # Unknowns come in the order in which they first occur in the equations.
+    points = np.empty(columns.shape, complex)
+    np.put_along_axis(points, columns, np.reshape(numbers, columns.shape), axis=1)
+    return points
 
 
 def written_solutions(points: NDArray[np.complex128]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import signal
 import subprocess
 import tempfile
@@ -10,6 +11,7 @@ import threading
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import ceil
 from pathlib import Path
 
 
@@ -39,44 +41,50 @@ class Finished:
 
 #: One thread for every library that would take more.
 _ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
+_PATIENCE = 20
 
 
 def run(command: Sequence[str | Path], *, stdin: str = "", limit: float = 600.0) -> Finished:
-    """Run a program and wait for its end, at most `limit` seconds; then it is stopped."""
-    with tempfile.TemporaryFile() as given, tempfile.TemporaryFile() as out:
-        with tempfile.TemporaryFile() as err:
-            given.write(stdin.encode())
-            given.seek(0)
-            began = time.perf_counter()
-            process = subprocess.Popen(
-                [str(word) for word in command],
-                stdin=given,
-                stdout=out,
-                stderr=err,
-                env=os.environ | _ONE_THREAD,
-                start_new_session=True,
-            )
-            # The children of Macaulay2's and Debian's wrapper scripts must end with them.
-            timer = threading.Timer(limit, os.killpg, (process.pid, signal.SIGKILL))
-            timer.start()
-            # The one call that tells the memory of this child alone.
-            _, status, usage = os.wait4(process.pid, 0)
-            seconds = time.perf_counter() - began
-            timer.cancel()
-            process.returncode = os.waitstatus_to_exitcode(status)
-            out.seek(0)
-            err.seek(0)
-            return Finished(
-                seconds=seconds,
-                cpu=usage.ru_utime + usage.ru_stime,
-                memory=usage.ru_maxrss / 1024,
-                output=out.read().decode(errors="replace"),
-                errors=err.read().decode(errors="replace"),
-                trouble=_trouble(process.returncode, limit),
-            )
+    """Run a program and wait for its end; after `limit` seconds of processor time it is stopped."""
+    with (
+        tempfile.TemporaryFile() as given,
+        tempfile.TemporaryFile() as out,
+        tempfile.TemporaryFile() as err,
+    ):
+        given.write(stdin.encode())
+        given.seek(0)
+        began = time.perf_counter()
+        process = subprocess.Popen(
+            [str(word) for word in command],
+            stdin=given,
+            stdout=out,
+            stderr=err,
+            env=os.environ | _ONE_THREAD,
+            start_new_session=True,
+        )
+        seconds = ceil(limit)
+        resource.prlimit(process.pid, resource.RLIMIT_CPU, (seconds, seconds))
+        # On a machine so busy that this is not reached, the wall clock ends it.
+        timer = threading.Timer(_PATIENCE * limit, os.killpg, (process.pid, signal.SIGKILL))
+        timer.start()
+        # The one call that tells the memory of this child alone.
+        _, status, usage = os.wait4(process.pid, 0)
+        wall = time.perf_counter() - began
+        timer.cancel()
+        process.returncode = os.waitstatus_to_exitcode(status)
+        out.seek(0)
+        err.seek(0)
+        return Finished(
+            seconds=wall,
+            cpu=usage.ru_utime + usage.ru_stime,
+            memory=usage.ru_maxrss / 1024,
+            output=out.read().decode(errors="replace"),
+            errors=err.read().decode(errors="replace"),
+            trouble=_trouble(process.returncode, limit),
+        )
 
 
 def _trouble(code: int, limit: float) -> str:
-    if code == -signal.SIGKILL:
+    if code in (-signal.SIGKILL, -signal.SIGXCPU):
         return f"> {limit:.0f} s"
     return f"exit code {code}" if code else ""

@@ -1,0 +1,189 @@
+"""Run the benchmarks: `python -m bench [--quick] [--output docs]`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from statistics import median
+
+from bench import macaulay2, msolve, phc
+from bench.cases import CASES, Case, random_instances
+from bench.homotopy import Homotopy
+from bench.own import Shell, shell, solve_seconds, throughput, write_instance
+from bench.peers import Answer, compare
+from bench.report import Bar, CaseResult, PeerResult, Report
+from bench.sweep import costs, peak_memory, plot, write_csv
+from gspcli.geometry.instance import Instance
+from gspcli.resources import data_path
+from gspcli.solve import solve
+
+SEED = 2003
+#: Types whose certified solution from the shell should need most memory: the most solutions, on
+#: the way as one system or as many.
+_LARGE = ("6DLL", "2PL LP 3DLL", "PL PH HP 3DLL", "3PH 3HP")
+_PROGRAM = msolve.executable()
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of the peers, empty for those that are missing."""
+    found = phc.version()
+    return {
+        "msolve": msolve.version(_PROGRAM),
+        "phc -p": found,
+        "phc -b": found,
+        "M2 track": macaulay2.version(),
+    }
+
+
+def ask(peer: str, case: Case, instance: Instance, folder: Path, limit: float) -> Answer:
+    """Let a peer solve an instance of a case."""
+    if peer == "msolve":
+        return msolve.isolate(_PROGRAM, instance, folder, limit)
+    if peer == "phc -b":
+        return phc.blackbox(instance, folder, limit, split=case.split)
+    homotopy = Homotopy.of(instance, SEED)
+    if peer == "phc -p":
+        return phc.parameter_homotopy(homotopy, folder, limit)
+    return macaulay2.track(homotopy, folder, limit)
+
+
+def measure_case(
+    case: Case, peers: Sequence[str], *, count: int, limit: float, folder: Path
+) -> CaseResult:
+    """Measure ourselves and the peers on the same instances of a case."""
+    instances = case.draw(SEED, max(count, 30 if case.instances > 1 else 1))
+    ours = [solve(instance, certify=False) for instance in instances[:count]]
+    result = CaseResult(
+        case=case,
+        expected=ours[0].expected,
+        found=[answer.counts.found for answer in ours],
+        real=[answer.counts.real for answer in ours],
+        seconds=solve_seconds(instances, certify=False),
+        certified_seconds=solve_seconds(instances[:count], certify=True),
+    )
+    for peer in peers:
+        if peer in case.beyond:
+            result.peers[peer] = PeerResult([], [], "not tried")
+            continue
+        answers: list[Answer] = []
+        for instance in instances[:count]:
+            answers.append(ask(peer, case, instance, folder, limit))
+            if answers[-1].trouble:
+                break
+            _say(f"  {peer}: {answers[-1].seconds:.3f} s")
+        good = [answer for answer in answers if not answer.trouble]
+        result.peers[peer] = PeerResult(
+            [answer.seconds for answer in good],
+            [compare(answer, mine) for answer, mine in zip(good, ours, strict=False)],
+            answers[-1].trouble,
+        )
+    return result
+
+
+def memory(folder: Path) -> dict[str, Shell]:
+    """Return what the largest types need from the shell, certified, both sides of planes."""
+    result = {}
+    for type_text in _LARGE:
+        instance = next(random_instances(type_text, SEED, one_sided=False))
+        result[type_text] = shell(write_instance(instance, folder / "large.yaml"), 1)
+    return result
+
+
+def bars(report: Report) -> list[Bar]:
+    """Return what is wanted beside what was measured."""
+    cases = {result.case.key: result for result in report.cases}
+    found: list[Bar] = []
+    if (six := cases.get("6-6")) is not None:
+        found.append(Bar("6-6, median", "ms", 2.4, six.seconds * 1e3))
+        times = [median(peer.seconds) for peer in six.peers.values() if peer.seconds]
+        if times:
+            found.append(
+                Bar("6-6, quickest peer over gsp", "times", 20, min(times) / six.seconds, True)
+            )
+    for key, limit in (("3D3A PL PL LP", 0.5), ("6PL", 50), ("6LL", 4000)):
+        if key in cases:
+            found.append(Bar(f"{key}, median", "ms", limit, cases[key].seconds * 1e3))
+    for batch in report.throughputs:
+        limit = {"6PP": 2.4, "PL PL LP 3ALL": 0.5}.get(batch.type_text)
+        if limit is not None and batch.jobs == 1:
+            text = f"{batch.type_text}, each of a batch of {batch.batch}"
+            found.append(Bar(text, "ms", limit, batch.seconds * 1e3))
+    if report.dietmaier is not None:
+        wall = report.dietmaier.seconds
+        found.append(Bar("Dietmaier's file from the shell, certified", "s", 0.4, wall))
+    peaks = [run.memory for run in report.large.values()] + [report.sweep_memory]
+    if any(peaks):
+        found.append(Bar("peak memory, any type", "MB", 300, max(peaks)))
+    return found
+
+
+def main() -> int:
+    """Measure, write the report."""
+    parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="a rough run of a few minutes")
+    parser.add_argument("--case", action="append", help="only this case, and nothing else")
+    parser.add_argument("--no-peers", action="store_true", help="measure gsp alone")
+    parser.add_argument("--limit", type=float, help="seconds after which a peer is stopped")
+    parser.add_argument("--output", type=Path, help="folder for the report (else to stdout)")
+    arguments = parser.parse_args()
+    quick: bool = arguments.quick
+    limit = arguments.limit or (20.0 if quick else 150.0)
+    known = {} if arguments.no_peers else versions()
+    peers = [name for name, version in known.items() if version]
+    report = Report(seed=SEED, limit=limit, quick=quick, versions=known)
+    chosen = [case for case in CASES if not arguments.case or case.key in arguments.case]
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for case in chosen:
+            _say(case.key)
+            count = 1 if quick else case.instances
+            report.cases.append(measure_case(case, peers, count=count, limit=limit, folder=folder))
+        if not arguments.case:
+            measure_rest(report, folder, quick=quick)
+    report.bars = bars(report)
+    text = report.markdown()
+    if arguments.output is None:
+        sys.stdout.write(text)
+        return 0
+    (arguments.output / "benchmarks.md").write_text(text, encoding="utf-8")
+    if report.sweep:
+        write_csv(report.sweep, arguments.output / "cost.csv")
+        picture = arguments.output / "images" / "cost.svg"
+        picture.write_text(plot(report.sweep), encoding="utf-8")
+    for bar in report.bars:
+        sys.stdout.write(f"{bar}\n")
+    return 0
+
+
+def measure_rest(report: Report, folder: Path, *, quick: bool) -> None:
+    """Measure batches, threads, the shell, memory, and the cost over all signatures."""
+    _say("batches")
+    report.throughputs = [
+        throughput(type_text, size // 10 if quick else size, jobs, SEED)
+        for type_text, size in (("6PP", 2000), ("PL PL LP 3ALL", 2000), ("6PL", 20))
+        for jobs in (1, 2)
+    ]
+    _say("shell")
+    report.dietmaier = shell(data_path("examples", "dietmaier.yaml"), 3 if quick else 9)
+    _say("all signatures")
+    began = time.monotonic()
+    for cost in costs(SEED, 60 if quick else 1):
+        report.sweep.append(cost)
+        if len(report.sweep) % 50 == 0:
+            _say(f"  {len(report.sweep)} in {time.monotonic() - began:.0f} s")
+    report.sweep_memory = peak_memory()
+    if not quick:
+        _say("memory")
+        report.large = memory(folder)
+
+
+def _say(text: str) -> None:
+    sys.stderr.write(f"{text}\n")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,112 @@
+"""What gsp itself needs: time in process and from the shell, memory, throughput."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.cases import random_instances
+from bench.processes import run
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.poses import rotation_from_quaternion
+from gspcli.geometry.residuals import Arrangement, measured
+from gspcli.solve import solve, solve_values
+from gspcli.spec import dumps
+
+GSP = (sys.executable, "-m", "gspcli")
+#: A case is measured at least this often and this long, in seconds.
+_LEAST = 3
+_LONG_ENOUGH = 2.0
+
+
+def solve_seconds(instances: Sequence[Instance], *, certify: bool) -> float:
+    """Return the median processor time of solving one of some instances, after loading.
+
+    The instances are solved one by one, round and round for some seconds.
+    """
+    solve(instances[0], certify=certify)
+    times: list[float] = []
+    while len(times) < _LEAST or sum(times) < _LONG_ENOUGH:
+        for instance in instances:
+            began = time.process_time()
+            solve(instance, certify=certify)
+            times.append(time.process_time() - began)
+    return median(times)
+
+
+@dataclass(frozen=True)
+class Throughput:
+    """Wall time for each set of values when many of one geometry are solved together."""
+
+    type_text: str
+    batch: int
+    jobs: int
+    seconds: float
+
+
+def throughput(type_text: str, batch: int, jobs: int, seed: int) -> Throughput:
+    """Solve a batch of sets of values three times, and take the median."""
+    instance = next(random_instances(type_text, seed))
+    values = _random_values(instance, batch, np.random.default_rng(seed))
+    for _ in solve_values(instance, values[:1]):
+        pass
+    times = []
+    for _ in range(3):
+        began = time.perf_counter()
+        complete = sum(
+            not (poses.lost or poses.on_curves)
+            for poses in solve_values(instance, values, jobs=jobs)
+        )
+        times.append(time.perf_counter() - began)
+        if complete < batch:
+            sys.stderr.write(f"{type_text}: {batch - complete} of {batch} are incomplete\n")
+    return Throughput(type_text, batch, jobs, median(times) / batch)
+
+
+def _random_values(instance: Instance, batch: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    """Return the values that random poses of the geometry have, shape (batch, 6)."""
+    arrangement = Arrangement.of(instance)
+    R = rotation_from_quaternion(rng.normal(size=(batch, 4)))
+    values = measured(arrangement, R, rng.uniform(-1, 1, size=(batch, 3)))
+    values[:, arrangement.distances] = np.abs(values[:, arrangement.distances])
+    values[:, arrangement.angles] /= arrangement.in_radians
+    return np.asarray(values)
+
+
+@dataclass(frozen=True)
+class Shell:
+    """A run of `gsp solve` from the shell: medians of some runs."""
+
+    seconds: float
+    """Wall time above that of a Python interpreter that does nothing."""
+    bare: float
+    """Wall time of that interpreter."""
+    memory: float
+    """Peak memory in MB."""
+    trouble: str
+
+
+def shell(path: Path, repeats: int) -> Shell:
+    """Solve an instance file from the shell, certified, JSON out."""
+    bare = median(run([sys.executable, "-c", "pass"]).seconds for _ in range(max(5, repeats)))
+    command = [*GSP, "solve", path, "--format", "json"]
+    runs = [run(command) for _ in range(repeats)]
+    return Shell(
+        seconds=median(done.seconds for done in runs) - bare,
+        bare=bare,
+        memory=max(done.memory for done in runs),
+        trouble=next((done.trouble for done in runs if done.trouble), ""),
+    )
+
+
+def write_instance(instance: Instance, path: Path) -> Path:
+    """Write an instance file, and return its path."""
+    path.write_text(dumps(instance), encoding="utf-8")
+    return path

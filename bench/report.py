@@ -1,0 +1,319 @@
+"""The page of results: what was measured as Markdown, with how to repeat it."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from datetime import date
+from math import log10
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+
+from bench.cases import CASES, Case
+from bench.own import Shell, Throughput
+from bench.peers import Comparison
+from bench.sweep import Cost
+from gspcli import __version__, _kernel
+
+
+@dataclass(frozen=True)
+class PeerResult:
+    """What a peer did on the instances of a case."""
+
+    seconds: list[float]
+    comparisons: list[Comparison]
+    trouble: str
+    """Why it was not asked on, or empty."""
+
+
+@dataclass
+class CaseResult:
+    """What was measured of a case; `peers` is filled in peer by peer."""
+
+    case: Case
+    expected: int
+    found: list[int]
+    real: list[int]
+    seconds: float
+    certified_seconds: float
+    peers: dict[str, PeerResult] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A measure beside what is wanted: at most, or at least, so much."""
+
+    name: str
+    unit: str
+    wanted: float
+    measured: float
+    at_least: bool = False
+
+    @property
+    def met(self) -> bool:
+        """Whether the measure is as wanted."""
+        if self.at_least:
+            return self.measured >= self.wanted
+        return self.measured <= self.wanted
+
+    @property
+    def cells(self) -> list[str]:
+        """The name, what is wanted, what was measured, and whether that is met."""
+        sign = "≥" if self.at_least else "≤"
+        values = (f"{number(x)} {self.unit}" for x in (self.wanted, self.measured))
+        wanted, measured = values
+        return [self.name, f"{sign} {wanted}", measured, "met" if self.met else "**missed**"]
+
+    def __str__(self) -> str:
+        return "  ".join(self.cells).replace("**", "")
+
+
+@dataclass
+class Report:
+    """Everything that a run has measured so far."""
+
+    seed: int
+    limit: float
+    quick: bool
+    versions: dict[str, str]
+    cases: list[CaseResult] = field(default_factory=list)
+    throughputs: list[Throughput] = field(default_factory=list)
+    dietmaier: Shell | None = None
+    large: dict[str, Shell] = field(default_factory=dict)
+    sweep: list[Cost] = field(default_factory=list)
+    sweep_memory: float = 0.0
+    bars: list[Bar] = field(default_factory=list)
+
+    def markdown(self) -> str:
+        """Return the whole page."""
+        split = " and ".join(case.key for case in CASES if case.split)
+        sections = [self._head(), self._bars(), self._peers(), self._batches()]
+        sections += [self._shell(), self._sweep(), _FORMULATIONS.format(split=split)]
+        return "\n".join(section for section in sections if section)
+
+    def _head(self) -> str:
+        peers = {name.split()[0]: version for name, version in self.versions.items() if version}
+        missing = [name for name, version in self.versions.items() if not version]
+        known = ", ".join(f"{name} {version}" for name, version in peers.items()) or "none"
+        text = _HEAD.format(
+            today=date.today().isoformat(),
+            version=__version__,
+            python=platform.python_version(),
+            numpy=np.__version__,
+            kernel=_kernel.build(),
+            processor=_processor(),
+            cores=os.cpu_count(),
+            system=platform.system(),
+            peers=known,
+            seed=self.seed,
+            limit=self.limit,
+        )
+        if missing:
+            text += f"\nNot installed, so not measured: {', '.join(missing)}.\n"
+        if self.quick:
+            text += "\n**A quick run**: one instance a case, a sample of the signatures.\n"
+        return text
+
+    def _bars(self) -> str:
+        if not self.bars:
+            return ""
+        rows = (bar.cells for bar in self.bars)
+        return "## Bars\n\n" + table(["what", "wanted", "measured", ""], rows)
+
+    def _peers(self) -> str:
+        if not self.cases:
+            return ""
+        names = [name for name, version in self.versions.items() if version]
+        times = table(
+            ["case", "solutions", "gsp", "certified", *names],
+            ([*_own(result), *(_time(result, name) for name in names)] for result in self.cases),
+        )
+        text = f"## Peers\n\n{_TIMES}\n{times}"
+        if names:
+            answers = table(
+                ["case", "instances", "gsp found", "real", *names],
+                (
+                    [
+                        result.case.key,
+                        str(len(result.found)),
+                        _spread(result.found),
+                        _spread(result.real),
+                        *(_answers(result.peers[name]) for name in names),
+                    ]
+                    for result in self.cases
+                ),
+            )
+            text += f"\n{_ANSWERS}\n{answers}"
+        return text
+
+    def _batches(self) -> str:
+        if not self.throughputs:
+            return ""
+        rows = (
+            [x.type_text, str(x.batch), str(x.jobs), duration(x.seconds), f"{1 / x.seconds:.0f}"]
+            for x in self.throughputs
+        )
+        heading = ["type", "batch", "threads", "wall time each", "per second"]
+        return f"## Batches and threads\n\n{_BATCHES}\n{table(heading, rows)}"
+
+    def _shell(self) -> str:
+        if self.dietmaier is None:
+            return ""
+        runs = {"Dietmaier's platform": self.dietmaier, **self.large}
+        rows = (
+            [name, duration(x.seconds), f"{x.memory:.0f} MB", x.trouble or "done"]
+            for name, x in runs.items()
+        )
+        heading = ["instance", "time above a bare interpreter", "peak memory", ""]
+        bare = duration(self.dietmaier.bare)
+        return f"## From the shell\n\n{_SHELL.format(bare=bare)}\n{table(heading, rows)}"
+
+    def _sweep(self) -> str:
+        if not self.sweep:
+            return ""
+        verdicts = Counter(row.verdict for row in self.sweep)
+        paths = [row for row in self.sweep if row.method == "paths"]
+        slope = np.polyfit(
+            [log10(row.expected) for row in paths], [log10(row.milliseconds) for row in paths], 1
+        )[0]
+        slowest = max(self.sweep, key=lambda row: row.milliseconds)
+        return _SWEEP.format(
+            count=len(self.sweep),
+            verdicts=", ".join(f"{n} {verdict}" for verdict, n in verdicts.items()),
+            each=duration(median(row.milliseconds / row.expected for row in paths) / 1e3),
+            slope=slope,
+            slowest=slowest.family,
+            longest=duration(slowest.milliseconds / 1e3),
+            paths=slowest.expected,
+            memory=self.sweep_memory,
+        )
+
+
+def table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a Markdown table, all columns but the first aligned to the right."""
+    rule = ["---", *["---:"] * (len(heading) - 1)]
+    return "".join(f"| {' | '.join(row)} |\n" for row in (heading, rule, *rows))
+
+
+def number(value: float) -> str:
+    """Return a number with two or three digits that count."""
+    return f"{value:.0f}" if value >= 100 else f"{value:.2g}"
+
+
+def duration(seconds: float) -> str:
+    """Return a time in the unit that suits it."""
+    for scale, unit in ((1.0, "s"), (1e3, "ms")):
+        if seconds * scale >= 1:
+            return f"{number(seconds * scale)} {unit}"
+    return f"{number(seconds * 1e6)} µs"
+
+
+def _own(result: CaseResult) -> list[str]:
+    times = (duration(x) for x in (result.seconds, result.certified_seconds))
+    return [result.case.key, str(result.expected), *times]
+
+
+def _time(result: CaseResult, name: str) -> str:
+    peer = result.peers[name]
+    if not peer.seconds:
+        return peer.trouble
+    seconds = median(peer.seconds)
+    return f"{duration(seconds)} ({number(seconds / result.seconds)}×)"
+
+
+def _answers(peer: PeerResult) -> str:
+    if not peer.comparisons:
+        return peer.trouble
+    found, real = (
+        [getattr(x, name) for x in peer.comparisons] for name in ("complex_count", "real")
+    )
+    faults = {
+        name: sum(getattr(x, name) for x in peer.comparisons)
+        for name in ("lost", "duplicated", "strangers")
+    }
+    text = f"{_spread(found)}; {_spread(real)} real"
+    return ", ".join([text, *(f"**{n} {name}**" for name, n in faults.items() if n)])
+
+
+def _spread(values: Sequence[int]) -> str:
+    """Return the one value of all, or all of them."""
+    return str(values[0]) if len(set(values)) == 1 else " ".join(map(str, values))
+
+
+def _processor() -> str:
+    path = Path("/proc/cpuinfo")
+    lines = path.read_text().splitlines() if path.exists() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()
+
+
+_HEAD = """# Benchmarks
+
+Generated by `make bench`, which repeats it; do not edit.
+
+- {today}; {processor}, {cores} cores, {system}
+- gsp {version} (kernel {kernel}), Python {python}, NumPy {numpy}
+- peers: {peers}
+- seed {seed} for all instances; a peer is stopped after {limit:.0f} s
+"""
+
+_TIMES = """\
+Medians over the same instances, on one core: processor time, so that others on the machine matter
+less. For gsp it is `solve` in process, after loading, without and with certificates; for msolve and
+phc the whole process (they start in milliseconds); for Macaulay2 the tracking alone, in process.
+In brackets, as a multiple of gsp without certificates. Only msolve proves anything, for the real
+solutions that it isolates; compare it with *certified*.
+"""
+
+_ANSWERS = """\
+What they found: distinct complex solutions, and how many of them are real, for each instance where
+they differ. *Lost*: solutions of gsp that the peer has not (over all instances); *duplicated*:
+listed more than once; *strangers*: listed, but no solution of gsp. msolve lists the real ones and
+counts the others. Numerical solutions of peers count as real below a relative imaginary part of
+1e-8, which is a convention and not a proof.
+"""
+
+_BATCHES = """\
+Many sets of values of one geometry with `solve_values`, uncertified; wall time.
+"""
+
+_SHELL = """\
+`gsp solve FILE --format json`, certified; a bare interpreter takes {bare}. The large ones ask for
+both sides of every plane.
+"""
+
+_SWEEP = """## Cost and the number of solutions
+
+![cost over the number of solutions](images/cost.svg)
+
+One random one-sided platform of each of {count} signatures, uncertified ([data](cost.csv)):
+{verdicts}. Where paths are tracked, a path takes {each} (median); the time grows as the count to
+the power {slope:.2f} (least squares). The slowest is {slowest}: {longest} for {paths} paths. Peak
+memory of the process that solves them all, with all its start systems: {memory:.0f} MB.
+"""
+
+_FORMULATIONS = """\
+## How the peers were asked
+
+Random instances have three decimals, directions of integer length and angles with short cosines,
+so that all equations have short rational coefficients; exact solvers slow down much with longer
+ones. Equations are written anew from the definitions of the constraints (`bench/polynomials.py`).
+
+- All: the Study parameters with e0 = 1, seven equations in seven unknowns: e.f = 0, and for each
+  constraint a quadric (a quartic for PL, LP, LL).
+- msolve: also tried were the entries of R, T, U = R^T T and T.T with their relations, as they are
+  or with linear equations solved beforehand, and other orders of the unknowns: none was quicker.
+- phc -b: the equations and nothing else; for {split}, where that is quicker, with an unknown u more
+  for each product, `G = d N u` and `u H = d N`.
+- phc -p and Macaulay2 get what gsp starts from: the solved generic system of the same structure.
+  phc: a homotopy of degree 1 in t (its default of 2 takes a third longer), else its defaults.
+  Macaulay2: `trackHomotopy` with its defaults on straight-line programs that keep products as
+  products; `track`, which expands them, is slower.
+- 6LL: not tried with msolve (6PL, with an eighth of the solutions, is at its limit already) nor
+  with phc -b (8192 paths by the total degree).
+"""
