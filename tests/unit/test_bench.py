@@ -1,0 +1,152 @@
+"""The benchmarks ask every peer for the solutions of the same platform."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from bench import macaulay2, msolve, phc
+from bench.cases import CASES, Case
+from bench.homotopy import Homotopy, blackbox_system, poses, split_system
+from bench.peers import Answer, compare
+from bench.polynomials import equations, study
+from bench.report import Bar, duration, table
+from bench.sweep import Cost, plot
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.poses import study_from_pose
+from gspcli.solve import SolveResult, solve
+from gspcli.spec import dumps, loads
+
+SEED = 1
+SMALL = [case for case in CASES if case.key not in ("6PL", "6LL")]
+CASE = pytest.mark.parametrize("case", SMALL, ids=lambda case: case.key)
+TOLERANCE = 1e-9
+
+
+@cache
+def solved(case: Case) -> tuple[Instance, SolveResult, NDArray[np.complex128]]:
+    """Return an instance, our solutions, and these as affine points (n, 7)."""
+    [instance] = case.draw(SEED, 1)
+    result = solve(instance, certify=False)
+    e, f = study_from_pose(result.R, result.T)
+    return instance, result, np.concatenate((e[:, 1:], f), axis=1) / e[:, :1]
+
+
+def worst(text: str, imaginary: str, names: list[str], points: NDArray[np.complex128]) -> float:
+    """Return the largest value of a polynomial given as text, relative to that of its terms."""
+    python = re.sub(rf"\*{imaginary}\b", "*1j", text.replace("^", "**"))
+    known = dict(zip(names, points.T, strict=True))
+    value = np.abs(eval(python, {}, known))
+    # The same with nothing cancelling: signs dropped, and sizes for the unknowns.
+    sizes = {name: np.abs(x) for name, x in known.items()}
+    scale = np.abs(eval(re.sub(r"(?<!e)-", "+", python), {}, sizes))
+    return float((value / (1 + scale)).max())
+
+
+@CASE
+def test_msolve_gets_our_equations(case: Case) -> None:
+    instance, _, points = solved(case)
+    names, characteristic, *rows = msolve.written(blackbox_system(instance)).splitlines()
+    assert characteristic == "0"
+    assert len(rows) == 7
+    for row in rows:
+        assert worst(row.rstrip(","), "I", names.split(","), points) < TOLERANCE
+
+
+@CASE
+def test_phc_gets_our_equations(case: Case) -> None:
+    instance, _, points = solved(case)
+    form = phc.style(7)
+    for row in Homotopy.of(instance, SEED).target:
+        text = "+".join(map(form.product, row)).replace("E", "e")
+        assert worst(text, "I", list(form.names), points) < TOLERANCE
+
+
+def test_products_are_split_by_one_unknown_each() -> None:
+    case = next(case for case in CASES if case.split)
+    instance, _, points = solved(case)
+    rows = split_system(instance)
+    form = phc.style(len(rows))
+    assert len(rows) == 7 + 3
+    unknowns = []
+    texts = [form.written(row).replace("E", "e") for row in rows]
+    for k in range(8, len(rows) + 1):
+        # Of the two rows with u the second is u H = d N, the first G = d N u: solve the second.
+        row = [text for text in texts if f"*x{k}" in text][1]
+        known = dict(zip(form.names, points.T, strict=False))
+        python = row.replace("^", "**").replace("*I", "*1j")
+        zero, one = (eval(python, {}, known | {f"x{k}": np.complex128(u)}) for u in (0, 1))
+        unknowns.append(-zero / (one - zero))
+    full = np.concatenate((points, np.array(unknowns).T), axis=1)
+    assert all(worst(text, "I", list(form.names), full) < TOLERANCE for text in texts)
+
+
+@CASE
+def test_peers_start_at_solutions(case: Case) -> None:
+    instance, result, _ = solved(case)
+    homotopy = Homotopy.of(instance, SEED)
+    assert len(homotopy.points) == result.expected
+    names = list(macaulay2.STYLE.names)
+    for row in homotopy.start:
+        text = "+".join(map(macaulay2.STYLE.product, row))
+        # Start solutions are stored in single precision.
+        assert worst(text, "ii", names, homotopy.points) < 1e-4
+
+
+def test_solutions_are_written_as_phc_reads_them() -> None:
+    points = np.array([[k + 1j / (1 + k) for k in range(7)], np.arange(7) * 1e-9 + 0j])
+    assert np.array_equal(phc.read_solutions(phc.written_solutions(points)), points)
+
+
+def test_instances_can_be_written_and_read() -> None:
+    for case in CASES:
+        [instance] = case.draw(SEED, 1)
+        again = loads(dumps(instance))
+        assert again.constraints == instance.constraints
+
+
+def test_irrational_lengths_are_refused() -> None:
+    text = dumps(solved(CASES[2])[0])
+    crooked = loads(re.sub(r"normal: \[[^\]]*\]", "normal: [1, 1, 1]", text))
+    with pytest.raises(ValueError, match=r"irrational length sqrt\(3\)"):
+        equations(crooked, study())
+
+
+def test_faults_of_peers_are_counted() -> None:
+    _, result, points = solved(CASES[0])
+    stranger = np.full((1, 7), 0.5 + 0.25j)
+    answer = Answer(1.0, np.concatenate((points[1:], points[-2:], stranger)))
+    comparison = compare(answer, result)
+    assert (comparison.complex_count, comparison.lost) == (39, 1)
+    assert (comparison.duplicated, comparison.strangers) == (2, 1)
+    assert not comparison.clean
+    assert comparison.real == result.counts.real - 1
+    whole = compare(Answer(1.0, points), result)
+    assert whole.clean
+    assert whole.real == result.counts.real
+    R, _ = poses(points)
+    assert np.allclose(R, result.R)
+
+
+def test_an_exact_peer_lists_the_real_ones() -> None:
+    _, result, points = solved(CASES[0])
+    real = points[: result.counts.real]
+    assert compare(Answer(1.0, real, 40), result).clean
+    assert compare(Answer(1.0, real[1:], 40), result).lost == 1
+    assert compare(Answer(1.0, real, 39), result).lost == 1
+
+
+def test_bars_and_tables() -> None:
+    assert Bar("a", "ms", 2.4, 1.234).cells == ["a", "≤ 2.4 ms", "1.2 ms", "met"]
+    assert Bar("b", "times", 20, 19, at_least=True).cells[3] == "**missed**"
+    assert table(["x", "y"], [["1", "2"]]) == "| x | y |\n| --- | ---: |\n| 1 | 2 |\n"
+    assert [duration(x) for x in (12.3, 0.0456, 7e-6)] == ["12 s", "46 ms", "7 µs"]
+
+
+def test_the_plot_has_a_dot_for_each_signature() -> None:
+    rows = [Cost(f"f{n}", "paths", n, n, 2, "complete", 0.1 * n) for n in (8, 40, 4096)]
+    assert plot(rows).count("<circle") == 3
