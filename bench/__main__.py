@@ -55,7 +55,7 @@ def measure_case(
     case: Case, peers: Sequence[str], *, count: int, limit: float, folder: Path
 ) -> CaseResult:
     """Measure ourselves and the peers on the same instances of a case."""
-    instances = case.draw(SEED, max(count, 30 if case.instances > 1 else 1))
+    instances = case.draw(SEED, max(count, 30 if case.instances > 1 else 5))
     ours = [solve(instance, certify=False) for instance in instances[:count]]
     result = CaseResult(
         case=case,

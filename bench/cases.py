@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
 from itertools import product
-from math import isqrt
+from math import gcd, isqrt
 
 import numpy as np
 
@@ -22,13 +22,13 @@ from gspcli.catalogue.parsing import parse_type
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.poses import rotation_from_quaternion
-from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector, vector
+from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
 from gspcli.geometry.residuals import Arrangement, measured
 from gspcli.resources import data_path
 from gspcli.spec import load
 
 DIGITS = 3
-_LONGEST = 15
+_LONGEST = 21
 #: A distance or cosine of less than this rounds to something special: draw again.
 _SMALL = 0.05
 
@@ -73,11 +73,13 @@ def random_instances(type_text: str, seed: int, *, one_sided: bool = True) -> It
     kinds = parse_type(type_text).kinds
     rng = np.random.default_rng(seed)
     while True:
+        # Each once, so that nothing is parallel.
+        directions = iter(rng.permutation(_integer_directions()).tolist())
         rows = tuple(
             Constraint(
                 kind,
-                _primitive(kind.platform, rng),
-                _primitive(kind.base, rng),
+                _primitive(kind.platform, rng, directions),
+                _primitive(kind.base, rng, directions),
                 Number.of(0),
                 platform_name=f"{kind.platform.value}{i}",
                 base_name=f"{kind.base.value}{i}",
@@ -110,12 +112,13 @@ def _with_values(draft: Instance, rng: np.random.Generator, one_sided: bool) -> 
     return replace(draft, constraints=tuple(rows))
 
 
-def _primitive(primitive: Primitive, rng: np.random.Generator) -> Geometry:
+def _primitive(
+    primitive: Primitive, rng: np.random.Generator, directions: Iterator[list[int]]
+) -> Geometry:
     position = vector(*(_decimal(value) for value in rng.uniform(-1, 1, size=3)))
     if primitive is Primitive.POINT:
         return Point(position)
-    directions = _integer_directions()
-    direction = directions[rng.integers(len(directions))]
+    direction = vector(*next(directions))
     return Line(position, direction) if primitive is Primitive.LINE else Plane(position, direction)
 
 
@@ -124,12 +127,12 @@ def _decimal(value: float) -> Fraction:
 
 
 @cache
-def _integer_directions() -> tuple[Vector, ...]:
-    """Return the integer vectors without a zero whose length is a small integer."""
-    span = [n for n in range(-_LONGEST, _LONGEST + 1) if n]
+def _integer_directions() -> list[tuple[int, int, int]]:
+    """Return the shortest integer vectors, up to sign and scale, whose length is an integer."""
     found = []
-    for a, b, c in product(span, repeat=3):
+    for a, b, c in product(range(-_LONGEST, _LONGEST + 1), repeat=3):
         square = a * a + b * b + c * c
-        if isqrt(square) ** 2 == square and square <= _LONGEST**2:
-            found.append(vector(a, b, c))
-    return tuple(found)
+        integer = isqrt(square) ** 2 == square <= _LONGEST**2
+        if integer and a > 0 and b and c and gcd(a, b, c) == 1:
+            found.append((a, b, c))
+    return found

@@ -99,7 +99,7 @@ def split_system(instance: Instance) -> list[Terms]:
         tail = tuple(int(k == unknown) for k in range(more))
         return [(value, (*powers, *tail)) for value, powers in polynomial]
 
-    rows: list[Terms] = [extended(terms(affine(study().relations[0])))]
+    rows: list[Terms] = []
     u = 0
     for g, h, tau, product in zip(system.g, system.h, system.tau, products, strict=True):
         if not product:
@@ -109,7 +109,7 @@ def split_system(instance: Instance) -> list[Terms]:
         rows.append(extended(quadric(g)) + extended(right, u))
         rows.append(extended(quadric(h), u) + extended(right))
         u += 1
-    return rows
+    return [*rows, extended(terms(affine(study().relations[0])))]
 
 
 def poses(points: Field) -> tuple[Field, Field]:

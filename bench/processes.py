@@ -23,8 +23,6 @@ class Finished:
     ----------
     seconds, cpu
         Wall time, and processor time of the process and its children.
-    memory
-        Peak resident memory in MB.
     output, errors
         What it wrote.
     trouble
@@ -33,7 +31,6 @@ class Finished:
 
     seconds: float
     cpu: float
-    memory: float
     output: str
     errors: str
     trouble: str
@@ -67,7 +64,7 @@ def run(command: Sequence[str | Path], *, stdin: str = "", limit: float = 600.0)
         # On a machine so busy that this is not reached, the wall clock ends it.
         timer = threading.Timer(_PATIENCE * limit, os.killpg, (process.pid, signal.SIGKILL))
         timer.start()
-        # The one call that tells the memory of this child alone.
+        # The one call that tells the processor time of this child alone.
         _, status, usage = os.wait4(process.pid, 0)
         wall = time.perf_counter() - began
         timer.cancel()
@@ -77,7 +74,6 @@ def run(command: Sequence[str | Path], *, stdin: str = "", limit: float = 600.0)
         return Finished(
             seconds=wall,
             cpu=usage.ru_utime + usage.ru_stime,
-            memory=usage.ru_maxrss / 1024,
             output=out.read().decode(errors="replace"),
             errors=err.read().decode(errors="replace"),
             trouble=_trouble(process.returncode, limit),

@@ -201,8 +201,8 @@ def table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def number(value: float) -> str:
-    """Return a number with two or three digits that count."""
-    return f"{value:.0f}" if value >= 100 else f"{value:.2g}"
+    """Return a number with two digits that count, or all before the point."""
+    return f"{value:.0f}" if value >= 9.95 else f"{value:.2g}"
 
 
 def duration(seconds: float) -> str:
@@ -283,8 +283,8 @@ Many sets of values of one geometry with `solve_values`, uncertified; wall time.
 """
 
 _SHELL = """\
-`gsp solve FILE --format json`, certified; a bare interpreter takes {bare}. The large ones ask for
-both sides of every plane.
+`gsp solve FILE --format json`, certified; wall time, of which a bare interpreter would take {bare}.
+The large ones ask for both sides of every plane.
 """
 
 _SWEEP = """## Cost and the number of solutions
@@ -294,7 +294,7 @@ _SWEEP = """## Cost and the number of solutions
 One random one-sided platform of each of {count} signatures, uncertified ([data](cost.csv)):
 {verdicts}. Where paths are tracked, a path takes {each} (median); the time grows as the count to
 the power {slope:.2f} (least squares). The slowest is {slowest}: {longest} for {paths} paths. Peak
-memory of the process that solves them all, with all its start systems: {memory:.0f} MB.
+memory of the process that did all this, keeping all start systems: {memory:.0f} MB.
 """
 
 _FORMULATIONS = """\
@@ -308,8 +308,8 @@ ones. Equations are written anew from the definitions of the constraints (`bench
   constraint a quadric (a quartic for PL, LP, LL).
 - msolve: also tried were the entries of R, T, U = R^T T and T.T with their relations, as they are
   or with linear equations solved beforehand, and other orders of the unknowns: none was quicker.
-- phc -b: the equations and nothing else; for {split}, where that is quicker, with an unknown u more
-  for each product, `G = d N u` and `u H = d N`.
+- phc -b: the equations and nothing else. For {split}, where that halves the time, each product
+  has an unknown u more: `G = d N u` and `u H = d N`. (For 5PP+PL and 6PL that is slower.)
 - phc -p and Macaulay2 get what gsp starts from: the solved generic system of the same structure.
   phc: a homotopy of degree 1 in t (its default of 2 takes a third longer), else its defaults.
   Macaulay2: `trackHomotopy` with its defaults on straight-line programs that keep products as
