@@ -56,7 +56,11 @@ def test_table_3_is_reached_by_real_solutions() -> None:
     # N1 is one-sided; one-sided numbers of planes and lines double with the two sides, and with
     # the two signs of the mutual moment.
     for family in families(CLASSES[0]):
-        assert best_real(family) in (None, family_counts(family).two_sided), family.id
+        assert best_real(family) == family_counts(family).two_sided, family.id
+
+
+def test_dietmaiers_number_is_reached() -> None:
+    assert best_real(parse_type("6PP")) == 40
 
 
 def test_exchanged_bodies_have_the_mirrored_family() -> None:
