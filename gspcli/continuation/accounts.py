@@ -10,6 +10,7 @@ paths. The account with the fewest lost paths counts.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +71,7 @@ class Account:
     curves: list[Curve] = field(default_factory=list)
 
 
+@lru_cache(maxsize=256)
 def random_start(start: StartSystem, seed: int, attempt: int) -> Coefficients:
     """Return the start system with its factors multiplied by random phases: another path."""
     rng = np.random.default_rng([seed, attempt])

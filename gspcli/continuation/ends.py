@@ -43,10 +43,10 @@ def may_coincide(
         Shapes (B, P) and (B, P - 1).
     """
     keys = np.abs(points @ _KEY)
-    order = np.argsort(keys, axis=1)
-    keys = np.take_along_axis(keys, order, axis=1)
-    error = np.take_along_axis(error, order, axis=1)
-    return order, np.diff(keys, axis=1) < np.maximum(error[:, 1:], error[:, :-1])
+    order = keys.argsort(axis=1)
+    rows = np.arange(len(keys))[:, None]
+    keys, error = keys[rows, order], error[rows, order]
+    return order, keys[:, 1:] - keys[:, :-1] < np.maximum(error[:, 1:], error[:, :-1])
 
 
 def distances(points: ComplexArray, point: ComplexArray) -> FloatArray:

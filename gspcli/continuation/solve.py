@@ -198,6 +198,5 @@ def _scaled_to_one(points: ComplexArray, scale: float) -> ComplexArray:
     """Undo the balance of e and f, and scale to N = 1 with a definite sign."""
     points = points / np.sqrt((points[:, :4] ** 2).sum(axis=1, keepdims=True))
     points[:, 4:] *= scale
-    largest = np.abs(points[:, :4]).argmax(axis=1)[:, None]
-    sign = np.where(np.take_along_axis(points, largest, axis=1).real < 0, -1.0, 1.0)
-    return points * sign
+    largest = points[np.arange(len(points)), np.abs(points[:, :4]).argmax(axis=1)]
+    return points * np.where(largest.real < 0, -1.0, 1.0)[:, None]

@@ -21,7 +21,9 @@ from gspcli.continuation.quadrics import (
 )
 
 EQUATIONS = 6
-_DEGREES_IN_F = (slice(0, 10), slice(10, 26), slice(26, 27))
+# The degree in f of each coefficient, and which coefficients have the degree 0, 1, 2.
+_DEGREE_IN_F = np.repeat([0, 1, 2], [10, 16, 1])
+_OF_DEGREE = np.eye(3)[_DEGREE_IN_F]
 
 
 @dataclass(frozen=True, order=True)
@@ -78,10 +80,8 @@ class Coefficients(NamedTuple):
 
     def normalized(self) -> Coefficients:
         """Return the same equations with every factor scaled to norm 1."""
-        size_g = np.linalg.norm(self.g, axis=-1)
-        size_h = np.linalg.norm(self.h, axis=-1)
-        size_g = np.where(size_g > 0, size_g, 1.0)
-        size_h = np.where(size_h > 0, size_h, 1.0)
+        size_g, size_h = (np.sqrt((x.real**2 + x.imag**2).sum(axis=-1)) for x in self[:2])
+        size_g[size_g == 0] = size_h[size_h == 0] = 1.0
         return Coefficients(
             self.g / size_g[..., None], self.h / size_h[..., None], self.tau / (size_g * size_h)
         )
@@ -93,20 +93,16 @@ class Coefficients(NamedTuple):
         that the unit of length does not matter.
         """
         factors = np.concatenate([self.g, self.h], axis=-2)
-        size = np.stack(
-            [np.linalg.norm(factors[..., part], axis=-1) for part in _DEGREES_IN_F], axis=-1
-        )
+        square = (factors.real**2 + factors.imag**2) @ _OF_DEGREE
         with np.errstate(divide="ignore", invalid="ignore"):
-            logarithm = np.log2(size)
+            logarithm = np.log2(square) / 2
             # The least-squares slope of log(size) over the degree in f.
             ratio = logarithm[..., 1:] - logarithm[..., :1]
         known = np.isfinite(ratio)
-        weight = np.where(known, [1.0, 2.0], 0.0)
-        slope = (weight * np.where(known, ratio, 0.0)).sum(axis=(-1, -2))
-        scale = np.exp2(-np.round(slope / np.maximum(1.0, (weight**2).sum(axis=(-1, -2)))))
-        powers = np.ones((*scale.shape, 1, COEFFICIENTS))
-        powers[..., 0, _DEGREES_IN_F[1]] = scale[..., None]
-        powers[..., 0, _DEGREES_IN_F[2]] = scale[..., None] ** 2
+        slope = np.where(known, ratio, 0.0).sum(axis=-2) @ [1.0, 2.0]
+        weight = known.sum(axis=-2) @ [1.0, 4.0]
+        scale = np.exp2(-np.rint(slope / np.maximum(1.0, weight)))
+        powers = scale[..., None, None] ** _DEGREE_IN_F
         return Coefficients(self.g * powers, self.h * powers, self.tau).normalized(), scale
 
     def scaled(self, g: ComplexArray, h: ComplexArray) -> Coefficients:
