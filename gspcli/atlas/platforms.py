@@ -13,7 +13,7 @@ from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind, Primitive
 from gspcli.continuation.solve import SystemSolutions, solve_systems
 from gspcli.continuation.systems import TargetSystem
 from gspcli.geometry.poses import Field, apply, cross, dot, normalised, rotation_from_quaternion
-from gspcli.solve.systems import Equation, equation, target_system
+from gspcli.solve.systems import systems_of
 
 Array = NDArray[np.float64]
 
@@ -54,20 +54,7 @@ class Platforms:
 
     def systems(self) -> Iterator[TargetSystem]:
         """Yield the system of each platform, for the sides that its values have."""
-        numbers = zip(
-            self.kinds,
-            *(np.moveaxis(part, -2, 0) for part in (self.y, self.x, self.u, self.v)),
-            np.moveaxis(self.values, -1, 0),
-            strict=True,
-        )
-        equations = [equation(kind, *rest) for kind, *rest in numbers]
-        for k in range(len(self)):
-            yield target_system(
-                [
-                    Equation(e.letter, e.g[k], None if e.h is None else e.h[k], e.tau[k])
-                    for e in equations
-                ]
-            )
+        return systems_of(self.kinds, self.y, self.x, self.u, self.v, self.values)
 
     def on_all_sides(self) -> Platforms:
         """Return each platform with all combinations of sides, one directly after the other."""

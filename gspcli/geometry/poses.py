@@ -25,7 +25,8 @@ def dot(a: Field, b: Field) -> Field:
 
 def normalised(z: Field) -> Field:
     """Return vectors divided by their Hermitian norm, ``(..., n)``."""
-    scaled: Field = z / np.sqrt((z.real**2 + z.imag**2).sum(axis=-1, keepdims=True))
+    square = np.einsum("...i,...i->...", z.conj(), z).real
+    scaled: Field = z * (1 / np.sqrt(square))[..., None]
     return scaled
 
 
@@ -72,6 +73,7 @@ def _quadratic_forms() -> NDArray[np.float64]:
 
 #: ``N R = ROTATION_FORMS @ vec(e e^T)``: the symmetric forms of Euler and Rodrigues.
 ROTATION_FORMS = _quadratic_forms()
+_IDENTITY = np.eye(4).reshape(16)
 
 
 def _translation_forms(sign: float) -> NDArray[np.float64]:
@@ -89,6 +91,17 @@ TRANSLATION_FORMS = _translation_forms(1.0)
 BODY_TRANSLATION_FORMS = _translation_forms(-1.0)
 
 
+def _pose_forms() -> NDArray[np.float64]:
+    """Return the forms of N R and N T, columns, in the products ``e_k (e, f)_l``, rows."""
+    forms = np.zeros((4, 8, 12))
+    forms[:, :4, :9] = ROTATION_FORMS.T.reshape(4, 4, 9)
+    forms[:, 4:, 9:] = TRANSLATION_FORMS.transpose(1, 2, 0)
+    return forms.reshape(32, 12)
+
+
+_POSE_FORMS = _pose_forms()
+
+
 def rotated_forms(u: Field, v: Field) -> Field:
     """Return the symmetric forms of ``N v . R u``, ``(..., 3), (..., 3) -> (..., 4, 4)``."""
     outer = v[..., :, None] * u[..., None, :]
@@ -100,9 +113,9 @@ def rotated_forms(u: Field, v: Field) -> Field:
 
 def rotation_from_quaternion(e: Field) -> Field:
     """Return the rotation of a quaternion of any nonzero ``N``, ``(..., 4) -> (..., 3, 3)``."""
-    outer = (e[..., :, None] * e[..., None, :]).reshape(*e.shape[:-1], 16)
-    scaled = outer @ ROTATION_FORMS.T / dot(e, e)[..., None]
-    return scaled.reshape(*e.shape[:-1], 3, 3)
+    scaled = e * (1 / dot(e, e))[..., None]
+    outer = (scaled[..., :, None] * e[..., None, :]).reshape(*e.shape[:-1], 16)
+    return (outer @ ROTATION_FORMS.T).reshape(*e.shape[:-1], 3, 3)
 
 
 def quaternion_from_rotation(R: Field) -> Field:
@@ -111,25 +124,25 @@ def quaternion_from_rotation(R: Field) -> Field:
     Of the two signs the one is returned whose first component that is not zero (to nine
     digits) has a positive real part, or a vanishing real and a positive imaginary part.
     """
-    flat = R.reshape(*R.shape[:-2], 9)
+    batch = R.shape[:-2]
     # The forms of N R are orthogonal with squared norm 4, except for the trace part N itself.
-    identity = np.eye(4).reshape(16)
-    outer = (flat @ ROTATION_FORMS + identity) / 4
-    square = outer.reshape(*R.shape[:-2], 4, 4)
-    diagonal = np.einsum("...ii->...i", square)
-    largest = np.argmax(np.abs(diagonal), axis=-1)[..., None]
-    column = np.take_along_axis(square, largest[..., None], axis=-1)[..., 0]
-    e = column / np.sqrt(np.take_along_axis(diagonal, largest, axis=-1))
-    return canonical_sign(e)
+    outer = (R.reshape(-1, 9) @ ROTATION_FORMS + _IDENTITY) * 0.25
+    diagonal = outer[:, ::5]
+    largest = np.abs(diagonal).argmax(axis=1)
+    rows = np.arange(len(outer))
+    column = outer.reshape(-1, 4, 4)[rows, largest]
+    e = column * (1 / np.sqrt(diagonal[rows, largest]))[:, None]
+    return canonical_sign(e).reshape(*batch, 4)
 
 
 def canonical_sign(e: Field) -> Field:
     """Return ``e`` or ``-e`` by the rule of `quaternion_from_rotation`, ``(..., 4)``."""
-    key = np.stack((e.real, e.imag), axis=-1).reshape(*e.shape[:-1], 8)
-    key = np.round(key, 9)
-    first = np.argmax(key != 0, axis=-1)[..., None]
-    sign = np.where(np.take_along_axis(key, first, axis=-1) < 0, -1.0, 1.0)
-    return e * sign
+    # Real parts before imaginary parts, component by component.
+    parts = np.ascontiguousarray(e).view(np.float64).reshape(-1, 8 if np.iscomplexobj(e) else 4)
+    key = parts.round(9)
+    first = key[np.arange(len(key)), (key != 0).argmax(axis=1)]
+    signed: Field = e * np.where(first < 0, -1.0, 1.0).reshape(*e.shape[:-1], 1)
+    return signed
 
 
 def study_from_pose(R: Field, T: Field) -> tuple[Field, Field]:
@@ -144,8 +157,10 @@ def pose_from_study(e: Field, f: Field) -> tuple[Field, Field]:
 
     ``N`` must not vanish; a remainder of ``e.f`` is ignored (`T` is a vector part).
     """
-    T = 2 * quaternion_product(f, conjugate(e))[..., 1:] / dot(e, e)[..., None]
-    return rotation_from_quaternion(e), T
+    scaled = e * (1 / dot(e, e))[..., None]
+    outer = scaled[..., :, None] * np.concatenate((e, f), axis=-1)[..., None, :]
+    pose = outer.reshape(*e.shape[:-1], 32) @ _POSE_FORMS
+    return pose[..., :9].reshape(*e.shape[:-1], 3, 3), pose[..., 9:]
 
 
 def rotation_from_vector(omega: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -448,10 +448,11 @@ def real_points(points: Complex) -> NDArray[np.bool_]:
     """
     z = normalised(points)
     real = np.zeros(len(z), bool)
+    conjugate_columns = z.conj().T
     # In pieces, because a set may have thousands of points.
     for start in range(0, len(z), _PIECE):
         conjugates = z[start : start + _PIECE].conj()
-        products = conjugates @ z.conj().T
+        products = conjugates @ conjugate_columns
         overlaps = products.real**2 + products.imag**2
         own = start + np.arange(len(overlaps))
         real[own] = overlaps.argmax(axis=1) == own
@@ -468,6 +469,6 @@ def real_points(points: Complex) -> NDArray[np.bool_]:
 
 def made_real(points: Complex) -> Array:
     """Return real representatives of real points, norm 1, shape (..., n + 1)."""
-    largest = np.abs(points).argmax(axis=-1)[..., None]
-    pivot = np.take_along_axis(points, largest, axis=-1)
-    return np.asarray(normalised((points / pivot).real))
+    flat = points.reshape(-1, points.shape[-1])
+    pivot = flat[np.arange(len(flat)), np.abs(flat).argmax(axis=1)]
+    return np.asarray(normalised((flat * (1 / pivot)[:, None]).real).reshape(points.shape))

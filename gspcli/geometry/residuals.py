@@ -7,8 +7,10 @@ batch axes; the last axis of results runs over the constraints.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,10 +21,39 @@ from gspcli.geometry.poses import Field, apply, cross, dot
 from gspcli.geometry.primitives import Geometry, Point
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 _SIGNS = {Side.POSITIVE: 1, Side.NEGATIVE: -1, Side.BOTH: 0}
 #: Lines that meet at a smaller angle than this (radians) are measured as parallel ones.
 _PARALLEL = 1e-9
+
+
+class _Layout(NamedTuple):
+    """What follows from the kinds alone; read-only arrays."""
+
+    distances: Index
+    angles: Index
+    sided: NDArray[np.bool_]
+    """Which constraints have sides, shape (n,)."""
+    cosine: NDArray[np.bool_]
+    """Of which angles the cosine is the value of ``R u . v``, up to sign."""
+    sign: Array
+    """That sign, for each angle."""
+
+
+@cache
+def _layout(kinds: tuple[Kind, ...]) -> _Layout:
+    angles = [kind for kind in kinds if not kind.is_distance]
+    layout = _Layout(
+        distances=np.array([i for i, kind in enumerate(kinds) if kind.is_distance], int),
+        angles=np.array([i for i, kind in enumerate(kinds) if not kind.is_distance], int),
+        sided=np.array([kind.has_sides for kind in kinds], bool),
+        cosine=np.array([kind in (ALL, AHH) for kind in angles], bool),
+        sign=np.array([-1.0 if kind is AHH else 1.0 for kind in angles], float),
+    )
+    for part in layout:
+        part.setflags(write=False)
+    return layout
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,20 +106,19 @@ class Arrangement:
         return replace(self, values=values)
 
     @cached_property
-    def signs(self) -> NDArray[np.int64]:
+    def signs(self) -> Index:
         """The sides to look on: as `sides`, but a distance of zero has only one, shape (n,)."""
-        sided = np.array([kind.has_sides for kind in self.kinds])
-        return np.where(sided & (self.values == 0), 1, self.sides)
+        return np.where(_layout(self.kinds).sided & (self.values == 0), 1, self.sides)
 
-    @cached_property
-    def distances(self) -> NDArray[np.int64]:
+    @property
+    def distances(self) -> Index:
         """Indices of the distance constraints."""
-        return np.array([i for i, kind in enumerate(self.kinds) if kind.is_distance])
+        return _layout(self.kinds).distances
 
-    @cached_property
-    def angles(self) -> NDArray[np.int64]:
+    @property
+    def angles(self) -> Index:
         """Indices of the angle constraints."""
-        return np.array([i for i, kind in enumerate(self.kinds) if not kind.is_distance], dtype=int)
+        return _layout(self.kinds).angles
 
     @cached_property
     def targets(self) -> Array:
@@ -106,27 +136,35 @@ class Arrangement:
             Values of all constraints, shape (..., n), in the units of the instance. The
             result runs over `angles`.
         """
-        values = values[..., self.angles] * self.in_radians
-        cosine = np.array([self.kinds[i] in (ALL, AHH) for i in self.angles], dtype=bool)
-        sign = np.array([-1.0 if self.kinds[i] is AHH else 1.0 for i in self.angles])
-        return sign * np.where(cosine, np.cos(values), np.sin(values))
+        layout = _layout(self.kinds)
+        values = values[..., layout.angles] * self.in_radians
+        return layout.sign * np.where(layout.cosine, np.cos(values), np.sin(values))
 
     @cached_property
+    def _points(self) -> Array:
+        """The points of the distance constraints of the platform and of the base, (2, d, 3)."""
+        return np.array((self.y[self.distances], self.x[self.distances]))
+
+    @cached_property
+    def _centres(self) -> Array:
+        """The means of these points, shape (2, 3)."""
+        return np.asarray(self._points.sum(axis=1) / self._points.shape[1])
+
+    @property
     def platform_centre(self) -> Array:
         """Mean of the platform points of the distance constraints, shape (3,)."""
-        return np.asarray(self.y[self.distances].mean(axis=0))
+        return np.asarray(self._centres[0])
 
-    @cached_property
+    @property
     def base_centre(self) -> Array:
         """Mean of the base points of the distance constraints, shape (3,)."""
-        return np.asarray(self.x[self.distances].mean(axis=0))
+        return np.asarray(self._centres[1])
 
     @cached_property
     def extent(self) -> float:
         """The largest distance of a point from the centre of its body, of distances only."""
-        k = self.distances
-        offsets = (self.y[k] - self.platform_centre, self.x[k] - self.base_centre)
-        return float(np.sqrt((np.concatenate(offsets) ** 2).sum(axis=1).max()))
+        offsets = self._points - self._centres[:, None]
+        return math.sqrt((offsets * offsets).sum(axis=2).max())
 
     @cached_property
     def length(self) -> float:
@@ -135,7 +173,7 @@ class Arrangement:
 
     def length_with(self, values: Array) -> float:
         """Return the typical length with other values, shape (..., n)."""
-        return max(self.extent, float(np.abs(values[..., self.distances]).max())) or 1.0
+        return max(self.extent, float(abs(values[..., self.distances]).max())) or 1.0
 
     @cached_property
     def normalised(self) -> Arrangement:
@@ -162,8 +200,8 @@ class Arrangement:
         return unit * T + self.base_centre - apply(R, self.platform_centre)
 
 
-def _direction(geometry: Geometry) -> Array:
-    return np.zeros(3) if isinstance(geometry, Point) else geometry.unit
+def _direction(geometry: Geometry) -> Array | tuple[float, ...]:
+    return (0.0, 0.0, 0.0) if isinstance(geometry, Point) else geometry.unit
 
 
 def _select(arrangement: Arrangement, *kinds: Kind) -> list[int]:
@@ -267,7 +305,7 @@ def residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
 def sides_of(arrangement: Arrangement, R: Field, T: Field) -> NDArray[np.int64]:
     """Return on which side each DPH and DHP point lies: 1, -1, or 0 for other kinds."""
     values = measured(arrangement, R, T).real
-    sided = np.array([kind.has_sides for kind in arrangement.kinds])
+    sided = _layout(arrangement.kinds).sided
     sign = np.where(values < 0, -1, 1)
     return np.where(sided, np.where(arrangement.signs == 0, sign, arrangement.signs), 0)
 

@@ -9,7 +9,8 @@ mutual moment M and the cosine C of two lines, ``(M + idC)(M - idC) = d^2 N^2``.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from functools import cache
 from itertools import product
 from typing import NamedTuple
 
@@ -17,15 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
-from gspcli.continuation.quadrics import (
-    BODY_TRANSLATION,
-    MOMENT,
-    NORM,
-    RHO,
-    ROTATION,
-    TRANSLATION,
-)
-from gspcli.continuation.systems import Structure, TargetSystem
+from gspcli.continuation.quadrics import BASES, COEFFICIENTS, NORM
+from gspcli.continuation.systems import EQUATIONS, Structure, TargetSystem
 from gspcli.geometry.poses import cross, dot
 from gspcli.geometry.residuals import Arrangement
 
@@ -39,59 +33,83 @@ def target_systems(arrangement: Arrangement) -> list[TargetSystem]:
     The arrangement should be `Arrangement.normalised`: lengths of order one, points near the
     origins.
     """
-    free = [
-        i
-        for i, kind in enumerate(arrangement.kinds)
-        if kind.has_sides and arrangement.signs[i] == 0
+    kinds = arrangement.kinds
+    choices = [
+        (1, -1) if kind.has_sides and sign == 0 else (1 if sign >= 0 else -1,)
+        for kind, sign in zip(kinds, arrangement.signs.tolist(), strict=True)
     ]
-    systems = []
-    for choice in product((1, -1), repeat=len(free)):
-        sides = arrangement.signs.copy()
-        sides[free] = choice
-        systems.append(_system(arrangement, sides))
-    return systems
-
-
-def _system(arrangement: Arrangement, sides: NDArray[np.int64]) -> TargetSystem:
     values = arrangement.targets.copy()
     values[arrangement.angles] = arrangement.cosines(arrangement.values)
-    return target_system(
-        [
-            equation(kind, *geometry)
-            for kind, *geometry in zip(
-                arrangement.kinds,
-                arrangement.y,
-                arrangement.x,
-                arrangement.u,
-                arrangement.v,
-                np.where(sides < 0, -values, values),
-                strict=True,
-            )
-        ]
+    geometry = (arrangement.y, arrangement.x, arrangement.u, arrangement.v)
+    return list(systems_of(kinds, *geometry, values * np.array(list(product(*choices)))))
+
+
+def systems_of(
+    kinds: Sequence[Kind], y: Array, x: Array, u: Array, v: Array, values: Array
+) -> Iterator[TargetSystem]:
+    """Yield the systems of platforms with constraints of the same kinds.
+
+    Parameters
+    ----------
+    kinds
+        The kinds of the six constraints.
+    y, x, u, v
+        As for `equation`, for each constraint: shape (6, 3), or (count, 6, 3) if they differ.
+    values
+        Likewise, shape (count, 6); a distance of two lines is zero for all or for none.
+    """
+    count = len(values)
+    g = np.zeros((count, EQUATIONS, COEFFICIENTS), complex)
+    h, tau = np.zeros_like(g), np.zeros((count, EQUATIONS), complex)
+    shape = [("", False)] * EQUATIONS
+    meeting = tuple(
+        kind is DLL and not value for kind, value in zip(kinds, values[0].tolist(), strict=True)
     )
+    for members, rows in _alike(tuple(kinds), meeting):
+        points = y[..., rows, :], x[..., rows, :]
+        directions = u[..., rows, :], v[..., rows, :]
+        rule = equation(kinds[members[0]], *points, *directions, values[:, rows])
+        g[:, rows] = rule.g
+        if rule.h is not None:
+            h[:, rows], tau[:, rows] = rule.h, rule.tau
+        for i in members:
+            shape[i] = rule.letter, rule.h is not None
+    structure = _structure(*zip(*shape, strict=True))
+    for rest in zip(g, h, tau, strict=True):
+        yield TargetSystem(structure, *rest)
+
+
+@cache
+def _alike(
+    kinds: tuple[Kind, ...], meeting: tuple[bool, ...]
+) -> list[tuple[list[int], slice | list[int]]]:
+    """Return the constraints whose equations are of one form: their indices, and an index."""
+    forms = list(zip(kinds, meeting, strict=True))
+    groups = [
+        [i for i, other in enumerate(forms) if other == form] for form in dict.fromkeys(forms)
+    ]
+    # Slices are much quicker than lists.
+    return [
+        (group, slice(group[0], group[-1] + 1) if group[-1] - group[0] < len(group) else group)
+        for group in groups
+    ]
+
+
+@cache
+def _structure(letters: tuple[str, ...], products: tuple[bool, ...]) -> Structure:
+    return Structure("".join(letters), products)
 
 
 class Equation(NamedTuple):
-    """A constraint as ``G = 0`` or, if there is a second factor, ``G H = tau N^2``."""
+    """Constraints of one form as ``G = 0`` or, if there is a second factor, ``G H = tau N^2``."""
 
     letter: str
     """The family of the quadrics."""
     g: Array | Complex
     """Shape (..., 27)."""
-    h: Complex | None
-    tau: Array
-
-
-def target_system(equations: Sequence[Equation]) -> TargetSystem:
-    """Return the system of six equations without leading axes."""
-    letters, g, h, tau = zip(*equations, strict=True)
-    products = tuple(second is not None for second in h)
-    return TargetSystem(
-        Structure("".join(letters), products),
-        np.array(g),
-        np.array([np.zeros(len(NORM)) if second is None else second for second in h]),
-        np.array(tau),
-    )
+    h: Complex | None = None
+    tau: Array | None = None
+    """Shape (...)."""
 
 
 def equation(kind: Kind, y: Array, x: Array, u: Array, v: Array, value: Array) -> Equation:
@@ -109,13 +127,12 @@ def equation(kind: Kind, y: Array, x: Array, u: Array, v: Array, value: Array) -
         The distance, signed if the kind has sides, or for an angle the value of ``R u . v``;
         shape (...). Lines at a distance of zero have one quadric, so all of them or none.
     """
-    zero = np.zeros_like(value)
     if kind is DPP:
-        return Equation("s", _point_point(y, x, value), None, zero)
+        return Equation("s", _point_point(y, x) - _constant(value**2))
     if kind is DPH:
-        return Equation("p", _point_plane(y, x, v) - _constant(value), None, zero)
+        return Equation("p", _point_plane(y, x, v) - _constant(value))
     if kind is DHP:
-        return Equation("q", _plane_point(y, x, u) - _constant(value), None, zero)
+        return Equation("q", _plane_point(y, x, u) - _constant(value))
     if kind is DPL:
         a, b = _across(v)
         return _factors("p", _point_plane(y, x, a), _point_plane(y, x, b), value)
@@ -124,10 +141,10 @@ def equation(kind: Kind, y: Array, x: Array, u: Array, v: Array, value: Array) -
         return _factors("q", _plane_point(y, x, a), _plane_point(y, x, b), value)
     if kind is DLL:
         moment = _mutual_moment(y, x, u, v)
-        if not np.any(value):
-            return Equation("l", moment, None, zero)
+        if not value.any():
+            return Equation("l", moment)
         return _factors("l", moment, value[..., None] * _turned(u, v), value)
-    return Equation("a", _turned(u, v) - _constant(value), None, zero)
+    return Equation("a", _turned(u, v) - _constant(value))
 
 
 def _factors(letter: str, a: Array, b: Array, distance: Array) -> Equation:
@@ -141,36 +158,47 @@ def _constant(value: Array) -> Array:
 
 def _across(direction: Array) -> tuple[Array, Array]:
     """Return two unit vectors that complete a unit vector to an orthonormal basis."""
-    basis = np.linalg.svd(direction[..., None, :])[2]
-    return basis[..., 1, :], basis[..., 2, :]
+    # The reflection that takes it into the first unit vector, up to sign, has them as rows.
+    mirror = direction.copy()
+    mirror[..., 0] += np.copysign(1, direction[..., 0])
+    scaled = mirror[..., 1:] / np.abs(mirror[..., :1])
+    rows = np.eye(3)[1:] - scaled[..., None] * mirror[..., None, :]
+    return rows[..., 0, :], rows[..., 1, :]
+
+
+def _outer(b: Array, a: Array) -> Array:
+    """Return the coefficients of the entries of R in ``b . R a``, shape (..., 9)."""
+    return np.asarray((b[..., :, None] * a[..., None, :]).reshape(*b.shape[:-1], 9))
+
+
+def _combined(letter: str, *coefficients: Array) -> Array:
+    """Return a combination of the functions of a family, given by parts of (..., k)."""
+    return np.asarray(np.concatenate(coefficients, axis=-1) @ BASES[letter])
 
 
 def _turned(a: Array, b: Array) -> Array:
     """Return the quadric of ``R a . b``."""
-    quadric: Array = np.einsum("...i,...j,ijk->...k", b, a, ROTATION)
-    return quadric
+    return np.asarray(_outer(b, a) @ BASES["a"][1:])
 
 
 def _point_plane(y: Array, x: Array, v: Array) -> Array:
     """Return the quadric of ``v . (R y + T - x)``."""
-    quadric: Array = _turned(y, v) + v @ TRANSLATION - _constant(dot(v, x))
-    return quadric
+    return _combined("p", -dot(v, x)[..., None], _outer(v, y), v)
 
 
 def _plane_point(y: Array, x: Array, u: Array) -> Array:
     """Return the quadric of ``R u . (x - R y - T) = u . (R^T x - y - U)``."""
-    quadric: Array = _turned(u, x) - u @ BODY_TRANSLATION - _constant(dot(u, y))
-    return quadric
+    return _combined("q", -dot(u, y)[..., None], _outer(x, u), -u)
 
 
 def _mutual_moment(y: Array, x: Array, u: Array, v: Array) -> Array:
     """Return the quadric of ``(R y + T - x) . (R u x v)``."""
-    turning: Array = np.einsum("...i,...j,ijk->...k", v, u, MOMENT)
-    quadric: Array = turning + _turned(cross(y, u), v) - _turned(u, cross(v, x))
-    return quadric
+    turned = _outer(v, cross(y, u)) - _outer(cross(v, x), u)
+    return _combined("l", np.zeros_like(turned[..., :1]), turned, _outer(v, u))
 
 
-def _point_point(y: Array, x: Array, d: Array) -> Array:
-    """Return the quadric of ``|R y + T - x|^2 - d^2``."""
-    linear = 2 * (y @ BODY_TRANSLATION - x @ TRANSLATION - _turned(y, x))
-    return np.asarray(RHO + linear + _constant(dot(y, y) + dot(x, x) - d**2))
+def _point_point(y: Array, x: Array) -> Array:
+    """Return the quadric of ``|R y + T - x|^2``."""
+    square = (dot(y, y) + dot(x, x))[..., None]
+    one = np.ones_like(square)
+    return _combined("s", square, -2 * _outer(x, y), -2 * x, 2 * y, one)

@@ -64,7 +64,8 @@ def _pose_set(arrangement: Arrangement, results: list[SystemSolutions]) -> PoseS
     points = np.concatenate([result.points for result in results])
     multiplicity = np.concatenate([result.multiplicity for result in results])
     real = np.concatenate([real_points(result.points) for result in results])
-    R, T = _poses(arrangement, np.where(real[:, None], made_real(points), points))
+    points[real] = made_real(points[real])
+    R, T = _poses(arrangement, points)
     spurious, undecided = judge_parallel_lines(arrangement, R, T, multiplicity > 1)
     R, T = polish_parallel_lines(arrangement, R, T, multiplicity == 1)
     posed = ~spurious & ~undecided
