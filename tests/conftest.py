@@ -2,14 +2,28 @@
 
 from __future__ import annotations
 
+import importlib
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
 
 import pytest
 from hypothesis import settings
 
 settings.register_profile("gsp", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("gsp")
+
+
+TOOLS = Path(__file__).resolve().parents[1] / "tools"
+
+
+@pytest.fixture(scope="session")
+def load_tool() -> Callable[[str], ModuleType]:
+    """Import a program of tools/ by name: `load_tool("verify")`."""
+    sys.path.append(str(TOOLS))
+    return importlib.import_module
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,11 @@ For each way in which the six legs of a platform (six DPP) may share joints and 
 random platform, and one whose joints lie in a plane on each body, are solved by Gröbner bases
 modulo two primes, as the example instances are. Independent of the package's solvers.
 J. C. Faugère, D. Lazard, *Combinatorial classes of parallel manipulators*, 1995, treat the same
-classes. With ``--check`` the record is compared instead of written.
+classes.
 """
 
 from __future__ import annotations
 
-import argparse
 import csv
 import hashlib
 import io
@@ -19,23 +18,26 @@ import json
 import platform as machine
 import sys
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
+import singular
 import sympy
-from build_example_counts import FIRST_PRIME, count, singular_version
+from build_example_counts import FIRST_PRIME, count
+from recording import ROOT, SEED, parser, save
+
+sys.path.insert(0, str(ROOT))
 
 from gspcli import dumps
 from gspcli.catalogue.coincidence import Sharing, coincident_types
 from gspcli.catalogue.kinds import DPP
 from gspcli.catalogue.overconstraint import over_constraint
 from gspcli.catalogue.types import CONSTRAINTS, GspType
+from gspcli.cli.progress import progress
 from gspcli.geometry.instance import Instance
 from gspcli.solve.generate import random_instance
 
-TARGET = Path(__file__).resolve().parents[1] / "data" / "verification" / "coincident-platforms.csv"
+TARGET = ROOT / "data" / "verification" / "coincident-platforms.csv"
 COMMAND = "python tools/build_coincident_counts.py"
-SEED = 20031
 
 
 def platforms() -> Iterator[tuple[Sharing, bool, Instance]]:
@@ -65,39 +67,33 @@ def record(sharing: Sharing, planar: bool, instance: Instance) -> dict[str, obje
     }
 
 
-def main() -> None:
-    """Count, and write or compare the record."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--check", action="store_true", help="compare with the record")
-    arguments = parser.parse_args()
-    table = []
-    for platform in platforms():
-        table.append(record(*platform))
-        print(table[-1], file=sys.stderr, flush=True)
+def main() -> int:
+    """Count, and write or compare the record; return the exit code."""
+    arguments = parser(__doc__).parse_args()
+    wanted = list(platforms())
+    table = [record(*p) for p in progress(wanted, total=len(wanted), label="counting solutions")]
     text = io.StringIO()
     writer = csv.DictWriter(text, list(table[0]), lineterminator="\n")
     writer.writeheader()
     writer.writerows(table)
-    if arguments.check:
-        if TARGET.read_text(encoding="utf-8") != text.getvalue():
-            sys.exit(f"{TARGET.name} does not hold these counts")
-        return
-    TARGET.parent.mkdir(parents=True, exist_ok=True)
-    TARGET.write_text(text.getvalue(), encoding="utf-8")
     manifest = {
         "command": COMMAND,
         "seed": SEED,
         "sha256": hashlib.sha256(text.getvalue().encode()).hexdigest(),
         "versions": {
-            "Singular": singular_version(),
+            "Singular": singular.version(),
             "numpy": np.__version__,
             "sympy": sympy.__version__,
             "python": machine.python_version(),
         },
     }
     document = json.dumps(manifest, indent=1) + "\n"
-    TARGET.with_suffix(".manifest.json").write_text(document, encoding="utf-8")
+    return save(
+        {TARGET: text.getvalue(), TARGET.with_suffix(".manifest.json"): document},
+        check=arguments.check,
+        confirmed=f"poses of {len(table)} platforms with shared joints",
+    )
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -1,7 +1,7 @@
 """Build `data/counts/` and what docs/counts.md shows of it.
 
-    python tools/build_counts.py --work counts.jsonl [--jobs N] [--timeout SECONDS]
-    python tools/build_counts.py --docs
+    python tools/build_counts.py --work counts.jsonl [--jobs N] [--timeout SECONDS] [--check]
+    python tools/build_counts.py --docs [--check]
 
 The first counts everything (hours; taken up again from the work file) and writes the data as
 `gsp atlas build` does; both draw docs/images/counts.svg and put the tables of `gsp atlas summary`
@@ -10,23 +10,22 @@ into the page.
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import io
 import math
 import subprocess
 import sys
 from collections import Counter
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from recording import ROOT, parser, save
+
+sys.path.insert(0, str(ROOT))
 
 from gspcli.catalogue.bounds import type_bounds
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.types import CLASSES, all_types
 from gspcli.cli.main import run
 
-ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "counts.md"
 PICTURE = ROOT / "docs" / "images" / "counts.svg"
 BEGIN, END = "<!-- gsp atlas summary -->\n", "<!-- end -->\n"
@@ -44,20 +43,25 @@ WIDTH, HEIGHT = STEP * (WIDEST - LOW), STEP * (HIGHEST - LOW)
 
 def main() -> int:
     """Build; return the exit code."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--docs", action="store_true", help="leave the data as they are")
-    arguments, others = parser.parse_known_args()
+    options = parser(__doc__)
+    options.add_argument("--docs", action="store_true", help="leave the data as they are")
+    arguments, others = options.parse_known_args()
+    check = ["--check"] * arguments.check
     if not arguments.docs:
         folder = str(ROOT / "data" / "counts")
-        if code := run(["atlas", "build", "-o", folder, *others]):
+        if code := run(["atlas", "build", "-o", folder, *check, *others]):
             return code
         # This process may have read the old data: draw in another one.
-        return subprocess.run([sys.executable, __file__, "--docs"], check=False).returncode
-    PICTURE.write_text(picture(), encoding="utf-8")
+        again = [sys.executable, __file__, "--docs", *check]
+        return subprocess.run(again, check=False).returncode
     before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
     _, _, after = rest.partition(END)
-    PAGE.write_text(f"{before}{BEGIN}\n{tables()}\n{END}{after}", encoding="utf-8")
-    return 0
+    page = f"{before}{BEGIN}\n{tables()}\n{END}{after}"
+    return save(
+        {PICTURE: picture(), PAGE: page},
+        check=arguments.check,
+        confirmed="tables and picture of counts.md",
+    )
 
 
 def tables() -> str:

@@ -1,17 +1,23 @@
-"""Rebuild the generated pages of docs/: `python tools/build_docs.py`."""
+"""Rebuild the generated pages of docs/.
+
+python tools/build_docs.py [--check]
+"""
 
 from __future__ import annotations
 
 import contextlib
 import io
+import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import click
+from recording import ROOT, parser, save
+
+sys.path.insert(0, str(ROOT))
 
 from gspcli.cli.main import COMMANDS, cli, run
 
-DOCS = Path(__file__).resolve().parents[1] / "docs"
+DOCS = ROOT / "docs"
 WIDTH = 95
 
 
@@ -62,6 +68,12 @@ def errata() -> str:
 PAGES: dict[str, Callable[[], str]] = {"commands.md": commands, "errata.md": errata}
 
 
+def main() -> int:
+    """Write or compare the pages; return the exit code."""
+    arguments = parser(__doc__).parse_args()
+    pages = {DOCS / name: page() for name, page in PAGES.items()}
+    return save(pages, check=arguments.check, confirmed=f"pages {', '.join(PAGES)}")
+
+
 if __name__ == "__main__":
-    for name, page in PAGES.items():
-        (DOCS / name).write_text(page(), encoding="utf-8")
+    sys.exit(main())

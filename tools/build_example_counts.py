@@ -1,6 +1,6 @@
 """Count the complex solutions of the example instances by Gröbner bases and record them.
 
-    python tools/build_example_counts.py [--check] [NAME ...]
+    python tools/build_example_counts.py [--check [--sample N]] [NAME ...]
 
 The complex counts are independent of the package's solvers. The poses are the unit dual quaternions
 e + f (N = e.e = 1, e.f = 0), two for each pose, and the constraints polynomials in them. Singular
@@ -14,39 +14,37 @@ The real poses are those that the package's solver finds; `certified` says how m
 solutions are proved, with whether they are real, by interval arithmetic. That the list is complete
 rests on the count modulo primes, which is evidence and no proof over the rationals; a proved bound
 that equals it (`gsp check`) makes it one. Where a number is known otherwise, both must agree.
-With ``--check`` the record is compared instead of written.
 """
 
 from __future__ import annotations
 
-import argparse
 import hashlib
 import json
 import platform
 import random
-import subprocess
 import sys
 from fractions import Fraction
-from functools import cache
 from pathlib import Path
 from typing import Any
 
+import singular
 import sympy
+from recording import ROOT, parser, sampled, save
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(ROOT))
 
 from gspcli.catalogue.kinds import AHH, ALL, DHP, DLL, DLP, DPH, DPL, DPP
+from gspcli.cli.progress import progress
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Point, Vector
 from gspcli.solve.api import solve
 from gspcli.spec import load
 
-EXAMPLES = Path(__file__).resolve().parents[1] / "data" / "examples"
+EXAMPLES = ROOT / "data" / "examples"
 TARGET = EXAMPLES / "expected.json"
 COMMAND = "python tools/build_example_counts.py"
 FIRST_PRIME = 500_000_000
-TIME_LIMIT_S = 600
 
 #: Real poses known from elsewhere: how many, and from where.
 KNOWN: dict[str, tuple[int, str]] = {
@@ -225,18 +223,11 @@ def count(instance: Instance, prime: int) -> dict[str, int]:
         "if (dim(s)==0) { print(vdim(s)); poly m=finduni(s)[9];"
         " print(deg(m)-deg(gcd(m,diff(m,t)))); } quit;\n"
     )
-    run = subprocess.run(
-        ["Singular", "-q", "--no-rc"],
-        input=program,
-        capture_output=True,
-        text=True,
-        timeout=TIME_LIMIT_S,
-        check=True,
-    )
-    words = [word for word in run.stdout.split("\n") if word.strip().lstrip("-").isdigit()]
+    printed = singular.run(program)
+    words = [word for word in printed.split("\n") if word.strip().lstrip("-").isdigit()]
     numbers = [int(word) for word in words]
     if len(numbers) not in (1, 3):
-        message = f"Singular printed {run.stdout!r}"
+        message = f"Singular printed {printed!r}"
         raise SystemExit(message)
     if len(numbers) == 1:
         return {"dimension": numbers[0]}
@@ -294,45 +285,40 @@ def _has_generic_angles(instance: Instance) -> bool:
     )
 
 
-@cache
-def singular_version() -> str:
-    """Return the version of Singular."""
-    run = subprocess.run(["Singular", "--version"], capture_output=True, text=True, check=True)
-    return run.stdout.split("version ")[1].split()[0]
-
-
-def main() -> None:
-    """Compute the counts and write or compare the record."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--check", action="store_true", help="compare with the record")
-    parser.add_argument("names", nargs="*", help="examples (default: all)")
-    arguments = parser.parse_args()
+def main() -> int:
+    """Compute the counts and write or compare the record; return the exit code."""
+    options = parser(__doc__, sample=True)
+    options.add_argument("names", nargs="*", help="examples (default: all)")
+    arguments = options.parse_args()
+    paths = sorted(EXAMPLES.glob("*.yaml"))
+    wanted = [path for path in paths if path.stem in arguments.names or not arguments.names]
+    wanted = sampled(wanted, arguments.sample if arguments.check else None)
     recorded = json.loads(TARGET.read_text(encoding="utf-8")) if TARGET.exists() else {}
-    examples = dict(recorded.get("examples", {}))
-    for path in sorted(EXAMPLES.glob("*.yaml")):
-        if arguments.names and path.stem not in arguments.names:
-            continue
-        record = counts(path)
-        print(path.stem, record, flush=True)
-        if arguments.check and record != examples.get(path.stem):
-            message = f"{path.stem}: recorded is {examples.get(path.stem)}"
-            raise SystemExit(message)
-        examples[path.stem] = record
-    if not arguments.check:
-        document = {
-            "manifest": {
-                "command": COMMAND,
-                "versions": {
-                    "Singular": singular_version(),
-                    "sympy": sympy.__version__,
-                    "python": platform.python_version(),
-                },
+    examples = {
+        path.stem: recorded["examples"][path.stem]
+        for path in paths
+        if path not in wanted and path.stem in recorded.get("examples", {})
+    }
+    for path in progress(wanted, total=len(wanted), label="counting solutions"):
+        examples[path.stem] = counts(path)
+    document = {
+        "manifest": {
+            "command": COMMAND,
+            "versions": {
+                "Singular": singular.version(),
+                "sympy": sympy.__version__,
+                "python": platform.python_version(),
             },
-            "examples": dict(sorted(examples.items())),
-        }
-        text = json.dumps(document, indent=1, ensure_ascii=False) + "\n"
-        TARGET.write_text(text, encoding="utf-8")
+        },
+        "examples": dict(sorted(examples.items())),
+    }
+    text = json.dumps(document, indent=1, ensure_ascii=False) + "\n"
+    return save(
+        {TARGET: text},
+        check=arguments.check,
+        confirmed=f"complex and real poses of {len(wanted)} of {len(paths)} examples",
+    )
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

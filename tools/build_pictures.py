@@ -1,27 +1,34 @@
 """Rebuild the pictures of terminal output in docs/images/.
 
-Run with `python tools/build_pictures.py`: every command below runs in a pseudo-terminal and what
-it prints becomes an SVG.
+    python tools/build_pictures.py [--check]
+
+Every command below runs in a pseudo-terminal and what it prints becomes an SVG. Residuals, which
+are rounding errors, may differ from the recorded ones.
 """
 
 from __future__ import annotations
 
 import os
 import pty
+import re
 import subprocess
 import sys
 from pathlib import Path
 
+from recording import ROOT, parser, report, save
 from rich.console import Console
 from rich.text import Text
 
 WIDTH = 100
-IMAGES = Path(__file__).resolve().parents[1] / "docs" / "images"
+IMAGES = ROOT / "docs" / "images"
 PICTURES = {
     "bound": ["bound", "3D3A", "PL", "PL", "LP"],
     "solve": ["solve", "data/examples/octahedral-3-3.yaml"],
     "enumerate": ["enumerate", "--count"],
 }
+
+#: A residual, 0 or about 1e-15, in the last column of a line.
+RESIDUAL = re.compile(r"(&#160;)+(0|[\d.]+e-1\d)(?=\n?</text>)")
 
 # rich's own template loads fonts from the network.
 FORMAT = """\
@@ -56,7 +63,10 @@ def terminal_output(arguments: list[str]) -> str:
     environment = {**os.environ, "COLUMNS": str(WIDTH), "TERM": "xterm-256color"}
     environment.pop("NO_COLOR", None)
     with subprocess.Popen(
-        [sys.executable, "-m", "gspcli", *arguments], stdout=follower, env=environment
+        [sys.executable, "-m", "gspcli", *arguments],
+        stdout=follower,
+        stderr=subprocess.DEVNULL,
+        env=environment,
     ) as process:
         os.close(follower)
         chunks = []
@@ -73,19 +83,36 @@ def terminal_output(arguments: list[str]) -> str:
     return b"".join(chunks).decode().replace("\r\n", "\n")
 
 
-def main() -> None:
-    """Write every picture."""
-    IMAGES.mkdir(parents=True, exist_ok=True)
-    for name, arguments in PICTURES.items():
-        with Path(os.devnull).open("w", encoding="utf-8") as nowhere:
-            console = Console(record=True, width=WIDTH, file=nowhere)
-            console.print(Text(f"$ gsp {' '.join(arguments)}", style="bold green"))
-            console.print(Text.from_ansi(terminal_output(arguments).rstrip()))
-            svg = console.export_svg(
-                title="gsp", code_format=FORMAT, unique_id=name, font_aspect_ratio=0.61
-            )
-        (IMAGES / f"{name}.svg").write_text(svg, encoding="utf-8")
+def picture(name: str, arguments: list[str]) -> str:
+    """Return the picture of a command."""
+    with Path(os.devnull).open("w", encoding="utf-8") as nowhere:
+        console = Console(record=True, width=WIDTH, file=nowhere)
+        console.print(Text(f"$ gsp {' '.join(arguments)}", style="bold green"))
+        console.print(Text.from_ansi(terminal_output(arguments).rstrip()))
+        return console.export_svg(
+            title="gsp", code_format=FORMAT, unique_id=name, font_aspect_ratio=0.61
+        )
+
+
+def without_residuals(svg: str) -> str:
+    """Return a picture without the residuals at the ends of lines."""
+    return RESIDUAL.sub("", svg)
+
+
+def main() -> int:
+    """Write or compare every picture; return the exit code."""
+    arguments = parser(__doc__).parse_args()
+    pictures = {IMAGES / f"{name}.svg": picture(name, words) for name, words in PICTURES.items()}
+    if not arguments.check:
+        return save(pictures, check=False, confirmed="")
+    different = [
+        f"docs/images/{path.name}: differs"
+        for path, svg in pictures.items()
+        if not path.is_file()
+        or without_residuals(path.read_text(encoding="utf-8")) != without_residuals(svg)
+    ]
+    return report(different, f"pictures of {len(pictures)} commands")
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -1,25 +1,28 @@
 """Write the JSON Schema of the instance file to the documentation.
 
-python tools/build_schema.py
+python tools/build_schema.py [--check]
 """
 
 from __future__ import annotations
 
 import json
 import sys
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from recording import ROOT, parser, save
+
+sys.path.insert(0, str(ROOT))
 
 from gspcli.spec.schema import json_schema
 
-TARGET = Path(__file__).resolve().parents[1] / "docs" / "instance.schema.json"
+TARGET = ROOT / "docs" / "instance.schema.json"
 
 
-def main() -> None:
-    """Write the file."""
-    TARGET.write_text(json.dumps(json_schema(), indent=2) + "\n", encoding="utf-8")
+def main() -> int:
+    """Write or compare the file; return the exit code."""
+    arguments = parser(__doc__).parse_args()
+    text = json.dumps(json_schema(), indent=2) + "\n"
+    return save({TARGET: text}, check=arguments.check, confirmed="schema of instance files")
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

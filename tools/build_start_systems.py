@@ -4,21 +4,24 @@ Every family is solved by monodromy from several seeds, each from its own random
 all seeds must find the same number of solutions and each passes a trace test. The first seed's
 solutions are tracked to the systems that are stored. The same command gives the same bytes.
 
-    python tools/build_start_systems.py --output data/start-systems
+    python tools/build_start_systems.py [--check [--sample N]]
 """
 
 from __future__ import annotations
 
-import argparse
 import hashlib
+import io
 import json
 import platform
 import sys
-import time
-from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
+from recording import ROOT, parser, sampled, save
 
+sys.path.insert(0, str(ROOT))
+
+from gspcli.cli.progress import progress
 from gspcli.continuation.monodromy import (
     SolvedFamily,
     move,
@@ -30,6 +33,7 @@ from gspcli.continuation.quadrics import LETTERS, ComplexArray
 from gspcli.continuation.start import canonical_families, distinct, generic_factors, pack_points
 from gspcli.continuation.systems import EQUATIONS
 
+FOLDER = ROOT / "data" / "start-systems"
 SEEDS = (1, 2, 3)
 
 
@@ -54,48 +58,63 @@ def solutions_of_stored(
     raise SystemExit(message)
 
 
-def main() -> None:
-    """Solve, compare, write."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--output", type=Path, required=True)
-    folder: Path = parser.parse_args().output
-    began = time.monotonic()
+def solved_at_stored(families: str, number: int, factors: ComplexArray) -> NDArray[np.complex64]:
+    """Return the packed solutions of the stored system of a family, solved from every seed."""
+    solved = [solve_family(families, np.random.default_rng([s, number + 1])) for s in SEEDS]
+    found = [len(s.points) for s in solved]
+    if len(set(found)) != 1:
+        message = f"{families}: the seeds {SEEDS} disagree: {found}"
+        raise SystemExit(message)
+    rng = np.random.default_rng([SEEDS[0], number + 1, 1])
+    return pack_points(solutions_of_stored(families, solved[0], factors, rng))
+
+
+def recorded() -> dict[str, NDArray[np.complex64]]:
+    """Return the packed solutions on record, by family."""
+    counts = json.loads((FOLDER / "manifest.json").read_text(encoding="utf-8"))["counts"]
+    parts = np.split(np.load(FOLDER / "points.npy"), np.cumsum(list(counts.values()))[:-1])
+    return dict(zip(counts, parts, strict=True))
+
+
+def npy(array: NDArray[np.complex64]) -> bytes:
+    """Return the content of an array's file."""
+    buffer = io.BytesIO()
+    np.save(buffer, array)
+    return buffer.getvalue()
+
+
+def main() -> int:
+    """Solve, compare, write; return the exit code."""
+    arguments = parser(__doc__, sample=True).parse_args()
+    families = canonical_families()
     factors = stored_factors(SEEDS[0])
-    counts: dict[str, int] = {}
-    points, loops = [], 0
-    for number, families in enumerate(canonical_families()):
-        solved = [solve_family(families, np.random.default_rng([s, number + 1])) for s in SEEDS]
-        found = [len(s.points) for s in solved]
-        if len(set(found)) != 1:
-            message = f"{families}: the seeds {SEEDS} disagree: {found}"
-            raise SystemExit(message)
-        rng = np.random.default_rng([SEEDS[0], number + 1, 1])
-        counts[families] = found[0]
-        points.append(pack_points(solutions_of_stored(families, solved[0], factors, rng)))
-        loops += sum(s.loops for s in solved)
-    folder.mkdir(parents=True, exist_ok=True)
-    np.save(folder / "factors.npy", factors)
-    np.save(folder / "points.npy", np.concatenate(points))
+    chosen = sampled(families, arguments.sample if arguments.check else None)
+    points = {} if len(chosen) == len(families) else recorded()
+    for name in progress(chosen, total=len(chosen), label="solving families"):
+        points[name] = solved_at_stored(name, families.index(name), factors)
+    counts = {name: len(points[name]) for name in families}
+    files: dict[str, bytes] = {
+        "factors.npy": npy(factors),
+        "points.npy": npy(np.concatenate([points[name] for name in families])),
+    }
     manifest = {
         "what": "generic systems of six quadrics on the Study quadric with all their solutions",
-        "command": "python tools/build_start_systems.py --output data/start-systems",
+        "command": "python tools/build_start_systems.py",
         "seeds": list(SEEDS),
         "agreement": "every seed gave every count; every trace test had a defect below 1e-8",
         "versions": {"numpy": np.__version__, "python": platform.python_version()},
-        "sha256": {
-            name: hashlib.sha256((folder / name).read_bytes()).hexdigest()
-            for name in ("factors.npy", "points.npy")
-        },
+        "sha256": {name: hashlib.sha256(data).hexdigest() for name, data in files.items()},
         "solutions": sum(counts.values()),
         "counts": counts,
     }
-    text = json.dumps(manifest, indent=1) + "\n"
-    (folder / "manifest.json").write_text(text, encoding="utf-8")
-    sys.stderr.write(
-        f"{len(counts)} families, {sum(counts.values())} solutions, {loops} loops, "
-        f"{time.monotonic() - began:.0f} s\n"
+    files["manifest.json"] = (json.dumps(manifest, indent=1) + "\n").encode()
+    solutions = sum(counts[name] for name in chosen)
+    return save(
+        {FOLDER / name: data for name, data in files.items()},
+        check=arguments.check,
+        confirmed=f"{len(chosen)} of {len(families)} systems with {solutions} solutions",
     )
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -2,7 +2,7 @@
 
     python tools/build_witnesses.py search JOURNAL [--minutes N] [--effort PATHS] [--most SOLUTIONS]
     python tools/build_witnesses.py write JOURNAL
-    python tools/build_witnesses.py check [--sample N]
+    python tools/build_witnesses.py check [--sample N] [--jobs N]
 
 `search` makes attempts (`gspcli.atlas.maximize`) for one family after the other, those with few
 solutions first, and appends each result to the journal, a work file; it continues where the journal
@@ -22,25 +22,26 @@ import json
 import platform as python_platform
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
-from random import Random
 
 import flint
 import numpy as np
+from recording import ROOT, add_sample, report, sampled
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(ROOT))
 
 from gspcli.atlas.maximize import SEED, Search, Solved, multiplier
 from gspcli.atlas.platforms import Platforms
+from gspcli.atlas.processes import in_order
 from gspcli.atlas.witnesses import certified_real, real_instance, rows_of, witness_instance
 from gspcli.catalogue.counts import all_families, family_counts, mirrored
 from gspcli.catalogue.kinds import ALL, Kind
 from gspcli.catalogue.types import CONSTRAINTS, Family
 from gspcli.catalogue.witnesses import Witness, read_row, witness_text
+from gspcli.cli.progress import progress
 from gspcli.errors import GspError
 
-FOLDER = Path(__file__).resolve().parents[1] / "data" / "witnesses"
+FOLDER = ROOT / "data" / "witnesses"
 EFFORT = 40_000
 
 
@@ -180,34 +181,31 @@ def save(known: dict[str, Witness]) -> None:
     (FOLDER / "manifest.json").write_text(text, encoding="utf-8")
 
 
-def wrong(known: dict[str, Witness]) -> Iterator[str]:
-    """Yield what is wrong with records after solving and certifying each platform again."""
-    for name, found in known.items():
-        instance = witness_instance(found, (ALL,) * (CONSTRAINTS - len(found.family.distances)))
-        real = certified_real(instance)
-        if real != found.real:
-            yield f"{name}: {found.real} recorded, {real} certified"
-        if found.real > family_counts(found.family).two_sided:
-            yield f"{name}: {found.real} recorded, more than the generic count"
+def wrong(found: Witness) -> str:
+    """Return what is wrong with a record, after solving and certifying the platform again."""
+    name, most = found.family.id, family_counts(found.family).two_sided
+    instance = witness_instance(found, (ALL,) * (CONSTRAINTS - len(found.family.distances)))
+    real = certified_real(instance)
+    if real != found.real:
+        return f"{name}: {found.real} recorded, {real} certified"
+    return f"{name}: {real} recorded, more than the generic count" if real > most else ""
 
 
-def check(sample: int | None) -> int:
+def check(size: int | None, jobs: int) -> int:
     """Certify the recorded platforms again; return the exit code."""
     manifest = json.loads((FOLDER / "manifest.json").read_text(encoding="utf-8"))
     content = (FOLDER / "real.csv").read_bytes()
     problems = []
     if hashlib.sha256(content).hexdigest() != manifest["sha256"]["real.csv"]:
         problems.append("real.csv is not the file of the manifest")
-    known = recorded()
-    missing = [family.id for family in canonical_families() if family.id not in known]
-    problems += [f"{name}: no witness" for name in missing]
-    if sample is not None:
-        chosen = Random(SEED).sample(sorted(known), min(sample, len(known)))
-        known = {name: known[name] for name in chosen}
-    problems += wrong(known)
-    sys.stdout.write("".join(f"{problem}\n" for problem in problems))
-    sys.stdout.write(f"{len(known)} witnesses certified again, {len(problems)} problems\n")
-    return 1 if problems else 0
+    known = list(recorded().values())
+    chosen = sampled(known, size)
+    again = in_order(wrong, chosen, jobs)
+    problems += filter(None, progress(again, total=len(chosen), label="certifying platforms"))
+    poses = sum(found.real for found in chosen)
+    return report(
+        problems, f"{len(chosen)} of {len(known)} witnesses, {poses} real poses certified"
+    )
 
 
 def main() -> int:
@@ -221,14 +219,16 @@ def main() -> int:
             part.add_argument("--minutes", type=float, default=60)
             part.add_argument("--effort", type=int, default=EFFORT)
             part.add_argument("--most", type=int, default=10_000)
-    parts.add_parser("check").add_argument("--sample", type=int)
+    part = parts.add_parser("check")
+    add_sample(part)
+    part.add_argument("--jobs", type=int, default=1)
     arguments = parser.parse_args()
     if arguments.part == "search":
         search(arguments.journal, arguments.minutes, arguments.effort, arguments.most)
     elif arguments.part == "write":
         write(arguments.journal)
     else:
-        return check(arguments.sample)
+        return check(arguments.sample, arguments.jobs)
     return 0
 
 

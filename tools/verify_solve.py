@@ -2,7 +2,7 @@
 
     python tools/verify_solve.py platforms [--count 100000] [--jobs 2]
     python tools/verify_solve.py signatures [--each 10] [--jobs 2]
-    python tools/verify_solve.py all
+    python tools/verify_solve.py all [--check [--sample N]]
     python tools/verify_solve.py show TASK INSTANCE
 
 `platforms` solves random real platforms with six DPP, `signatures` several random platforms of
@@ -18,8 +18,9 @@ has a hidden real pose, from which its values are measured. What must hold of ev
 3D3A platforms are solved twice, in closed form and by tracking paths. Work goes through a journal
 in ``build/verify-solve/``: interrupted, the same command takes it up again, unless the solver has
 changed. A finished run is written to ``data/verification/`` and docs/completeness.md; it does not
-depend on ``--jobs``. `show` prints an instance as a file, for `gsp solve`. The exit code is 1 if
-anything does not hold.
+depend on ``--jobs``. The exit code is 1 if anything does not hold; with ``--check``, if anything
+but a rounding error differs from the record, of which ``--sample`` takes some chunks and
+families. `show` prints an instance as a file, for `gsp solve`.
 """
 
 from __future__ import annotations
@@ -44,6 +45,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from recording import ROOT, add_sample, report, sampled, sources_sha256
 from scipy.spatial import KDTree
 
 from gspcli import __version__, dumps
@@ -59,7 +61,6 @@ from gspcli.solve import PoseSet, SolveResult, solve
 from gspcli.solve.generate import random_instance
 from gspcli.solve.tracking import solve_by_tracking, solve_each_by_tracking
 
-ROOT = Path(__file__).resolve().parents[1]
 JOURNALS = ROOT / "build" / "verify-solve"
 RECORDS = ROOT / "data" / "verification"
 PAGE = ROOT / "docs" / "completeness.md"
@@ -70,6 +71,8 @@ SOURCES = ("native", "gspcli/continuation", "gspcli/solve", "gspcli/geometry", "
 SEED = 20031
 #: Platforms in one task.
 CHUNK = 500
+#: Columns of the record that rounding errors change.
+ROUNDING = {"largest_residual", "smallest_separation", "largest_asymmetry"}
 
 #: Poses nearer than this, in the chart of `_charted`, count as the same.
 SEPARATION = 1e-9
@@ -259,16 +262,6 @@ def verify_member(task: Task, number: int, expected: int) -> Finding:
     return max(each, key=lambda finding: len(finding.problems))
 
 
-def sources() -> str:
-    """Return a hash of what the answers come from."""
-    digest = hashlib.sha256()
-    for folder in SOURCES:
-        for path in sorted((ROOT / folder).rglob("*")):
-            if path.is_file() and path.suffix in {".py", ".cpp", ".hpp", ".npy"}:
-                digest.update(path.relative_to(ROOT).as_posix().encode() + path.read_bytes())
-    return digest.hexdigest()
-
-
 def read_journal(path: Path, origin: str) -> dict[Task, list[Finding]]:
     """Return what is done already; nothing if the journal belongs to other sources."""
     lines = path.read_text(encoding="utf-8").split("\n") if path.is_file() else []
@@ -394,10 +387,37 @@ def write(name: str, command: str, origin: str, done: Mapping[Task, list[Finding
     page = PAGE.read_text(encoding="utf-8")
     before, _, rest = page.partition(BEGIN)
     after = rest.partition(END)[2]
-    PAGE.write_text(f"{before}{BEGIN}\n{report(manifest)}{END}{after}", encoding="utf-8")
+    PAGE.write_text(f"{before}{BEGIN}\n{summary(manifest)}{END}{after}", encoding="utf-8")
 
 
-def report(manifest: Mapping[str, Mapping[str, Any]]) -> str:
+def differences(name: str, done: Mapping[Task, list[Finding]], *, whole: bool) -> Iterator[str]:
+    """Yield in which rows a run differs from the record, apart from rounding errors.
+
+    Parameters
+    ----------
+    name
+        The run.
+    done
+        What was found.
+    whole
+        Whether that is all of the run.
+    """
+    content = (RECORDS / f"{name}.csv").read_bytes()
+    manifest = json.loads((RECORDS / "manifest.json").read_text(encoding="utf-8"))
+    if hashlib.sha256(content).hexdigest() != manifest[name]["sha256"]:
+        yield f"{name}.csv: this is not the file of the manifest"
+    if summary(manifest) not in PAGE.read_text(encoding="utf-8"):
+        yield f"docs/{PAGE.name}: the record shown is another one"
+    recorded = {row["task"]: row for row in csv.DictReader(content.decode().splitlines())}
+    found = {task.name: row for task, row in zip(done, rows(done), strict=True)}
+    for task in found if not whole else {**found, **recorded}:
+        ours, theirs = found.get(task, {}), recorded.get(task, {})
+        for column in sorted({**ours, **theirs}.keys() - ROUNDING):
+            if str(ours.get(column)) != theirs.get(column):
+                yield f"{name}, {task}: {column} {theirs.get(column)}, now {ours.get(column)}"
+
+
+def summary(manifest: Mapping[str, Mapping[str, Any]]) -> str:
     """Return the record as a table and a list of problems, in Markdown."""
     lines = [
         "| run | platforms | poses expected | found | with problems | largest residual "
@@ -477,6 +497,9 @@ def main() -> int:
             command.add_argument("--each", type=int, default=10, help="platforms of each family")
         command.add_argument("--jobs", type=int, default=1, help="processes")
         command.add_argument("--no-record", action="store_true", help="leave data/ as it is")
+        command.add_argument("--check", action="store_true", help="compare with the record")
+        add_sample(command)
+        command.add_argument("--work", type=Path, default=JOURNALS, help="folder of the journals")
     show = add("show", help="print an instance of a run")
     show.add_argument("task")
     show.add_argument("instance", type=int)
@@ -491,10 +514,16 @@ def main() -> int:
     if arguments.command != "platforms":
         options = f"signatures --each {arguments.each}"
         runs.append(("signatures", options, verify_signature, signature_tasks(arguments.each)))
-    origin = sources()
-    bad = 0
-    for name, options, verify, tasks in runs:
-        done = run(tasks, verify, JOURNALS / f"{name}.jsonl", origin, arguments.jobs)
+    origin = sources_sha256(SOURCES)
+    bad, platforms = 0, 0
+    different: list[str] = []
+    for name, options, verify, every in runs:
+        tasks = sampled(every, arguments.sample if arguments.check else None)
+        done = run(tasks, verify, arguments.work / f"{name}.jsonl", origin, arguments.jobs)
+        if arguments.check:
+            different += differences(name, done, whole=len(tasks) == len(every))
+            platforms += sum(map(len, done.values()))
+            continue
         if not arguments.no_record:
             write(name, f"python tools/verify_solve.py {options}", origin, done)
         findings = [finding for each in done.values() for finding in each]
@@ -504,6 +533,8 @@ def main() -> int:
         for problem, times in sorted(kinds.items()):
             print(f"  {problem}: {times}")
         bad += wrong
+    if arguments.check:
+        return report(different, f"all poses of {platforms} random platforms, as recorded")
     return 1 if bad else 0
 
 

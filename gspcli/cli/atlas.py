@@ -212,7 +212,9 @@ def _verified(verdicts: Mapping[Result, Verdict]) -> Table:
         rows.append({"method": method, "counts": len(found), **Counter(found)})
     numbers = _numbers("counts", "equal", "different", "unfinished")
     rows = [{**dict.fromkeys((c.key for c in numbers), 0), **row} for row in rows]
-    return Table([Column("method", essential=True), *numbers], rows)
+    equal = sum(row["equal"] for row in rows)
+    note = f"confirmed: {equal} of {len(verdicts)} counts"
+    return Table([Column("method", essential=True), *numbers], rows, notes=[note])
 
 
 def _differing(wrong: Sequence[Result]) -> Table:

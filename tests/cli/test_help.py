@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import Callable
-from pathlib import Path
 
 import click
 import pytest
@@ -12,17 +10,11 @@ import pytest
 from gspcli.cli.main import COMMANDS, cli
 
 Run = Callable[..., object]
-ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.mark.parametrize("name", ["commands.md", "errata.md"])
-def test_generated_pages_are_up_to_date(name: str) -> None:
-    path = ROOT / "tools" / "build_docs.py"
-    spec = importlib.util.spec_from_file_location("build_docs", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+def test_generated_pages_are_up_to_date(name: str, load_tool: Callable) -> None:
+    module = load_tool("build_docs")
     page = (module.DOCS / name).read_text(encoding="utf-8")
     assert page == module.PAGES[name](), "run python tools/build_docs.py"
 

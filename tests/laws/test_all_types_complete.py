@@ -2,30 +2,20 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from gspcli.catalogue.counts import generic_counts
 
-TOOL = Path(__file__).parents[2] / "tools" / "verify_solve.py"
 MANY = 256
 
 
 @pytest.fixture(scope="module")
-def tool():
-    spec = importlib.util.spec_from_file_location("verify_solve", TOOL)
-    module = importlib.util.module_from_spec(spec)
-    # Dataclasses look their module up.
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    yield module
-    del sys.modules[spec.name]
+def tool(load_tool):
+    return load_tool("verify_solve")
 
 
 def test_random_platforms_with_six_dpp_are_solved_completely(tool):
@@ -128,3 +118,27 @@ def test_a_journal_is_taken_up_where_it_was_cut_off(tool, tmp_path):
     journal.write_text(f"{header}\n{first}\n{second[:20]}", encoding="utf-8")
     assert tool.read_journal(journal, "here") == {tasks[0]: [finding]}
     assert tool.read_journal(journal, "elsewhere") == {}
+
+
+def test_the_record_of_a_chunk_is_derived_again(tool):
+    task = tool.platform_tasks(100_000)[3]
+    done = {task: tool.verify_platforms(task)}
+    assert list(tool.differences("platforms-6-6", done, whole=False)) == []
+    # A real pose less in one platform, and rounding errors.
+    first, *others = done[task]
+    changed = {task: [replace(first, real=first.real - 2, residual=1e-9), *others]}
+    (difference,) = tool.differences("platforms-6-6", changed, whole=False)
+    assert difference.startswith("platforms-6-6, chunk 3: real ")
+    missing = list(tool.differences("platforms-6-6", done, whole=True))
+    assert len({line.split(":")[0] for line in missing}) == 199
+
+
+def test_a_record_that_is_not_the_manifests_is_seen(tool, tmp_path, monkeypatch):
+    for path in tool.RECORDS.iterdir():
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    monkeypatch.setattr(tool, "RECORDS", tmp_path)
+    assert list(tool.differences("signatures", {}, whole=False)) == []
+    record = tmp_path / "signatures.csv"
+    record.write_text(record.read_text().replace(",40,", ",41,", 1))
+    (difference,) = tool.differences("signatures", {}, whole=False)
+    assert "not the file of the manifest" in difference
