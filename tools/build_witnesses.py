@@ -2,7 +2,9 @@
 
     python tools/build_witnesses.py search JOURNAL [--minutes N] [--effort PATHS] [--most SOLUTIONS]
     python tools/build_witnesses.py write JOURNAL
-    python tools/build_witnesses.py check [--sample N] [--jobs N]
+    python tools/build_witnesses.py check [--sample N]
+
+`search` and `check` take --jobs N, or --scheduler ADDRESS for the workers of a Dask scheduler.
 
 `search` makes attempts (`gspcli.atlas.maximize`) for one family after the other, those with few
 solutions first, and appends each result to the journal, a work file; it continues where the journal
@@ -22,7 +24,10 @@ import json
 import platform as python_platform
 import sys
 import time
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import flint
 import numpy as np
@@ -30,10 +35,10 @@ from recording import ROOT, add_sample, report, sampled
 
 sys.path.insert(0, str(ROOT))
 
-from gspcli.atlas.maximize import SEED, Search, Solved, multiplier
+from gspcli.atlas.maximize import SEED, Search, multiplier
 from gspcli.atlas.platforms import Platforms
-from gspcli.atlas.processes import in_order
 from gspcli.atlas.witnesses import certified_real, real_instance, rows_of, witness_instance
+from gspcli.atlas.workers import Workers
 from gspcli.catalogue.counts import all_families, family_counts, mirrored
 from gspcli.catalogue.kinds import ALL, Kind
 from gspcli.catalogue.types import CONSTRAINTS, Family
@@ -61,43 +66,46 @@ def solutions(family: Family) -> int:
     return family_counts(family).two_sided // multiplier(kinds_of(family))
 
 
-def search(journal: Path, minutes: float, effort: int, most: int) -> None:
+def search(journal: Path, minutes: float, effort: int, most: int, workers: Workers) -> None:
     """Make attempts until the time is over, or all solutions of all families are real.
 
     Families with more than `most` solutions are left out.
     """
-    done: dict[str, list[int]] = {}
-    for entry in read_journal(journal):
-        done.setdefault(entry["family"], []).append(entry["real"])
-    end = time.monotonic() + 60 * minutes
     families = [family for family in canonical_families() if solutions(family) <= most]
-    for number in range(10_000):
-        for family in families:
-            real, total = done.setdefault(family.id, []), solutions(family)
-            if len(real) > number or total in real:
-                continue
-            if time.monotonic() > end:
-                return
-            attempt = Search(
-                kinds_of(family),
-                SEED,
-                starts=max(4, min(32, effort // (20 * total))),
-                steps=max(20, effort // total),
-            )
-            found = attempt.attempt(number)
-            real.append(found.count if found else 0)
-            with journal.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(_entry(family, number, effort, found)) + "\n")
-            sys.stderr.write(f"{family.id}, attempt {number}: {real[-1]} of {total}\n")
+    done: dict[str, dict[int, int]] = {family.id: {} for family in families}
+    for entry in read_journal(journal):
+        done.setdefault(entry["family"], {})[entry["attempt"]] = entry["real"]
+    end = time.monotonic() + 60 * minutes
+
+    def wanted() -> Iterator[tuple[Family, int]]:
+        for number in range(10_000):
+            for family in families:
+                known = done[family.id]
+                if number not in known and solutions(family) not in known.values():
+                    if time.monotonic() > end:
+                        return
+                    yield family, number
+
+    for entry in workers.as_completed(partial(attempt, effort=effort), wanted()):
+        name, number, real = entry["family"], entry["attempt"], entry["real"]
+        done[name][number] = real
+        with journal.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(entry) + "\n")
+        sys.stderr.write(f"{name}, attempt {number}: {real}\n")
 
 
-def _entry(family: Family, number: int, effort: int, found: Solved | None) -> dict[str, object]:
-    entry: dict[str, object] = {"family": family.id, "attempt": number, "effort": effort}
-    if found is None:
-        return {**entry, "real": 0}
-    one = found.platform
-    numbers = [part.tolist() for part in (one.y, one.x, one.u, one.v, one.values)]
-    return {**entry, "real": found.count, "numbers": numbers}
+def attempt(which: tuple[Family, int], effort: int) -> dict[str, Any]:
+    """Make an attempt; return its entry of the journal."""
+    family, number = which
+    kinds, total = kinds_of(family), solutions(family)
+    starts, steps = max(4, min(32, effort // (20 * total))), max(20, effort // total)
+    found = Search(kinds, SEED, starts=starts, steps=steps).attempt(number)
+    entry: dict[str, Any] = {"family": family.id, "attempt": number, "effort": effort, "real": 0}
+    if found is not None:
+        one = found.platform
+        entry["real"] = found.count
+        entry["numbers"] = [part.tolist() for part in (one.y, one.x, one.u, one.v, one.values)]
+    return entry
 
 
 def read_journal(journal: Path) -> list[dict]:
@@ -191,7 +199,7 @@ def wrong(found: Witness) -> str:
     return f"{name}: {real} recorded, more than the generic count" if real > most else ""
 
 
-def check(size: int | None, jobs: int) -> int:
+def check(size: int | None, workers: Workers) -> int:
     """Certify the recorded platforms again; return the exit code."""
     manifest = json.loads((FOLDER / "manifest.json").read_text(encoding="utf-8"))
     content = (FOLDER / "real.csv").read_bytes()
@@ -200,7 +208,7 @@ def check(size: int | None, jobs: int) -> int:
         problems.append("real.csv is not the file of the manifest")
     known = list(recorded().values())
     chosen = sampled(known, size)
-    again = in_order(wrong, chosen, jobs)
+    again = workers.in_order(wrong, chosen)
     problems += filter(None, progress(again, total=len(chosen), label="certifying platforms"))
     poses = sum(found.real for found in chosen)
     return report(
@@ -219,16 +227,18 @@ def main() -> int:
             part.add_argument("--minutes", type=float, default=60)
             part.add_argument("--effort", type=int, default=EFFORT)
             part.add_argument("--most", type=int, default=10_000)
-    part = parts.add_parser("check")
-    add_sample(part)
-    part.add_argument("--jobs", type=int, default=1)
+    add_sample(parts.add_parser("check"))
+    for name in ("search", "check"):
+        parts.choices[name].add_argument("--jobs", type=int, default=1)
+        parts.choices[name].add_argument("--scheduler", metavar="ADDRESS")
     arguments = parser.parse_args()
-    if arguments.part == "search":
-        search(arguments.journal, arguments.minutes, arguments.effort, arguments.most)
-    elif arguments.part == "write":
+    if arguments.part == "write":
         write(arguments.journal)
-    else:
-        return check(arguments.sample, arguments.jobs)
+        return 0
+    workers = Workers(arguments.jobs, arguments.scheduler)
+    if arguments.part == "check":
+        return check(arguments.sample, workers)
+    search(arguments.journal, arguments.minutes, arguments.effort, arguments.most, workers)
     return 0
 
 

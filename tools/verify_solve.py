@@ -36,10 +36,8 @@ import time
 import zlib
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
 from functools import cache, partial
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +47,7 @@ from recording import ROOT, add_sample, report, sampled, sources_sha256
 from scipy.spatial import KDTree
 
 from gspcli import __version__, dumps
+from gspcli.atlas.workers import Workers
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import DPP
 from gspcli.catalogue.types import CLASSES, CONSTRAINTS, MAX_ANGLES, Family, GspType, families
@@ -287,39 +286,33 @@ def run(
     verify: Callable[[Task], list[Finding]],
     journal: Path,
     origin: str,
-    jobs: int,
+    workers: Workers,
 ) -> dict[Task, list[Finding]]:
     """Do the tasks that the journal does not have yet; return the findings of all."""
     done = read_journal(journal, origin)
     done = {task: done[task] for task in tasks if task in done}
     rest = [task for task in tasks if task not in done]
     reported = began = time.monotonic()
-    # Interrupted workers of a forked process would leave its locks as they were.
-    with (
-        ProcessPoolExecutor(jobs, get_context("spawn")) as pool,
-        journal.open("a", encoding="utf-8") as file,
-    ):
-        futures = {pool.submit(verify, task): task for task in rest}
-        try:
-            for finished, future in enumerate(as_completed(futures), start=1):
-                task, findings = futures[future], future.result()
-                done[task] = findings
-                file.write(json.dumps(_entry(task, findings)) + "\n")
-                file.flush()
-                for number, finding in _problems(findings):
-                    print(f"{task.name}, {number}: {', '.join(finding.problems)}", file=sys.stderr)
-                now = time.monotonic()
-                if now - reported > 10 or finished == len(rest):
-                    reported = now
-                    left = (now - began) / finished * (len(rest) - finished)
-                    bad = sum(len(_problems(findings)) for findings in done.values())
-                    state = f"{len(done)} of {len(tasks)} tasks, {bad} problems"
-                    print(f"{state}, about {left:.0f} s left", file=sys.stderr)
-        except BaseException:
-            # Otherwise an interruption would wait for all tasks that have not begun.
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+    with journal.open("a", encoding="utf-8") as file:
+        found = workers.as_completed(partial(_verified, verify), rest)
+        for finished, (task, findings) in enumerate(found, start=1):
+            done[task] = findings
+            file.write(json.dumps(_entry(task, findings)) + "\n")
+            file.flush()
+            for number, finding in _problems(findings):
+                print(f"{task.name}, {number}: {', '.join(finding.problems)}", file=sys.stderr)
+            now = time.monotonic()
+            if now - reported > 10 or finished == len(rest):
+                reported = now
+                left = (now - began) / finished * (len(rest) - finished)
+                bad = sum(len(_problems(findings)) for findings in done.values())
+                state = f"{len(done)} of {len(tasks)} tasks, {bad} problems"
+                print(f"{state}, about {left:.0f} s left", file=sys.stderr)
     return {task: done[task] for task in tasks}
+
+
+def _verified(verify: Callable[[Task], list[Finding]], task: Task) -> tuple[Task, list[Finding]]:
+    return task, verify(task)
 
 
 def _entry(task: Task, findings: Sequence[Finding]) -> dict[str, object]:
@@ -519,7 +512,7 @@ def main() -> int:
     different: list[str] = []
     for name, options, verify, every in runs:
         tasks = sampled(every, arguments.sample if arguments.check else None)
-        done = run(tasks, verify, arguments.work / f"{name}.jsonl", origin, arguments.jobs)
+        done = run(tasks, verify, arguments.work / f"{name}.jsonl", origin, Workers(arguments.jobs))
         if arguments.check:
             different += differences(name, done, whole=len(tasks) == len(every))
             platforms += sum(map(len, done.values()))

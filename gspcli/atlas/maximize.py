@@ -14,6 +14,7 @@ of the mutual moment of two lines, have as many real solutions as one (`docs/rea
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -24,8 +25,8 @@ from numpy.typing import NDArray
 from gspcli.atlas.maximize_folds import Folds, folds, moved
 from gspcli.atlas.maximize_step import shortest_step
 from gspcli.atlas.platforms import Platforms, random_platforms
-from gspcli.atlas.processes import in_order
 from gspcli.atlas.reality import reality
+from gspcli.atlas.workers import HERE, Workers
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, Kind
 from gspcli.continuation.accounts import all_regular
 from gspcli.continuation.solve import solve_systems
@@ -182,7 +183,7 @@ class Search:
     start
         The reduced platform that every attempt begins with; random ones if None.
     deadline
-        Time (`time.monotonic`) at which attempts end.
+        Time (`time.time`, the same on all machines) at which attempts end.
     starts
         How many random platforms an attempt begins with: the best goes on.
     steps
@@ -206,7 +207,7 @@ class Search:
     @property
     def is_late(self) -> bool:
         """Whether the deadline has passed."""
-        return self.deadline is not None and time.monotonic() > self.deadline
+        return self.deadline is not None and time.time() > self.deadline
 
     def attempt(self, number: int) -> Solved | None:
         """Return the best platform that one attempt finds, None if it finds none in time."""
@@ -306,11 +307,22 @@ def _raising_step(best: Solved, radius: float, rng: np.random.Generator) -> Arra
     return step
 
 
-def attempts(search: Search, first: int, *, jobs: int = 1) -> Iterator[tuple[int, Solved | None]]:
+def attempts(
+    search: Search, first: int = 0, end: int | None = None, workers: Workers = HERE
+) -> Iterator[tuple[int, Solved | None]]:
     """Yield the numbers and results of attempts, in order, until the deadline has passed.
 
     Each attempt depends only on the search and its number, unless the deadline ends it.
+
+    Parameters
+    ----------
+    search
+        What is sought.
+    first, end
+        The first attempt, and the first that is not made any more.
+    workers
+        Who makes them.
     """
-    numbers = iter(range(first, 2**63))
-    wanted = iter(lambda: next(numbers) if not search.is_late else None, None)
-    yield from enumerate(in_order(search.attempt, wanted, jobs), start=first)
+    numbers = itertools.count(first) if end is None else range(first, end)
+    wanted = itertools.takewhile(lambda _: not search.is_late, numbers)
+    yield from enumerate(workers.in_order(search.attempt, wanted), start=first)

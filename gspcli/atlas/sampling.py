@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from gspcli.atlas.platforms import random_platforms
-from gspcli.atlas.processes import in_order
 from gspcli.atlas.reality import reality
+from gspcli.atlas.workers import HERE, Workers
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.types import GspType
 
@@ -113,14 +113,14 @@ class Sample:
         return tally
 
 
-def sample(wanted: Sample, *, jobs: int = 1) -> Iterator[Tally]:
-    """Return the tallies of the pieces, in order; they do not depend on the processes.
+def sample(wanted: Sample, workers: Workers = HERE) -> Iterator[Tally]:
+    """Return the tallies of the pieces, as they become known.
 
     Parameters
     ----------
     wanted
         What to draw. The distribution is that of `random_platforms`.
-    jobs
-        Processes.
+    workers
+        Who solves them.
     """
-    return in_order(wanted.tally, range(len(wanted.pieces)), jobs)
+    return workers.as_completed(wanted.tally, range(len(wanted.pieces)))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import random
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -13,26 +12,17 @@ import click
 
 from gspcli.cli.output import Column, Output, Table, emit, output_options, write_whole
 from gspcli.cli.progress import progress
+from gspcli.cli.workers import worker_options
 from gspcli.errors import CheckFailed, IncompleteError
 
 if TYPE_CHECKING:
     from gspcli.atlas.journal import Result
     from gspcli.atlas.records import Verdict
+    from gspcli.atlas.workers import Workers
 
 #: What `verify --fast` does: so many tasks, of at most so many solutions.
 _FAST = (40, 256)
 
-_jobs = click.option(
-    "--jobs",
-    type=click.IntRange(1),
-    metavar="N",
-    help="Processes that work at once.  [default: all cores]",
-)
-_scheduler = click.option(
-    "--scheduler",
-    metavar="ADDRESS",
-    help="Let the workers of this Dask scheduler do it (pip install 'gspcli[cluster]').",
-)
 _work = click.option(
     "--work",
     "journal",
@@ -134,8 +124,7 @@ def _numbers(*keys: str) -> list[Column]:
     type=int,
     help="Other random platforms, and another sample.  [default: those of the record]",
 )
-@_jobs
-@_scheduler
+@worker_options
 @_timeout
 @_work
 @output_options()
@@ -143,8 +132,7 @@ def verify(
     fast: bool,
     method: str | None,
     seed: int | None,
-    jobs: int | None,
-    scheduler: str | None,
+    workers: Workers,
     timeout: float | None,
     journal: Path | None,
     output: Output,
@@ -175,8 +163,7 @@ def verify(
     results = carry_out(
         tasks,
         journal=journal,
-        jobs=_processes(jobs),
-        scheduler=scheduler,
+        workers=workers,
         timeout_s=timeout,
         progress=progress,
     )
@@ -193,10 +180,6 @@ def verify(
             "or too few poses were certified: raise --timeout, or use another --seed"
         )
         raise IncompleteError(message)
-
-
-def _processes(jobs: int | None) -> int:
-    return jobs or os.cpu_count() or 1
 
 
 def _verified(verdicts: Mapping[Result, Verdict]) -> Table:
@@ -241,15 +224,13 @@ def _differing(wrong: Sequence[Result]) -> Table:
     help="Where to write, such as data/counts.",
 )
 @click.option("--check", is_flag=True, help="Compare instead of writing; exit 1 if it differs.")
-@_jobs
-@_scheduler
+@worker_options
 @_timeout
 @_work
 def build(
     folder: Path,
     check: bool,
-    jobs: int | None,
-    scheduler: str | None,
+    workers: Workers,
     timeout: float | None,
     journal: Path | None,
 ) -> None:
@@ -270,8 +251,7 @@ def build(
     results = carry_out(
         all_tasks(),
         journal=journal,
-        jobs=_processes(jobs),
-        scheduler=scheduler,
+        workers=workers,
         timeout_s=timeout,
         progress=progress,
     )

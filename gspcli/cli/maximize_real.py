@@ -11,11 +11,13 @@ import click
 
 from gspcli.cli.names import is_file, load_instance
 from gspcli.cli.output import Output, write, write_whole
+from gspcli.cli.workers import worker_options
 from gspcli.errors import CheckFailed, GspError, IncompleteError
 
 if TYPE_CHECKING:
     from gspcli.atlas.maximize import Search
     from gspcli.atlas.maximize_state import State
+    from gspcli.atlas.workers import Workers
     from gspcli.catalogue.types import GspType
     from gspcli.geometry.instance import Instance, Units
 
@@ -48,7 +50,7 @@ _INTERRUPTED = 130
     type=click.IntRange(min=0),
     help="Seed of the random numbers; attempts depend on it and on their number only.",
 )
-@click.option("--jobs", default=1, show_default=True, type=click.IntRange(min=1), help="Processes.")
+@worker_options
 @click.option(
     "--state",
     "state_file",
@@ -63,7 +65,7 @@ def command(
     seconds: float,
     most: int | None,
     seed: int,
-    jobs: int,
+    workers: Workers,
     state_file: str | None,
     path: str | None,
 ) -> int:
@@ -79,7 +81,7 @@ def command(
     \b
     Examples:
       gsp maximize-real 6PP --target 40 -o forty.yaml
-      gsp maximize-real "4D2A PP PP PL PL ALL ALL" --jobs 2 --time 600 --state search.json
+      gsp maximize-real "4D2A PP PP PL PL ALL ALL" --time 600 --state search.json
       gsp maximize-real platform.yaml --attempts 3
       gsp maximize-real 6LL --show | gsp solve -
     """
@@ -104,14 +106,14 @@ def command(
         kinds, start, units = platform.kinds, reduced(platform), given.units
     each = multiplier(kinds)
     wanted = None if target is None else -(-target // each)
-    search = Search(kinds, seed, wanted, start, time.monotonic() + seconds)
+    search = Search(kinds, seed, wanted, start, time.time() + seconds)
     subject = gsp_type.id if given is None else dumps(given)
     state = State(subject, seed)
     if state_file is not None:
         state = read_state(Path(state_file), subject, seed)
     interrupted = False
     try:
-        state = _searched(search, state, most, jobs, state_file)
+        state = _searched(search, state, most, workers, state_file)
     except _Interrupted as interruption:
         state, interrupted = interruption.state, True
     if state.platform is None:
@@ -142,7 +144,7 @@ def _type(names: tuple[str, ...]) -> GspType:
 
 
 def _searched(
-    search: Search, state: State, most: int | None, jobs: int, state_file: str | None
+    search: Search, state: State, most: int | None, workers: Workers, state_file: str | None
 ) -> State:
     """Return the state after the search; reports each attempt on stderr."""
     from gspcli.atlas.maximize import attempts, multiplier
@@ -154,7 +156,7 @@ def _searched(
     if state.real >= goal or (most is not None and state.attempts >= most):
         return state
     try:
-        for number, found in attempts(search, state.attempts, jobs=jobs):
+        for number, found in attempts(search, state.attempts, most, workers):
             # An attempt that the deadline cut short is not done, but may have found something.
             after = state.after(number, found)
             cut = search.is_late

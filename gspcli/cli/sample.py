@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.output import FORMATS, Column, Output, Table, emit, output_options
+from gspcli.cli.workers import worker_options
 
 if TYPE_CHECKING:
     from gspcli.atlas.sampling import Sample, Tally
+    from gspcli.atlas.workers import Workers
 
 SCHEMA = "gsp.sample/1"
 #: Exit code after Ctrl-C, as of the whole program.
@@ -35,13 +37,18 @@ _WIDTH, _HEIGHT, _MARGIN = 640, 320, 40
     type=click.IntRange(min=0),
     help="Seed of the random numbers; the same seed gives the same numbers.",
 )
-@click.option("--jobs", default=1, show_default=True, type=click.IntRange(min=1), help="Processes.")
 @click.option(
     "--one-sided", is_flag=True, help="Ask for one side of each PH and HP distance, not both."
 )
+@worker_options
 @output_options((*FORMATS, "svg"))
 def command(
-    names: tuple[str, ...], count: int, seed: int, jobs: int, one_sided: bool, output: Output
+    names: tuple[str, ...],
+    count: int,
+    seed: int,
+    one_sided: bool,
+    workers: Workers,
+    output: Output,
 ) -> int:
     """Count the real solutions of random platforms of a type.
 
@@ -52,7 +59,7 @@ def command(
 
     \b
     Examples:
-      gsp sample 6PP --count 10000 --jobs 2
+      gsp sample 6PP --count 10000
       gsp sample 3D3A PL PL LP ALL ALL ALL --format csv
       gsp sample 6PH --one-sided --count 5000 -o planes.svg
     """
@@ -65,7 +72,7 @@ def command(
     interrupted = False
     try:
         for part in progress(
-            sample(wanted, jobs=jobs), total=len(wanted.pieces), label="solving platforms"
+            sample(wanted, workers), total=len(wanted.pieces), label="solving platforms"
         ):
             total.add(part)
     except KeyboardInterrupt:

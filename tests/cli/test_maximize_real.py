@@ -74,7 +74,7 @@ def test_an_interruption_writes_the_best_so_far(gsp, monkeypatch: pytest.MonkeyP
         return real_attempt(maximize.Search(self.kinds, starts=2, steps=2), 0)
 
     monkeypatch.setattr(maximize.Search, "attempt", attempt)
-    done = gsp("maximize-real", "6PP")
+    done = gsp("maximize-real", "6PP", "--jobs", "1")
     assert done.code == 130
     assert done.out.startswith("gsp: 1\n")
 

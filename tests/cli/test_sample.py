@@ -11,6 +11,7 @@ import pytest
 
 from gspcli.atlas import sampling
 from gspcli.atlas.sampling import Sample, Tally
+from gspcli.atlas.workers import Workers
 
 WORDS = ("sample", "6PH", "--one-sided", "--count", "20")
 
@@ -50,8 +51,8 @@ def test_picture(gsp, tmp_path: Path) -> None:
 
 
 def test_an_interruption_shows_what_is_known(gsp, monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupted(wanted: Sample, *, jobs: int) -> Iterator[Tally]:
-        del jobs
+    def interrupted(wanted: Sample, workers: Workers) -> Iterator[Tally]:
+        del workers
         yield Sample(wanted.gsp_type, 7, one_sided=True).tally(0)
         raise KeyboardInterrupt
 

@@ -9,6 +9,7 @@ import pytest
 from gspcli.atlas import journal as module
 from gspcli.atlas.journal import Result, append, carry_out, read_journal
 from gspcli.atlas.tasks import Task
+from gspcli.atlas.workers import Workers
 from gspcli.errors import GspError
 
 TASKS = [Task("DPP DPP DPP", 1, 0, seed) for seed in range(3)]
@@ -66,6 +67,6 @@ def test_done_work_is_not_done_again(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 def test_processes_give_the_same(tmp_path: Path) -> None:
     one = carry_out(TASKS)
-    two = carry_out(TASKS, jobs=2, journal=tmp_path / "work.jsonl")
+    two = carry_out(TASKS, workers=Workers(2), journal=tmp_path / "work.jsonl")
     assert {t: r.count for t, r in one.items()} == {t: r.count for t, r in two.items()}
     assert set(read_journal(tmp_path / "work.jsonl")) == set(TASKS)

@@ -10,6 +10,7 @@ import pytest
 from gspcli.atlas.platforms import random_platforms
 from gspcli.atlas.reality import Reality, reality
 from gspcli.atlas.sampling import Sample, Tally, sample
+from gspcli.atlas.workers import HERE, Workers
 from gspcli.catalogue.kinds import AHH, AHL, ALH, KINDS
 from gspcli.catalogue.parsing import parse_type
 from gspcli.geometry.poses import pose_from_study
@@ -18,9 +19,9 @@ from gspcli.geometry.residuals import Arrangement, residuals
 TYPES = ("6PP", "DPL DLP DPH DHP DLL ALL", "3D3A PL PH LL ALL ALH AHH")
 
 
-def _total(wanted: Sample, jobs: int = 1) -> Tally:
+def _total(wanted: Sample, workers: Workers = HERE) -> Tally:
     total = Tally()
-    for part in sample(wanted, jobs=jobs):
+    for part in sample(wanted, workers):
         total.add(part)
     return total
 
@@ -77,7 +78,7 @@ def test_six_planes_on_one_side_have_at_most_eight() -> None:
 def test_a_tally_is_the_same_with_other_processes() -> None:
     wanted = Sample(parse_type("6PP"), 420)
     assert len(wanted.pieces) == 2
-    assert _total(wanted) == _total(wanted, jobs=2)
+    assert _total(wanted) == _total(wanted, Workers(2))
 
 
 def _reality(points: list[list[complex]], condition: float) -> Reality:
