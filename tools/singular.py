@@ -9,20 +9,24 @@ from functools import cache
 
 from recording import UNABLE
 
-TIME_LIMIT_S = 600
+TIME_LIMIT_S = 3600
 
 
 def run(program: str) -> str:
     """Return what a program prints."""
     _require()
-    done = subprocess.run(
-        ["Singular", "-q", "--no-rc"],
-        input=program,
-        capture_output=True,
-        text=True,
-        timeout=TIME_LIMIT_S,
-        check=True,
-    )
+    try:
+        done = subprocess.run(
+            ["Singular", "-q", "--no-rc"],
+            input=program,
+            capture_output=True,
+            text=True,
+            timeout=TIME_LIMIT_S,
+            check=True,
+        )
+    except subprocess.TimeoutExpired:
+        sys.stderr.write(f"Singular did not finish within {TIME_LIMIT_S} s\n")
+        sys.exit(UNABLE)
     return done.stdout
 
 

@@ -34,7 +34,6 @@ WORK = ROOT / "build" / "verify"
 SOURCES = ("native", "gspcli", "data/start-systems")
 #: Where `make verify` puts msolve.
 MSOLVE = "build/peers/lib/python*/site-packages/sage_wheels/bin"
-RESULTS = {CONFIRMED: "confirmed", DIFFERENT: "DIFFERS", UNABLE: "NOT VERIFIED"}
 
 
 @dataclass(frozen=True)
@@ -142,12 +141,22 @@ class Outcome:
     seconds: float
 
     @property
+    def result(self) -> str:
+        """The exit code in words."""
+        if self.code == CONFIRMED:
+            return "confirmed"
+        if self.code == UNABLE:
+            return "NOT VERIFIED"
+        # An exception ends Python with 1 too, but what differs is printed.
+        return "DIFFERS" if self.code == DIFFERENT and self.printed else f"FAILED ({self.code})"
+
+    @property
     def row(self) -> dict[str, object]:
         """The row of the summary."""
         last = self.printed.strip().rpartition("\n")[2]
         return {
             "step": self.step.name,
-            "result": RESULTS.get(self.code, f"FAILED ({self.code})"),
+            "result": self.result,
             "seconds": f"{self.seconds:.1f}",
             "what": last.removeprefix("confirmed: ") if self.code == CONFIRMED else "",
         }

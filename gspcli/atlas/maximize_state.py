@@ -72,10 +72,15 @@ def read_state(path: Path, subject: str, seed: int) -> State:
     GspError
         If the file is not one, or belongs to another search.
     """
-    if not path.exists():
-        return State(subject, seed)
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        content = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return State(subject, seed)
+    except OSError as error:
+        message = f"{path}: cannot be read: {error.strerror}"
+        raise GspError(message) from error
+    try:
+        document = json.loads(content)
         if document["schema"] != SCHEMA:
             raise ValueError
         platform = None

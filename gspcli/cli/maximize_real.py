@@ -8,9 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+from click.core import ParameterSource
 
-from gspcli.cli.names import is_file, load_instance
-from gspcli.cli.output import Output, write, write_whole
+from gspcli.cli.names import is_file, load_instance, read_type
+from gspcli.cli.output import Output, check_writable, write, write_whole
+from gspcli.cli.progress import progress
 from gspcli.cli.workers import worker_options
 from gspcli.errors import CheckFailed, GspError, IncompleteError
 
@@ -18,7 +20,6 @@ if TYPE_CHECKING:
     from gspcli.atlas.maximize import Search
     from gspcli.atlas.maximize_state import State
     from gspcli.atlas.workers import Workers
-    from gspcli.catalogue.types import GspType
     from gspcli.geometry.instance import Instance, Units
 
 _INTERRUPTED = 130
@@ -73,26 +74,31 @@ def command(
 
     The search begins with random platforms of TYPE, or with the instance file SPEC, and moves
     points, lines, planes and values so that pairs of complex poses come together and become
-    real, without losing a real one (after P. Dietmaier, 1998). The best platform found is
-    rounded to short decimals, its real poses are certified, and it is written as an instance
-    file. Their number, sides of PH and HP distances left open, is a lower bound of what is
-    possible. A line for each attempt goes to stderr.
+    real, without losing a real one (after P. Dietmaier, 1998). TYPE may be a family: the kinds
+    of the angles make no difference. The best platform found is rounded to short decimals, its
+    real poses are certified, and it is written as an instance file. Their number, sides of PH
+    and HP distances left open, is a lower bound of what is possible. A line for each attempt
+    goes to stderr.
 
     \b
     Examples:
       gsp maximize-real 6PP --target 40 -o forty.yaml
-      gsp maximize-real "4D2A PP PP PL PL ALL ALL" --time 600 --state search.json
+      gsp maximize-real 4D2A PP PP PL PL --time 600 --state search.json
       gsp maximize-real platform.yaml --attempts 3
-      gsp maximize-real 6LL --show | gsp solve -
+      gsp maximize-real 6PP --show | gsp solve -
     """
     from gspcli.spec import dumps
 
     output = Output("yaml", None if path in (None, "-") else Path(str(path)))
+    for file in (output.path, state_file):
+        if file is not None:
+            check_writable(Path(file))
     given = load_instance(names[0]) if len(names) == 1 and is_file(names[0]) else None
-    gsp_type = _type(names) if given is None else given.type
+    gsp_type = read_type(names) if given is None else given.type
     if show:
         from gspcli.atlas.witnesses import known_instance
 
+        _reject_search_options()
         write(output, dumps(known_instance(gsp_type)))
         return 0
 
@@ -125,7 +131,7 @@ def command(
     if interrupted:
         return _INTERRUPTED
     if target is not None and real < target:
-        message = f"{target} real poses were asked for, {real} were found: use a greater --time"
+        message = f"{target} real poses were asked for, {real} were found: give it more time"
         raise CheckFailed(message)
     return 0
 
@@ -137,10 +143,18 @@ class _Interrupted(Exception):
         self.state = state
 
 
-def _type(names: tuple[str, ...]) -> GspType:
-    from gspcli.catalogue.parsing import parse_type
-
-    return parse_type(names)
+def _reject_search_options() -> None:
+    """Complain of options for the search where none is made."""
+    context = click.get_current_context()
+    ignored = [
+        parameter.opts[0]
+        for parameter in context.command.params
+        if parameter.name not in ("names", "show", "path")
+        and context.get_parameter_source(str(parameter.name)) is ParameterSource.COMMANDLINE
+    ]
+    if ignored:
+        message = f"--show makes no search: leave out {', '.join(ignored)}"
+        raise click.UsageError(message)
 
 
 def _searched(
@@ -156,7 +170,8 @@ def _searched(
     if state.real >= goal or (most is not None and state.attempts >= most):
         return state
     try:
-        for number, found in attempts(search, state.attempts, most, workers):
+        made = attempts(search, state.attempts, most, workers)
+        for number, found in progress(made, label="searching"):
             # An attempt that the deadline cut short is not done, but may have found something.
             after = state.after(number, found)
             cut = search.is_late

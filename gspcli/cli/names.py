@@ -35,6 +35,20 @@ def load_instance(word: str) -> Instance:
     return load(sys.stdin, name="<stdin>") if word == "-" else load(Path(word))
 
 
+def read_type(words: Sequence[str]) -> GspType:
+    """Return a type, for work to which the kinds of the angles make no difference.
+
+    Of a family it is the first type: all its angles are ALL.
+
+    Raises
+    ------
+    TypeNameError
+        If the words denote neither a type nor a family.
+    """
+    named = parse_name(words)
+    return named.types[0] if isinstance(named, Family) else named
+
+
 def read_names(words: Sequence[str]) -> list[GspType | Family]:
     """Return what the words of a command line name, file contents reduced to their types.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import io
 import json
 import os
@@ -113,6 +114,8 @@ def output_options(
                     known = ", ".join(s for s, name in _SUFFIXES.items() if name in formats)
                     message = f"no format known from {path!r}: use --format, or one of {known}"
                     raise click.BadParameter(message)
+            if path is not None:
+                check_writable(Path(path))
             context.params["output"] = Output(chosen or default, Path(path) if path else None)
             return None
 
@@ -182,14 +185,46 @@ def write(output: Output, text: str) -> None:
         write_whole(output.path, text)
 
 
+def check_writable(path: Path) -> None:
+    """Complain of a place where no file can be written before the work, not after it.
+
+    Raises
+    ------
+    GspError
+        If the file is a folder, or cannot be made in its folder.
+    """
+    folder = path.resolve().parent
+    if path.is_dir():
+        code = errno.EISDIR
+    elif not folder.is_dir():
+        code = errno.ENOENT
+    elif not os.access(folder, os.W_OK) and not _is_special(path):
+        code = errno.EACCES
+    else:
+        return
+    message = f"{path}: cannot be written: {os.strerror(code)}"
+    raise GspError(message)
+
+
+def _is_special(path: Path) -> bool:
+    """Return whether a path is a device or a pipe, which cannot be replaced by a file."""
+    return path.exists() and not path.is_file() and not path.is_dir()
+
+
 def write_whole(path: Path, text: str) -> None:
-    """Write a file so that it is never seen half-written.
+    """Write a file so that it is never seen half-written; write to a device or a pipe as it is.
 
     Raises
     ------
     GspError
         If the file cannot be written.
     """
+    if _is_special(path):
+        with path.open("w", encoding="utf-8", newline="\n") as device:
+            device.write(text)
+        return
+    # A link stays one.
+    path = path.resolve()
     try:
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     except OSError as error:
@@ -299,15 +334,13 @@ def _latex(table: Table) -> str:
 def _emit_tables(output: Output, tables: Sequence[Table]) -> None:
     from rich.console import Console
 
-    if output.path is not None:
-        buffer = io.StringIO()
-        _print_tables(Console(file=buffer, width=_UNLIMITED_WIDTH, color_system=None), tables)
-        write(output, buffer.getvalue())
-    elif sys.stdout.isatty():
+    if output.path is None and sys.stdout.isatty():
         _print_tables(Console(file=sys.stdout), tables)
-    else:
-        plain = Console(file=sys.stdout, width=_UNLIMITED_WIDTH, color_system=None)
-        _print_tables(plain, tables)
+        return
+    # Not to a pipe either: rich would exit with 1 when the reader closes it.
+    buffer = io.StringIO()
+    _print_tables(Console(file=buffer, width=_UNLIMITED_WIDTH, color_system=None), tables)
+    write(output, buffer.getvalue())
 
 
 def _print_tables(console: Any, tables: Sequence[Table]) -> None:

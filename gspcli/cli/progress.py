@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import sys
-import time
 from collections.abc import Iterable, Iterator
+from threading import Timer
 from typing import TypeVar
 
 Item = TypeVar("Item")
@@ -20,9 +20,14 @@ def progress(items: Iterable[Item], *, total: int | None = None, label: str = ""
     from rich.console import Console
     from rich.progress import Progress
 
-    began = time.monotonic()
     with Progress(console=Console(stderr=True), transient=True, disable=False) as bars:
         task = bars.add_task(label, total=total, visible=False)
-        for item in items:
-            yield item
-            bars.update(task, advance=1, visible=time.monotonic() - began > _PATIENCE_SECONDS)
+        patience = Timer(_PATIENCE_SECONDS, bars.update, (task,), {"visible": True})
+        patience.daemon = True
+        patience.start()
+        try:
+            for item in items:
+                yield item
+                bars.advance(task)
+        finally:
+            patience.cancel()

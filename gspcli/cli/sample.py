@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from gspcli import __version__
+from gspcli.cli.names import read_type
 from gspcli.cli.output import FORMATS, Column, Output, Table, emit, output_options
 from gspcli.cli.workers import worker_options
 
@@ -55,19 +57,19 @@ def command(
     Points are uniform in a cube, directions and a hidden pose uniform, and the values are what
     the constraints measure at that pose, so there is always a real solution. Every platform is
     solved completely. One with a solution too near a double one is counted as undecided. An
-    interruption shows what is known so far.
+    interruption shows what is known so far. TYPE may be a family: the kinds of the angles make
+    no difference.
 
     \b
     Examples:
       gsp sample 6PP --count 10000
-      gsp sample 3D3A PL PL LP ALL ALL ALL --format csv
+      gsp sample 3D3A PL PL LP --format csv
       gsp sample 6PH --one-sided --count 5000 -o planes.svg
     """
     from gspcli.atlas.sampling import Sample, Tally, sample
-    from gspcli.catalogue.parsing import parse_type
     from gspcli.cli.progress import progress
 
-    wanted = Sample(parse_type(names), count, seed, one_sided)
+    wanted = Sample(read_type(names), count, seed, one_sided)
     total = Tally()
     interrupted = False
     try:
@@ -80,14 +82,14 @@ def command(
         click.echo(f"interrupted after {total.platforms} of {count} platforms", err=True)
     emit(
         output,
-        _table(wanted, total),
+        _table(wanted, total, bars=output.format == "table"),
         document=_document(wanted, total),
         texts={"svg": histogram(wanted, total)},
     )
     return _INTERRUPTED if interrupted else 0
 
 
-def _table(wanted: Sample, tally: Tally) -> Table:
+def _table(wanted: Sample, tally: Tally, *, bars: bool) -> Table:
     most = max(tally.real.values(), default=1)
     decided = tally.real.total()
     rows = [
@@ -105,7 +107,7 @@ def _table(wanted: Sample, tally: Tally) -> Table:
             Column("real", "real solutions", align="right", essential=True),
             Column("platforms", align="right", essential=True),
             Column("share", align="right", essential=True),
-            Column("bar", " "),
+            *([Column("bar", " ")] if bars else []),
         ],
         rows=rows,
         title=f"{wanted.gsp_type.id}: {_subject(wanted)}",
@@ -133,6 +135,7 @@ def _document(wanted: Sample, tally: Tally) -> dict[str, Any]:
         "one_sided": wanted.one_sided,
         "expected": wanted.expected,
         "seed": wanted.seed,
+        "version": __version__,
         "platforms": tally.platforms,
         "undecided": tally.undecided,
         "incomplete": tally.incomplete,
@@ -153,7 +156,8 @@ def histogram(wanted: Sample, tally: Tally) -> str:
     label_every = max(1, len(places) // 20)
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" '
-        'font-family="sans-serif" font-size="12" text-anchor="middle">',
+        'font-family="sans-serif" font-size="12" text-anchor="middle" fill="#222">',
+        f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="#fff"/>',
         f'<text x="{_WIDTH / 2:g}" y="20">{wanted.gsp_type.id}: {tally.platforms} random '
         "platforms by their number of real solutions</text>",
     ]

@@ -90,7 +90,20 @@ def test_the_best_known_platform_is_shown(gsp, tmp_path: Path) -> None:
     assert _real(gsp, done.out, tmp_path) == best
 
 
-def test_errors(gsp) -> None:
+def test_a_family_has_the_witness_of_its_types(gsp) -> None:
+    assert loads(gsp("maximize-real", "3D3A PH PH PP", "--show").out).type.id == (
+        "DPP DPH DPH ALL ALL ALL"
+    )
+
+
+def test_errors(gsp, tmp_path: Path) -> None:
+    done = gsp("maximize-real", "6PP", "--show", "--target", "3", "--jobs", "2")
+    assert (done.code, done.out) == (2, "")
+    assert "--show makes no search: leave out --target, --jobs" in done.err
+    for option in ("--state", "-o"):
+        done = gsp("maximize-real", "6PP", option, tmp_path)
+        assert (done.code, done.out) == (2, "")
+        assert done.err.endswith("cannot be written: Is a directory\n")
     assert gsp("maximize-real", "7PP").code == 2
     assert gsp("maximize-real", "nowhere.yaml").code == 2
     assert gsp("maximize-real", "6PP", "--time", "0").code == 2

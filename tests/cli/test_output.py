@@ -5,11 +5,16 @@ from __future__ import annotations
 import csv
 import io
 import json
+import os
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
 
-from gspcli.cli.output import Column, Output, Table, emit, write_whole
+from gspcli.cli.output import Column, Output, Table, check_writable, emit, write_whole
+from gspcli.cli.progress import progress
 from gspcli.errors import GspError
 
 TABLE = Table(
@@ -101,3 +106,53 @@ def test_a_file_appears_whole_or_not_at_all(tmp_path: Path) -> None:
         write_whole(target, 3)  # type: ignore[arg-type]
     assert target.read_text().startswith("name,count,value\n")
     assert [path.name for path in tmp_path.iterdir()] == ["out.csv"]
+
+
+def test_a_place_that_cannot_be_written_is_known_before_the_work(tmp_path: Path) -> None:
+    check_writable(tmp_path / "new.csv")
+    check_writable(Path(os.devnull))
+    for path in (tmp_path, tmp_path / "missing" / "out.csv"):
+        with pytest.raises(GspError, match="cannot be written"):
+            check_writable(path)
+
+
+def test_pipes_and_links_stay_what_they_are(tmp_path: Path) -> None:
+    pipe, link, target = (tmp_path / name for name in ("pipe", "link.csv", "target.csv"))
+    os.mkfifo(pipe)
+    link.symlink_to(target)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    write_whole(pipe, "text")
+    write_whole(link, "text")
+    assert os.read(reader, 10) == b"text"
+    os.close(reader)
+    assert link.is_symlink()
+    assert target.read_text() == "text"
+
+
+def test_a_reader_that_stops_is_no_failure() -> None:
+    with subprocess.Popen(
+        [sys.executable, "-m", "gspcli", "enumerate"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    ) as run:
+        assert run.stdout is not None
+        assert run.stderr is not None
+        run.stdout.readline()
+        run.stdout.close()
+        assert run.stderr.read() == b""
+    assert run.returncode == 0
+
+
+def test_progress_shows_while_the_first_item_takes_long(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    monkeypatch.setattr("gspcli.cli.progress._PATIENCE_SECONDS", 0.01)
+    monkeypatch.setattr("rich.console.Console.is_terminal", True)
+    items = (time.sleep(0.5) for _ in range(1))
+    assert list(progress(items, total=1, label="counting")) == [None]
+    assert "counting" in capsys.readouterr().err
+    monkeypatch.setattr("gspcli.cli.progress._PATIENCE_SECONDS", 100)
+    assert list(progress([1, 2], label="counting")) == [1, 2]
+    assert "counting" not in capsys.readouterr().err

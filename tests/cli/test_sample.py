@@ -32,7 +32,7 @@ def test_csv_and_json_agree(gsp) -> None:
     assert document["expected"] == 8
     assert document["platforms"] == 20
     rows = gsp(*WORDS, "--format", "csv").out.splitlines()
-    assert rows[0] == "real,platforms,share,bar"
+    assert rows[0] == "real,platforms,share"
     assert {row.split(",")[0]: int(row.split(",")[1]) for row in rows[1:]} == document["real"]
     assert sum(document["real"].values()) == 20
 
@@ -63,6 +63,16 @@ def test_an_interruption_shows_what_is_known(gsp, monkeypatch: pytest.MonkeyPatc
     assert json.loads(done.out)["platforms"] == 7
 
 
-def test_errors(gsp) -> None:
+def test_a_family_is_sampled_by_one_of_its_types(gsp) -> None:
+    family = json.loads(gsp("sample", "3D3A PH PH PH", "--count", "20", "--format", "json").out)
+    assert family["type"]["id"] == "DPH DPH DPH ALL ALL ALL"
+    words = ("sample", family["type"]["id"], "--count", "20", "--format", "json")
+    assert json.loads(gsp(*words).out) == family
+
+
+def test_errors(gsp, tmp_path: Path) -> None:
+    done = gsp(*WORDS, "-o", tmp_path / "missing" / "x.csv")
+    assert (done.code, done.out) == (2, "")
+    assert "cannot be written" in done.err
     assert gsp("sample", "7PP").code == 2
     assert gsp("sample", "6PP", "--count", "0").code == 2
