@@ -1,4 +1,5 @@
-// Complex arithmetic on vectors of doubles, one path in each lane.
+// Complex arithmetic on vectors of real numbers, one path in each lane: doubles, or with GSP_EXTENDED
+// double-double numbers.
 //
 // Included by tracker.cpp in each of its builds: all in an anonymous namespace, so that the linker
 // cannot merge functions that were compiled for different processors.
@@ -16,16 +17,49 @@ namespace {
 constexpr int W = GSP_LANES;
 constexpr int N = kVariables;
 
-typedef double V __attribute__((vector_size(8 * W)));
+typedef double D __attribute__((vector_size(8 * W)));
 typedef long long Mask __attribute__((vector_size(8 * W)));
+
+#define INLINE inline __attribute__((always_inline))
+
+INLINE D root(const D& x) {
+  D r;
+  for (int i = 0; i < W; ++i) r[i] = __builtin_sqrt(x[i]);
+  return r;
+}
+
+}  // namespace
+}  // namespace gsp
+
+#if defined(GSP_EXTENDED)
+#include "extended.hpp"
+#endif
+
+namespace gsp {
+namespace {
+
+#if defined(GSP_EXTENDED)
+typedef Extended V;
+constexpr double kEpsilon = 1e-31;  // of rounding in the equations
+#else
+typedef D V;
+constexpr double kEpsilon = 4e-16;
+INLINE V splat(double x) { return V{} + x; }
+INLINE V select(const Mask& m, const V& a, const V& b) { return m ? a : b; }
+INLINE double lane(const V& x, int l) { return x[l]; }
+INLINE void put(V& x, int l, double value) { x[l] = value; }
+#endif
 
 struct C {
   V re, im;
 };
 
-#define INLINE inline __attribute__((always_inline))
+INLINE Complex lane(const C& x, int l) { return {lane(x.re, l), lane(x.im, l)}; }
+INLINE void put(C& x, int l, const Complex& value) {
+  put(x.re, l, value.re);
+  put(x.im, l, value.im);
+}
 
-INLINE V splat(double x) { return V{} + x; }
 INLINE C operator+(const C& a, const C& b) { return {a.re + b.re, a.im + b.im}; }
 INLINE C operator-(const C& a, const C& b) { return {a.re - b.re, a.im - b.im}; }
 INLINE C operator*(const C& a, const C& b) {
@@ -61,15 +95,10 @@ INLINE void add_conjugate_product(C& s, const C& a, const C& b) {
   s.im -= a.im * b.re;
 }
 INLINE V square(const C& a) { return a.re * a.re + a.im * a.im; }
-INLINE V root(const V& x) {
-  V r;
-  for (int i = 0; i < W; ++i) r[i] = __builtin_sqrt(x[i]);
-  return r;
-}
-INLINE V minimum(const V& a, const V& b) { return a < b ? a : b; }
-INLINE V maximum(const V& a, const V& b) { return a > b ? a : b; }
+INLINE V minimum(const V& a, const V& b) { return select(a < b, a, b); }
+INLINE V maximum(const V& a, const V& b) { return select(a > b, a, b); }
 INLINE C select(const Mask& m, const C& a, const C& b) {
-  return {m ? a.re : b.re, m ? a.im : b.im};
+  return {select(m, a.re, b.re), select(m, a.im, b.im)};
 }
 INLINE C line(const Complex& start, const Complex& change, const V& t) {
   return {start.re + t * change.re, start.im + t * change.im};

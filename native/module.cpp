@@ -32,27 +32,35 @@ using Matrices =
 
 struct Build {
   const char* name;
-  TrackFunction track;
+  Track* track;
+  Track* track_extended;
 };
+
+constexpr Build kPortable{"portable", track_portable, track_portable_extended};
+#if defined(GSP_X86)
+constexpr Build kAvx2{"avx2", track_avx2, track_avx2_extended};
+constexpr Build kAvx512{"avx512", track_avx512, track_avx512_extended};
+
+bool has_avx2() { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
+#endif
 
 // The quickest build that this processor can run.
 Build choose_build() {
 #if defined(GSP_X86)
   __builtin_cpu_init();
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
-    return {"avx512", track_avx512};
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return {"avx2", track_avx2};
+    return kAvx512;
+  if (has_avx2()) return kAvx2;
 #endif
-  return {"portable", track_portable};
+  return kPortable;
 }
 
 Build build_named(const std::string& name) {
   const Build best = choose_build();
   if (name.empty() || name == best.name) return best;
-  if (name == "portable") return {"portable", track_portable};
+  if (name == kPortable.name) return kPortable;
 #if defined(GSP_X86)
-  if (name == "avx2" && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
-    return {"avx2", track_avx2};
+  if (name == kAvx2.name && has_avx2()) return kAvx2;
 #endif
   throw std::invalid_argument("this processor has no build named " + name);
 }
@@ -143,7 +151,7 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
                 Matrix start_g, Matrix start_h, Vector start_tau, Matrices target_g,
                 Matrices target_h, Matrix target_tau, Points points, double predictor_tolerance,
                 double contraction, double radius_fraction, double min_step, double waypoint,
-                double nearest, int max_steps, int jobs, const std::string& build) {
+                double nearest, int max_steps, bool extended, int jobs, const std::string& build) {
   const std::size_t targets = target_g.shape(0), paths = points.shape(0);
   require(products.shape(0) == kEquations && start_tau.shape(0) == kEquations, "six equations");
   require(start_g.shape(0) == kEquations && start_g.shape(1) == kCoefficients &&
@@ -156,6 +164,7 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
           "target coefficients must have shapes (targets, 6, 27), (targets, 6, 27), (targets, 6)");
   require(points.shape(1) == kVariables, "points must have shape (paths, 8)");
   const Build chosen = build_named(build);
+  Track* const run = extended ? chosen.track_extended : chosen.track;
   const Options options{predictor_tolerance, contraction, radius_fraction,
                         min_step,            waypoint,    nearest,
                         max_steps};
@@ -193,11 +202,11 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
           prepared = b;
         }
         const std::size_t at = b * paths + begin;
-        chosen.track(*homotopy, options, static_cast<int>(count),
-                     reinterpret_cast<const Complex*>(points.data() + begin * kVariables),
-                     {reinterpret_cast<Complex*>(point.get() + at * kVariables), t.get() + at,
-                      status.get() + at, steps.get() + at, condition.get() + at,
-                      residual.get() + at, correction.get() + at});
+        run(*homotopy, options, static_cast<int>(count),
+            reinterpret_cast<const Complex*>(points.data() + begin * kVariables),
+            {reinterpret_cast<Complex*>(point.get() + at * kVariables), t.get() + at,
+             status.get() + at, steps.get() + at, condition.get() + at, residual.get() + at,
+             correction.get() + at});
       }
     };
     std::vector<std::thread> threads;
@@ -223,7 +232,7 @@ NB_MODULE(_kernel, m) {
   m.def("track", &gsp::track, "products"_a, "start_g"_a, "start_h"_a, "start_tau"_a, "target_g"_a,
         "target_h"_a, "target_tau"_a, "points"_a, nb::kw_only(), "predictor_tolerance"_a,
         "contraction"_a, "radius_fraction"_a, "min_step"_a, "waypoint"_a, "nearest"_a,
-        "max_steps"_a, "jobs"_a, "build"_a = "",
+        "max_steps"_a, "extended"_a, "jobs"_a, "build"_a = "",
         "Track every point from the start system to each target; see gspcli.continuation.tracker.");
   m.def("build", [] { return gsp::choose_build().name; },
         "Name of the build that this processor runs: avx512, avx2 or portable.");

@@ -107,7 +107,6 @@ void solve(const Workspace& w, C* b, C* x) {
 V rounding(const Workspace& w) {
   constexpr double kPhase[kRows][2] = {{1.0, 0.0},   {-0.54, 0.84}, {0.28, 0.96}, {-0.8, -0.6},
                                        {0.6, -0.8},  {0.96, 0.28},  {-0.28, 0.96}};
-  constexpr double kEpsilon = 4e-16;
   C b[kRows];
   for (int i = 0; i < kRows; ++i) {
     const V size = kEpsilon * w.magnitude[i];

@@ -92,7 +92,7 @@ INLINE void predict(const Lanes& s, const V& step, C* z) {
   const V size = square(d);
   const Mask far = size > 0.09;
   const V scale = 1.0 / size;
-  C top = {far ? d.re * scale : splat(1.0), far ? -(d.im * scale) : splat(0.0)};
+  C top = select(far, C{d.re * scale, -(d.im * scale)}, C{splat(1.0), splat(0.0)});
   for (int i = 0; i < N; ++i) {
     C x = top * s.series[kOrder][i];
     for (int k = kOrder; k-- > 0;) {
@@ -108,32 +108,33 @@ INLINE void normalize(C* z) {
   for (int i = 0; i < N; ++i) z[i] = scale * z[i];
 }
 
+constexpr int kRefinements = 4;
+constexpr double kSettled = 250.0 * kEpsilon;
+
 // Newton's method at t = 1, for as many end points as there are lanes.
 void refine(const Homotopy& H, Workspace& w, int count, const int* index, const Results& out) {
-  constexpr int kIterations = 3;
   C z[N];
   for (int i = 0; i < N; ++i)
     for (int l = 0; l < W; ++l) {
       const Complex& x = out.point[index[l < count ? l : 0] * N + i];
-      z[i].re[l] = x.re;
-      z[i].im[l] = x.im;
+      put(z[i], l, x);
     }
   const V one = splat(1.0);
   V last = splat(1.0);
   // A lane that has converged stays as it is, whatever the others need.
   bool going = true;
-  for (int k = 0; k < kIterations && going; ++k) {
+  for (int k = 0; k < kRefinements && going; ++k) {
     C dz[N], moved[N];
     linearize(H, w, z, one);
     factorize(w);
     solve(w, w.f, dz);
     for (int i = 0; i < N; ++i) moved[i] = z[i] - dz[i];
     normalize(moved);
-    const Mask settled = last < 1e-13;
+    const Mask settled = last < kSettled;
     for (int i = 0; i < N; ++i) z[i] = select(settled, z[i], moved[i]);
-    last = settled ? last : norm(dz);
+    last = select(settled, last, norm(dz));
     going = false;
-    for (int l = 0; l < W; ++l) going |= !(last[l] < 1e-13);
+    for (int l = 0; l < W; ++l) going |= !(lane(last, l) < kSettled);
   }
   linearize(H, w, z, one);
   factorize(w);
@@ -157,10 +158,10 @@ void refine(const Homotopy& H, Workspace& w, int count, const int* index, const 
   residual = root(residual);
   for (int l = 0; l < count; ++l) {
     const int p = index[l];
-    for (int i = 0; i < N; ++i) out.point[p * N + i] = {z[i].re[l], z[i].im[l]};
-    out.condition[p] = condition[l];
-    out.residual[p] = residual[l];
-    out.correction[p] = last[l];
+    for (int i = 0; i < N; ++i) out.point[p * N + i] = lane(z[i], l);
+    out.condition[p] = lane(condition, l);
+    out.residual[p] = lane(residual, l);
+    out.correction[p] = lane(last, l);
   }
 }
 
@@ -180,19 +181,20 @@ void track(const Homotopy& H, const Options& options, int paths, const Complex* 
     for (int i = 0; i < N; ++i) size += z[i].re * z[i].re + z[i].im * z[i].im;
     const double scale = 1.0 / __builtin_sqrt(size);
     for (int i = 0; i < N; ++i) {
-      for (int k = 0; k <= kOrder; ++k) s.series[k][i].re[l] = s.series[k][i].im[l] = 0.0;
-      s.series[0][i].re[l] = z[i].re * scale;
-      s.series[0][i].im[l] = z[i].im * scale;
+      for (int k = 0; k <= kOrder; ++k) put(s.series[k][i], l, {0.0, 0.0});
+      put(s.series[0][i], l, {z[i].re * scale, z[i].im * scale});
     }
     // The first step goes nowhere: it corrects the start point and expands there.
-    s.pole.re[l] = s.pole.im[l] = s.t[l] = s.next[l] = s.leading[l] = s.bend[l] = 0.0;
-    s.surplus[l] = 1.0;
+    put(s.pole, l, {0.0, 0.0});
+    V* const zero[] = {&s.t, &s.next, &s.leading, &s.bend};
+    for (V* x : zero) put(*x, l, 0.0);
+    put(s.surplus, l, 1.0);
     s.passed[l] = 0;
     s.steps[l] = 0;
   };
   const auto finish = [&](int l, Status status, const C* z, double t) {
     const int p = s.path[l];
-    for (int i = 0; i < N; ++i) out.point[p * N + i] = {z[i].re[l], z[i].im[l]};
+    for (int i = 0; i < N; ++i) out.point[p * N + i] = lane(z[i], l);
     out.t[p] = t;
     out.status[p] = status;
     out.steps[p] = s.steps[l];
@@ -246,23 +248,23 @@ void track(const Homotopy& H, const Options& options, int paths, const Complex* 
     const V measured = n1 / (s.leading * power + 1e-300);
     V surplus = maximum(measured, 0.3 * s.surplus);
     surplus = minimum(maximum(surplus, splat(1e-4)), splat(1e4));
-    surplus = step > 0.0 ? surplus : splat(1.0);
-    s.surplus = accepted ? surplus : s.surplus;
+    surplus = select(step > 0.0, surplus, splat(1.0));
+    s.surplus = select(accepted, surplus, s.surplus);
     const V leading = a0 / radius;
-    s.leading = accepted ? leading : s.leading;
-    const V curved = n2 > 8.0 * noise ? 2.0 * n2 / (n1 * n1) : splat(0.0);
-    s.bend = accepted ? maximum(curved, 0.5 * s.bend) : s.bend;
+    s.leading = select(accepted, leading, s.leading);
+    const V curved = select(n2 > 8.0 * noise, 2.0 * n2 / (n1 * n1), splat(0.0));
+    s.bend = select(accepted, maximum(curved, 0.5 * s.bend), s.bend);
 
     const V aim = minimum(splat(options.predictor_tolerance),
                           0.4 * options.contraction / (s.bend + 1e-100));
     V onward = minimum(order_root(aim / (s.surplus * s.leading)), options.radius_fraction * radius);
-    const V here = accepted ? s.next : s.t;
-    V length = accepted ? onward : 0.5 * step;
+    const V here = select(accepted, s.next, s.t);
+    V length = select(accepted, onward, 0.5 * step);
     V next = here + length;
-    next = next >= 1.0 ? splat(1.0) : next;
+    next = select(next >= 1.0, splat(1.0), next);
     const Mask over = accepted & (here < waypoint) & (next > waypoint) & (next < 1.0);
-    next = over ? splat(waypoint) : next;
-    const V arrived = s.next;
+    next = select(over, splat(waypoint), next);
+    const V ahead = next - here, arrived = s.next;
     s.t = here;
     s.next = next;
 
@@ -270,24 +272,23 @@ void track(const Homotopy& H, const Options& options, int paths, const Complex* 
       if (s.path[l] < 0) continue;
       ++s.steps[l];
       if (accepted[l]) {
-        if (arrived[l] == 1.0) {
+        if (lane(arrived, l) == 1.0) {
           finish(l, kRegular, z, 1.0);
           continue;
         }
-        if (arrived[l] == waypoint) {
+        if (lane(arrived, l) == waypoint) {
           s.passed[l] = -1;
           for (int i = 0; i < N; ++i) {
-            s.waypoint[i].re[l] = z[i].re[l];
-            s.waypoint[i].im[l] = z[i].im[l];
+            put(s.waypoint[i], l, lane(z[i], l));
           }
         }
       }
       const bool stuck =
-          !(s.next[l] - s.t[l] > options.min_step) || s.steps[l] >= options.max_steps;
-      if (s.passed[l] && (stuck || (s.t[l] > nearest && s.next[l] < 1.0)))
+          !(lane(ahead, l) > options.min_step) || s.steps[l] >= options.max_steps;
+      if (s.passed[l] && (stuck || (lane(s.t, l) > nearest && lane(s.next, l) < 1.0)))
         finish(l, kSingular, s.waypoint, waypoint);
       else if (stuck)
-        finish(l, kFailed, s.series[0], s.t[l]);
+        finish(l, kFailed, s.series[0], lane(s.t, l));
     }
   }
 

@@ -62,11 +62,10 @@ struct Results {
 };
 
 // Tracks the paths of one homotopy that start at `points` (paths, 8) from t = 0 to t = 1.
-using TrackFunction = void (*)(const Homotopy&, const Options&, int paths, const Complex* points,
-                               const Results&);
-
-void track_portable(const Homotopy&, const Options&, int, const Complex*, const Results&);
-void track_avx2(const Homotopy&, const Options&, int, const Complex*, const Results&);
-void track_avx512(const Homotopy&, const Options&, int, const Complex*, const Results&);
+using Track = void(const Homotopy&, const Options&, int paths, const Complex* points,
+                   const Results&);
+Track track_portable, track_avx2, track_avx512;
+// The same in double-double arithmetic.
+Track track_portable_extended, track_avx2_extended, track_avx512_extended;
 
 }  // namespace gsp

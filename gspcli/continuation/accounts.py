@@ -30,6 +30,7 @@ from gspcli.continuation.start import StartSystem
 from gspcli.continuation.systems import EQUATIONS, Coefficients
 from gspcli.continuation.tracker import (
     CAREFUL,
+    EXTENDED,
     PARANOID,
     PathResults,
     PathStatus,
@@ -203,7 +204,6 @@ class _Attempt:
         self.correction = results.correction[0].copy()
         self.regular = trusted(results)[0]
         self.error = regular_error(self.correction)
-        self.vanishing = np.zeros(len(self.points), dtype=np.bool_)
 
     def account(self, seed: int) -> Account:
         for options in (CAREFUL, PARANOID):
@@ -234,38 +234,43 @@ class _Attempt:
     def _find_singular_ends(self) -> NDArray[np.int64]:
         """Put the ends of the paths that are not regular; return their winding numbers.
 
-        Zero marks the others, and -1 those that stay unknown.
+        Zero marks the others, and -1 those that stay unknown. What doubles cannot follow is
+        followed with more digits.
         """
-        winding = np.zeros(len(self.points), dtype=np.int64)
-        index = np.flatnonzero(~self.regular)
-        if not len(index):
-            return winding
-        ends = find_ends(
-            self.products, self.origin, self.target, self._waypoints(index), CAREFUL.waypoint
-        )
-        known = ends.error < _END_ERROR
-        # Two solutions so near to each other that every circle is around the branch point too:
-        # what Newton's method found stands.
-        nearly = ~known & well_conditioned(
-            self.status[index], self.condition[index], self.correction[index], _ENDGAME_CONDITION
-        )
-        self.vanishing[index] = ends.vanishing & ~known & ~nearly
-        self.regular[index[nearly]] = True
-        self.points[index[known]] = ends.points[known]
-        self.condition[index[known]] = np.inf
-        self.error[index[known]] = SINGULAR_ERROR
-        winding[index] = np.where(known, ends.winding, np.where(nearly, 0, -1))
-        self._recognize_regular(index[known & (ends.winding == 1)], winding)
+        winding = np.where(self.regular, 0, -1)
+        for options in (CAREFUL, EXTENDED):
+            index = np.flatnonzero(winding < 0)
+            if not len(index):
+                break
+            points = self._waypoints(index, options)
+            ends = find_ends(
+                self.products, self.origin, self.target, points, options.waypoint, options
+            )
+            known = ends.error < _END_ERROR
+            # Two solutions so near to each other that every circle is around the branch point
+            # too: what Newton's method found stands.
+            nearly = ~known & well_conditioned(
+                self.status[index],
+                self.condition[index],
+                self.correction[index],
+                _ENDGAME_CONDITION,
+            )
+            self.regular[index[nearly]] = True
+            self.points[index[known]] = ends.points[known]
+            self.condition[index[known]] = np.inf
+            self.error[index[known]] = SINGULAR_ERROR
+            winding[index] = np.where(known, ends.winding, np.where(nearly, 0, -1))
+            self._recognize_regular(index[known & (ends.winding == 1)], winding)
         return winding
 
-    def _waypoints(self, index: NDArray[np.intp]) -> ComplexArray:
+    def _waypoints(self, index: NDArray[np.intp], options: TrackerOptions) -> ComplexArray:
         """Return the points of some paths where the endgame starts; NaN if not reached."""
         points: ComplexArray = self.points[index]
-        away = np.flatnonzero(self.t[index] != 1 - CAREFUL.waypoint)
+        away = np.flatnonzero(self.t[index] != 1 - options.waypoint)
         if len(away):
-            near = self.origin.towards(self.target, 1 - CAREFUL.waypoint)
+            near = self.origin.towards(self.target, 1 - options.waypoint)
             starts = self.start.points[index[away]]
-            results = _track(self.start, self.origin, near, starts, CAREFUL, self.jobs)
+            results = _track(self.start, self.origin, near, starts, options, self.jobs)
             arrived = results.status[0] == PathStatus.REGULAR
             points[away] = np.where(arrived[:, None], results.points[0], np.nan)
         return points
@@ -286,7 +291,7 @@ class _Attempt:
         winding[chosen] = 0
 
     def _classify(self, winding: NDArray[np.int64], rng: np.random.Generator) -> Account:
-        lost = int(((winding < 0) & ~self.vanishing).sum())
+        lost = int((winding < 0).sum())
         known = np.flatnonzero(winding >= 0)
         away = infinite(self.points[known], self.error[known])
         finite = known[~away]
@@ -316,7 +321,7 @@ class _Attempt:
             np.array([count for _, count in rows], dtype=np.int64),
             self.condition[index],
             self.target.residuals(self.products, self.points[index]),
-            int(away.sum() + self.vanishing.sum()),
+            int(away.sum()),
             sum(len(end.members) for end in found),
             lost,
             suspect,

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.systems import Coefficients
-from gspcli.continuation.tracker import CAREFUL, PathStatus, track
+from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
 
 _SAMPLES = 8
 _MAX_WINDING = 16
@@ -23,7 +23,6 @@ _SHRINK = 4.0
 _ROUNDS = 15
 _ACCURACY = 1e-8
 _RESIDUAL = 1e-12
-_VANISHING = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,9 +36,6 @@ class Ends:
     error: FloatArray
     """How much the mean of every other point differs, shape (k,); the error of `points` is far
     smaller, with eight points its square. Infinite where unknown or no solution."""
-    vanishing: NDArray[np.bool_]
-    """Whether N falls below 1e-8 on the way in and is still falling, shape (k,): evidence of an
-    end at infinity also where no loop closes."""
 
 
 def find_ends(
@@ -48,6 +44,7 @@ def find_ends(
     target: Coefficients,
     points: ComplexArray,
     radius: float,
+    options: TrackerOptions = CAREFUL,
 ) -> Ends:
     """Find the ends of paths from their points at ``t = 1 - radius``.
 
@@ -64,17 +61,18 @@ def find_ends(
         Shape (k, 8); the ends of those that are NaN stay unknown.
     radius
         Where `points` are.
+    options
+        Settings of the tracker.
     """
     count = len(points)
     best = Ends(
         np.full((count, 8), np.nan, dtype=np.complex128),
         np.zeros(count, dtype=np.int64),
         np.full(count, np.inf),
-        np.zeros(count, dtype=np.bool_),
     )
     todo = np.arange(count)
     for _ in range(_ROUNDS):
-        ends = _circle(products, start, target, points, radius)
+        ends = _circle(products, start, target, points, radius, options)
         better = ends.error < best.error[todo]
         for name in ("points", "winding", "error"):
             getattr(best, name)[todo[better]] = getattr(ends, name)[better]
@@ -88,18 +86,11 @@ def find_ends(
             start.towards(target, 1 - radius),
             _single(start.towards(target, 1 - nearer)),
             points,
-            options=CAREFUL,
+            options=options,
         )
         arrived = results.status[0] == PathStatus.REGULAR
-        before = _norms(points[arrived])
         todo, points, radius = todo[arrived], results.points[0][arrived], nearer
-        after = _norms(points)
-        best.vanishing[todo] = (after < _VANISHING) & (after < before / 2)
     return best
-
-
-def _norms(points: ComplexArray) -> FloatArray:
-    return np.asarray(np.abs((points[:, :4] ** 2).sum(axis=1)))
 
 
 def _single(coefficients: Coefficients) -> Coefficients:
@@ -112,6 +103,7 @@ def _circle(
     target: Coefficients,
     points: ComplexArray,
     radius: float,
+    options: TrackerOptions,
 ) -> Ends:
     """Follow paths around t = 1 until they return, and average."""
     count = len(points)
@@ -132,7 +124,7 @@ def _circle(
                 corners[k],
                 _single(corners[(k + 1) % _SAMPLES]),
                 samples[-1],
-                options=CAREFUL,
+                options=options,
             )
             # The sample of a path that failed becomes NaN; it never returns.
             arrived = (results.status[0] == PathStatus.REGULAR)[:, None]
@@ -157,4 +149,4 @@ def _circle(
         samples = [s[going] for s in samples]
         if not len(under_way):
             break
-    return Ends(ends, winding, error, np.zeros(count, dtype=np.bool_))
+    return Ends(ends, winding, error)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -27,7 +27,7 @@ class PathStatus(IntEnum):
 
 @dataclass(frozen=True)
 class TrackerOptions:
-    """Settings of the path tracker; the presets are `DEFAULT`, `CAREFUL` and `PARANOID`."""
+    """Settings of the path tracker; the presets are `DEFAULT`, `CAREFUL`, `PARANOID` and `EXTENDED`."""
 
     predictor_tolerance: float = 1e-4
     """Aimed length of the first Newton correction; points have norm 1."""
@@ -44,6 +44,9 @@ class TrackerOptions:
     regular solutions as near as 1e-6 are told apart only if this is small."""
     max_steps: int = 1000
     """Accepted and rejected steps after which a path fails."""
+    extended: bool = False
+    """Whether to compute with 32 digits instead of 16, some thirty times slower. Coefficients and
+    points stay doubles, taken as exact."""
 
 
 DEFAULT = TrackerOptions()
@@ -51,6 +54,7 @@ CAREFUL = TrackerOptions(predictor_tolerance=1e-6, contraction=0.02, radius_frac
 PARANOID = TrackerOptions(
     predictor_tolerance=1e-8, contraction=0.01, radius_fraction=0.2, max_steps=10_000
 )
+EXTENDED = replace(CAREFUL, extended=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +129,7 @@ def track(
             waypoint=options.waypoint,
             nearest=options.nearest,
             max_steps=options.max_steps,
+            extended=options.extended,
             jobs=jobs,
             build=build,
         )
