@@ -18,6 +18,7 @@ def track(
     waypoint: float,
     nearest: float,
     max_steps: int,
+    extended: bool,
     jobs: int,
     build: str = "",
 ) -> tuple[
@@ -25,6 +26,7 @@ def track(
     NDArray[np.float64],
     NDArray[np.uint8],
     NDArray[np.int32],
+    NDArray[np.float64],
     NDArray[np.float64],
     NDArray[np.float64],
     NDArray[np.float64],

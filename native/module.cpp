@@ -175,6 +175,7 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
   auto status = std::make_unique<std::uint8_t[]>(total);
   auto steps = std::make_unique<std::int32_t[]>(total);
   auto condition = std::make_unique<double[]>(total);
+  auto curvature = std::make_unique<double[]>(total);
   auto residual = std::make_unique<double[]>(total);
   auto correction = std::make_unique<double[]>(total);
   {
@@ -205,8 +206,8 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
         run(*homotopy, options, static_cast<int>(count),
             reinterpret_cast<const Complex*>(points.data() + begin * kVariables),
             {reinterpret_cast<Complex*>(point.get() + at * kVariables), t.get() + at,
-             status.get() + at, steps.get() + at, condition.get() + at, residual.get() + at,
-             correction.get() + at});
+             status.get() + at, steps.get() + at, condition.get() + at, curvature.get() + at,
+             residual.get() + at, correction.get() + at});
       }
     };
     std::vector<std::thread> threads;
@@ -220,6 +221,7 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
                         owned(std::move(status), {targets, paths}),
                         owned(std::move(steps), {targets, paths}),
                         owned(std::move(condition), {targets, paths}),
+                        owned(std::move(curvature), {targets, paths}),
                         owned(std::move(residual), {targets, paths}),
                         owned(std::move(correction), {targets, paths}));
 }

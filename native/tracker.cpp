@@ -138,20 +138,24 @@ void refine(const Homotopy& H, Workspace& w, int count, const int* index, const 
   }
   linearize(H, w, z, one);
   factorize(w);
-  // The Frobenius norm of the inverse of L with the equations divided by their magnitude.
-  V condition = splat(0.0);
+  // Frobenius norms of the inverse of L, with the equations divided by their magnitude and as they
+  // are.
+  V condition = splat(0.0), curvature = splat(0.0);
   for (int c = 0; c < kRows; ++c) {
     C x[kRows];
-    x[c] = {w.inverse[c] * w.magnitude[c], splat(0.0)};
-    condition += square(x[c]);
+    x[c] = {w.inverse[c], splat(0.0)};
+    V column = square(x[c]);
     for (int i = c + 1; i < kRows; ++i) {
       C s{};
       for (int j = c; j < i; ++j) subtract_product(s, w.lower[i][j], x[j]);
       x[i] = w.inverse[i] * s;
-      condition += square(x[i]);
+      column += square(x[i]);
     }
+    curvature += column;
+    condition += w.magnitude[c] * w.magnitude[c] * column;
   }
   condition = root(condition);
+  curvature = root(curvature);
   V residual = square(w.f[0]);
   for (int i = 1; i < kRows; ++i)
     residual = maximum(residual, square(w.f[i]) / (w.magnitude[i] * w.magnitude[i]));
@@ -160,6 +164,7 @@ void refine(const Homotopy& H, Workspace& w, int count, const int* index, const 
     const int p = index[l];
     for (int i = 0; i < N; ++i) out.point[p * N + i] = lane(z[i], l);
     out.condition[p] = lane(condition, l);
+    out.curvature[p] = lane(curvature, l);
     out.residual[p] = lane(residual, l);
     out.correction[p] = lane(last, l);
   }
@@ -198,7 +203,7 @@ void track(const Homotopy& H, const Options& options, int paths, const Complex* 
     out.t[p] = t;
     out.status[p] = status;
     out.steps[p] = s.steps[l];
-    out.condition[p] = out.residual[p] = out.correction[p] = -1.0;
+    out.condition[p] = out.curvature[p] = out.residual[p] = out.correction[p] = -1.0;
     --under_way;
     load(l);
   };

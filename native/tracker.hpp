@@ -57,6 +57,7 @@ struct Results {
   std::uint8_t* status;
   std::int32_t* steps;     // accepted and rejected
   double* condition;       // of the inverse Jacobian matrix, Frobenius, equations of magnitude 1
+  double* curvature;       // likewise, equations as they are: bounds J^-1 D^2 F
   double* residual;        // largest equation at the point, divided by its magnitude
   double* correction;      // length of the last Newton correction
 };

@@ -26,6 +26,7 @@ from gspcli.continuation.ends import (
     regular_error,
 )
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
+from gspcli.continuation.regularity import clearly_simple, simple
 from gspcli.continuation.start import StartSystem
 from gspcli.continuation.systems import EQUATIONS, Coefficients
 from gspcli.continuation.tracker import (
@@ -39,11 +40,8 @@ from gspcli.continuation.tracker import (
 )
 
 _ATTEMPTS = 4
-_CONDITION = 1e6
-_ENDGAME_CONDITION = 1e10
 _END_ERROR = 1e-6
 _SPLIT = 1e-4
-_CORRECTION = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,24 +78,10 @@ def random_start(start: StartSystem, seed: int, attempt: int) -> Coefficients:
     return start.coefficients.scaled(g, h)
 
 
-def well_conditioned(
-    status: NDArray[np.uint8], condition: FloatArray, correction: FloatArray, limit: float
-) -> NDArray[np.bool_]:
-    """Return which ends are at regular solutions with a condition below a limit."""
-    return np.asarray(
-        (status == PathStatus.REGULAR) & (condition < limit) & (correction < _CORRECTION)
-    )
-
-
-def trusted(results: PathResults) -> NDArray[np.bool_]:
-    """Return which ends (B, P) are at regular solutions so good that no endgame is needed."""
-    return well_conditioned(results.status, results.condition, results.correction, _CONDITION)
-
-
 def all_regular(results: PathResults) -> NDArray[np.bool_]:
     """Return for which targets (B,) all paths end at distinct finite regular solutions."""
     error = regular_error(results.correction)
-    good = np.asarray((trusted(results) & ~infinite(results.points, error)).all(axis=1))
+    good = np.asarray((clearly_simple(results) & ~infinite(results.points, error)).all(axis=1))
     near = may_coincide(results.points, error)[1].any(axis=1)
     for i in np.flatnonzero(good & near):
         good[i] = len(clusters(results.points[i], error[i])) == results.points.shape[1]
@@ -119,6 +103,7 @@ def settle(
     start: StartSystem, target: Coefficients, results: PathResults, seed: int, jobs: int
 ) -> Account:
     """Return the account of one target from the first results of its paths (1, P)."""
+    products = np.array(start.structure.products)
     best = None
     for attempt in range(_ATTEMPTS):
         origin = random_start(start, seed, attempt)
@@ -127,7 +112,7 @@ def settle(
             results = _track(start, origin, target, start.points, options, jobs)
         account = _Attempt(start, origin, target, results, jobs).account(seed)
         if best is not None:
-            account = _completed(account, best)
+            account = _completed(account, best, simple(products, target, best.points))
         if best is None or (account.lost, account.suspect) < (best.lost, best.suspect):
             best = account
         if not best.lost and not best.suspect:
@@ -149,13 +134,13 @@ def _track(
     return track(products, origin, goal, points, options=options, jobs=jobs)
 
 
-def _completed(account: Account, other: Account) -> Account:
+def _completed(account: Account, other: Account, regular: NDArray[np.bool_]) -> Account:
     """Add regular solutions that only another attempt found: one lost path ends at each."""
     if not account.lost or not len(other.points):
         return account
     index = [
         i
-        for i in np.flatnonzero(other.condition < _CONDITION)
+        for i in np.flatnonzero(regular)
         if other.multiplicity[i] == 1
         and distances(account.points, other.points[i]).min(initial=1.0) > SINGULAR_ERROR
     ]
@@ -202,7 +187,7 @@ class _Attempt:
         self.condition = results.condition[0].copy()
         self.residual = results.residual[0].copy()
         self.correction = results.correction[0].copy()
-        self.regular = trusted(results)[0]
+        self.regular = clearly_simple(results)[0]
         self.error = regular_error(self.correction)
 
     def account(self, seed: int) -> Account:
@@ -228,7 +213,7 @@ class _Attempt:
         )
         for name in ("points", "t", "status", "condition", "residual", "correction"):
             getattr(self, name)[index] = getattr(results, name)[0]
-        self.regular[index] = trusted(results)[0]
+        self.regular[index] = clearly_simple(results)[0]
         self.error[index] = regular_error(self.correction[index])
 
     def _find_singular_ends(self) -> NDArray[np.int64]:
@@ -249,12 +234,7 @@ class _Attempt:
             known = ends.error < _END_ERROR
             # Two solutions so near to each other that every circle is around the branch point
             # too: what Newton's method found stands.
-            nearly = ~known & well_conditioned(
-                self.status[index],
-                self.condition[index],
-                self.correction[index],
-                _ENDGAME_CONDITION,
-            )
+            nearly = ~known & self._simple(self.status[index], self.points[index])
             self.regular[index[nearly]] = True
             self.points[index[known]] = ends.points[known]
             self.condition[index[known]] = np.inf
@@ -266,7 +246,7 @@ class _Attempt:
     def _waypoints(self, index: NDArray[np.intp], options: TrackerOptions) -> ComplexArray:
         """Return the points of some paths where the endgame starts; NaN if not reached."""
         points: ComplexArray = self.points[index]
-        away = np.flatnonzero(self.t[index] != 1 - options.waypoint)
+        away = np.flatnonzero(options.extended | (self.t[index] != 1 - options.waypoint))
         if len(away):
             near = self.origin.towards(self.target, 1 - options.waypoint)
             starts = self.start.points[index[away]]
@@ -275,14 +255,17 @@ class _Attempt:
             points[away] = np.where(arrived[:, None], results.points[0], np.nan)
         return points
 
+    def _simple(self, status: NDArray[np.uint8], points: ComplexArray) -> NDArray[np.bool_]:
+        """Return which ends of Newton's method are simple solutions of the target."""
+        arrived = status == PathStatus.REGULAR
+        return np.asarray(arrived & simple(self.products, self.target, points))
+
     def _recognize_regular(self, index: NDArray[np.intp], winding: NDArray[np.int64]) -> None:
         """Treat ends of unbranched paths as regular if Newton's method confirms them."""
         results = _track(
             self.start, self.target, self.target, self.points[index], PARANOID, self.jobs
         )
-        regular = well_conditioned(
-            results.status[0], results.condition[0], results.correction[0], _ENDGAME_CONDITION
-        )
+        regular = self._simple(results.status[0], results.points[0])
         chosen = index[regular]
         for name in ("points", "condition", "residual"):
             getattr(self, name)[chosen] = getattr(results, name)[0][regular]
@@ -335,9 +318,7 @@ class _Attempt:
             return False
         results = _track(self.start, self.target, self.target, guesses, PARANOID, self.jobs)
         error = regular_error(results.correction[0])
-        regular = well_conditioned(
-            results.status[0], results.condition[0], results.correction[0], _ENDGAME_CONDITION
-        )
+        regular = self._simple(results.status[0], results.points[0])
         if not regular.all() or len(clusters(results.points[0], error)) < 2:
             return False
         if distances(results.points[0], self.points[members[0]]).max() > _SPLIT:

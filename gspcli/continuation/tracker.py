@@ -27,7 +27,10 @@ class PathStatus(IntEnum):
 
 @dataclass(frozen=True)
 class TrackerOptions:
-    """Settings of the path tracker; the presets are `DEFAULT`, `CAREFUL`, `PARANOID` and `EXTENDED`."""
+    """Settings of the path tracker.
+
+    The presets are `DEFAULT`, `CAREFUL`, `PARANOID` and `EXTENDED`.
+    """
 
     predictor_tolerance: float = 1e-4
     """Aimed length of the first Newton correction; points have norm 1."""
@@ -71,8 +74,11 @@ class PathResults:
     """Steps taken, shape (B, P)."""
     condition: FloatArray
     """Frobenius norm of the inverse of the Jacobian matrix, the equations divided by the size of
-    the terms that cancel in them, shape (B, P); like the next two, -1 unless the status is
+    the terms that cancel in them, shape (B, P); like the next three, -1 unless the status is
     `REGULAR`."""
+    curvature: FloatArray
+    """Likewise, the equations as they are, whose factors have norm 1: it bounds the change of the
+    Jacobian matrix, times its inverse, over a distance of one; shape (B, P)."""
     residual: FloatArray
     """Largest absolute value of the seven equations, divided likewise, shape (B, P)."""
     correction: FloatArray

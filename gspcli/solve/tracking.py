@@ -98,7 +98,8 @@ def _motions(
     for curve in (curve for result in results for curve in result.curves):
         R, T = _poses(arrangement, made_real(curve.motion) if curve.real else curve.motion)
         spurious, _ = judge_parallel_lines(arrangement, R, T, np.ones(len(R), dtype=np.bool_))
-        if spurious.all():
+        # The distances of parallel lines hold all along a motion or almost nowhere.
+        if spurious.any():
             beside += len(curve.points)
         else:
             motions.append(Motion(curve.dimension, curve.real, R, T))

@@ -7,13 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, Kind, Primitive
+from gspcli.catalogue.types import GspType
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.poses import rotation_from_quaternion
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
 from gspcli.geometry.residuals import Arrangement, measured, residuals
 from gspcli.solve.closed_form import solve_closed_form
+from gspcli.solve.tracking import solve_by_tracking
 
 
 def nonzero(rng: np.random.Generator, size: int) -> np.ndarray:
@@ -29,10 +32,13 @@ def primitive(sort: Primitive, rng: np.random.Generator) -> Geometry:
     return shape(position, vector(*nonzero(rng, 3).tolist()))
 
 
-def lattice_platform(seed: int) -> tuple[Arrangement, np.ndarray, np.ndarray]:
+def lattice_platform(seed: int, angles: int = 3) -> tuple[Arrangement, np.ndarray, np.ndarray]:
     """A platform whose values are those at a pose of the lattice, and that pose."""
     rng = np.random.default_rng(seed)
-    kinds: list[Kind] = [*rng.choice(DISTANCE_KINDS, size=3), *rng.choice(ANGLE_KINDS, size=3)]
+    kinds: list[Kind] = [
+        *rng.choice(DISTANCE_KINDS, size=6 - angles),
+        *rng.choice(ANGLE_KINDS, size=angles),
+    ]
     constraints = tuple(
         Constraint(kind, primitive(kind.platform, rng), primitive(kind.base, rng), Number.of(1))
         for kind in kinds
@@ -73,3 +79,28 @@ def test_special_positions_are_never_answered_wrongly(block):
             assert distance.min() < 1e-6
     assert outcomes["incomplete"] <= 2
     assert outcomes["complete"] > 25
+
+
+@pytest.mark.parametrize("angles", [0, 1, 2, 3])
+@pytest.mark.parametrize("block", range(3))
+def test_paths_end_the_same_whatever_the_way(angles, block):
+    """Most of these have double poses, ends at infinity or lines that are parallel."""
+    for seed in range(8 * block, 8 * block + 8):
+        arrangement, R, T = lattice_platform(seed, angles)
+        if generic_count(arrangement) > 128:
+            continue
+        one, other = (solve_by_tracking(arrangement, seed=way) for way in (1, 2))
+        assert one.lost == other.lost == 0
+        assert bool(one.motions) == bool(other.motions)
+        for poses in (one, other):
+            ends = poses.at_infinity + poses.on_curves + poses.spurious
+            assert int(poses.multiplicity.sum()) + ends == poses.paths
+        if not one.motions:
+            assert sorted(one.multiplicity) == sorted(other.multiplicity)
+            assert one.at_infinity == other.at_infinity
+            distance = np.abs(one.R - R).max(axis=(1, 2)) + np.abs(one.T - T).max(axis=1)
+            assert distance.min() < 1e-6
+
+
+def generic_count(arrangement: Arrangement) -> int:
+    return generic_counts(GspType.of(arrangement.kinds)).one_sided

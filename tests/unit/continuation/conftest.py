@@ -93,6 +93,20 @@ def platform(kinds: str, rng: np.random.Generator) -> tuple[TargetSystem, Array,
     return TargetSystem(Structure("".join(families), tuple(products)), g, h, tau), r, t
 
 
+def point_at_a_line(distance: float, rng: np.random.Generator) -> TargetSystem:
+    """Five legs and a point that has a distance from a line at a real pose."""
+    r, t = rotation(rng), rng.standard_normal(3)
+    rows = [constraint("PP", rng, (r, t)) for _ in range(5)]
+    y, n = rng.standard_normal((2, 3))
+    n /= np.linalg.norm(n)
+    side = normals(n)
+    x = r @ y + t + distance * side[0]
+    a, b = (point_plane(y, x, m, 0.0) for m in side)
+    rows.append(("p", True, a + 1j * b, a - 1j * b, distance * distance))
+    families, products, g, h, tau = zip(*rows, strict=True)
+    return TargetSystem(Structure("".join(families), tuple(products)), g, h, tau)
+
+
 def legs(y: Sequence[Array], x: Sequence[Array], d: Sequence[float]) -> TargetSystem:
     """Six legs of lengths d from platform points y to base points x."""
     rows = [point_point(np.asarray(a), np.asarray(b), c) for a, b, c in zip(y, x, d, strict=True)]
@@ -113,5 +127,5 @@ def poses(points: NDArray[np.complex128]) -> tuple[NDArray, NDArray]:
 
 @pytest.fixture(scope="session")
 def build() -> SimpleNamespace:
-    functions: tuple[Callable, ...] = (rotation, platform, legs, legs_at, poses)
+    functions: tuple[Callable, ...] = (rotation, platform, point_at_a_line, legs, legs_at, poses)
     return SimpleNamespace(**{f.__name__: f for f in functions})

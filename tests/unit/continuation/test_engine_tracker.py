@@ -10,7 +10,7 @@ from gspcli.continuation.accounts import random_start
 from gspcli.continuation.monodromy import random_quadrics
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import Coefficients, Structure
-from gspcli.continuation.tracker import PathStatus, TrackerOptions, track
+from gspcli.continuation.tracker import EXTENDED, PathStatus, TrackerOptions, track
 
 PRODUCTS = (False, True, False, True, False, False)
 
@@ -50,6 +50,17 @@ def test_builds_agree(homotopy, build):
     if build not in _available():
         pytest.skip(f"this processor cannot run {build}")
     assert same(track(*homotopy), track(*homotopy, build=build))
+
+
+@pytest.mark.parametrize("build", ["portable", "avx2", "avx512"])
+def test_double_double_numbers_agree_with_doubles_and_have_twice_the_digits(homotopy, build):
+    if build not in _available():
+        pytest.skip(f"this processor cannot run {build}")
+    results = track(*homotopy, options=EXTENDED, build=build)
+    assert (results.status == PathStatus.REGULAR).all()
+    assert same(track(*homotopy), results)
+    assert results.correction.max() < 1e-26
+    assert results.residual.max() < 1e-30
 
 
 def _available() -> list[str]:
