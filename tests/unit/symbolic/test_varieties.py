@@ -132,7 +132,7 @@ def test_singular_confirms_the_record() -> None:
         [sys.executable, str(TOOL), "--check"], capture_output=True, text=True, check=False
     )
     assert run.returncode == 0, run.stderr
-    assert "10 varieties confirmed" in run.stdout
+    assert "confirmed: dimension and degree of 10 varieties" in run.stdout
 
 
 def test_without_singular_the_tool_says_so() -> None:
@@ -143,9 +143,9 @@ def test_without_singular_the_tool_says_so() -> None:
         check=False,
         env={"PATH": "/nonexistent"},
     )
-    assert run.returncode == 1
+    assert run.returncode == 4
     assert "Singular is not installed" in run.stderr
-    assert "varieties.json stays in use" in run.stderr
+    assert "nothing was computed" in run.stderr
 
 
 def test_rank_and_monomials_on_a_small_example() -> None:
