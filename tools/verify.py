@@ -49,19 +49,20 @@ class Step:
     command
         A program in tools/, or `gsp`, with its arguments.
     whole, sample
-        What to add for all of it, and for a sample; ``{jobs}`` and ``{work}`` are the number of
-        processes and the folder of work files.
+        What to add for all of it, and for a sample; None leaves it out of the fast run. In the
+        command ``{jobs}`` and ``{work}`` are the number of processes and the folder of work files.
     """
 
     name: str
     subject: tuple[str, ...]
     command: str
     whole: str = ""
-    sample: str = ""
+    sample: str | None = ""
 
     def words(self, *, fast: bool, jobs: int, work: Path) -> list[str]:
         """Return the command."""
-        words = shlex.split(f"{self.command} {self.sample if fast else self.whole}")
+        more = self.whole if self.sample is None or not fast else self.sample
+        words = shlex.split(f"{self.command} {more}")
         program = ["-m", "gspcli"] if words[0] == "gsp" else [str(ROOT / words[0])]
         rest = (word.format(jobs=jobs, work=work) for word in words[1:])
         return [sys.executable, *program, *rest]
@@ -115,6 +116,12 @@ STEPS = (
         ),
         "tools/verify_solve.py all --check --jobs {jobs} --work {work}",
         sample="--sample 3",
+    ),
+    Step(
+        "distribution",
+        ("docs/real-counts.md", "docs/images/real-6-6.svg"),
+        "tools/build_distribution.py --check --jobs {jobs}",
+        sample=None,
     ),
     Step("schema", ("docs/instance.schema.json",), "tools/build_schema.py --check"),
     Step("pages", ("docs/commands.md", "docs/errata.md"), "tools/build_docs.py --check"),
@@ -222,7 +229,9 @@ def main() -> int:
     arguments = parser.parse_args()
     if unknown := set(arguments.steps) - set(names):
         parser.error(f"no such step: {', '.join(sorted(unknown))}; there are {', '.join(names)}")
-    steps = [step for step in STEPS if step.name in (arguments.steps or names)]
+    quick = [step.name for step in STEPS if step.sample is not None]
+    chosen = arguments.steps or (quick if arguments.fast else names)
+    steps = [step for step in STEPS if step.name in chosen]
     work = WORK / sources_sha256(SOURCES)[:12]
     if arguments.fast:
         work = Path(tempfile.mkdtemp())

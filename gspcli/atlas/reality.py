@@ -62,5 +62,6 @@ def reality(points: NDArray[np.complex128], condition: NDArray[np.float64]) -> R
     np.fill_diagonal(overlap, 0.0)
     # The sine of the angle between two lines, squared.
     apart = 1.0 - overlap.max(axis=-1, initial=0.0) ** 2
-    double = apart < np.maximum(_COMPLEX * error[real], 1e-7) ** 2
+    # The two of a conjugate pair that look real are within their errors of each other.
+    double = apart < np.maximum(4 * _REAL * error[real], 1e-7) ** 2
     return Reality(real, not (unclear.any() or double.any()))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from gspcli.atlas.platforms import random_platforms
+from gspcli.atlas.platforms import Platforms, random_platforms
 from gspcli.atlas.reality import reality
 from gspcli.atlas.workers import HERE, Workers
 from gspcli.catalogue.counts import generic_counts
@@ -28,20 +28,28 @@ class Tally:
     ----------
     real
         From a number of real solutions to how many platforms have it.
-    undecided
-        How many platforms have a solution too near a double one to say whether it is real.
-    incomplete
-        How many were not solved completely.
+    doubtful
+        Why others have none, ``undecided`` or ``incomplete``, by the number of the piece and
+        that of the platform in it.
     """
 
     real: Counter[int] = field(default_factory=Counter)
-    undecided: int = 0
-    incomplete: int = 0
+    doubtful: dict[tuple[int, int], str] = field(default_factory=dict)
 
     @property
     def platforms(self) -> int:
         """How many platforms were drawn."""
-        return self.real.total() + self.undecided + self.incomplete
+        return self.real.total() + len(self.doubtful)
+
+    @property
+    def undecided(self) -> int:
+        """How many have a solution too near a double one to say whether it is real."""
+        return list(self.doubtful.values()).count("undecided")
+
+    @property
+    def incomplete(self) -> int:
+        """How many were not solved completely."""
+        return list(self.doubtful.values()).count("incomplete")
 
     @property
     def mean(self) -> float | None:
@@ -52,8 +60,7 @@ class Tally:
     def add(self, other: Tally) -> None:
         """Add the numbers of other platforms."""
         self.real += other.real
-        self.undecided += other.undecided
-        self.incomplete += other.incomplete
+        self.doubtful |= other.doubtful
 
 
 @dataclass(frozen=True)
@@ -90,26 +97,30 @@ class Sample:
         full, rest = divmod(self.count, size)
         return [size] * full + [rest] * (rest > 0)
 
+    def platforms(self, number: int) -> Platforms:
+        """Return the platforms of one of the `pieces`, by its number."""
+        rng = np.random.default_rng([self.seed, number])
+        return random_platforms(self.gsp_type.kinds, self.pieces[number], rng)
+
     def tally(self, number: int) -> Tally:
         """Return the tally of one of the `pieces`, by its number."""
-        rng = np.random.default_rng([self.seed, number])
-        platforms = random_platforms(self.gsp_type.kinds, self.pieces[number], rng)
+        platforms = self.platforms(number)
         systems = 1
         if not self.one_sided:
             systems = 2 ** sum(kind.has_sides for kind in self.gsp_type.kinds)
             platforms = platforms.on_all_sides()
         tally = Tally()
         solutions = platforms.solutions(self.seed)
-        for _ in range(self.pieces[number]):
+        for k in range(self.pieces[number]):
             every = [next(solutions) for _ in range(systems)]
             if any(one.verdict != "complete" for one in every):
-                tally.incomplete += 1
+                tally.doubtful[number, k] = "incomplete"
                 continue
             found = [reality(one.points, one.condition) for one in every]
             if all(one.decided for one in found):
                 tally.real[sum(one.count for one in found)] += 1
             else:
-                tally.undecided += 1
+                tally.doubtful[number, k] = "undecided"
         return tally
 
 

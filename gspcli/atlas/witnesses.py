@@ -16,7 +16,7 @@ from gspcli.catalogue.types import GspType
 from gspcli.catalogue.witnesses import Witness, witness
 from gspcli.certification import certify
 from gspcli.errors import GspError
-from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.residuals import Arrangement
@@ -76,7 +76,7 @@ def real_instance(
     without = count // 2 ** sum(kind in (DPH, DHP, DLL) for kind in platform.kinds)
     scaled = _scaled(platform, length)
     for digits in _DIGITS:
-        draft = _rounded(scaled, digits, exponent, units)
+        draft = rounded(scaled, digits, exponent, units)
         if not has_gap:
             if _real_count(draft) == count:
                 return draft
@@ -120,8 +120,18 @@ def _scaled(platform: Platforms, length: float) -> Platforms:
     )
 
 
-def _rounded(platform: Platforms, digits: int, exponent: int, units: Units) -> Instance:
-    """Return the instance of a platform, rounded; lengths in units of 10^exponent."""
+def rounded(
+    platform: Platforms,
+    digits: int,
+    exponent: int = 0,
+    units: Units = DEFAULT_UNITS,
+    *,
+    one_sided: bool = False,
+) -> Instance:
+    """Return the instance of a platform, rounded to decimals; lengths in units of 10^exponent.
+
+    Both sides of DPH and DHP are asked for, unless it is to be the one that the values have.
+    """
     constraints = []
     for i, kind in enumerate(platform.kinds):
         value, places = float(platform.values[i]), digits - exponent
@@ -134,10 +144,15 @@ def _rounded(platform: Platforms, digits: int, exponent: int, units: Units) -> I
                 kind,
                 _geometry(kind.platform, platform.y[i], platform.u[i], digits, exponent),
                 _geometry(kind.base, platform.x[i], platform.v[i], digits, exponent),
-                _decimal(value, places),
+                _decimal(abs(value) if kind.has_sides else value, places),
+                _side(value) if kind.has_sides and one_sided else Side.BOTH,
             )
         )
     return Instance(tuple(constraints), units)
+
+
+def _side(value: float) -> Side:
+    return Side.NEGATIVE if value < 0 else Side.POSITIVE
 
 
 def _geometry(

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from gspcli import __version__
 from gspcli.cli.names import read_type
-from gspcli.cli.output import FORMATS, Column, Output, Table, emit, output_options
+from gspcli.cli.output import FORMATS, Column, Output, Table, emit, output_options, write_whole
 from gspcli.cli.workers import worker_options
+from gspcli.errors import GspError
 
 if TYPE_CHECKING:
     from gspcli.atlas.sampling import Sample, Tally
@@ -20,6 +23,8 @@ SCHEMA = "gsp.sample/1"
 _INTERRUPTED = 130
 #: The longest bar of the histogram, characters.
 _BAR = 40
+#: Decimals that keep a number of order one.
+_ALL_DIGITS = 17
 _WIDTH, _HEIGHT, _MARGIN = 640, 320, 40
 
 
@@ -42,6 +47,13 @@ _WIDTH, _HEIGHT, _MARGIN = 640, 320, 40
 @click.option(
     "--one-sided", is_flag=True, help="Ask for one side of each PH and HP distance, not both."
 )
+@click.option(
+    "--save",
+    "folder",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="FOLDER",
+    help="Keep undecided and incomplete platforms there, as instance files.",
+)
 @worker_options
 @output_options((*FORMATS, "svg"))
 def command(
@@ -49,6 +61,7 @@ def command(
     count: int,
     seed: int,
     one_sided: bool,
+    folder: Path | None,
     workers: Workers,
     output: Output,
 ) -> int:
@@ -69,6 +82,8 @@ def command(
     from gspcli.atlas.sampling import Sample, Tally, sample
     from gspcli.cli.progress import progress
 
+    if folder is not None:
+        _make(folder)
     wanted = Sample(read_type(names), count, seed, one_sided)
     total = Tally()
     interrupted = False
@@ -80,6 +95,8 @@ def command(
     except KeyboardInterrupt:
         interrupted = True
         click.echo(f"interrupted after {total.platforms} of {count} platforms", err=True)
+    if folder is not None:
+        _save(folder, wanted, total)
     emit(
         output,
         _table(wanted, total, bars=output.format == "table"),
@@ -87,6 +104,26 @@ def command(
         texts={"svg": histogram(wanted, total)},
     )
     return _INTERRUPTED if interrupted else 0
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        message = f"{folder}: cannot be made: {error.strerror}"
+        raise GspError(message) from error
+
+
+def _save(folder: Path, wanted: Sample, tally: Tally) -> None:
+    """Write the platforms of which the number of real solutions is not known."""
+    from gspcli.atlas.witnesses import rounded
+    from gspcli.spec import dumps
+
+    for (piece, index), why in sorted(tally.doubtful.items()):
+        platform = wanted.platforms(piece)[index]
+        instance = rounded(platform, _ALL_DIGITS, one_sided=wanted.one_sided)
+        name = f"{why}-{wanted.seed}-{piece}-{index}"
+        write_whole(folder / f"{name}.yaml", dumps(replace(instance, name=name)))
 
 
 def _table(wanted: Sample, tally: Tally, *, bars: bool) -> Table:

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 
 from gspcli.atlas import sampling
+from gspcli.atlas.reality import Reality
 from gspcli.atlas.sampling import Sample, Tally
 from gspcli.atlas.workers import Workers
+from gspcli.catalogue.parsing import parse_type
+from gspcli.solve import solve
+from gspcli.spec import load
 
 WORDS = ("sample", "6PH", "--one-sided", "--count", "20")
 
@@ -68,6 +75,24 @@ def test_a_family_is_sampled_by_one_of_its_types(gsp) -> None:
     assert family["type"]["id"] == "DPH DPH DPH ALL ALL ALL"
     words = ("sample", family["type"]["id"], "--count", "20", "--format", "json")
     assert json.loads(gsp(*words).out) == family
+
+
+@pytest.mark.parametrize("sides", [(), ("--one-sided",)])
+def test_doubtful_platforms_are_kept(
+    gsp, sides, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    name, wanted = "DPP DPP DPH DHP ALL AHH", Sample(parse_type("2PP PH HP ALL AHH"), 3, 5)
+    truth = replace(wanted, one_sided=bool(sides)).tally(0).real
+    monkeypatch.setattr(sampling, "reality", lambda *_: Reality(np.zeros(0, bool), False))
+    words = ("--count", "3", "--seed", "5", "--jobs", "1", "--save", tmp_path / "new", *sides)
+    done = gsp("sample", name, *words, "--format", "json")
+    assert (done.code, json.loads(done.out)["undecided"]) == (0, 3)
+    found = Counter()
+    for k in range(3):
+        instance = load(tmp_path / "new" / f"undecided-5-0-{k}.yaml")
+        assert instance.type == wanted.gsp_type
+        found[solve(instance, certify=False).counts.real] += 1
+    assert found == truth
 
 
 def test_errors(gsp, tmp_path: Path) -> None:
