@@ -122,6 +122,9 @@ def command(
         state = _searched(search, state, most, workers, state_file)
     except _Interrupted as interruption:
         state, interrupted = interruption.state, True
+    if interrupted and state.platform is None:
+        click.echo("interrupted before the end of an attempt", err=True)
+        return _INTERRUPTED
     if state.platform is None:
         message = "no platform was solved in the time given: use a greater --time"
         raise IncompleteError(message)

@@ -78,6 +78,14 @@ def test_an_interruption_writes_the_best_so_far(gsp, monkeypatch: pytest.MonkeyP
     assert done.code == 130
     assert done.out.startswith("gsp: 1\n")
 
+    def at_once(self: maximize.Search, number: int) -> maximize.Solved | None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(maximize.Search, "attempt", at_once)
+    done = gsp("maximize-real", "6PP", "--jobs", "1")
+    assert (done.code, done.out) == (130, "")
+    assert done.err == "interrupted before the end of an attempt\n"
+
 
 def test_the_best_known_platform_is_shown(gsp, tmp_path: Path) -> None:
     done = gsp("maximize-real", "3D3A", "PH", "PH", "PP", "ALL", "AHH", "ALH", "--show")
