@@ -32,3 +32,27 @@ def track(
     NDArray[np.float64],
 ]: ...
 def build() -> str: ...
+def intersect(
+    planes: NDArray[np.complex128],
+    quadrics: NDArray[np.complex128],
+    accuracy: NDArray[np.float64],
+    real: NDArray[np.bool_],
+    *,
+    build: str = "",
+) -> tuple[NDArray[np.complex128], NDArray[np.float64], NDArray[np.bool_]]: ...
+def surfaces(
+    forms: NDArray[np.float64],
+    spheres: int,
+    skew: list[int],
+    signs: NDArray[np.float64],
+    basis: NDArray[np.float64] | None,
+    e: NDArray[np.complex128],
+    flat: NDArray[np.float64],
+    curved: NDArray[np.float64],
+) -> tuple[
+    NDArray[np.complex128],
+    NDArray[np.complex128],
+    NDArray[np.complex128],
+    NDArray[np.complex128],
+    NDArray[np.float64],
+]: ...

@@ -1,14 +1,14 @@
 // Complex arithmetic on vectors of real numbers, one path in each lane: doubles, or with GSP_EXTENDED
 // double-double numbers.
 //
-// Included by tracker.cpp in each of its builds: all in an anonymous namespace, so that the linker
-// cannot merge functions that were compiled for different processors.
+// Included by each build of tracker.cpp and of intersection.cpp: all in an anonymous namespace, so
+// that the linker cannot merge functions that were compiled for different processors.
 #pragma once
 
 #include "tracker.hpp"
 
-#if !defined(GSP_TRACK) || !defined(GSP_LANES)
-#error "GSP_TRACK must name the entry point of this build and GSP_LANES the width of its vectors"
+#if !defined(GSP_LANES)
+#error "GSP_LANES must be the width of the vectors of this build"
 #endif
 
 namespace gsp {

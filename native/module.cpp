@@ -1,7 +1,9 @@
 // Python bindings: arrays in, arrays out, the global interpreter lock released in between.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <atomic>
@@ -9,11 +11,14 @@
 #include <complex>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "intersection.hpp"
+#include "surfaces.hpp"
 #include "tracker.hpp"
 
 namespace nb = nanobind;
@@ -34,12 +39,13 @@ struct Build {
   const char* name;
   Track* track;
   Track* track_extended;
+  Intersect* intersect;
 };
 
-constexpr Build kPortable{"portable", track_portable, track_portable_extended};
+constexpr Build kPortable{"portable", track_portable, track_portable_extended, intersect_portable};
 #if defined(GSP_X86)
-constexpr Build kAvx2{"avx2", track_avx2, track_avx2_extended};
-constexpr Build kAvx512{"avx512", track_avx512, track_avx512_extended};
+constexpr Build kAvx2{"avx2", track_avx2, track_avx2_extended, intersect_avx2};
+constexpr Build kAvx512{"avx512", track_avx512, track_avx512_extended, intersect_avx512};
 
 bool has_avx2() { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
 #endif
@@ -226,11 +232,92 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
                         owned(std::move(correction), {targets, paths}));
 }
 
+template <class T, int dimensions>
+using Array = nb::ndarray<const T, nb::ndim<dimensions>, nb::c_contig, nb::device::cpu>;
+
+nb::tuple surfaces(Array<double, 3> forms, int spheres, std::vector<int> skew,
+                   Array<double, 2> signs, std::optional<Array<double, 3>> basis,
+                   Array<std::complex<double>, 2> e, Array<double, 2> flat,
+                   Array<double, 2> curved) {
+  const std::size_t rotations = e.shape(0), combinations = signs.shape(0), k = signs.shape(1);
+  const std::size_t m = curved.shape(1), three = 3, four = 4;
+  require(e.shape(1) == 4 && flat.shape(0) == rotations && flat.shape(1) == k &&
+              curved.shape(0) == rotations && spheres >= 0 && spheres <= static_cast<int>(m),
+          "e, flat and curved must have shapes (rotations, 4), (rotations, k), (rotations, m)");
+  require(!basis || (basis->shape(0) == 3 && basis->shape(1) == 4 && basis->shape(2) == 4),
+          "basis must have shape (3, 4, 4)");
+  const Measures given{static_cast<int>(k),
+                       spheres,
+                       static_cast<int>(m) - spheres,
+                       static_cast<int>(skew.size()),
+                       forms.data(),
+                       skew.data(),
+                       static_cast<int>(combinations),
+                       signs.data(),
+                       basis ? basis->data() : nullptr};
+  require(forms.shape(0) == static_cast<std::size_t>(given.forms()) && forms.shape(1) == 4 &&
+              forms.shape(2) == 8,
+          "there must be a form (4, 8) for each height, square, axis, normal, and three of T");
+  require(std::all_of(skew.begin(), skew.end(),
+                      [&](int i) { return 0 <= i && i < static_cast<int>(k); }),
+          "moments must be among the heights");
+  const std::size_t planes = given.planes();
+  const auto array = [&](std::size_t size) {
+    return std::make_unique<std::complex<double>[]>(rotations * size);
+  };
+  auto plane = array(combinations * planes * 4), quadric = array(m * 16), base = array(12),
+       frame = array(9);
+  auto skewness = std::make_unique<double[]>(rotations);
+  for (std::size_t r = 0; r < rotations; ++r)
+    make_surfaces(given, e.data() + 4 * r, flat.data() + k * r, curved.data() + m * r,
+                  {plane.get() + r * combinations * planes * 4, quadric.get() + r * m * 16,
+                   base.get() + 12 * r, frame.get() + 9 * r, skewness.get() + r});
+  return nb::make_tuple(owned(std::move(plane), {rotations, combinations, planes, four}),
+                        owned(std::move(quadric), {rotations, m, four, four}),
+                        owned(std::move(base), {rotations, four, three}),
+                        owned(std::move(frame), {rotations, three, three}),
+                        owned(std::move(skewness), {rotations}));
+}
+
+nb::tuple intersect(Array<std::complex<double>, 4> planes, Array<std::complex<double>, 4> quadrics,
+                    Array<double, 1> accuracy, Array<bool, 1> real, const std::string& build) {
+  const std::size_t groups = planes.shape(0), systems = planes.shape(1), k = planes.shape(2);
+  require(k <= 3 && planes.shape(3) == 4, "planes must have shape (groups, systems, k, 4)");
+  require(quadrics.shape(0) == groups && quadrics.shape(1) == 3 - k && quadrics.shape(2) == 4 &&
+              quadrics.shape(3) == 4,
+          "quadrics must have shape (groups, 3 - k, 4, 4)");
+  require(accuracy.shape(0) == groups && real.shape(0) == groups,
+          "accuracy and real must have shape (groups,)");
+  const Build chosen = build_named(build);
+  const std::size_t total = groups * systems, each = std::size_t{8} >> k, four = 4;
+  auto point = std::make_unique<std::complex<double>[]>(total * each * four);
+  auto error = std::make_unique<double[]>(total * each);
+  auto ok = std::make_unique<bool[]>(total);
+  {
+    nb::gil_scoped_release release;
+    chosen.intersect({static_cast<int>(groups), static_cast<int>(systems),
+                      reinterpret_cast<const Complex*>(planes.data()),
+                      reinterpret_cast<const Complex*>(quadrics.data()), accuracy.data(),
+                      real.data()},
+                     static_cast<int>(k),
+                     {reinterpret_cast<Complex*>(point.get()), error.get(), ok.get()});
+  }
+  return nb::make_tuple(owned(std::move(point), {groups, systems, each, four}),
+                        owned(std::move(error), {groups, systems, each}),
+                        owned(std::move(ok), {groups, systems}));
+}
+
 }  // namespace
 }  // namespace gsp
 
 NB_MODULE(_kernel, m) {
-  m.doc() = "The native path tracker of gspcli.continuation.";
+  m.doc() = "Native code of gspcli.continuation and gspcli.geometry.";
+  m.def("surfaces", &gsp::surfaces, "forms"_a, "spheres"_a, "skew"_a, "signs"_a,
+        "basis"_a.none(), "e"_a, "flat"_a, "curved"_a,
+        "Return the surfaces of distances at rotations; see gspcli.geometry.surfaces.");
+  m.def("intersect", &gsp::intersect, "planes"_a, "quadrics"_a, "accuracy"_a, "real"_a,
+        nb::kw_only(), "build"_a = "",
+        "Return points, errors and what has been solved; see gspcli.geometry.intersections.");
   m.def("track", &gsp::track, "products"_a, "start_g"_a, "start_h"_a, "start_tau"_a, "target_g"_a,
         "target_h"_a, "target_tau"_a, "points"_a, nb::kw_only(), "predictor_tolerance"_a,
         "contraction"_a, "radius_fraction"_a, "min_step"_a, "waypoint"_a, "nearest"_a,

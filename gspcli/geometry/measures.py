@@ -4,22 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLP, DPH, DPL, DPP
-from gspcli.geometry.poses import (
-    BODY_TRANSLATION_FORMS,
-    TRANSLATION_FORMS,
-    cross,
-    rotated_forms,
-)
+from gspcli.geometry.poses import BODY_TRANSLATION_FORMS, ROTATION_FORMS, TRANSLATION_FORMS
 from gspcli.geometry.residuals import Arrangement
 
 Array = NDArray[np.float64]
+#: A vector of a constraint; here there are too few numbers for arrays to be quick.
+_Vector = list[float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,48 +27,55 @@ class Measures:
 
     Attributes
     ----------
-    heights
-        N times the heights over planes and the moments of two lines, shape (k, 4, 8).
-    squares
-        N times the squared distances of points but for ``4 f.f``; those of the spheres
-        first, then those of the cylinders, shape (m, 4, 8).
-    axial
-        For each cylinder N times the height along its axis, shape (m - spheres, 4, 8).
-    normals
-        N times the vector product of the directions of two lines, shape (l, 3, 4, 8).
+    forms
+        All forms, shape (count, 4, 8): `heights`, `squares`, `axial`, `normals`, and N T.
     skew
-        Which of the heights are moments of these lines, l of them.
+        Which of the heights are moments of two lines.
     flat, curved
         Positions of the heights and of the squares among the distances.
+    spheres
+        How many of the squares are those of spheres.
     basis
         The forms of T or of U if all distances are simplest in those, else None.
     signs
         The combinations of sides asked for: ``height = sign distance``, shape (s, k).
     """
 
-    heights: Array
-    squares: Array
-    axial: Array
-    normals: Array
+    forms: Array
     skew: list[int]
     flat: list[int]
     curved: list[int]
+    spheres: int
     basis: Array | None
     signs: Array
 
     @property
-    def spheres(self) -> int:
-        """How many of the squares are those of spheres."""
-        return len(self.squares) - len(self.axial)
+    def heights(self) -> Array:
+        """N times the heights over planes and the moments of two lines, shape (k, 4, 8)."""
+        return self.forms[: len(self.flat)]
 
-    @cached_property
-    def stacked(self) -> Array:
-        """All forms and those of N T side by side, shape (4, 8 forms)."""
-        translation = np.zeros((3, 4, 8))
-        translation[..., 4:] = TRANSLATION_FORMS
-        parts = (self.heights, self.squares, self.axial, self.normals, translation)
-        forms = np.concatenate([part.reshape(-1, 4, 8) for part in parts])
-        return forms.transpose(1, 0, 2).reshape(4, -1)
+    @property
+    def squares(self) -> Array:
+        """N times the squared distances of points but for ``4 f.f``, shape (m, 4, 8).
+
+        Those of the spheres come first, then those of the cylinders.
+        """
+        return self.forms[len(self.flat) :][: len(self.curved)]
+
+    @property
+    def axial(self) -> Array:
+        """For each cylinder N times the height along its axis, shape (m - spheres, 4, 8)."""
+        return self.forms[len(self.flat) + len(self.curved) :][: len(self.curved) - self.spheres]
+
+    @property
+    def normals(self) -> Array:
+        """N times the vector product of the directions of two lines, shape (l, 3, 4, 8)."""
+        return self.forms[-3 - 3 * len(self.skew) : -3].reshape(-1, 3, 4, 8)
+
+    @property
+    def positions(self) -> int:
+        """In how many points the surfaces meet in general, for all sides (Proposition 6.7)."""
+        return len(self.signs) << len(self.curved) - max(self.spheres - 1, 0)
 
 
 def measures(arrangement: Arrangement, parallel: Collection[int] = ()) -> Measures:
@@ -85,43 +89,46 @@ def measures(arrangement: Arrangement, parallel: Collection[int] = ()) -> Measur
         Line-line distances whose lines are parallel at the rotations in question.
     """
     indices = arrangement.distances.tolist()
-    heights: list[tuple[int, Array]] = []
-    spheres: list[tuple[int, Array]] = []
-    cylinders: list[tuple[int, Array, Array]] = []
-    normals: list[Array] = []
+    heights: list[tuple[int, _Vector]] = []
+    spheres: list[tuple[int, _Vector]] = []
+    cylinders: list[tuple[int, _Vector]] = []
+    axial: list[_Vector] = []
+    normals: list[_Vector] = []
     skew: list[int] = []
     sorts = set()
+    given = arrangement
     for j, i in enumerate(indices):
-        kind = arrangement.kinds[i]
-        y, x, u, v = (a[i] for a in (arrangement.y, arrangement.x, arrangement.u, arrangement.v))
+        kind = given.kinds[i]
+        y, x, u, v = (part[i].tolist() for part in (given.y, given.x, given.u, given.v))
         if kind is DPH:
             heights.append((j, _base_height(y, x, v)))
         elif kind is DHP:
-            heights.append((j, -_platform_height(y, x, u)))
+            heights.append((j, [-number for number in _platform_height(y, x, u)]))
         elif kind is DPP:
             spheres.append((j, _square(y, x)))
         elif kind is DLP:
-            cylinders.append((j, _square(y, x), _platform_height(y, x, u)))
-        elif i in parallel and arrangement.values[i] == 0:
+            cylinders.append((j, _square(y, x)))
+            axial.append(_platform_height(y, x, u))
+        elif i in parallel and given.values[i] == 0:
             # One line on the other: two planes, not the cylinder of radius zero about them.
-            across = np.linalg.svd(v[None])[2][1:]
+            across = np.linalg.svd([v])[2][1:].tolist()
             heights += [(j, _base_height(y, x, normal)) for normal in across]
         elif kind is DPL or i in parallel:
-            cylinders.append((j, _square(y, x), _base_height(y, x, v)))
+            cylinders.append((j, _square(y, x)))
+            axial.append(_base_height(y, x, v))
         else:
             skew.append(len(heights))
             heights.append((j, _moment(y, x, u, v)))
-            normals.append(_form(rotated_forms(u, cross(v, np.eye(3)))))
+            normals += [_combination(R=_outer(_cross(v, axis), u)) for axis in _AXES]
         sorts.add("q" if kind in (DHP, DLP) else "s" if kind is DPP else "p")
     flat = [j for j, _ in heights]
+    rows = [row for _, row in (*heights, *spheres, *cylinders)] + axial + normals + _TRANSLATION
     return Measures(
-        heights=np.array([h for _, h in heights]).reshape(-1, 4, 8),
-        squares=np.array([h for _, h, *_ in (*spheres, *cylinders)]).reshape(-1, 4, 8),
-        axial=np.array([h for _, _, h in cylinders]).reshape(-1, 4, 8),
-        normals=np.array(normals).reshape(-1, 3, 4, 8),
+        forms=(np.array(rows) @ _FORMS).reshape(-1, 4, 8),
         skew=skew,
         flat=flat,
-        curved=[j for j, _ in spheres] + [j for j, _, _ in cylinders],
+        curved=[j for j, _ in (*spheres, *cylinders)],
+        spheres=len(spheres),
         basis=TRANSLATION_FORMS
         if "q" not in sorts
         else BODY_TRANSLATION_FORMS
@@ -131,36 +138,79 @@ def measures(arrangement: Arrangement, parallel: Collection[int] = ()) -> Measur
     )
 
 
-def _form(a: Array, b: Array | None = None) -> Array:
-    """Return forms from their two matrices, ``(..., 4, 4)`` twice to ``(..., 4, 8)``."""
-    return np.concatenate((a, np.zeros_like(a) if b is None else b), axis=-1)
+_ZEROS = [0.0] * 9
+_AXES = np.eye(3).tolist()
 
 
-def _base_height(y: Array, x: Array, v: Array) -> Array:
-    """Return the form of ``v . (R y + T - x)``."""
-    return _form(rotated_forms(y, v) - (v @ x) * np.eye(4), np.tensordot(v, TRANSLATION_FORMS, 1))
+def _combination(
+    one: float = 0.0,
+    R: _Vector = _ZEROS,
+    T: _Vector = _ZEROS[:3],
+    U: _Vector = _ZEROS[:3],
+    moment: _Vector = _ZEROS,
+) -> _Vector:
+    """Return the coefficients of a combination of 1, R, T, U and T x R, 25 numbers."""
+    return [one, *R, *T, *U, *moment]
 
 
-def _platform_height(y: Array, x: Array, u: Array) -> Array:
-    """Return the form of ``R u . (R y + T - x) = u . (y + U - R^T x)``."""
-    turned = (u @ y) * np.eye(4) - rotated_forms(u, x)
-    return _form(turned, np.tensordot(u, BODY_TRANSLATION_FORMS, 1))
+def _function_forms() -> Array:
+    """Return the forms of N times 1, R, T, U and T x R, shape (25, 32)."""
+    forms = np.zeros((25, 4, 8))
+    forms[0, :, :4] = np.eye(4)
+    forms[1:10, :, :4] = ROTATION_FORMS.reshape(9, 4, 4)
+    forms[10:13, :, 4:] = TRANSLATION_FORMS
+    forms[13:16, :, 4:] = BODY_TRANSLATION_FORMS
+    # N R is quadratic in e, and N [T]x R is its derivative along f: twice the polar form.
+    forms[16:, :, 4:] = 2 * ROTATION_FORMS.reshape(9, 4, 4)
+    return forms.reshape(25, 32)
 
 
-def _moment(y: Array, x: Array, u: Array, v: Array) -> Array:
-    """Return the form of ``(R y + T - x) . (R u x v)``.
-
-    N R is quadratic in e, and N [T]x R is its derivative along f: twice the polar form.
-    """
-    turned = rotated_forms(cross(y, u), v) - rotated_forms(u, cross(v, x))
-    return _form(turned, 2 * rotated_forms(u, v))
+_FORMS = _function_forms()
+_TRANSLATION = [_combination(T=axis) for axis in _AXES]
 
 
-def _square(y: Array, x: Array) -> Array:
-    """Return the form of ``|R y + T - x|^2`` but for ``4 f.f = N T.T``."""
-    turned = (x @ x + y @ y) * np.eye(4) - 2 * rotated_forms(y, x)
-    moved = np.tensordot(y, BODY_TRANSLATION_FORMS, 1) - np.tensordot(x, TRANSLATION_FORMS, 1)
-    return _form(turned, 2 * moved)
+def _dot(a: _Vector, b: _Vector) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _cross(a: _Vector, b: _Vector) -> _Vector:
+    return [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+
+
+def _outer(b: _Vector, a: _Vector, factor: float = 1.0) -> _Vector:
+    """Return the coefficients of R in ``factor b . R a``."""
+    return [factor * p * q for p in b for q in a]
+
+
+def _base_height(y: _Vector, x: _Vector, v: _Vector) -> _Vector:
+    """Return ``v . (R y + T - x)``."""
+    return _combination(-_dot(v, x), R=_outer(v, y), T=v)
+
+
+def _platform_height(y: _Vector, x: _Vector, u: _Vector) -> _Vector:
+    """Return ``R u . (R y + T - x) = u . (y + U - R^T x)``."""
+    return _combination(_dot(u, y), R=_outer(x, u, -1.0), U=u)
+
+
+def _moment(y: _Vector, x: _Vector, u: _Vector, v: _Vector) -> _Vector:
+    """Return ``(R y + T - x) . (R u x v)``."""
+    about_base = _outer(_cross(v, x), u)
+    turned = [p - q for p, q in zip(_outer(v, _cross(y, u)), about_base, strict=True)]
+    return _combination(R=turned, moment=_outer(v, u))
+
+
+def _square(y: _Vector, x: _Vector) -> _Vector:
+    """Return ``|R y + T - x|^2`` but for ``T.T``."""
+    return _combination(
+        _dot(x, x) + _dot(y, y),
+        R=_outer(x, y, -2.0),
+        T=[-2.0 * number for number in x],
+        U=[2.0 * number for number in y],
+    )
 
 
 @cache
@@ -175,6 +225,7 @@ def signs_of(arrangement: Arrangement, planes: list[int]) -> Array:
     A line-line distance has both signs, a distance to a plane those of its sides; a distance
     of zero has one.
     """
-    sides = [int(arrangement.signs[i]) for i in planes]
-    free = tuple(s == 0 and arrangement.values[i] != 0 for i, s in zip(planes, sides, strict=True))
+    sides = arrangement.signs[planes].tolist() if planes else []
+    values = arrangement.values[planes].tolist() if planes else []
+    free = tuple(s == 0 and value != 0 for s, value in zip(sides, values, strict=True))
     return _signs(free, tuple(s or 1 for s in sides))

@@ -135,6 +135,12 @@ def quaternion_from_rotation(R: Field) -> Field:
     return canonical_sign(e).reshape(*batch, 4)
 
 
+def unit_quaternion(e: Field) -> Field:
+    """Return one of the two multiples of a quaternion with ``e.e = 1``, ``(..., 4)``."""
+    scaled: Field = e * (1 / np.sqrt(dot(e, e)))[..., None]
+    return scaled
+
+
 def canonical_sign(e: Field) -> Field:
     """Return ``e`` or ``-e`` by the rule of `quaternion_from_rotation`, ``(..., 4)``."""
     # Real parts before imaginary parts, component by component.

@@ -1,4 +1,4 @@
-"""Intersections of n quadrics in projective n-space, n = 0, 1, 2, 3, over the complex numbers.
+"""Intersections of n quadrics in projective n-space, n = 0, 1, 2, 3, in any position.
 
 A quadric is a symmetric matrix Q of order n + 1, its equation ``z^T Q z = 0``. By Bezout's
 theorem n quadrics meet in 2^n points counted with multiplicity, or in infinitely many. The
@@ -7,8 +7,8 @@ n - 1. These are forms of degree n + 1, the smallest degree in which the kernel 
 points and how the coordinates multiply; the joint eigenvalues of those multiplications are the
 points. See D. Cox, J. Little, D. O'Shea, *Using Algebraic Geometry*, chapters 2 and 3.
 
-`generic_roots` is quick and takes batches, and says where its answer is not to be trusted.
-`all_roots` takes one system and expects everything: multiple points and infinitely many.
+`all_roots` takes one system and expects everything: multiple points and infinitely many. Systems
+in general position are solved quicker by `gspcli.geometry.intersections`.
 """
 
 from __future__ import annotations
@@ -27,11 +27,8 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Index = NDArray[np.int64]
 
-#: Points of norm 1 that are nearer than this are left to `all_roots`, ...
+#: Isolated points of norm 1 that are nearer than this are one.
 _SEPARATION = 1e-4
-#: ... and so are systems with a point whose error is larger than the first number, or whose
-#: last step of Newton's method, with a square that is about what remains, than the second.
-_ACCURACY, _LAST_STEP = 1e-9, 1e-6
 _EPS = float(np.finfo(float).eps)
 #: How many points are compared with all others at a time.
 _PIECE = 64
@@ -41,23 +38,12 @@ _OVERLAP = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class _Layout:
-    """Where things stand in Macaulay's matrix of n quadrics.
-
-    The columns are the monomials of degree n + 1. The last 2^n of them are the basis: those at
-    most linear in each of z_1 ... z_n.
-    """
+    """Where things stand in Macaulay's matrix of n quadrics: columns are monomials."""
 
     #: Column of each coefficient of a quadric times each multiplier: (multipliers, triangle).
     columns: Index
-    #: The square choice of rows: quadric and multiplier of each, shape (columns - 2^n,).
-    quadrics: Index
-    multipliers: Index
     #: For each coordinate z_i the columns of ``z_i m``, m of degree n: shape (n + 1, ...).
     products: Index
-    #: Column of ``b z_1 / z_0`` for each element b of the basis, shape (2^n,).
-    images: Index
-    #: Positions in the basis of ``z_0^(n+1)`` and ``z_0^n z_i``, shape (n + 1,).
-    linear: Index
     #: Square roots of the multinomial coefficients of the columns and of the m above. With
     #: these weights unitary changes of coordinates act unitarily (Bombieri's norm).
     weights: Array
@@ -79,7 +65,6 @@ def _weight(exponents: tuple[int, ...]) -> float:
 @cache
 def _layout(n: int) -> _Layout:
     monomials = _exponents(n + 1, n + 1)
-    monomials.sort(key=lambda m: max(m[1:]) <= 1)
     column = {m: i for i, m in enumerate(monomials)}
     multipliers = _exponents(n + 1, n - 1)
     below = _exponents(n + 1, n)
@@ -89,31 +74,14 @@ def _layout(n: int) -> _Layout:
     def shifted(m: tuple[int, ...], *indices: int) -> tuple[int, ...]:
         return tuple(e + indices.count(i) for i, e in enumerate(m))
 
-    # Macaulay's choice: the monomial m is led by quadric k if z_k is the first with z_k^2 | m.
-    others, basis = monomials[: -(2**n)], monomials[-(2**n) :]
-    leaders = [next(k for k in range(1, n + 1) if m[k] > 1) for m in others]
-    rests = [
-        tuple(e - 2 * (i == k) for i, e in enumerate(m))
-        for m, k in zip(others, leaders, strict=True)
-    ]
     return _Layout(
         columns=np.array([[column[shifted(m, i, j)] for i, j in pairs] for m in multipliers]),
-        quadrics=np.array(leaders) - 1,
-        multipliers=np.array([multipliers.index(rest) for rest in rests]),
         products=np.array([[column[shifted(m, i)] for m in below] for i in range(n + 1)]),
-        images=np.array([column[(b[0] - 1, b[1] + 1, *b[2:])] for b in basis]),
-        linear=np.array([basis.index(shifted((n, *[0] * n), i)) for i in range(n + 1)]),
         weights=np.array([_weight(m) for m in monomials]),
         product_weights=np.array([_weight(m) for m in below]),
         triangle=(triangle[0], triangle[1]),
         factor=np.where(triangle[0] == triangle[1], 1.0, 2.0),
     )
-
-
-@cache
-def _turn(size: int) -> Array:
-    """Return a fixed orthogonal matrix without special position, shape (size, size)."""
-    return np.linalg.qr(np.random.default_rng(1120).normal(size=(size, size)))[0]
 
 
 def _newton_step(
@@ -133,78 +101,6 @@ def _newton_step(
     length = np.sqrt((step.real**2 + step.imag**2).sum(axis=-1))
     amplification = np.sqrt((inverse.real**2 + inverse.imag**2).sum(axis=(-2, -1)))
     return normalised(z - step), length, amplification * (length**2 + 4 * accuracy)
-
-
-# What is not a number belongs to systems that are not answered for.
-@np.errstate(all="ignore")
-def generic_roots(
-    forms: Field, accuracy: Array | float = _EPS
-) -> tuple[Field, Array, NDArray[np.bool_]]:
-    """Return the points of systems in general position.
-
-    Parameters
-    ----------
-    forms
-        Symmetric matrices of n quadrics for each system, shape (..., n, n + 1, n + 1); n = 0
-        to 3. Real ones give points that are exactly real or come in exactly conjugate pairs,
-        one directly after the other.
-    accuracy
-        The relative error of the forms, shape (..., 1) if it differs.
-
-    Returns
-    -------
-    points
-        Shape (..., 2^n, n + 1), norm 1.
-    errors
-        Estimated distance of each from the exact point, shape (..., 2^n).
-    ok
-        Which systems have been solved, shape (...): 2^n accurate points that are well apart.
-        By Bezout's theorem there are no others. Use `all_roots` on the rest.
-    """
-    n, batch = forms.shape[-3], forms.shape[:-3]
-    if n == 0:
-        return np.ones((*batch, 1, 1)), np.zeros((*batch, 1)), np.ones(batch, bool)
-    turn = _turn(n + 1)
-    forms = turn.T @ forms @ turn
-    forms = forms / np.sqrt((forms.real**2 + forms.imag**2).sum(axis=(-2, -1), keepdims=True))
-    try:
-        z, steps, errors = _newton_step(forms, normalised(_eigenpoints(forms)), accuracy)
-    except np.linalg.LinAlgError:
-        return _separately(turn @ forms @ turn.T)
-    overlaps = np.abs(z @ np.swapaxes(z.conj(), -1, -2)) - np.eye(2**n)
-    ok = ((errors < _ACCURACY) & (steps < _LAST_STEP)).all(axis=-1)
-    ok &= (overlaps < 1 - _SEPARATION**2).all(axis=(-2, -1))
-    return z @ turn.T, errors, ok
-
-
-def _separately(forms: Field) -> tuple[Field, Array, NDArray[np.bool_]]:
-    """Return `generic_roots` of a batch in which some matrix is exactly singular."""
-    n, batch = forms.shape[-3], forms.shape[:-3]
-    count = 2**n
-    points = np.full((*batch, count, n + 1), np.nan + 0j)
-    errors = np.full((*batch, count), np.inf)
-    ok = np.zeros(batch, bool)
-    if batch and np.prod(batch) > 1:
-        for index in np.ndindex(batch):
-            points[index], errors[index], ok[index] = generic_roots(forms[index])
-    return points, errors, ok
-
-
-def _eigenpoints(forms: Field) -> Field:
-    """Return the points as joint eigenvectors, not yet polished, shape (..., 2^n, n + 1)."""
-    n, batch = forms.shape[-3], forms.shape[:-3]
-    layout, count = _layout(n), 2**n
-    size = len(layout.quadrics)
-    coefficients = forms[..., layout.triangle[0], layout.triangle[1]] * layout.factor
-    matrix = np.zeros((*batch, size, size + count), forms.dtype)
-    columns = layout.columns[layout.multipliers]
-    matrix[..., np.arange(size)[:, None], columns] = coefficients[..., layout.quadrics, :]
-    reduced = -np.linalg.solve(matrix[..., :size], matrix[..., size:])
-    identity = np.broadcast_to(np.eye(count), (*batch, count, count))
-    multiplication = np.concatenate((reduced, identity), axis=-2)[..., layout.images, :]
-    # Its eigenvectors are the values of the basis at the points: z_0, z_1 ... z_n among them.
-    _, vectors = np.linalg.eig(multiplication)
-    return np.swapaxes(vectors, -1, -2)[..., layout.linear]
 
 
 @dataclass(frozen=True, eq=False)

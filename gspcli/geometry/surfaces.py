@@ -15,27 +15,22 @@ origin.
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass, replace
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import DHP, DLL, DPH, DPP, Kind
+from gspcli import _kernel
+from gspcli.geometry.intersections import generic_points
 from gspcli.geometry.measures import Measures
-from gspcli.geometry.poses import Field, dot, normalised
-from gspcli.geometry.quadrics import all_roots, generic_roots
+from gspcli.geometry.poses import Field, normalised
+from gspcli.geometry.quadrics import all_roots
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Index = NDArray[np.int64]
 
 _EPS = float(np.finfo(float).eps)
-#: Kernel bases that are worse conditioned than this are left to `intersection`.
-_KERNEL = 1e4
-#: And so are spheres that differ by less than this.
-_DIFFERENCE = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,124 +40,56 @@ class Surfaces:
     Attributes
     ----------
     planes
-        Forms of the planes for the distance zero, shape (f, k, 4).
-    offsets
-        What a distance adds to their first coefficient, shape (f, k).
-    signs
-        The combinations of sides asked for, shape (s, k): ``form . X = sign offset s``.
+        The planes for each combination of sides: those of the k heights, then the planes of the
+        circles in which the first sphere meets the others; shape (f, s, k + circles, 4).
     quadrics
-        The m quadrics, spheres first, shape (f, m, 4, 4).
+        The quadrics, spheres first, shape (f, m, 4, 4).
     spheres
         How many of them are spheres.
-    skewness
-        Least squared sine, in absolute value, of line pairs that give planes, shape (f,).
     basis
         The basis of the f, shape (f, 4, 3).
     frame
         ``T = frame t / s``, shape (f, 3, 3).
+    skewness
+        Least squared sine, in absolute value, of line pairs that give planes, shape (f,).
     """
 
-    planes: Field
-    offsets: Field
-    signs: Array
-    quadrics: Field
+    planes: Complex
+    quadrics: Complex
     spheres: int
+    basis: Complex
+    frame: Complex
     skewness: Array
-    basis: Field
-    frame: Field
 
 
-def surface_counts(kinds: Collection[Kind]) -> tuple[int, int, int]:
-    """Return how many distances are planes, spheres and cylinders in general (Prop. 6.4)."""
-    letters = [_letter(kind) for kind in kinds if kind.is_distance]
-    return letters.count("P"), letters.count("S"), letters.count("C")
-
-
-def _letter(kind: Kind) -> str:
-    return "P" if kind in (DPH, DHP, DLL) else "S" if kind is DPP else "C"
-
-
-def intersection_number(planes: int, spheres: int, cylinders: int) -> int:
-    """Return in how many points three surfaces meet in general (Proposition 6.7)."""
-    del planes
-    return int(2 ** (min(spheres, 1) + cylinders))
-
-
-def surfaces(given: Measures, e: Field, distances: Array) -> Surfaces:
-    """Return the surfaces at rotations.
+def surfaces(given: Measures, e: Complex, distances: Array) -> Surfaces:
+    """Return the surfaces at rotations. Those of real rotations are exactly real.
 
     Parameters
     ----------
     given
         What the distances measure.
     e
-        Quaternions of norm 1, real or complex, shape (f, 4).
+        Quaternions of norm 1, shape (f, 4).
     distances
         The distances for each rotation, shape (f, d).
     """
-    basis = _basis(e, given.basis)
-    forms = (e @ given.stacked).reshape(len(e), given.stacked.shape[1] // 8, 8)
-    linear = np.empty((*forms.shape[:2], 4), e.dtype)
-    linear[..., 0] = (forms[..., :4] @ e[..., None])[..., 0]
-    linear[..., 1:] = forms[..., 4:] @ basis
-    norm = dot(e, e)
-    k, m, c = len(given.heights), len(given.squares), len(given.axial)
-    offsets = distances[:, given.flat] * norm[:, None]
-    skewness = np.ones(len(e))
-    if given.skew:
-        normals = linear[:, k + m + c : -3, 0].reshape(len(e), len(given.skew), 3)
-        square = dot(normals, normals)
-        offsets[:, given.skew] *= np.sqrt(square) / norm[:, None]
-        skewness = np.abs(square / norm[:, None] ** 2).min(axis=1)
-    quadrics = np.empty((len(e), m, 4, 4), e.dtype)
-    if m:
-        squares = linear[:, k : k + m]
-        quadrics[..., 1:, 1:] = 4 * (np.swapaxes(basis, -1, -2) @ basis)[:, None]
-        quadrics[..., 0, 1:] = quadrics[..., 1:, 0] = squares[..., 1:] / 2
-        quadrics[..., 0, 0] = squares[..., 0] - distances[:, given.curved] ** 2 * norm[:, None]
-    if c:
-        axial = linear[:, k + m : k + m + c]
-        quadrics[:, m - c :] *= norm[:, None, None, None]
-        quadrics[:, m - c :] -= axial[..., :, None] * axial[..., None, :]
-    return Surfaces(
-        planes=linear[:, :k],
-        offsets=offsets,
-        signs=given.signs,
-        quadrics=quadrics,
-        spheres=given.spheres,
-        skewness=skewness,
-        basis=basis,
-        frame=linear[:, -3:, 1:] / norm[:, None, None],
+    planes, quadrics, basis, frame, skewness = _kernel.surfaces(
+        given.forms,
+        given.spheres,
+        given.skew,
+        given.signs,
+        given.basis,
+        np.ascontiguousarray(e),
+        np.ascontiguousarray(distances[:, given.flat]),
+        np.ascontiguousarray(distances[:, given.curved]),
     )
+    return Surfaces(planes, quadrics, given.spheres, basis, frame, skewness)
 
 
-def _basis(e: Field, forms: Array | None) -> Field:
-    """Return a basis of the f with ``e.f = 0`` for each quaternion, shape (f, 4, 3).
-
-    With the forms of T (or U) its coordinates are those of T (or U). Else it is orthogonal in
-    the Hermitian sense, so that it stays sound where N vanishes and T is infinite.
-    """
-    basis: Field
-    if forms is not None:
-        basis = np.swapaxes((e @ forms.transpose(1, 0, 2).reshape(4, 12)).reshape(-1, 3, 4), 1, 2)
-        return basis / 4
-    # A reflection that takes the first unit vector into a multiple of conj(e).
-    mirror = e.conj().copy()  # conj() returns real arrays themselves
-    size = np.abs(mirror[:, 0])
-    mirror[:, 0] += np.where(size == 0, 1, mirror[:, 0] / np.where(size == 0, 1, size))
-    scale = (mirror.real**2 + mirror.imag**2).sum(axis=1)[:, None, None]
-    basis = np.eye(4)[:, 1:] - 2 / scale * mirror[:, :, None] * mirror[:, None, 1:].conj()
-    return basis / 2
-
-
-@cache
-def _directions() -> Array:
-    """Return fixed vectors without special position, shape (4, 4)."""
-    return np.linalg.qr(np.random.default_rng(64).normal(size=(4, 4)))[0]
-
-
-@np.errstate(all="ignore")
-def generic_positions(given: Surfaces, accuracy: Array) -> tuple[Field, Array, NDArray[np.bool_]]:
+def generic_positions(
+    given: Surfaces, accuracy: Array, real: NDArray[np.bool_]
+) -> tuple[Complex, Array, NDArray[np.bool_]]:
     """Return the intersection points of surfaces in general position.
 
     Parameters
@@ -171,71 +98,23 @@ def generic_positions(given: Surfaces, accuracy: Array) -> tuple[Field, Array, N
         The surfaces.
     accuracy
         The relative error of their forms, shape (f,).
+    real
+        Which rotations are real, shape (f,): their points are exactly real or in exactly
+        conjugate pairs.
 
     Returns
     -------
     points
-        Forms X of norm 1, shape (f, s, 2^m, 4): rotations, sign combinations, points. Real
-        rotations give points that are exactly real or in exactly conjugate pairs.
+        Forms X of norm 1, shape (f, s, 2^m, 4): rotations, sign combinations, points.
     errors
         Their estimated errors, shape (f, s, 2^m).
     ok
         Which of the systems have been solved, shape (f, s).
     """
-    f, s = len(given.planes), len(given.signs)
-    k = given.planes.shape[1]
-    linear = np.repeat(given.planes[:, None], s, axis=1)
-    linear[..., 0] -= given.signs * given.offsets[:, None]
     quadrics = given.quadrics
     if given.spheres > 1:
-        # Spheres differ by the plane of their common circle.
-        difference = quadrics[:, 1 : given.spheres, 0] - quadrics[:, :1, 0]
-        difference[..., 1:] *= 2
-        difference = difference[:, None].repeat(s, axis=1)
-        linear = np.concatenate((linear, difference), axis=2)
-        quadrics = np.concatenate((quadrics[:, :1], quadrics[:, given.spheres :]), axis=1)
-        k = linear.shape[2]
-    if k == 0:
-        points, errors, ok = generic_roots(quadrics, accuracy[:, None])
-        return points[:, None], errors[:, None], ok[:, None]
-    # Spheres that nearly coincide leave a plane that is mostly rounding error.
-    sound = (np.abs(linear).max(axis=-1) > _DIFFERENCE).all(axis=-1)
-    linear = normalised(linear)
-    bordered = np.empty((f, s, 4, 4), linear.dtype)
-    bordered[..., :k, :] = linear
-    bordered[..., k:, :] = _directions()[k:]
-    try:
-        inverse = np.linalg.inv(bordered)
-        size = np.sqrt((np.abs(inverse) ** 2).sum(axis=(-2, -1)))
-        basis = inverse[..., k:] / size[..., None, None]
-        across = np.swapaxes(basis, -1, -2)
-        points, errors, ok = generic_roots(
-            across[:, :, None] @ quadrics[:, None] @ basis[:, :, None], accuracy[:, None, None]
-        )
-        X = _corrected(linear, quadrics, points @ across)
-    except np.linalg.LinAlgError:
-        # Exactly singular somewhere: planes are parallel or surfaces touch.
-        shape = (f, s, 2 ** quadrics.shape[1])
-        return np.full((*shape, 4), np.nan), np.full(shape, np.inf), np.zeros((f, s), bool)
-    return X, (errors + accuracy[:, None, None]) * size[..., None], ok & sound & (size < _KERNEL)
-
-
-def _corrected(linear: Field, quadrics: Field, X: Field) -> Field:
-    """Return points after one Newton step on the planes and quadrics themselves, norm 1.
-
-    The basis in which the points were found may be ill-conditioned; the step repairs that.
-    """
-    X = normalised(X)
-    k = linear.shape[2]
-    halves = np.einsum("fmij,fspj->fspmi", quadrics, X)
-    matrix = np.empty((*X.shape, 4), X.dtype)
-    matrix[..., :k, :] = linear[:, :, None]
-    matrix[..., k:3, :] = 2 * halves
-    matrix[..., 3, :] = X.conj()
-    values = np.zeros((*X.shape, 1), X.dtype)
-    values[..., :k, 0] = X @ np.swapaxes(linear, -1, -2)
-    values[..., k:3, 0] = np.einsum("fspmi,fspi->fspm", halves, X)
-    return normalised(X - np.linalg.solve(matrix, values)[..., 0])
+        quadrics = np.delete(quadrics, slice(1, given.spheres), axis=1)
+    return generic_points(given.planes, quadrics, accuracy, real)
 
 
 @dataclass(frozen=True, eq=False)

@@ -44,10 +44,11 @@ def solve(
     real, certified = poses.real, np.zeros(len(R), bool)
     if certify and len(R):
         real, certified = _proved(instance, R, T, real)
-    order = stable_order(arrangement, R, T, real)
+    order = stable_order(poses, real, arrangement.length)
     return SolveResult(
         instance=instance,
         arrangement=arrangement,
+        quaternions=poses.quaternions[order],
         R=R[order],
         T=T[order],
         real=real[order],

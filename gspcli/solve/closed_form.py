@@ -17,20 +17,26 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.geometry.measures import Measures, measures
-from gspcli.geometry.poses import Field, apply, cross, dot, rotation_from_quaternion
+from gspcli.geometry.poses import (
+    Field,
+    apply,
+    canonical_sign,
+    cross,
+    dot,
+    rotation_from_quaternion,
+    unit_quaternion,
+)
 from gspcli.geometry.residuals import Arrangement
 from gspcli.geometry.surfaces import (
     certainly_not_zero,
     generic_positions,
     intersection,
-    intersection_number,
-    surface_counts,
     surfaces,
 )
 from gspcli.solve.infinity import finite_pose
 from gspcli.solve.motion import Motion, local_motion
 from gspcli.solve.poses import PoseSet
-from gspcli.solve.rotations import ROTATIONS, RotationGroup, angle_forms, rotations
+from gspcli.solve.rotations import ROTATIONS, Rotations, angle_forms, rotations
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -50,19 +56,6 @@ _SAMPLES = 8
 #: Error of rotations on components.
 _SAMPLE_ACCURACY = 1e-12
 _EPS = float(np.finfo(float).eps)
-
-
-def generic_count(arrangement: Arrangement) -> int:
-    """Return the generic number of complex poses for the sides asked for (Theorem 6.9).
-
-    Each line-line distance has two signs, and so has each distance to a plane without a side.
-    """
-    count = ROTATIONS * intersection_number(*surface_counts(arrangement.kinds))
-    for i in arrangement.distances:
-        kind, value, side = arrangement.kinds[i], arrangement.values[i], arrangement.signs[i]
-        if (kind is DLL or (kind.has_sides and side == 0)) and value != 0:
-            count *= 2
-    return count
 
 
 def solve_closed_form(arrangement: Arrangement) -> PoseSet:
@@ -108,47 +101,72 @@ def _solve_batch(arrangement: Arrangement, values: Array) -> Iterator[PoseSet]:
     given = arrangement.with_values(values[0]).in_units_of(length)
     angles = given.angles
     forms = angle_forms(given.u[angles], given.v[angles], given.cosines(values))
-    turned = rotations(forms)
     shapes = measures(given)
-    real = _translated(shapes, distances, [rotation.real for rotation in turned])
-    upper = _translated(shapes, distances, [rotation.upper for rotation in turned])
-    each = generic_count(given) // ROTATIONS
+    turned = rotations(forms)
+    ends = np.cumsum([len(rotation.e) for rotation in turned])
+    places = _places(shapes, distances, turned)
     for k, rotation in enumerate(turned):
-        ledger = _Ledger(given, shapes, forms[k], distances[k], each)
-        ledger.add_rotations(rotation.real, real[k])
-        ledger.add_rotations(rotation.upper, upper[k])
+        ledger = _Ledger(given, shapes, forms[k], distances[k])
+        ledger.add_rotations(rotation, places.of(slice(ends[k] - len(rotation.e), ends[k])))
         for e in rotation.samples:
             ledger.add_sample(e)
-        ledger.at_infinity += each * rotation.at_infinity
-        ledger.lost += each * rotation.lost
+        ledger.at_infinity += shapes.positions * rotation.at_infinity
+        ledger.lost += shapes.positions * rotation.lost
         yield ledger.poses(arrangement, values[k], length)
 
 
-#: Rotations, translations, which of those there are, and which rotations are solved:
-#: (f, 3, 3), (f, s p, 3), (f,).
-_Points = tuple[Field, Field, NDArray[np.bool_]]
+class _Places(NamedTuple):
+    """Where the platform is at some rotations, as far as their surfaces are in general position.
+
+    Quaternions with ``e.e = 1``, rotations, translations, and which rotations have been solved:
+    (f, 4), (f, 3, 3), (f, s p, 3), (f,).
+    """
+
+    quaternions: Complex
+    R: Complex
+    T: Complex
+    good: NDArray[np.bool_]
+
+    def of(self, k: slice) -> _Places:
+        return _Places(self.quaternions[k], self.R[k], self.T[k], self.good[k])
 
 
-def _translated(shapes: Measures, distances: Array, groups: list[RotationGroup]) -> list[_Points]:
-    """Return the quick solutions for the rotations of each set of values."""
-    counts = [len(group.e) for group in groups]
-    e = np.concatenate([group.e for group in groups])
-    if not len(e):
-        nothing = np.zeros((0, 3, 3), e.dtype)
-        return [(nothing, nothing, np.zeros(0, bool)) for _ in groups]
-    accuracy = np.concatenate([group.errors for group in groups])
-    given = surfaces(shapes, e, np.repeat(distances, counts, axis=0))
-    X, errors, ok = generic_positions(given, accuracy + _EPS)
+def _places(shapes: Measures, distances: Array, turned: list[Rotations]) -> _Places:
+    """Return the quick solutions for the rotations of each set of values, one after the other."""
+    e = np.concatenate([rotation.e for rotation in turned])
+    real = np.concatenate([rotation.real for rotation in turned])
+    accuracy = np.concatenate([rotation.errors for rotation in turned])
+    distances = np.repeat(distances, [len(rotation.e) for rotation in turned], axis=0)
+    given = surfaces(shapes, e, distances)
+    X, errors, ok = generic_positions(given, accuracy + _EPS, real)
     finite = certainly_not_zero(X[..., 0], errors)
     good = (ok & finite.all(axis=2)).all(axis=1) & (given.skewness > _NEARLY_PARALLEL)
-    R = rotation_from_quaternion(e)
-    t = X[..., 1:] / np.where(finite, X[..., 0], 1)[..., None]
-    T = t.reshape(len(e), t.shape[1] * t.shape[2], 3) @ np.swapaxes(given.frame, -1, -2)
-    ends = np.cumsum(counts)
-    return [
-        (R[end - count : end], T[end - count : end], good[end - count : end])
-        for count, end in zip(counts, ends, strict=True)
-    ]
+    t = X[..., 1:] * (1 / np.where(finite, X[..., 0], 1))[..., None]
+    T: Complex = t.reshape(len(e), t.shape[1] * t.shape[2], 3) @ np.swapaxes(given.frame, -1, -2)
+    return _Places(unit_quaternion(e), rotation_from_quaternion(e), T, good)
+
+
+class _Isolated(NamedTuple):
+    """Isolated poses, arrays over them; quaternions of either sign."""
+
+    quaternions: Complex
+    R: Complex
+    T: Complex
+    real: NDArray[np.bool_]
+    multiplicity: Index
+
+    @classmethod
+    def joined(cls, parts: list[_Isolated]) -> _Isolated:
+        return cls(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+
+
+_NO_POSES = _Isolated(
+    np.zeros((0, 4), complex),
+    np.zeros((0, 3, 3), complex),
+    np.zeros((0, 3), complex),
+    np.zeros(0, bool),
+    np.zeros(0, int),
+)
 
 
 class _Translations(NamedTuple):
@@ -169,41 +187,56 @@ class _Ledger:
     """Collects poses in the unit of length of a batch, and counts what became of every path."""
 
     def __init__(
-        self, geometry: Arrangement, shapes: Measures, forms: Array, distances: Array, each: int
+        self, geometry: Arrangement, shapes: Measures, forms: Array, distances: Array
     ) -> None:
         self.geometry = geometry
         self.shapes = shapes
         self.forms = forms
         self.distances = distances
-        self.each = each
-        self.isolated: list[tuple[Field, Field, NDArray[np.bool_], Index]] = []
-        self.samples: list[tuple[Field, Field]] = []
+        self.each = shapes.positions  # poses of each rotation (Theorem 6.9)
+        self.isolated = [_NO_POSES]
+        self.samples: list[tuple[Complex, Complex]] = []
         self.at_infinity = self.on_curves = self.lost = 0
 
-    def add_rotations(self, group: RotationGroup, points: _Points) -> None:
+    def add_rotations(self, rotations: Rotations, places: _Places) -> None:
         """Add the poses of isolated rotations; of complex ones the conjugate poses as well."""
-        R, T, good = points
-        count = T.shape[1]
-        multiplicity = np.repeat(group.multiplicity[good], count)
-        T = T[good].reshape(-1, 3)
-        is_complex = np.iscomplexobj(R)
-        real = np.zeros(len(T), bool) if is_complex else ~(T.imag != 0).any(axis=-1)
-        self._add(np.repeat(R[good], count, axis=0), T, real, multiplicity)
-        if not good.all():
-            for f in (~good).nonzero()[0]:
-                self._add_carefully(
-                    R[f], group.e[f], int(group.multiplicity[f]), float(group.errors[f])
+        good = places.good
+        index = good.nonzero()[0].repeat(places.T.shape[1])
+        T = places.T[good].reshape(-1, 3)
+        real = rotations.real[index] & ~T.imag.any(axis=1)
+        self._add(
+            _Isolated(
+                places.quaternions[index],
+                places.R[index],
+                T,
+                real,
+                rotations.multiplicity[index],
+            ),
+            ~rotations.real[index],
+        )
+        for f in (~good).nonzero()[0]:
+            self._add_carefully(rotations, places, int(f))
+
+    def _add(self, poses: _Isolated, paired: NDArray[np.bool_]) -> None:
+        """Add poses, and the conjugates of those whose rotation is not real."""
+        self.isolated.append(poses)
+        if paired.any():
+            self.isolated.append(
+                _Isolated(
+                    poses.quaternions[paired].conj(),
+                    poses.R[paired].conj(),
+                    poses.T[paired].conj(),
+                    poses.real[paired],
+                    poses.multiplicity[paired],
                 )
+            )
 
-    def _add(self, R: Field, T: Field, real: NDArray[np.bool_], multiplicity: Index) -> None:
-        self.isolated.append((R, T, real, multiplicity))
-        if np.iscomplexobj(R):
-            self.isolated.append((R.conj(), T.conj(), real, multiplicity))
-
-    def _add_carefully(self, R: Field, e: Field, multiplicity: int, accuracy: float) -> None:
+    def _add_carefully(self, rotations: Rotations, places: _Places, f: int) -> None:
         """Add the poses of one isolated rotation, whatever the position of its surfaces."""
-        weight = multiplicity * (2 if np.iscomplexobj(R) else 1)
-        found = self._translations(e, accuracy, multiplicity == 1)
+        e, turned_really = rotations.e[f], bool(rotations.real[f])
+        multiplicity = int(rotations.multiplicity[f])
+        weight = multiplicity * (1 if turned_really else 2)
+        found = self._translations(e, float(rotations.errors[f]), multiplicity == 1)
         T, counts = found.T, found.multiplicity
         lost, samples = found.lost, found.samples
         if abs(dot(e, e)) < _NEARLY_NULL:
@@ -212,12 +245,16 @@ class _Ledger:
             T, counts, samples = T[simple], counts[simple], samples[:0]
             lost = self.each - len(T) - found.at_infinity
         real = np.zeros(len(T), bool)
-        if not np.iscomplexobj(R):
+        if turned_really and len(T):
             distances = np.abs(T.conj()[:, None] - T).sum(axis=-1)
-            real = distances.argmin(axis=1) == np.arange(len(T)) if len(T) else real
+            real = distances.argmin(axis=1) == np.arange(len(T))
             T = np.where(real[:, None], T.real, T)
-        self._add(np.repeat(R[None], len(T), 0), T, real, counts * multiplicity)
-        self.samples += [(R, point) for point in samples]
+        index = np.full(len(T), f)
+        self._add(
+            _Isolated(places.quaternions[index], places.R[index], T, real, counts * multiplicity),
+            ~rotations.real[index],
+        )
+        self.samples += [(places.R[f], point) for point in samples]
         rest = max(0, self.each - int(counts.sum()) - lost)
         on_curves = min(len(samples), rest)
         self.at_infinity += weight * (rest - on_curves)
@@ -266,9 +303,7 @@ class _Ledger:
         counts: list[int] = []
         samples: list[Complex] = []
         at_infinity = lost = 0
-        for signs in shapes.signs:
-            planes = there.planes[0].copy()
-            planes[:, 0] -= signs * there.offsets[0]
+        for signs, planes in zip(shapes.signs, there.planes[0, :, : len(shapes.flat)], strict=True):
             meet = intersection(planes, there.quadrics[0], accuracy)
             points += list(meet.points @ frame.T)
             counts += meet.multiplicity.tolist()
@@ -292,13 +327,13 @@ class _Ledger:
 
     def poses(self, arrangement: Arrangement, values: Array, length: float) -> PoseSet:
         """Return everything in the frames and units of the arrangement with some values."""
-        R = np.concatenate([np.zeros((0, 3, 3), complex), *(part[0] for part in self.isolated)])
-        T = np.concatenate([np.zeros((0, 3), complex), *(part[1] for part in self.isolated)])
+        q, R, T, real, multiplicity = _Isolated.joined(self.isolated)
         return PoseSet(
+            quaternions=canonical_sign(q),
             R=R,
             T=arrangement.restored(R, T, length),
-            real=np.concatenate([np.zeros(0, bool), *(part[2] for part in self.isolated)]),
-            multiplicity=np.concatenate([np.zeros(0, int), *(part[3] for part in self.isolated)]),
+            real=real,
+            multiplicity=multiplicity,
             motions=self._motions(arrangement, values, length),
             paths=ROTATIONS * self.each,
             at_infinity=self.at_infinity,

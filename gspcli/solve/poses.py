@@ -18,6 +18,9 @@ class PoseSet:
 
     Attributes
     ----------
+    quaternions
+        Of the rotations, ``e.e = 1``, with the sign of `quaternion_from_rotation`, shape (n, 4),
+        complex.
     R, T
         Distinct isolated poses, shapes (n, 3, 3) and (n, 3), complex.
     real
@@ -37,6 +40,7 @@ class PoseSet:
         other three numbers they add up to the paths.
     """
 
+    quaternions: Complex
     R: Complex
     T: Complex
     real: NDArray[np.bool_]

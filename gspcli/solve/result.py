@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,9 +13,10 @@ from numpy.typing import NDArray
 
 from gspcli import __version__
 from gspcli.geometry.instance import Instance, Side
-from gspcli.geometry.poses import Field, quaternion_from_rotation
+from gspcli.geometry.poses import Field
 from gspcli.geometry.residuals import Arrangement, condition_numbers, residuals, sides_of
 from gspcli.solve.motion import Motion
+from gspcli.solve.poses import PoseSet
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -120,6 +122,8 @@ class SolveResult:
     ----------
     instance, arrangement
         What was solved, as given and in floating point.
+    quaternions
+        Of the rotations, ``e.e = 1``, the first component that is not zero positive, shape (n, 4).
     R, T
         Distinct isolated poses, shapes (n, 3, 3) and (n, 3), complex; the imaginary parts of
         real poses are exactly zero.
@@ -143,6 +147,7 @@ class SolveResult:
 
     instance: Instance
     arrangement: Arrangement
+    quaternions: Field
     R: Field
     T: Field
     real: NDArray[np.bool_]
@@ -176,11 +181,6 @@ class SolveResult:
             spurious=self.spurious,
             lost=self.lost,
         )
-
-    @cached_property
-    def quaternions(self) -> Field:
-        """Quaternions of the poses, shape (n, 4)."""
-        return quaternion_from_rotation(self.R)
 
     @cached_property
     def residuals(self) -> Array:
@@ -289,10 +289,20 @@ def _motion_json(motion: Motion) -> dict[str, Any]:
     return document
 
 
-def stable_order(arrangement: Arrangement, R: Field, T: Field, real: NDArray[np.bool_]) -> Any:
-    """Return the permutation that puts poses into the order of `SolveResult`, shape (n,)."""
-    unit = 10.0 ** np.floor(np.log10(arrangement.length))
-    pose = np.concatenate((quaternion_from_rotation(R), T / unit), axis=-1)
-    keys = np.round(np.concatenate((pose.real, pose.imag), axis=-1), 9)
+def stable_order(poses: PoseSet, real: NDArray[np.bool_], length: float) -> Any:
+    """Return the permutation that puts poses into the order of `SolveResult`, shape (n,).
+
+    Parameters
+    ----------
+    poses
+        The poses.
+    real
+        Which of them are real, shape (n,).
+    length
+        The typical length of the arrangement.
+    """
+    unit = 10.0 ** math.floor(math.log10(length))
+    pose = np.concatenate((poses.quaternions, poses.T * (1 / unit)), axis=1)
+    keys = np.concatenate((pose.real, pose.imag), axis=1).round(9)
     # The last key is the first to sort by.
     return np.lexsort((*keys.T[::-1], ~real))

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.geometry.intersections import generic_points
 from gspcli.geometry.poses import Field, dot, rotated_forms
-from gspcli.geometry.quadrics import all_roots, generic_roots, made_real, real_points
+from gspcli.geometry.quadrics import all_roots, made_real, real_points
 from gspcli.geometry.surfaces import certainly_not_zero
 from gspcli.solve.infinity import refined_rotation
 
@@ -31,25 +32,7 @@ _EPS = float(np.finfo(float).eps)
 _SAMPLE_INFINITY = 1e-7
 #: Two real linear forms without special position.
 _FORMS = np.array([[0.31, 0.53, -0.83, 0.17], [0.71, -0.29, 0.37, 0.59]])
-
-
-@dataclass(frozen=True, eq=False)
-class RotationGroup:
-    """Isolated rotations.
-
-    Attributes
-    ----------
-    e
-        Quaternions of norm 1, shape (f, 4).
-    multiplicity
-        Of each, shape (f,).
-    errors
-        Their estimated errors, shape (f,).
-    """
-
-    e: Field
-    multiplicity: NDArray[np.int64]
-    errors: Array
+_NOTHING = np.zeros((0, 4), complex)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,21 +41,27 @@ class Rotations:
 
     Attributes
     ----------
+    e
+        Isolated rotations: the real ones, exactly real, and one of each pair of conjugates that
+        are not; quaternions of norm 1, shape (f, 4).
     real
-        The real ones, real arrays.
-    upper
-        One of each pair of conjugates that are not real, complex arrays.
+        Which of them are real, shape (f,).
+    multiplicity
+        Of each, shape (f,).
+    errors
+        Their estimated errors, shape (f,).
     samples
         Quaternions on positive-dimensional components, shape (m, 4).
-    at_infinity, on_curves, lost
-        How many of the eight are at infinity, on components, or could not be made out.
+    at_infinity, lost
+        How many of the eight are at infinity, or could not be made out.
     """
 
-    real: RotationGroup
-    upper: RotationGroup
+    e: Complex
+    real: NDArray[np.bool_]
+    multiplicity: NDArray[np.int64]
+    errors: Array
     samples: Complex
     at_infinity: int
-    on_curves: int
     lost: int
 
 
@@ -89,31 +78,25 @@ def rotations(forms: Array) -> list[Rotations]:
     forms
         From `angle_forms`, shape (b, 3, 4, 4).
     """
-    e, errors, ok = generic_roots(forms)
-    norm = np.abs(dot(e, e))
-    ok &= (certainly_not_zero(norm, errors) & (errors < _ACCURACY * norm)).all(axis=-1)
-    imaginary = (e.imag != 0).any(axis=-1)
-    # Conjugates come one directly after the other.
-    first = imaginary & (np.cumsum(imaginary, axis=-1) % 2 == 1)
-    return [
-        _simple(e[k], errors[k], ~imaginary[k], first[k]) if ok[k] else _careful(forms[k])
-        for k in range(len(forms))
-    ]
-
-
-def _simple(
-    e: Complex, errors: Array, real: NDArray[np.bool_], upper: NDArray[np.bool_]
-) -> Rotations:
-    """Return the record of eight simple finite points, marked as real or upper."""
-    ones = np.ones(ROTATIONS, int)
-    return Rotations(
-        real=RotationGroup(e[real].real, ones[real], errors[real]),
-        upper=RotationGroup(e[upper], ones[upper], errors[upper]),
-        samples=np.zeros((0, 4), complex),
-        at_infinity=0,
-        on_curves=0,
-        lost=0,
+    count = len(forms)
+    points, distances, solved = generic_points(
+        np.empty((count, 1, 0, 4)), forms, np.full(count, _EPS), np.ones(count, bool)
     )
+    e, errors = points[:, 0], distances[:, 0]
+    norm = np.abs(dot(e, e))
+    known = certainly_not_zero(norm, errors) & (errors < _ACCURACY * norm)
+    ok = solved[:, 0] & known.all(axis=1)
+    return [_simple(e[k], errors[k]) if ok[k] else _careful(forms[k]) for k in range(count)]
+
+
+def _simple(e: Complex, errors: Array) -> Rotations:
+    """Return the rotations of eight simple finite points."""
+    imaginary = (e.imag != 0).any(axis=1)
+    # Conjugates come one directly after the other.
+    chosen = ~imaginary | (imaginary.cumsum() % 2 == 1)
+    e, real = e[chosen], ~imaginary[chosen]
+    ones = np.ones(len(e), int)
+    return Rotations(e, real, ones, errors[chosen], samples=_NOTHING, at_infinity=0, lost=0)
 
 
 def _careful(forms: Field) -> Rotations:
@@ -131,17 +114,19 @@ def _careful(forms: Field) -> Rotations:
         finite[k], infinite[k] = decided is True, decided is False
         errors[k] = _EPS
     real = finite & real_points(e)
+    e[real] = made_real(e[real])
     # The quotient of two real linear forms tells conjugates apart by its imaginary part.
     quotient = (e @ _FORMS[0]) / (e @ _FORMS[1])
-    upper = finite & ~real & (quotient.imag > 0)
+    chosen = real | (finite & (quotient.imag > 0))
     on_curve = np.abs(dot(samples, samples)) > _SAMPLE_INFINITY
     at_infinity = int(multiplicity[infinite].sum())
-    known = multiplicity[real].sum() + 2 * multiplicity[upper].sum() + len(samples)
+    known = multiplicity[chosen] @ np.where(real[chosen], 1, 2) + len(samples)
     return Rotations(
-        real=RotationGroup(made_real(e[real]), multiplicity[real], errors[real]),
-        upper=RotationGroup(e[upper], multiplicity[upper], errors[upper]),
+        e=e[chosen],
+        real=real[chosen],
+        multiplicity=multiplicity[chosen],
+        errors=errors[chosen],
         samples=samples[on_curve],
         at_infinity=at_infinity + int((~on_curve).sum()),
-        on_curves=int(on_curve.sum()),
         lost=ROTATIONS - at_infinity - int(known),
     )

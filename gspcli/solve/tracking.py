@@ -11,7 +11,12 @@ from numpy.typing import NDArray
 
 from gspcli.continuation.solve import SystemSolutions, solve_systems
 from gspcli.continuation.systems import TargetSystem
-from gspcli.geometry.poses import Field, pose_from_study
+from gspcli.geometry.poses import (
+    Field,
+    canonical_sign,
+    pose_from_study,
+    quaternion_from_rotation,
+)
 from gspcli.geometry.quadrics import made_real, real_points
 from gspcli.geometry.residuals import Arrangement
 from gspcli.solve.motion import Motion
@@ -67,10 +72,14 @@ def _pose_set(arrangement: Arrangement, results: list[SystemSolutions]) -> PoseS
     points[real] = made_real(points[real])
     R, T = _poses(arrangement, points)
     spurious, undecided = judge_parallel_lines(arrangement, R, T, multiplicity > 1)
-    R, T = polish_parallel_lines(arrangement, R, T, multiplicity == 1)
+    quaternions = canonical_sign(points[:, :4])
+    polished, T = polish_parallel_lines(arrangement, R, T, multiplicity == 1)
+    if polished is not R:
+        R, quaternions = polished, quaternion_from_rotation(polished)
     posed = ~spurious & ~undecided
     motions, beside = _motions(arrangement, results)
     return PoseSet(
+        quaternions=quaternions[posed],
         R=R[posed],
         T=T[posed],
         real=real[posed],

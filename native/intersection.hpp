@@ -1,0 +1,30 @@
+// Where planes and quadrics of projective 3-space meet: what the builds of intersection.cpp (one an
+// instruction set) have in common. Nothing here but plain data, as in tracker.hpp.
+#pragma once
+
+#include "tracker.hpp"
+
+namespace gsp {
+
+// Systems of k planes and 3 - k quadrics each, in groups of some that share their quadrics.
+struct Intersections {
+  int groups, systems;     // systems of each group
+  const Complex* plane;    // (groups, systems, k, 4)
+  const Complex* quadric;  // (groups, 3 - k, 4, 4), symmetric
+  const double* accuracy;  // (groups): relative errors of both
+  const bool* real;        // (groups): whether planes and quadrics are real
+};
+
+// Arrays over the systems. Points of real systems are real or in pairs of conjugates, one directly
+// after the other. Where a system has not been solved, points are zero and errors infinite.
+struct IntersectionResults {
+  Complex* point;  // (2^(3-k), 4), norm 1
+  double* error;   // (2^(3-k)): estimated distance of each from the exact point
+  bool* ok;        // whether there are 2^(3-k) accurate points that are well apart
+};
+
+using Intersect = void(const Intersections&, int planes, const IntersectionResults&);
+
+Intersect intersect_portable, intersect_avx2, intersect_avx512;
+
+}  // namespace gsp
