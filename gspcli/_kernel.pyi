@@ -56,3 +56,6 @@ def surfaces(
     NDArray[np.complex128],
     NDArray[np.float64],
 ]: ...
+def find_real_points(
+    points: NDArray[np.complex128],
+) -> tuple[NDArray[np.complex128], NDArray[np.bool_]]: ...

@@ -17,6 +17,7 @@
 #include <thread>
 #include <vector>
 
+#include "conjugates.hpp"
 #include "intersection.hpp"
 #include "surfaces.hpp"
 #include "tracker.hpp"
@@ -235,6 +236,16 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
 template <class T, int dimensions>
 using Array = nb::ndarray<const T, nb::ndim<dimensions>, nb::c_contig, nb::device::cpu>;
 
+nb::tuple real_points(Array<std::complex<double>, 2> points) {
+  const std::size_t count = points.shape(0), size = points.shape(1);
+  auto representative = std::make_unique<std::complex<double>[]>(count * size);
+  auto real = std::make_unique<bool[]>(count);
+  find_real_points(static_cast<int>(count), static_cast<int>(size), points.data(),
+                   representative.get(), real.get());
+  return nb::make_tuple(owned(std::move(representative), {count, size}),
+                        owned(std::move(real), {count}));
+}
+
 nb::tuple surfaces(Array<double, 3> forms, int spheres, std::vector<int> skew,
                    Array<double, 2> signs, std::optional<Array<double, 3>> basis,
                    Array<std::complex<double>, 2> e, Array<double, 2> flat,
@@ -312,6 +323,8 @@ nb::tuple intersect(Array<std::complex<double>, 4> planes, Array<std::complex<do
 
 NB_MODULE(_kernel, m) {
   m.doc() = "Native code of gspcli.continuation and gspcli.geometry.";
+  m.def("find_real_points", &gsp::real_points, "points"_a,
+        "Return representatives and which are real; see gspcli.geometry.conjugates.");
   m.def("surfaces", &gsp::surfaces, "forms"_a, "spheres"_a, "skew"_a, "signs"_a,
         "basis"_a.none(), "e"_a, "flat"_a, "curved"_a,
         "Return the surfaces of distances at rotations; see gspcli.geometry.surfaces.");

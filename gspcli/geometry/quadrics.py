@@ -30,10 +30,6 @@ Index = NDArray[np.int64]
 #: Isolated points of norm 1 that are nearer than this are one.
 _SEPARATION = 1e-4
 _EPS = float(np.finfo(float).eps)
-#: How many points are compared with all others at a time.
-_PIECE = 64
-#: Squared overlaps of unit vectors that differ by less do not tell which vector is nearer.
-_OVERLAP = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -334,37 +330,3 @@ def _with_components(
         np.array(errors, float),
         np.array(samples, complex).reshape(-1, n + 1),
     )
-
-
-def real_points(points: Complex) -> NDArray[np.bool_]:
-    """Return which points of a set closed under conjugation are real, shape (k, n + 1) -> (k,).
-
-    A point is real if of all points of the set its conjugate is nearest to itself. This
-    decides without a threshold when the points are further apart than their errors.
-    """
-    z = normalised(points)
-    real = np.zeros(len(z), bool)
-    conjugate_columns = z.conj().T
-    # In pieces, because a set may have thousands of points.
-    for start in range(0, len(z), _PIECE):
-        conjugates = z[start : start + _PIECE].conj()
-        products = conjugates @ conjugate_columns
-        overlaps = products.real**2 + products.imag**2
-        own = start + np.arange(len(overlaps))
-        real[own] = overlaps.argmax(axis=1) == own
-        # The overlap is 1 - distance^2, nearly, whose rounding hides distances below 1e-8.
-        near = overlaps > overlaps.max(axis=1, keepdims=True) - _OVERLAP
-        for row in np.flatnonzero(near.sum(axis=1) > 1):
-            rivals = np.flatnonzero(near[row])
-            # Bring each rival into the phase in which it is nearest to the conjugate.
-            phases = products[row, rivals] / np.sqrt(overlaps[row, rivals])
-            distances = np.linalg.norm(conjugates[row] - phases[:, None] * z[rivals], axis=1)
-            real[own[row]] = rivals[distances.argmin()] == own[row]
-    return real
-
-
-def made_real(points: Complex) -> Array:
-    """Return real representatives of real points, norm 1, shape (..., n + 1)."""
-    flat = points.reshape(-1, points.shape[-1])
-    pivot = flat[np.arange(len(flat)), np.abs(flat).argmax(axis=1)]
-    return np.asarray(normalised((flat * (1 / pivot)[:, None]).real).reshape(points.shape))

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.geometry.conjugates import find_real_points
 from gspcli.geometry.intersections import generic_points
 from gspcli.geometry.poses import Field, dot, rotated_forms
-from gspcli.geometry.quadrics import all_roots, made_real, real_points
+from gspcli.geometry.quadrics import all_roots
 from gspcli.geometry.surfaces import certainly_not_zero
 from gspcli.solve.infinity import refined_rotation
 
@@ -113,8 +114,8 @@ def _careful(forms: Field) -> Rotations:
         e[k], decided = refined_rotation(forms, e[k])
         finite[k], infinite[k] = decided is True, decided is False
         errors[k] = _EPS
-    real = finite & real_points(e)
-    e[real] = made_real(e[real])
+    e, real = find_real_points(e)
+    real &= finite
     # The quotient of two real linear forms tells conjugates apart by its imaginary part.
     quotient = (e @ _FORMS[0]) / (e @ _FORMS[1])
     chosen = real | (finite & (quotient.imag > 0))

@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from gspcli.continuation.solve import SystemSolutions, solve_systems
 from gspcli.continuation.systems import TargetSystem
+from gspcli.geometry.conjugates import find_real_points, made_real
 from gspcli.geometry.poses import (
     Field,
     canonical_sign,
     pose_from_study,
     quaternion_from_rotation,
+    unit_quaternion,
 )
-from gspcli.geometry.quadrics import made_real, real_points
 from gspcli.geometry.residuals import Arrangement
 from gspcli.solve.motion import Motion
 from gspcli.solve.parallel_lines import judge_parallel_lines, polish_parallel_lines
@@ -66,13 +67,13 @@ def solve_each_by_tracking(
 
 def _pose_set(arrangement: Arrangement, results: list[SystemSolutions]) -> PoseSet:
     """Return the poses for all sides together."""
-    points = np.concatenate([result.points for result in results])
+    settled = [find_real_points(result.points) for result in results]
+    points = np.concatenate([representatives for representatives, _ in settled])
+    real = np.concatenate([real for _, real in settled])
     multiplicity = np.concatenate([result.multiplicity for result in results])
-    real = np.concatenate([real_points(result.points) for result in results])
-    points[real] = made_real(points[real])
     R, T = _poses(arrangement, points)
     spurious, undecided = judge_parallel_lines(arrangement, R, T, multiplicity > 1)
-    quaternions = canonical_sign(points[:, :4])
+    quaternions = canonical_sign(unit_quaternion(points[:, :4]))
     polished, T = polish_parallel_lines(arrangement, R, T, multiplicity == 1)
     if polished is not R:
         R, quaternions = polished, quaternion_from_rotation(polished)

@@ -3,8 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from gspcli.geometry.conjugates import find_real_points
 from gspcli.geometry.intersections import generic_points
-from gspcli.geometry.quadrics import all_roots, made_real, real_points
+from gspcli.geometry.quadrics import all_roots
 
 
 def random_forms(rng: np.random.Generator, n: int, field: str, batch: int) -> np.ndarray:
@@ -74,8 +75,9 @@ def test_tangent_conics():
     lines = planes_product([1, 0, -1], [-1, 1, 0])
     roots = all_roots(np.array([circle, lines]))
     assert sorted(roots.multiplicity) == [1, 1, 2]
-    assert real_points(roots.points).all()
-    double = made_real(roots.points[roots.multiplicity == 2])[0]
+    representatives, real = find_real_points(roots.points)
+    assert real.all()
+    double = representatives[roots.multiplicity == 2][0].real
     np.testing.assert_allclose(double / double[2], [1, 0, 1], atol=1e-10)
 
 
@@ -107,9 +109,3 @@ def test_equal_conics_are_infinite():
     roots = all_roots(np.array([circle, 2 * circle]))
     assert len(roots.points) == 0
     assert len(roots.samples) > 0
-
-
-def test_real_points_of_conjugate_pairs():
-    points = np.array([[1, 1j], [1, -1j], [1, 2 + 1e-9j], [1j, 3j]])
-    assert real_points(points).tolist() == [False, False, True, True]
-    np.testing.assert_allclose(made_real(points[3]), np.array([1, 3]) / np.sqrt(10))

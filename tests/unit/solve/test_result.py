@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.types import type_by_number
+from gspcli.geometry.poses import quaternion_from_rotation
 from gspcli.solve import DEFAULT_SEED, solve
 from gspcli.solve.generate import random_instance
 
@@ -46,6 +47,18 @@ def test_json_has_real_poses_only_unless_asked(result):
     document = result.to_json()
     assert len(document["solutions"]) == document["counts"]["real"]
     assert all(solution["real"] for solution in document["solutions"])
+
+
+@pytest.mark.parametrize("number", [900, 2500, 3850])
+def test_quaternions_are_those_of_the_rotations(number):
+    instance, _ = random_instance(type_by_number(number), np.random.default_rng(number))
+    poses = solve(instance, certify=False)
+    assert poses.counts.real
+    assert not poses.quaternions[poses.real].imag.any()
+    sizes = np.abs(poses.R).max(axis=(1, 2))[:, None]
+    np.testing.assert_allclose(
+        poses.quaternions / sizes, quaternion_from_rotation(poses.R) / sizes, atol=1e-11
+    )
 
 
 def test_counts_add_up(result):

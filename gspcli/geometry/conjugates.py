@@ -1,0 +1,40 @@
+"""Which points of a set that is closed under conjugation are real."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli import _kernel
+from gspcli.geometry.poses import normalised
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+def find_real_points(points: Complex) -> tuple[Complex, NDArray[np.bool_]]:
+    """Return representatives of the points of a set closed under conjugation; which are real.
+
+    A point is real if of all points of the set its conjugate is nearest to itself. This
+    decides without a threshold when the points are further apart than their errors.
+
+    Parameters
+    ----------
+    points
+        Points of projective space, shape (k, n + 1).
+
+    Returns
+    -------
+    representatives
+        The points with norm 1, those of real ones exactly real; shape (k, n + 1).
+    real
+        Shape (k,).
+    """
+    return _kernel.find_real_points(np.ascontiguousarray(points))
+
+
+def made_real(points: Complex) -> Array:
+    """Return real representatives of real points, norm 1, shape (..., n + 1)."""
+    flat = points.reshape(-1, points.shape[-1])
+    pivot = flat[np.arange(len(flat)), np.abs(flat).argmax(axis=1)]
+    return np.asarray(normalised((flat * (1 / pivot)[:, None]).real).reshape(points.shape))
