@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
-from gspcli.geometry.poses import Field, dot, rotation_from_vector
+from gspcli.geometry.poses import Field, cross, dot, rotation_from_vector
 from gspcli.geometry.residuals import Arrangement, placed
 from gspcli.solve.stated import improved
 
@@ -34,6 +34,9 @@ _POLISHING_STEPS = 2
 _TRIALS, _TURNS, _TRIAL_STEPS = 4, (1e-7, 1e-6, 1e-5), 12
 #: Residual, in lengths, at which a trial has arrived, and how near to the end it must be.
 _ARRIVED, _NEAR = 1e-9, 1e-3
+#: Near parallel lines residuals become small with the sine, whatever the distance: a trial that
+#: only runs into the end itself has not arrived.
+_ARRIVED_OF_SINE = 1e-3
 
 
 def judge_parallel_lines(
@@ -85,9 +88,8 @@ def polish_parallel_lines(
     lines = _lines(arrangement)
     if not lines or not len(R):
         return R, T
-    _, w = placed(arrangement, R, T)
-    sine = np.linalg.norm(np.cross(w[:, lines], arrangement.v[lines]), axis=-1)
-    chosen = np.flatnonzero(simple & (sine < _ALMOST_PARALLEL).any(axis=1))
+    sines = _sines(arrangement, R, T)
+    chosen = np.flatnonzero(simple & (sines < _ALMOST_PARALLEL).any(axis=1))
     if len(chosen):
         R, T = R.copy(), T.copy()
     for i in chosen:
@@ -99,6 +101,14 @@ def _lines(arrangement: Arrangement) -> list[int]:
     return [i for i, kind in enumerate(arrangement.kinds) if kind is DLL]
 
 
+def _sines(arrangement: Arrangement, R: Field, T: Field) -> NDArray[np.float64]:
+    """Return the sines of the angles of the line pairs at poses, shape (..., lines)."""
+    lines = _lines(arrangement)
+    _, w = placed(arrangement, R, T)
+    normals = cross(w[..., lines, :], np.broadcast_to(arrangement.v[lines], w[..., lines, :].shape))
+    return np.asarray(np.linalg.norm(normals, axis=-1))
+
+
 def _poses_nearby(arrangement: Arrangement, R: Field, T: Field) -> bool:
     """Say whether Newton's method on the constraints as stated finds a pose beside an end."""
     rng = np.random.default_rng(0)
@@ -108,6 +118,7 @@ def _poses_nearby(arrangement: Arrangement, R: Field, T: Field) -> bool:
             with np.errstate(divide="ignore", invalid="ignore"):
                 pose, place, residual = improved(arrangement, turned, T, _TRIAL_STEPS)
             distance = np.abs(pose - R).max() + np.abs(place - T).max() / arrangement.length
-            if residual < _ARRIVED * arrangement.length and distance < _NEAR:
+            least = min(_ARRIVED, _ARRIVED_OF_SINE * _sines(arrangement, pose, place).min())
+            if residual < least * arrangement.length and distance < _NEAR:
                 return True
     return False
