@@ -12,17 +12,17 @@
 namespace gsp {
 namespace {
 
+INLINE C real(double a) { return {splat(a), V{}}; }
 INLINE C conjugate(const C& a) { return {a.re, -a.im}; }
 INLINE C operator-(const C& a) { return {-a.re, -a.im}; }
 INLINE C operator*(double a, const C& b) { return {a * b.re, a * b.im}; }
 INLINE C quotient(const C& a, const C& b) { return (1.0 / square(b)) * (conjugate(b) * a); }
 
 INLINE C root(const C& x) {
-  const V size = root(square(x));
-  const V re = root(0.5 * (size + (x.re < 0.0 ? -x.re : x.re)));
-  const V im = 0.5 * x.im / (re > 0.0 ? re : splat(1.0));
-  const Mask right = x.re >= 0.0;
-  return {right ? re : (im < 0.0 ? -im : im), right ? im : (x.im < 0.0 ? -re : re)};
+  const V re = root(0.5 * (root(square(x)) + maximum(x.re, -x.re)));
+  const V im = 0.5 * x.im / select(re > 0.0, re, splat(1.0));
+  const C left = {maximum(im, -im), select(x.im < 0.0, -re, re)};
+  return select(x.re >= 0.0, C{re, im}, left);
 }
 
 // Solves A X = B. A is overwritten, B becomes X.
@@ -58,7 +58,7 @@ void solve(C (&a)[n][n], C (&b)[n][r]) {
 
 // A becomes the upper Hessenberg matrix P* A P, and R becomes R P, for a unitary P.
 template <int n, int r>
-void reduce(C (&a)[n][n], C (&rows)[r][n]) {
+void reduce_to_hessenberg(C (&a)[n][n], C (&rows)[r][n]) {
   for (int k = 0; k + 2 < n; ++k) {
     // The reflection I - beta v v* that takes the column below the diagonal to its first entry.
     C v[n];
@@ -67,10 +67,10 @@ void reduce(C (&a)[n][n], C (&rows)[r][n]) {
     const C first = a[k + 1][k];
     const V absolute = root(square(first)), size = root(square(first) + tail);
     const Mask zero = absolute == 0.0;
-    const V scale = 1.0 / (zero ? splat(1.0) : absolute);
-    const C end = {zero ? size : size * scale * first.re, zero ? splat(0.0) : size * scale * first.im};
+    const C phase = (1.0 / select(zero, splat(1.0), absolute)) * first;
+    const C end = size * select(zero, real(1.0), phase);
     v[k + 1] = first + end;
-    const V beta = size > 0.0 ? 1.0 / (size * (size + absolute)) : splat(0.0);
+    const V beta = select(size > 0.0, 1.0 / (size * (size + absolute)), splat(0.0));
     a[k + 1][k] = -end;
     for (int i = k + 2; i < n; ++i) a[i][k] = C{};
     for (int j = k + 1; j < n; ++j) {
@@ -96,11 +96,10 @@ struct Turn {
 };
 
 INLINE Turn turn_of(const C& a, const C& b, const Mask& waits = Mask{}) {
-  const V size = square(a) + square(b), zero{};
+  const V size = square(a) + square(b);
   const Mask none = waits | (size == 0.0);
-  const V scale = 1.0 / root(none ? splat(1.0) : size);
-  const C c = scale * a, s = scale * b;
-  return {{none ? splat(1.0) : c.re, none ? zero : c.im}, {none ? zero : s.re, none ? zero : s.im}};
+  const V scale = 1.0 / root(select(none, splat(1.0), size));
+  return {select(none, real(1.0), scale * a), select(none, C{}, scale * b)};
 }
 
 INLINE void turn_rows(const Turn& g, C& x, C& y) {
@@ -141,13 +140,10 @@ void eigenvalues(C (&h)[n][n], C (&values)[n]) {
       // Wilkinson's shift: the eigenvalue of the last 2 x 2 matrix that is nearer to d.
       const C half = 0.5 * (a - d), product = b * c;
       const C r = root(half * half + product);
-      const Mask same = half.re * r.re + half.im * r.im >= 0.0;
-      const C away = {half.re + (same ? r.re : -r.re), half.im + (same ? r.im : -r.im)};
-      const C nearer = d - quotient(product, away);
-      const Mask defined = square(away) > 0.0;
-      C shift = {defined ? nearer.re : d.re, defined ? nearer.im : d.im};
+      const C away = half + select(half.re * r.re + half.im * r.im >= 0.0, r, -r);
+      C shift = select(square(away) > 0.0, d - quotient(product, away), d);
       if (sweep % kUnusual == kUnusual - 1) shift = shift + 0.75 * c;
-      shift = {small ? splat(0.0) : shift.re, small ? splat(0.0) : shift.im};
+      shift = select(small, C{}, shift);
       Turn turns[n];
       for (int i = 0; i <= last; ++i) h[i][i] = h[i][i] - shift;
       for (int i = 0; i < last; ++i) {
@@ -178,11 +174,9 @@ void eigenvector(const C (&matrix)[n][n], const C& value, C (&v)[n]) {
   }
   const V least = 1e-32 * size;
   for (int i = n; i-- > 0;) {
-    C s = {splat(1.0), splat(0.0)};
+    C s = real(1.0);
     for (int j = i + 1; j < n; ++j) subtract_product(s, h[i][j], v[j]);
-    const Mask tiny = square(h[i][i]) < least;
-    const C pivot = {tiny ? root(least) : h[i][i].re, tiny ? splat(0.0) : h[i][i].im};
-    v[i] = quotient(s, pivot);
+    v[i] = quotient(s, select(square(h[i][i]) < least, C{root(least), V{}}, h[i][i]));
   }
 }
 

@@ -108,8 +108,8 @@ class System {
       // Its eigenvectors are the values of the basis at the points: 1, x_1 ... x_n among them.
       for (int i = 0; i <= n; ++i)
         for (int set = 0; set < kPoints; ++set)
-          rows[i][set] = {splat(set == (i ? 1 << (i - 1) : 0)), splat(0.0)};
-      reduce(matrix, rows);
+          rows[i][set] = real(set == (i ? 1 << (i - 1) : 0));
+      reduce_to_hessenberg(matrix, rows);
       C triangular[kPoints][kPoints], values[kPoints];
       for (int i = 0; i < kPoints; ++i)
         for (int j = 0; j < kPoints; ++j) triangular[i][j] = matrix[i][j];
@@ -134,7 +134,7 @@ class System {
     for (int k = 0; k < kCoordinates; ++k) {
       for (int i = 0; i < kCoordinates; ++i)
         all[k][i] = k < kPlanes ? conjugate(plane[k][i])
-                                : C{splat(kDirections[k - kPlanes][i]), splat(0.0)};
+                                : real(kDirections[k - kPlanes][i]);
       // Twice, because the first time may leave little but rounding errors.
       for (int repeat = 0; repeat < 2; ++repeat) {
         for (int l = 0; l < k; ++l) subtract(all[k], hermitian(all[l], all[k]), all[l]);
@@ -177,7 +177,7 @@ class System {
       inverse[k] = 1.0 / root(square(rows[k]));
       scale(inverse[k], rows[k]);
       b[k] = inverse[k] * b[k];
-      columns[k][k] = {inverse[k], splat(0.0)};
+      columns[k][k] = {inverse[k], V{}};
       for (int c = 0; c < k; ++c) {
         C s{};
         for (int l = c; l < k; ++l) subtract_product(s, lower[k][l], columns[c][l]);
@@ -252,28 +252,23 @@ void intersect(const Intersections& given, const IntersectionResults& out) {
   for (int begin = 0; begin < total; begin += W) {
     for (int l = 0; l < W; ++l) {
       const int system = begin + l < total ? begin + l : begin, group = system / given.systems;
-      const auto set = [&](C& x, const Complex& value) {
-        x.re[l] = value.re;
-        x.im[l] = value.im;
-      };
       for (int k = 0; k < kPlanes; ++k)
         for (int i = 0; i < kCoordinates; ++i)
-          set(lanes.plane[k][i], given.plane[(system * kPlanes + k) * kCoordinates + i]);
+          put(lanes.plane[k][i], l, given.plane[(system * kPlanes + k) * kCoordinates + i]);
       for (int k = 0; k < n; ++k)
         for (int i = 0; i < kCoordinates; ++i)
           for (int j = 0; j < kCoordinates; ++j)
-            set(lanes.quadric[k][i][j],
+            put(lanes.quadric[k][i][j], l,
                 given.quadric[((group * n + k) * kCoordinates + i) * kCoordinates + j]);
-      lanes.accuracy[l] = given.accuracy[group];
+      put(lanes.accuracy, l, given.accuracy[group]);
     }
     lanes.solve();
     for (int l = 0; l < W && begin + l < total; ++l) {
       Complex point[kPoints][kCoordinates];
       double error[kPoints];
       for (int p = 0; p < kPoints; ++p) {
-        for (int i = 0; i < kCoordinates; ++i)
-          point[p][i] = {lanes.point[p][i].re[l], lanes.point[p][i].im[l]};
-        error[p] = lanes.error[p][l];
+        for (int i = 0; i < kCoordinates; ++i) point[p][i] = lane(lanes.point[p][i], l);
+        error[p] = lane(lanes.error[p], l);
       }
       const int system = begin + l;
       bool ok = lanes.ok[l];

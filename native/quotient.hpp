@@ -45,7 +45,7 @@ struct Quotient {
     for (int set = 0; set < kSize; ++set)
       for (int t = 0; t < kSize; ++t)
         matrix[set][t] = set & 1 ? squares_[0][set & ~1][t]
-                                 : C{splat(t == (set | 1) ? 1.0 : 0.0), splat(0.0)};
+                                 : real(t == (set | 1));
   }
 
  private:
@@ -68,7 +68,7 @@ struct Quotient {
         int y = (x + 1) % n;
         while (!(set >> y & 1)) y = (y + 1) % n;
         const int row = number[x][set];
-        for (int k = 0; k < kUnknowns; ++k) left[row][k] = {splat(k == row), splat(0.0)};
+        for (int k = 0; k < kUnknowns; ++k) left[row][k] = real(k == row);
         for (int t = 0; t < kSize; ++t) right[row][t] = C{};
         const C* lower = squares_[x][set & ~(1 << y)];
         for (int t = 0; t < kSize; ++t) {
