@@ -152,7 +152,10 @@ class GspType:
     @property
     def number(self) -> int:
         """The stable number of the type, from 1 to 3850."""
-        return _numbers()[self.kinds]
+        own = self.platform_class
+        before = sum(other.size for other in CLASSES[: CLASSES.index(own)])
+        distances = _position(self.distances, DISTANCE_KINDS)
+        return before + distances * own.angle_choices + _position(self.angles, ANGLE_KINDS) + 1
 
     @property
     def mirrored(self) -> GspType:
@@ -189,9 +192,15 @@ def all_types() -> tuple[GspType, ...]:
     )
 
 
-@cache
-def _numbers() -> dict[tuple[Kind, ...], int]:
-    return {gsp_type.kinds: number for number, gsp_type in enumerate(all_types(), start=1)}
+def _position(chosen: tuple[Kind, ...], kinds: tuple[Kind, ...]) -> int:
+    """Return the position of a multiset of kinds in lexicographic order, from 0."""
+    position, first = 0, 0
+    for left, kind in zip(range(len(chosen) - 1, -1, -1), chosen, strict=True):
+        here = kinds.index(kind)
+        # Those that go on with an earlier kind, and then with any not before it.
+        position += sum(comb(len(kinds) - k - 1 + left, left) for k in range(first, here))
+        first = here
+    return position
 
 
 def type_by_number(number: int) -> GspType:
