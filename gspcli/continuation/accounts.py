@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from random import Random
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,8 +74,10 @@ class Account:
 @lru_cache(maxsize=256)
 def random_start(start: StartSystem, seed: int, attempt: int) -> Coefficients:
     """Return the start system with its factors multiplied by random phases: another path."""
-    rng = np.random.default_rng([seed, attempt])
-    g, h = np.exp(2j * np.pi * rng.random((2, EQUATIONS)))
+    # Not NumPy's generator, which takes longer to load than to solve most systems.
+    draws = Random(f"{seed} {attempt}")
+    turns = np.array([[draws.random() for _ in range(EQUATIONS)] for _ in range(2)])
+    g, h = np.exp(2j * np.pi * turns)
     return start.coefficients.scaled(g, h)
 
 
