@@ -17,6 +17,7 @@ $(STAMP): pyproject.toml $(NATIVE)
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --upgrade 'pip>=25.1'
 	$(BIN)/python -m pip install --quiet --group dev --editable .
+	$(BIN)/python -m compileall -q gspcli # as pip does for what is not editable
 	@touch $@
 
 install: $(STAMP) ## virtual environment with gsp and all development tools

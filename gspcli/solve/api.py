@@ -11,7 +11,6 @@ from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.poses import Field
 from gspcli.geometry.residuals import Arrangement
-from gspcli.solve.closed_form import solve_closed_form, solve_closed_forms
 from gspcli.solve.poses import PoseSet
 from gspcli.solve.result import SolveResult, stable_order
 
@@ -92,6 +91,8 @@ def solve_values(
         raise ValueError(message)
     arrangement = Arrangement.of(instance)
     if len(arrangement.angles) == MAX_ANGLES:
+        from gspcli.solve.closed_form import solve_closed_forms
+
         return solve_closed_forms(arrangement, rows)
     from gspcli.solve.tracking import solve_each_by_tracking
 
@@ -101,12 +102,14 @@ def solve_values(
 
 def _poses(arrangement: Arrangement, seed: int, jobs: int) -> PoseSet:
     """Return the poses by the method for the class of the platform."""
+    # Each method is imported when it is needed: start-up is most of the time of one solve.
     poses = None
     if len(arrangement.angles) == MAX_ANGLES:
+        from gspcli.solve.closed_form import solve_closed_form
+
         poses = solve_closed_form(arrangement)
         if not poses.lost:
             return poses
-    # Only now, because most of the start-up time of a 3D3A platform would go into this import.
     from gspcli.solve.tracking import solve_by_tracking
 
     # Paths may see through a special position that the closed form does not.

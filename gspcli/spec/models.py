@@ -200,7 +200,11 @@ class Section(BaseModel):
     """
 
     model_config = ConfigDict(
-        extra="forbid", frozen=True, arbitrary_types_allowed=True, json_schema_extra=_schema_of
+        extra="forbid",
+        frozen=True,
+        arbitrary_types_allowed=True,
+        json_schema_extra=_schema_of,
+        defer_build=True,
     )
     one_of: ClassVar[tuple[str, ...]] = ()
 
