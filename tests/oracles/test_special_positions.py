@@ -36,8 +36,12 @@ def accounted(instance: Instance) -> SolveResult:
     assert int(result.multiplicity.sum()) + ends == result.expected
     assert counts.lost == 0
     size = 1 + np.abs(result.R).max((1, 2)) + np.abs(result.T).max(1) / result.arrangement.length
+    # The distance of a complex point from a line that it lies on is the root of a sum of squares
+    # that cancel: half of the digits.
+    zero = result.arrangement.targets == 0
+    relative = np.where(zero & ~result.real[:, None], result.residuals**2, result.residuals)
     simple = result.multiplicity == 1
-    assert ((result.residuals.max(axis=1) / size**2)[simple] < 1e-9).all()
+    assert ((relative.max(axis=1) / size**2)[simple] < 1e-9).all()
     return result
 
 
