@@ -27,8 +27,9 @@ Array = NDArray[np.float64]
 
 #: Decimals that are tried, in units of the size of the platform.
 _DIGITS = range(2, 13)
-#: Distances of planes and of lines that are tried, in the same units; the first is best.
-_GAPS = tuple(Fraction(m, 10**k) for k in range(1, 9) for m in (5, 2, 1))
+#: Distances of planes and of lines that are tried, in the same units; the first is best. At the
+#: last, two poses that differ by it are still told apart by double precision.
+_GAPS = tuple(Fraction(m, 10**k) for k in range(1, 6) for m in (5, 2, 1))
 DEFAULT_UNITS = Units("unit", AngleUnit.DEGREE)
 _SEED = 20031
 #: Numbers of each primitive in a recorded witness.
@@ -84,12 +85,13 @@ def real_instance(
         # One sided at distance zero: the platform that the search found, rounded.
         if _real_count(draft) != without:
             continue
-        for gap in _GAPS:
-            if (gap * 10**digits).denominator > 1:
-                break
-            instance = _with_gap(draft, gap * Fraction(10) ** exponent)
-            if _real_count(instance) == count:
-                return instance
+        instances = [
+            _with_gap(draft, gap * Fraction(10) ** exponent)
+            for gap in _GAPS
+            if (gap * 10**digits).denominator == 1
+        ]
+        if _real_count(instances[-1]) == count:
+            return next(instance for instance in instances if _real_count(instance) == count)
     message = f"no rounding of the platform keeps its {count} real poses"
     raise GspError(message)
 
