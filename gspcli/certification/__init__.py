@@ -2,6 +2,7 @@
 
 from gspcli.certification.candidates import Candidates, read_candidates
 from gspcli.certification.certificates import Certificate, Certificates, Outcome
+from gspcli.certification.deciding import Decisions, decide
 from gspcli.certification.proving import certify
 from gspcli.certification.refinement import RefinedPose, refine
 
@@ -9,9 +10,11 @@ __all__ = [
     "Candidates",
     "Certificate",
     "Certificates",
+    "Decisions",
     "Outcome",
     "RefinedPose",
     "certify",
+    "decide",
     "read_candidates",
     "refine",
 ]

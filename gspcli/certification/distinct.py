@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
 from flint import arb
+from numpy.typing import NDArray
 
-from gspcli.certification.balls import float_ends
+from gspcli.certification.balls import OUTWARD, float_ends
 from gspcli.certification.isolation import Isolation
 from gspcli.certification.poses import PoseBall
 
@@ -28,6 +30,34 @@ def close_pairs(poses: Sequence[PoseBall]) -> Iterator[tuple[int, int]]:
                 break
             if _overlap(poses[first], poses[second]):
                 yield min(first, second), max(first, second)
+
+
+def all_different(entries: NDArray[np.complex128], deviations: NDArray[np.float64]) -> bool:
+    """Whether poses are proved pairwise different, each known up to a deviation.
+
+    Parameters
+    ----------
+    entries
+        The entries of R, and of T divided by the scale, shape (n, 12).
+    deviations
+        Bounds of their errors, shape (n,).
+    """
+    parts = np.concatenate((entries.real, entries.imag), axis=1)
+    weights = np.array(_WEIGHTS)
+    forms = parts @ weights
+    # What the form can be off by, the few roundings in it included.
+    reach = (weights.sum() * deviations + (OUTWARD - 1) * (np.abs(parts) @ weights)) * OUTWARD
+    low, high = forms - reach, forms + reach
+    order = np.argsort(low)
+    following = np.searchsorted(low[order], high[order], side="right")
+    for position, end in enumerate(following.tolist()):
+        others = order[position + 1 : end]
+        if len(others):
+            first = order[position]
+            gaps = np.abs(entries[others] - entries[first]).max(axis=1)
+            if not (gaps > (deviations[others] + deviations[first]) * OUTWARD).all():
+                return False
+    return True
 
 
 def same(first: Isolation, second: Isolation) -> bool:

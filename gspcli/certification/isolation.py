@@ -162,7 +162,7 @@ def _prove(system: System, newton: _Newton, patch: int, sides: tuple[int, ...]) 
     a = float(floats_above(defect.entries()).reshape(7, 7).sum(axis=1).max() * OUTWARD)
     if not a < 1:
         return None
-    curvatures = system.curvatures((floats_above(newton.centre) + REACH) * OUTWARD, sides)
+    curvatures = system.curvatures((floats_above(newton.centre) + REACH) * OUTWARD)
     b = float((floats_above(newton.inverse.entries()).reshape(7, 7) @ curvatures).max() * OUTWARD)
     # Any radius may be tried; what counts is that q is rounded up and tested below.
     radius = min(REACH, (1 - a) / (2 * b))

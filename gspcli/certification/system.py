@@ -61,10 +61,11 @@ class System:
         self.precision = precision
         self.scale = length_scale(instance)
         self.statements = statements(instance)
-        self._forms: list[Form] = [{study.NORM: arb(1)}, {study.STUDY: arb(1)}]
+        #: The quadrics: N, e . f, and those of the constraints.
+        self.forms: list[Form] = [{study.NORM: arb(1)}, {study.STUDY: arb(1)}]
         #: For each constraint its equation, or those of its positive and its negative side.
         self.equations = tuple(self._equations(statement) for statement in self.statements)
-        rows = [[form.get(k, arb(0)) for k in range(study.COUNT)] for form in self._forms]
+        rows = [[form.get(k, arb(0)) for k in range(study.COUNT)] for form in self.forms]
         count = len(rows)
         self._coefficients = acb_mat(arb_mat(rows))
         hessians = arb_mat(rows) * arb_mat(study.hessians())
@@ -117,8 +118,8 @@ class System:
         return Equation(self._add(main), (self._add(moment), self._add(cosine)))
 
     def _add(self, form: Form) -> int:
-        self._forms.append(form)
-        return len(self._forms) - 1
+        self.forms.append(form)
+        return len(self.forms) - 1
 
     def sides_at(self, point: Sequence[acb]) -> tuple[int, ...]:
         """Return for each constraint the index of the side whose equation is nearer to zero."""
@@ -141,7 +142,7 @@ class System:
         )
 
     def _gradients(self, column: acb_mat) -> acb_mat:
-        return acb_mat(len(self._forms), 8, (self._hessians * column).entries())
+        return acb_mat(len(self.forms), 8, (self._hessians * column).entries())
 
     def _values(self, column: acb_mat, gradients: acb_mat) -> list[acb]:
         return [value / 2 for value in (gradients * column).entries()]
@@ -180,35 +181,36 @@ class System:
                 outer[row][index] -= 2 * quadrics[index]
         return acb_mat(7, 1, values), acb_mat(outer) * gradients
 
-    def curvatures(self, moduli: NDArray[np.float64], sides: Sequence[int]) -> NDArray[np.float64]:
-        """Bound the sum of the moduli of all second derivatives of each equation.
+    def curvatures(self, moduli: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Bound the sum of the moduli of all second derivatives of each equation, on any side.
 
         Parameters
         ----------
         moduli
-            Upper bounds of the moduli of the coordinates in the region, shape (8,).
-        sides
-            For each constraint the index of its equation.
+            Upper bounds of the moduli of the coordinates in the region, shape (..., 8).
 
         Returns
         -------
         NDArray[np.float64]
-            Upper bounds, shape (7,), rounded outward.
+            Upper bounds, shape (..., 7), rounded outward.
         """
         second = self._moduli.sum(axis=(1, 2))
-        first = self._moduli.sum(axis=1) @ moduli
-        value = (self._moduli @ moduli) @ moduli / 2
-        bounds = [second[1]]
-        for equations, side in zip(self.equations, sides, strict=True):
-            a = equations[side].main
-            if not equations[side].squares:
-                bounds.append(second[a])
+        first = moduli @ self._moduli.sum(axis=1).T
+        gradients = (moduli @ self._moduli.reshape(-1, 8).T).reshape(*first.shape, 8)
+        value = (gradients * moduli[..., None, :]).sum(axis=-1) / 2
+        bounds = [np.full(first.shape[:-1], second[1])]
+        for equations in self.equations:
+            a = [equation.main for equation in equations]
+            if not equations[0].squares:
+                bounds.append(np.full(first.shape[:-1], second[a].max()))
                 continue
-            bound = second[0] * value[a] + 2 * first[0] * first[a] + value[0] * second[a]
-            for b in equations[side].squares:
-                bound += 2 * (first[b] ** 2 + value[b] * second[b])
+            [k] = a
+            bound = second[0] * value[..., k] + value[..., 0] * second[k]
+            bound += 2 * first[..., 0] * first[..., k]
+            for b in equations[0].squares:
+                bound += 2 * (first[..., b] ** 2 + value[..., b] * second[b])
             bounds.append(bound)
-        return np.array(bounds) * OUTWARD
+        return np.asarray(np.stack(bounds, axis=-1) * OUTWARD)
 
 
 def _value(equation: Equation, quadrics: Sequence[acb]) -> acb:

@@ -31,7 +31,7 @@ _QUATERNION = ("qw", "qx", "qy", "qz")
     help="Give constraint N (from 1) another value; may be repeated.",
 )
 @click.option("--all", "everything", is_flag=True, help="Also show poses that are not real.")
-@click.option("--no-certify", is_flag=True, help="Do not prove the poses in ball arithmetic.")
+@click.option("--no-certify", is_flag=True, help="Do not prove the poses.")
 @click.option(
     "--seed",
     type=int,

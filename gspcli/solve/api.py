@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.poses import Field
 from gspcli.geometry.residuals import Arrangement
 from gspcli.solve.poses import PoseSet
 from gspcli.solve.result import SolveResult, stable_order
@@ -35,14 +34,17 @@ def solve(
     jobs
         Threads for path tracking. The answer does not depend on them.
     certify
-        Whether to prove each pose, and whether it is real, in ball arithmetic.
+        Whether to prove each pose, and whether it is real.
     """
     arrangement = Arrangement.of(instance)
     poses = _poses(arrangement, seed, jobs)
     R, T = poses.R, poses.T
     real, certified = poses.real, np.zeros(len(R), bool)
     if certify and len(R):
-        real, certified = _proved(instance, R, T, real)
+        from gspcli.certification import decide
+
+        certified, proved = decide(instance, R, T)
+        real = np.where(certified, proved, real)
     order = stable_order(poses, real, arrangement.length)
     return SolveResult(
         instance=instance,
@@ -115,24 +117,3 @@ def _poses(arrangement: Arrangement, seed: int, jobs: int) -> PoseSet:
     # Paths may see through a special position that the closed form does not.
     tracked = solve_by_tracking(arrangement, seed=seed, jobs=jobs)
     return tracked if poses is None or tracked.lost < poses.lost else poses
-
-
-def _proved(
-    instance: Instance, R: Field, T: Field, real: NDArray[np.bool_]
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return which poses are real, by proof where there is one, and which are certified.
-
-    A pose is certified if exactly one simple solution is proved near it, different from those
-    of the other poses, and proved to be real or not to be.
-    """
-    from gspcli.certification import certify
-
-    certificates = certify(instance, R, T)
-    certified = np.array(
-        [
-            c.certified and c.real is not None and c.same_as is None and not c.unresolved
-            for c in certificates
-        ]
-    )
-    proved = np.array([bool(c.real) for c in certificates])
-    return np.where(certified, proved, real), certified

@@ -115,7 +115,7 @@ def test_curvatures_bound_the_second_derivatives() -> None:
     point, h = np.array([1.0, 1, 1, 1, 0, 0, 0, 0]), 1e-6
     with ctx.workprec(128):
         system = System(instance, 128)
-        bounds = system.curvatures(np.abs(point), (0,) * 6)
+        bounds = system.curvatures(np.abs(point))
         total = np.zeros(7)
         for column in range(8):
             ends = []
@@ -136,7 +136,7 @@ def test_the_jacobian_varies_no_more_than_its_curvature_allows(names: str, known
     with ctx.workprec(64):
         system = System(known(names, 4).instance, 64)
         centre = source.standard_normal(8) + 1j * source.standard_normal(8)
-        bounds = system.curvatures(np.abs(centre) + radius + 1e-9, (0,) * 6)
+        bounds = system.curvatures(np.abs(centre) + radius + 1e-9)
         _, before = system.at([acb(x) for x in centre.tolist()], (0,) * 6)
         for _ in range(50):
             shift = source.standard_normal(8) + 1j * source.standard_normal(8)

@@ -1,0 +1,65 @@
+"""What `gsp solve` asks of each pose: whether it is certified, and whether it is real."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from flint import ctx
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.certification.distinct import all_different
+from gspcli.certification.floating import prove
+from gspcli.certification.proving import FIRST_PRECISION, TOLERANCE, certify
+from gspcli.certification.system import System
+from gspcli.geometry.instance import Instance
+
+
+class Decisions(NamedTuple):
+    """Answers for n poses.
+
+    Attributes
+    ----------
+    certified
+        Whether exactly one simple solution is proved to be near, different from those near the
+        other certified poses, and proved to be real or not to be; shape (n,).
+    real
+        Whether it is proved to be real, shape (n,).
+    """
+
+    certified: NDArray[np.bool_]
+    real: NDArray[np.bool_]
+
+
+def decide(instance: Instance, R: ArrayLike, T: ArrayLike) -> Decisions:
+    """Certify the poses of an instance, and decide which are real.
+
+    Most poses are proved in floating point, many at a time; the others, and those that are not
+    proved different from them, by `certify`. What is proved is the same.
+
+    Parameters
+    ----------
+    instance, R, T
+        As for `certify`.
+    """
+    rotations = np.asarray(R, dtype=np.complex128).reshape(-1, 3, 3)
+    translations = np.asarray(T, dtype=np.complex128).reshape(-1, 3)
+    with ctx.workprec(FIRST_PRECISION):
+        system = System(instance, FIRST_PRECISION)
+        places = translations / system.scale
+        proofs = prove(system, rotations, places)
+    certified = proofs.isolated & (proofs.real | proofs.complex) & (proofs.deviation <= TOLERANCE)
+    real, deviation = certified & proofs.real, proofs.deviation
+    rest = np.flatnonzero(~certified)
+    others = certify(instance, rotations[rest], translations[rest]) if len(rest) else ()
+    for k, one in zip(rest, others, strict=True):
+        decided = one.certified and one.real is not None
+        certified[k] = decided and one.same_as is None and not one.unresolved
+        real[k], deviation[k] = bool(one.real), one.deviation or 0.0
+    entries = np.concatenate((rotations.reshape(-1, 9), places), axis=1)
+    if all_different(entries[certified], deviation[certified]):
+        return Decisions(certified, certified & real)
+    every = certify(instance, rotations, translations)
+    single = [c.certified and c.same_as is None and not c.unresolved for c in every]
+    certified = np.array(single, bool) & np.array([c.real is not None for c in every], bool)
+    return Decisions(certified, certified & np.array([bool(c.real) for c in every], bool))
