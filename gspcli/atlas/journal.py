@@ -9,8 +9,11 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from gspcli.atlas.tasks import Task
+from gspcli.atlas.trace import Trace
+from gspcli.atlas.tracking import Tracked
 from gspcli.atlas.workers import HERE, Workers
 from gspcli.errors import GspError
 from gspcli.progress import Progress, silent
@@ -28,11 +31,14 @@ class Result:
         The number of solutions; None if the time did not suffice.
     seconds
         How long it took.
+    tracked
+        More about the count if paths were tracked.
     """
 
     task: Task
     count: int | None
     seconds: float
+    tracked: Tracked | None = None
 
 
 def read_journal(path: Path) -> dict[Task, Result]:
@@ -52,11 +58,19 @@ def read_journal(path: Path) -> dict[Task, Result]:
         try:
             entry = json.loads(line)
             task = Task(**entry["task"])
-            results[task] = Result(task, entry["count"], entry["seconds"])
+            tracked = _tracked(entry.get("tracked"))
+            results[task] = Result(task, entry["count"], entry["seconds"], tracked)
         except (ValueError, TypeError, KeyError) as error:
             message = f"{path}:{number}: this is not a line of a work file of the atlas"
             raise GspError(message) from error
     return results
+
+
+def _tracked(entry: dict[str, Any] | None) -> Tracked | None:
+    if entry is None:
+        return None
+    trace = entry["trace"]
+    return Tracked(**{**entry, "trace": None if trace is None else Trace(**trace)})
 
 
 def append(path: Path, result: Result) -> None:
@@ -73,8 +87,10 @@ def append(path: Path, result: Result) -> None:
 def measure(task: Task, timeout_s: float | None = None) -> Result:
     """Run a task."""
     began = time.monotonic()
-    count = task.run(timeout_s)
-    return Result(task, count, round(time.monotonic() - began, 3))
+    found = task.run(timeout_s)
+    tracked = found if isinstance(found, Tracked) else None
+    count = found.certified if isinstance(found, Tracked) else found
+    return Result(task, count, round(time.monotonic() - began, 3), tracked)
 
 
 def carry_out(

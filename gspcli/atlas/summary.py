@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from statistics import median_low
 
 from gspcli.catalogue.bounds import type_bounds
-from gspcli.catalogue.counts import Method, generic_counts, study_bound
+from gspcli.catalogue.counts import FAMILIES_FILE, FOLDER, generic_counts
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import CLASSES, GspType, all_types
+from gspcli.resources import data_path
 
 
 @dataclass(frozen=True)
@@ -31,8 +33,6 @@ class ClassSummary:
         A family with the largest count.
     different
         How many different counts there are.
-    proved
-        How many of them are proved, see `is_proved`.
     """
 
     name: str
@@ -43,7 +43,6 @@ class ClassSummary:
     largest: int
     of_largest: str
     different: int
-    proved: int
 
 
 @dataclass(frozen=True)
@@ -90,14 +89,6 @@ def one_plane(gsp_type: GspType) -> int:
     return int(one_sided(gsp_type) // 2 ** gsp_type.count(DLL))
 
 
-def is_proved(gsp_type: GspType) -> bool:
-    """Return whether so many poses are certified as a proved bound allows at most."""
-    counts = generic_counts(gsp_type)
-    certified = counts.established in (Method.BOTH, Method.TRACKING)
-    bounds = (type_bounds(gsp_type).refined_one_sided.value, study_bound(gsp_type.distances))
-    return certified and counts.one_sided == min(bounds)
-
-
 #: What each bound is a bound of.
 BOUNDED: dict[str, Callable[[GspType], int]] = {
     "theorem_5_2": two_sided,
@@ -106,8 +97,17 @@ BOUNDED: dict[str, Callable[[GspType], int]] = {
     "table_3": one_plane,
     "refined_one_sided": one_sided,
     "refined_two_sided": two_sided,
-    "study": one_sided,
 }
+
+
+def trace_extremes() -> tuple[float, float]:
+    """Return the largest defect of all trace tests and the smallest without one solution."""
+    text = data_path(FOLDER, FAMILIES_FILE).read_text(encoding="utf-8")
+    rows = [row for row in csv.DictReader(text.splitlines()) if row["trace"]]
+    return (
+        max(float(row["trace"]) for row in rows),
+        min(float(row["trace_without_one"]) for row in rows),
+    )
 
 
 def classes_with_types() -> list[tuple[str, list[GspType]]]:
@@ -132,7 +132,6 @@ def class_summaries() -> list[ClassSummary]:
                     max(values),
                     max(types, key=read).family.id,
                     len(set(values)),
-                    sum(map(is_proved, types)),
                 )
             )
     return summaries
@@ -166,6 +165,4 @@ def bound_summaries() -> list[BoundSummary]:
 
 
 def _bound(name: str, gsp_type: GspType) -> int | None:
-    if name == "study":
-        return study_bound(gsp_type.distances)
     return type_bounds(gsp_type).values()[name]

@@ -9,7 +9,7 @@ from random import Random
 
 from gspcli.atlas.equations import Equation, random_platform, random_quadrics
 from gspcli.atlas.groebner import quotient_dimension
-from gspcli.atlas.tracking import certified_count
+from gspcli.atlas.tracking import Tracked, tracked
 from gspcli.catalogue.counts import all_families, law
 from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind
 from gspcli.catalogue.types import CONSTRAINTS
@@ -19,9 +19,9 @@ from gspcli.resources import data_json
 PRIMES = (2147483647, 2147483629)
 #: The default seed of everything random.
 SEED = 20031
-#: With more solutions a Gröbner basis takes too long, and paths are tracked. Two-sided counts are
-#: computed up to this one too, although they follow from the one-sided ones.
-LIMIT = 512
+#: By the number of sides, the largest counts for which there are Gröbner bases, whose time grows
+#: with the third power; two-sided counts, which follow from the others, are not tracked above it.
+LIMITS = {1: 1408, 2: 512}
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Task:
             self.distances, angles, self.characteristic, random, sides=self.sides
         )
 
-    def run(self, timeout_s: float | None = None) -> int | None:
+    def run(self, timeout_s: float | None = None) -> int | Tracked | None:
         """Return the number of solutions, or None if the time did not suffice.
 
         Modulo a prime they are counted with multiplicities; for real numbers only those proved
@@ -82,11 +82,11 @@ class Task:
         if self.distances is None:
             message = f"{self.subject}: paths are tracked for platforms only"
             raise ValueError(message)
-        return certified_count(self.distances, self.sides, self.seed)
+        return tracked(self.distances, self.sides, self.seed)
 
 
 def all_tasks(*, seed: int = SEED, characteristics: Sequence[int] = (0, *PRIMES)) -> list[Task]:
-    """Return every task, those with few solutions first; above `LIMIT` there is only tracking."""
+    """Return every task, those with few solutions first; see `LIMITS`."""
     tasks = [task for c in characteristics for task in _tasks(c, seed)]
     return sorted(tasks, key=lambda task: task.expected)
 
@@ -98,10 +98,10 @@ def _tasks(characteristic: int, seed: int) -> Iterator[Task]:
     for family in all_families():
         subject = " ".join(kind.name for kind in family.distances)
         one_sided = Task(subject, 1, characteristic, seed)
-        if characteristic == 0 or one_sided.expected <= LIMIT:
+        if not characteristic or one_sided.expected <= LIMITS[1]:
             yield one_sided
         two_sided = Task(subject, 2, characteristic, seed)
-        if any(kind.has_sides for kind in family.distances) and two_sided.expected <= LIMIT:
+        if any(kind.has_sides for kind in family.distances) and two_sided.expected <= LIMITS[2]:
             yield two_sided
 
 

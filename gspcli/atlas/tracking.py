@@ -3,27 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from gspcli.atlas.trace import Trace, trace_test
 from gspcli.catalogue.kinds import ALL, Kind
 from gspcli.catalogue.types import CONSTRAINTS, GspType
 from gspcli.certification import certify
+from gspcli.geometry.poses import study_from_pose
 from gspcli.geometry.residuals import Arrangement
 from gspcli.solve.generate import random_instance
+from gspcli.solve.systems import target_systems
 from gspcli.solve.tracking import solve_by_tracking
 
-#: How many random platforms are tried for the largest count. Some have poses so far away that
-#: floating point does not find them accurately enough to certify them.
-ATTEMPTS = 5
+#: How far a solution may be from the floats that lead to it, as a part of the largest entry of all
+#: poses: some are a million lengths away. What is proved to exist counts, wherever it is.
+TOLERANCE = 1e-6
 
 
-def certified_count(distances: Sequence[Kind], sides: int, seed: int) -> int:
-    """Return how many different poses of a random real platform are proved to exist.
+@dataclass(frozen=True)
+class Tracked:
+    """What tracking paths to a random platform gave.
+
+    Attributes
+    ----------
+    certified
+        How many different poses are proved to exist.
+    trace
+        The trace test of the poses that were found; None if sides are left open.
+    """
+
+    certified: int
+    trace: Trace | None
+
+
+def tracked(distances: Sequence[Kind], sides: int, seed: int) -> Tracked:
+    """Count the poses of one random real platform.
 
     The poses, complex ones included, are found by tracking paths and proved to be simple in ball
-    arithmetic. Simple poses persist when the platform changes, so that every such number is a
-    lower bound of the generic count: the largest over a few platforms is returned.
+    arithmetic. Simple poses persist when the platform changes, so that their number is a lower
+    bound of the generic count.
 
     Parameters
     ----------
@@ -35,12 +55,13 @@ def certified_count(distances: Sequence[Kind], sides: int, seed: int) -> int:
         Source of the random numbers.
     """
     gsp_type = GspType.of([*distances, *[ALL] * (CONSTRAINTS - len(distances))])
-    best = 0
-    for attempt in range(ATTEMPTS):
-        rng = np.random.default_rng([seed, attempt])
-        instance, _ = random_instance(gsp_type, rng, one_sided=sides == 1)
-        poses = solve_by_tracking(Arrangement.of(instance), seed=seed)
-        best = max(best, certify(instance, poses.R, poses.T).distinct)
-        if best == poses.paths:
-            break
-    return best
+    rng = np.random.default_rng([seed, sides, *(kind.order for kind in distances)])
+    instance, _ = random_instance(gsp_type, rng, one_sided=sides == 1)
+    arrangement = Arrangement.of(instance)
+    poses = solve_by_tracking(arrangement, seed=seed)
+    largest = max(np.abs(poses.R).max(), np.abs(poses.T).max() / arrangement.length)
+    certified = certify(instance, poses.R, poses.T, tolerance=TOLERANCE * largest).distinct
+    if sides == 2:
+        return Tracked(certified, None)
+    points = np.concatenate(study_from_pose(poses.R, poses.T), axis=-1)
+    return Tracked(certified, trace_test(target_systems(arrangement)[0], points, seed))

@@ -1,6 +1,7 @@
 """Generic counts: how many complex solutions almost every platform of a type has.
 
-They are read from `data/counts/`, where the atlas records them with how each was established.
+They follow from two theorems (docs/counts.md): `law` computes them. `data/counts/` is the atlas's
+record of them, with how each was confirmed by counting the solutions of random platforms.
 The kinds of the angles make no difference, so there are as many counts as families: 896.
 """
 
@@ -11,8 +12,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
-from math import comb
 
+from gspcli.catalogue.intersections import intersection_number
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.catalogue.types import CLASSES, CONSTRAINTS, Family, GspType, PlatformClass, families
 from gspcli.errors import DataError
@@ -30,26 +31,22 @@ PRODUCTS = frozenset({DPL, DLP, DLL})
 
 
 class Method(Enum):
-    """How a generic count was established."""
+    """How a generic count was confirmed."""
 
-    BOTH = "groebner+tracking"
     GROEBNER = "groebner"
     TRACKING = "tracking"
-    LAW = "law"
+    TRACE = "trace"
 
     @property
     def meaning(self) -> str:
-        """The method in a sentence."""
+        """The method in a phrase."""
         return _MEANINGS[self]
 
 
 _MEANINGS = {
-    Method.BOTH: "Gröbner bases of random platforms modulo two primes, and as many poses of a "
-    "random real platform proved to be different",
     Method.GROEBNER: "Gröbner bases of random platforms modulo two primes",
-    Method.TRACKING: "so many poses of a random real platform proved to be different; no more by "
-    "the law for products",
-    Method.LAW: "not established for the platforms themselves, only by the law for products",
+    Method.TRACKING: "as many poses of a random real platform proved to be different",
+    Method.TRACE: "a trace test of these poses that one less would not pass",
 }
 
 
@@ -61,13 +58,20 @@ class Counts:
     ----------
     one_sided, two_sided
         Number of complex solutions with the side of each DPH and DHP chosen, or left open.
-    established
-        How.
+    confirmed
+        The methods that gave the same number for random platforms of the family.
     """
 
     one_sided: int
     two_sided: int
-    established: Method
+    confirmed: tuple[Method, ...]
+
+    @property
+    def established(self) -> str:
+        """How the counts are known, in a sentence."""
+        proved = "proved (docs/counts.md)"
+        phrases = "; ".join(method.meaning for method in self.confirmed)
+        return f"{proved}, and confirmed by {phrases}" if phrases else proved
 
     def of(self, *, sides: int) -> int:
         """Return the one-sided count for 1, the two-sided one for 2."""
@@ -89,55 +93,14 @@ def mirrored(distances: tuple[Kind, ...]) -> tuple[Kind, ...]:
     return tuple(sorted(kind.mirrored for kind in distances))
 
 
-def swapped(families_of_quadrics: str) -> str:
-    """Return the families after exchanging platform and base: p and q change places."""
-    exchanged = families_of_quadrics.translate(str.maketrans("pq", "qp"))
-    return "".join(sorted(exchanged, key=LETTERS.index))
-
-
-def canonical(families_of_quadrics: str) -> str:
-    """Return the families or what they are after the exchange, whichever has more p."""
-    if families_of_quadrics.count("p") >= families_of_quadrics.count("q"):
-        return families_of_quadrics
-    return swapped(families_of_quadrics)
-
-
-@cache
-def intersection_numbers() -> dict[str, int]:
-    """Return the 119 recorded intersection numbers by their families, such as ``appqls``."""
-    return {row["families"]: int(row["number"]) for row in _rows(NUMBERS_FILE)}
-
-
 def law(distances: tuple[Kind, ...]) -> int:
-    """Return the one-sided count by the law: a factor 2 for each product of quadrics.
+    """Return the one-sided count by its proof: a factor 2 for each product of quadrics.
 
     >>> law((DPL, DPL, DLP))
     64
     """
     products = sum(kind in PRODUCTS for kind in distances)
-    return int(2**products * intersection_numbers()[canonical(letters(distances))])
-
-
-def study_bound(distances: tuple[Kind, ...]) -> int:
-    """Return a proved ceiling for the one-sided count, often the count itself.
-
-    It is an intersection number on a smooth compactification of the rigid motions in Study
-    coordinates, on which angles are of class 2h, other constraints of class x, products 2x and
-    one DPP 2x - 2h; the other DPP lose their quadratic term to the first. The powers h^k x^(6-k)
-    are 64, 22, 6, 1. The proof is in docs/counts.md.
-
-    >>> study_bound((DLL,) * 6) == 2**6 * 64
-    True
-    """
-    angles = CONSTRAINTS - len(distances)
-    products = sum(kind in PRODUCTS for kind in distances)
-    power = 2 * (_power(angles) - _power(angles + 1)) if DPP in distances else _power(angles)
-    return int(2 ** (angles + products) * power)
-
-
-def _power(h: int) -> int:
-    """Return the coefficient of t^(3-h) in 1 / ((1 - t)^4 (1 - 2t))."""
-    return sum(comb(k + 3, 3) * 2 ** (3 - h - k) for k in range(4 - h))
+    return int(2**products * intersection_number(letters(distances)))
 
 
 def generic_counts(gsp_type: GspType) -> Counts:
@@ -168,7 +131,9 @@ def _recorded() -> dict[tuple[Kind, ...], Counts]:
     try:
         return {
             family.distances: Counts(
-                int(row["one_sided"]), int(row["two_sided"]), Method(row["method"])
+                int(row["one_sided"]),
+                int(row["two_sided"]),
+                tuple(map(Method, row["confirmed"].split("+") if row["confirmed"] else [])),
             )
             for family in all_families()
             for row in [rows[family.id]]

@@ -46,7 +46,8 @@ def command(names: tuple[str, ...], output: Output) -> None:
 
     TYPE is six kinds in any order, a number of the catalogue, a family with its angles left
     open, or an instance file. Bounds are proved ceilings over the complex numbers, for platforms
-    with finitely many solutions; the generic count is what almost every platform of the type has.
+    with finitely many solutions; the generic count is what almost every platform of the type has,
+    and no platform has more isolated solutions.
 
     \b
     Examples:
@@ -106,7 +107,7 @@ def bound_document(subject: GspType | Family) -> dict[str, Any]:
         "generic": {
             "one_sided": counts.one_sided,
             "two_sided": counts.two_sided,
-            "established": counts.established.meaning,
+            "established": counts.established,
         },
         "best_real": best_real(subject),
     }
@@ -201,7 +202,7 @@ def bound_table(bounds: Bounds, counts: Counts, real: int | None) -> Table:
         rows=rows,
         notes=[
             *dict.fromkeys(bound.reason for _, bound in applying),
-            f"Generic count: {counts.established.meaning}",
+            f"Generic count: {counts.established}",
         ],
     )
 

@@ -9,6 +9,8 @@ import pytest
 from gspcli.atlas import journal as module
 from gspcli.atlas.journal import Result, append, carry_out, read_journal
 from gspcli.atlas.tasks import Task
+from gspcli.atlas.trace import Trace
+from gspcli.atlas.tracking import Tracked
 from gspcli.atlas.workers import Workers
 from gspcli.errors import GspError
 
@@ -29,6 +31,17 @@ def test_results_come_back(tmp_path: Path) -> None:
         **{task: _result(task) for task in TASKS},
         TASKS[0]: Result(TASKS[0], None, 1.0),
     }
+
+
+def test_what_tracking_gave_comes_back(tmp_path: Path) -> None:
+    path = tmp_path / "work.jsonl"
+    results = [
+        Result(TASKS[0], 16, 0.5, Tracked(16, Trace(1e-14, 1e-5))),
+        Result(TASKS[1], 16, 0.5, Tracked(16, None)),
+    ]
+    for result in results:
+        append(path, result)
+    assert list(read_journal(path).values()) == results
 
 
 def test_a_line_cut_off_is_dropped(tmp_path: Path) -> None:
