@@ -17,10 +17,6 @@ from gspcli.solve.generate import random_instance
 from gspcli.solve.systems import target_systems
 from gspcli.solve.tracking import solve_by_tracking
 
-#: How far a solution may be from the floats that lead to it, as a part of the largest entry of all
-#: poses: some are a million lengths away. What is proved to exist counts, wherever it is.
-TOLERANCE = 1e-6
-
 
 @dataclass(frozen=True)
 class Tracked:
@@ -59,8 +55,7 @@ def tracked(distances: Sequence[Kind], sides: int, seed: int) -> Tracked:
     instance, _ = random_instance(gsp_type, rng, one_sided=sides == 1)
     arrangement = Arrangement.of(instance)
     poses = solve_by_tracking(arrangement, seed=seed)
-    largest = max(np.abs(poses.R).max(), np.abs(poses.T).max() / arrangement.length)
-    certified = certify(instance, poses.R, poses.T, tolerance=TOLERANCE * largest).distinct
+    certified = certify(instance, poses.R, poses.T).distinct
     if sides == 2:
         return Tracked(certified, None)
     points = np.concatenate(study_from_pose(poses.R, poses.T), axis=-1)

@@ -48,7 +48,9 @@ def decide(instance: Instance, R: ArrayLike, T: ArrayLike) -> Decisions:
         system = System(instance, FIRST_PRECISION)
         places = translations / system.scale
         proofs = prove(system, rotations, places)
-    certified = proofs.isolated & (proofs.real | proofs.complex) & (proofs.deviation <= TOLERANCE)
+    entries = np.concatenate((rotations.reshape(-1, 9), places), axis=1)
+    tolerance = TOLERANCE * np.maximum(1, np.abs(entries).max(axis=1, initial=0))
+    certified = proofs.isolated & (proofs.real | proofs.complex) & (proofs.deviation <= tolerance)
     real, deviation = certified & proofs.real, proofs.deviation
     rest = np.flatnonzero(~certified)
     others = certify(instance, rotations[rest], translations[rest]) if len(rest) else ()
@@ -56,7 +58,6 @@ def decide(instance: Instance, R: ArrayLike, T: ArrayLike) -> Decisions:
         decided = one.certified and one.real is not None
         certified[k] = decided and one.same_as is None and not one.unresolved
         real[k], deviation[k] = bool(one.real), one.deviation or 0.0
-    entries = np.concatenate((rotations.reshape(-1, 9), places), axis=1)
     if all_different(entries[certified], deviation[certified]):
         return Decisions(certified, certified & real)
     every = certify(instance, rotations, translations)

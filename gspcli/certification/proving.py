@@ -10,7 +10,7 @@ from flint import acb, ctx
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.certification import study
-from gspcli.certification.balls import float_above
+from gspcli.certification.balls import float_above, largest
 from gspcli.certification.certificates import Certificate, Certificates, Outcome
 from gspcli.certification.distinct import close_pairs, same
 from gspcli.certification.isolation import Isolation, refine_point
@@ -35,6 +35,8 @@ class _Candidate:
         self.point = [acb(x) for x in point.tolist()]
         self.patch = patch
         self.given = given
+        # Entries of complex rotations may be large, and are then only known relatively.
+        self.size = max(1.0, float_above(largest(given.entries)))
         self.sides: tuple[int, ...] | None = None
         self.isolation: Isolation | None = None
         self.pose: PoseBall | None = None
@@ -46,6 +48,7 @@ class _Candidate:
 
     def attempt(self, system: System, tolerance: float) -> None:
         """Try to decide everything about the candidate at the precision of the system."""
+        tolerance *= self.size
         self.precision = system.precision
         if self.sides is None:
             self.sides = system.sides_at(self.point)
@@ -137,7 +140,7 @@ def certify(
         Translations in length units, real or complex, shape (n, 3).
     tolerance
         Largest difference of a candidate from its solution in any entry of R, and of T divided by
-        `Certificates.scale`.
+        `Certificates.scale`; relative to the largest of them if that exceeds one.
     max_precision
         Largest number of bits to work with.
 

@@ -46,7 +46,8 @@ _COLUMNS = (
     default=1e-6,
     show_default=True,
     type=click.FloatRange(0, min_open=True),
-    help="Largest difference of a pose from its solution, lengths by the platform's size.",
+    help="Largest difference of a pose from its solution, lengths by the platform's size; "
+    "relative for numbers above one.",
 )
 @click.option(
     "--max-precision",

@@ -17,6 +17,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.poses import rotation_from_quaternion
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.residuals import Arrangement
+from gspcli.solve import solve
 from gspcli.solve.closed_form import solve_closed_form
 from gspcli.solve.generate import random_instance
 
@@ -157,3 +158,14 @@ def test_copies_are_recognised(key: tuple[str, int]) -> None:
     assert result.distinct == len(R)
     assert result.real == real.sum()
     assert [item.same_as for item in result] == [None] * len(R) + list(range(len(R)))
+
+
+def test_poses_a_million_lengths_away_are_certified():
+    """Entries of complex rotations have no bound: what matters is how many digits are right."""
+    gsp_type = parse_type("PP PP PP PP PL ALL")
+    rng = np.random.default_rng([38, 1, *(kind.order for kind in gsp_type.distances)])
+    instance, _ = random_instance(gsp_type, rng, one_sided=True)
+    result = solve(instance)
+    assert np.abs(result.R).max() > 1e6
+    assert result.certified.all()
+    assert certify(instance, result.R, result.T).distinct == result.expected
