@@ -19,7 +19,7 @@ from bench.report import Bar, CaseResult, PeerResult, Report
 from bench.sweep import costs, peak_memory, plot, write_csv
 from gspcli.geometry.instance import Instance
 from gspcli.resources import data_path
-from gspcli.solve import solve
+from gspcli.solver import solve
 
 SEED = 2003
 #: Types whose certified solution from the shell should need most memory: the most solutions, on

@@ -22,7 +22,7 @@ from gspcli.continuation.systems import Structure
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.poses import Field, pose_from_study
 from gspcli.geometry.residuals import Arrangement
-from gspcli.solve.systems import target_systems
+from gspcli.solver.systems import target_systems
 
 #: Coefficients with the exponents of the unknowns e1 e2 e3 f0 f1 f2 f3.
 Terms = list[tuple[complex, tuple[int, ...]]]

@@ -17,7 +17,7 @@ from bench.processes import run
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.poses import rotation_from_quaternion
 from gspcli.geometry.residuals import Arrangement, measured
-from gspcli.solve import solve, solve_values
+from gspcli.solver import solve, solve_values
 from gspcli.spec import dumps
 
 #: What a child counts as its peak memory begins with that of its parent; only the peak of its own

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bench.homotopy import UNKNOWNS, poses
 from gspcli.geometry.poses import Field
-from gspcli.solve import SolveResult
+from gspcli.solver import SolveResult
 
 #: A pose of a peer this near to one of ours, relative to its size, is the same. Ours are mostly
 #: exact to 1e-12, those of peers may be bad to 1e-8, and distinct ones are farther apart.

@@ -16,7 +16,7 @@ from bench.homotopy import structure_of
 from gspcli.catalogue.counts import all_families, family_counts
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.continuation.start import start_system
-from gspcli.solve import solve
+from gspcli.solver import solve
 
 #: Platforms solved more quickly than this (in seconds) are solved again, and the least counts.
 _QUICK = 0.05

@@ -27,12 +27,12 @@ if TYPE_CHECKING:
     from gspcli.certification import certify
     from gspcli.errors import GspError
     from gspcli.geometry.instance import Instance
+    from gspcli.solver import solve, solve_values
     from gspcli.spec import dumps, load, loads, set_values
 
 __version__ = "0.1.0"
 
-#: Where each public name lives; nothing is imported before it is used. The function `solve` is
-#: not among them because `gspcli.solve` is the package that it lives in.
+#: Where each public name lives; nothing is imported before it is used.
 _HOMES = {
     "Family": "gspcli.catalogue.types",
     "GspError": "gspcli.errors",
@@ -53,6 +53,8 @@ _HOMES = {
     "parse_kind_set": "gspcli.catalogue.parsing",
     "parse_type": "gspcli.catalogue.parsing",
     "set_values": "gspcli.spec",
+    "solve": "gspcli.solver",
+    "solve_values": "gspcli.solver",
     "type_bounds": "gspcli.catalogue.bounds",
 }
 
@@ -77,6 +79,8 @@ __all__ = [
     "parse_kind_set",
     "parse_type",
     "set_values",
+    "solve",
+    "solve_values",
     "type_bounds",
 ]
 

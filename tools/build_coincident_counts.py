@@ -34,7 +34,7 @@ from gspcli.catalogue.overconstraint import over_constraint
 from gspcli.catalogue.types import CONSTRAINTS, GspType
 from gspcli.cli.progress import progress
 from gspcli.geometry.instance import Instance
-from gspcli.solve.generate import random_instance
+from gspcli.solver.generate import random_instance
 
 TARGET = ROOT / "data" / "verification" / "coincident-platforms.csv"
 COMMAND = "python tools/build_coincident_counts.py"

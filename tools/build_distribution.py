@@ -15,11 +15,11 @@ from recording import ROOT, parser, save
 
 sys.path.insert(0, str(ROOT))
 
-from gspcli.atlas.sampling import Sample, Tally, sample
-from gspcli.atlas.workers import Workers
 from gspcli.catalogue.parsing import parse_type
 from gspcli.cli.progress import progress
 from gspcli.cli.sample import histogram
+from gspcli.reality.sampling import Sample, Tally, sample
+from gspcli.workers import Workers
 
 PAGE = ROOT / "docs" / "real-counts.md"
 PICTURE = ROOT / "docs" / "images" / "real-6-6.svg"

@@ -38,7 +38,7 @@ from gspcli.cli.progress import progress
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Point, Vector
-from gspcli.solve.api import solve
+from gspcli.solver.api import solve
 from gspcli.spec import load
 
 EXAMPLES = ROOT / "data" / "examples"

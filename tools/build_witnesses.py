@@ -6,7 +6,7 @@
 
 `search` and `check` take --jobs N, or --scheduler ADDRESS for the workers of a Dask scheduler.
 
-`search` makes attempts (`gspcli.atlas.maximize`) for one family after the other, those with few
+`search` makes attempts (`gspcli.reality.maximize`) for one family after the other, those with few
 solutions first, and appends each result to the journal, a work file; it continues where the journal
 ends. An attempt depends on the seed, its number and the effort only. `write` rounds the best
 platform of each family to short decimals, certifies its real poses and records it, if it is
@@ -35,16 +35,16 @@ from recording import ROOT, add_sample, report, sampled
 
 sys.path.insert(0, str(ROOT))
 
-from gspcli.atlas.maximize import SEED, Search, multiplier
-from gspcli.atlas.platforms import Platforms
-from gspcli.atlas.witnesses import certified_real, real_instance, rows_of, witness_instance
-from gspcli.atlas.workers import Workers
 from gspcli.catalogue.counts import all_families, family_counts, mirrored
 from gspcli.catalogue.kinds import ALL, Kind
 from gspcli.catalogue.types import CONSTRAINTS, Family
 from gspcli.catalogue.witnesses import Witness, read_row, witness_text
 from gspcli.cli.progress import progress
 from gspcli.errors import GspError
+from gspcli.reality.maximize import SEED, Search, multiplier
+from gspcli.reality.platforms import Platforms
+from gspcli.reality.witnesses import certified_real, real_instance, rows_of, witness_instance
+from gspcli.workers import Workers
 
 FOLDER = ROOT / "data" / "witnesses"
 EFFORT = 40_000

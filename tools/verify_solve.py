@@ -47,7 +47,6 @@ from recording import ROOT, add_sample, report, sampled, sources_sha256
 from scipy.spatial import KDTree
 
 from gspcli import __version__, dumps
-from gspcli.atlas.workers import Workers
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import DPP
 from gspcli.catalogue.types import CLASSES, CONSTRAINTS, MAX_ANGLES, Family, GspType, families
@@ -56,9 +55,10 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.poses import Field, rotation_from_quaternion
 from gspcli.geometry.primitives import Point, vector
 from gspcli.geometry.residuals import Arrangement, measured, residuals
-from gspcli.solve import PoseSet, SolveResult, solve
-from gspcli.solve.generate import random_instance
-from gspcli.solve.tracking import solve_by_tracking, solve_each_by_tracking
+from gspcli.solver import PoseSet, SolveResult, solve
+from gspcli.solver.generate import random_instance
+from gspcli.solver.tracking import solve_by_tracking, solve_each_by_tracking
+from gspcli.workers import Workers
 
 JOURNALS = ROOT / "build" / "verify-solve"
 RECORDS = ROOT / "data" / "verification"
@@ -66,7 +66,13 @@ PAGE = ROOT / "docs" / "completeness.md"
 #: What is between these lines of the page is written from the record.
 BEGIN, END = "<!-- record -->", "<!-- end of record -->"
 #: What the answers come from; a journal of other sources is begun anew.
-SOURCES = ("native", "gspcli/continuation", "gspcli/solve", "gspcli/geometry", "data/start-systems")
+SOURCES = (
+    "native",
+    "gspcli/continuation",
+    "gspcli/solver",
+    "gspcli/geometry",
+    "data/start-systems",
+)
 SEED = 20031
 #: Platforms in one task.
 CHUNK = 500

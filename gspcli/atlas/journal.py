@@ -14,9 +14,9 @@ from typing import Any
 from gspcli.atlas.tasks import Task
 from gspcli.atlas.trace import Trace
 from gspcli.atlas.tracking import Tracked
-from gspcli.atlas.workers import HERE, Workers
 from gspcli.errors import GspError
 from gspcli.progress import Progress, silent
+from gspcli.workers import HERE, Workers
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,9 @@ from gspcli.catalogue.types import CONSTRAINTS, GspType
 from gspcli.certification import certify
 from gspcli.geometry.poses import study_from_pose
 from gspcli.geometry.residuals import Arrangement
-from gspcli.solve.generate import random_instance
-from gspcli.solve.systems import target_systems
-from gspcli.solve.tracking import solve_by_tracking
+from gspcli.solver.generate import random_instance
+from gspcli.solver.systems import target_systems
+from gspcli.solver.tracking import solve_by_tracking
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from gspcli.errors import CheckFailed, IncompleteError
 if TYPE_CHECKING:
     from gspcli.atlas.journal import Result
     from gspcli.atlas.records import Verdict
-    from gspcli.atlas.workers import Workers
+    from gspcli.workers import Workers
 
 #: What `verify --fast` does: so many tasks, of at most so many solutions.
 _FAST = (40, 256)

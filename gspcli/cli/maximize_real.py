@@ -17,10 +17,10 @@ from gspcli.cli.workers import worker_options
 from gspcli.errors import CheckFailed, GspError, IncompleteError
 
 if TYPE_CHECKING:
-    from gspcli.atlas.maximize import Search
-    from gspcli.atlas.maximize_state import State
-    from gspcli.atlas.workers import Workers
     from gspcli.geometry.instance import Instance, Units
+    from gspcli.reality.maximize import Search
+    from gspcli.reality.state import State
+    from gspcli.workers import Workers
 
 _INTERRUPTED = 130
 
@@ -96,15 +96,15 @@ def command(
     given = load_instance(names[0]) if len(names) == 1 and is_file(names[0]) else None
     gsp_type = read_type(names) if given is None else given.type
     if show:
-        from gspcli.atlas.witnesses import known_instance
+        from gspcli.reality.witnesses import known_instance
 
         _reject_search_options()
         write(output, dumps(known_instance(gsp_type)))
         return 0
 
-    from gspcli.atlas.maximize import Search, multiplier, reduced
-    from gspcli.atlas.maximize_state import State, read_state
-    from gspcli.atlas.witnesses import DEFAULT_UNITS, platform_of
+    from gspcli.reality.maximize import Search, multiplier, reduced
+    from gspcli.reality.state import State, read_state
+    from gspcli.reality.witnesses import DEFAULT_UNITS, platform_of
 
     kinds, start, length, units = gsp_type.kinds, None, 1.0, DEFAULT_UNITS
     if given is not None:
@@ -164,8 +164,8 @@ def _searched(
     search: Search, state: State, most: int | None, workers: Workers, state_file: str | None
 ) -> State:
     """Return the state after the search; reports each attempt on stderr."""
-    from gspcli.atlas.maximize import attempts, multiplier
     from gspcli.continuation.start import path_count
+    from gspcli.reality.maximize import attempts, multiplier
 
     each = multiplier(search.kinds)
     everything = path_count(search.structure)
@@ -196,7 +196,7 @@ def _searched(
 
 def _witness(state: State, each: int, units: Units, length: float) -> tuple[Instance, int]:
     """Return the instance and how many real poses of it are certified."""
-    from gspcli.atlas.witnesses import certified_real, real_instance
+    from gspcli.reality.witnesses import certified_real, real_instance
 
     assert state.platform is not None
     instance = real_instance(state.platform, each * state.real, units=units, length=length)

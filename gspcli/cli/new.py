@@ -87,7 +87,7 @@ def command(
         raise GspError(message)
     import numpy as np
 
-    from gspcli.solve.generate import random_instance
+    from gspcli.solver.generate import random_instance
     from gspcli.spec import dumps
 
     rng = np.random.default_rng(seed)

@@ -15,8 +15,8 @@ from gspcli.cli.workers import worker_options
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
-    from gspcli.atlas.sampling import Sample, Tally
-    from gspcli.atlas.workers import Workers
+    from gspcli.reality.sampling import Sample, Tally
+    from gspcli.workers import Workers
 
 SCHEMA = "gsp.sample/1"
 #: Exit code after Ctrl-C, as of the whole program.
@@ -79,8 +79,8 @@ def command(
       gsp sample 3D3A PL PL LP --format csv
       gsp sample 6PH --one-sided --count 5000 -o planes.svg
     """
-    from gspcli.atlas.sampling import Sample, Tally, sample
     from gspcli.cli.progress import progress
+    from gspcli.reality.sampling import Sample, Tally, sample
 
     if folder is not None:
         _make(folder)
@@ -116,7 +116,7 @@ def _make(folder: Path) -> None:
 
 def _save(folder: Path, wanted: Sample, tally: Tally) -> None:
     """Write the platforms of which the number of real solutions is not known."""
-    from gspcli.atlas.witnesses import rounded
+    from gspcli.reality.witnesses import rounded
     from gspcli.spec import dumps
 
     for (piece, index), why in sorted(tally.doubtful.items()):

@@ -12,7 +12,7 @@ from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.errors import IncompleteError, NotFiniteError
 
 if TYPE_CHECKING:
-    from gspcli.solve import Solution, SolveResult
+    from gspcli.solver import Solution, SolveResult
 
 #: Formats for people, in which rounding errors about zero are shown as zero.
 _READABLE = ("table", "markdown", "latex")
@@ -75,7 +75,7 @@ def command(
       gsp solve data/examples/dietmaier.yaml --digits 50 -o poses.json
       gsp new "DPL DPL DLP ALL ALL ALH" | gsp solve - --all -o poses.json
     """
-    from gspcli.solve import DEFAULT_SEED, solve
+    from gspcli.solver import DEFAULT_SEED, solve
     from gspcli.spec import load, set_values
 
     instance = set_values(load(spec), settings)

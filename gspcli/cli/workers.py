@@ -28,7 +28,7 @@ def worker_options(function: Function) -> Function:
     )
     @functools.wraps(function)
     def command(*, jobs: int | None, scheduler: str | None, **others: Any) -> Any:
-        from gspcli.atlas.workers import Workers
+        from gspcli.workers import Workers
 
         if jobs is not None and scheduler is not None:
             message = "--jobs and --scheduler exclude each other"

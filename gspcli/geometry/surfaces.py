@@ -214,7 +214,7 @@ def intersection(planes: Field, quadrics: Field, accuracy: float = _EPS) -> Inte
 def certainly_not_zero(coordinate: Field, errors: Array) -> NDArray[np.bool_]:
     """Return which coordinates of points of norm one differ from zero beyond doubt.
 
-    The others are examined in extended precision (`gspcli.solve.infinity`).
+    The others are examined in extended precision (`gspcli.solver.infinity`).
     """
     return np.asarray(np.abs(coordinate) > np.maximum(_CERTAIN, 100 * errors))
 

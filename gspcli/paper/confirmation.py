@@ -15,8 +15,8 @@ from gspcli.geometry.poses import apply, cross, dot
 from gspcli.geometry.residuals import Arrangement
 from gspcli.paper.table3 import Entry, compute
 from gspcli.progress import Progress, silent
-from gspcli.solve import SolveResult, solve
-from gspcli.solve.generate import random_instance
+from gspcli.solver import SolveResult, solve
+from gspcli.solver.generate import random_instance
 
 DEFAULT_SEED = 20031
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from gspcli.atlas import maximize
+from gspcli.reality import maximize
 from gspcli.spec import dumps, loads
 
 

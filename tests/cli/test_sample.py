@@ -12,13 +12,13 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from gspcli.atlas import sampling
-from gspcli.atlas.reality import Reality
-from gspcli.atlas.sampling import Sample, Tally
-from gspcli.atlas.workers import Workers
 from gspcli.catalogue.parsing import parse_type
-from gspcli.solve import solve
+from gspcli.reality import sampling
+from gspcli.reality.recognition import Reality
+from gspcli.reality.sampling import Sample, Tally
+from gspcli.solver import solve
 from gspcli.spec import load
+from gspcli.workers import Workers
 
 WORDS = ("sample", "6PH", "--one-sided", "--count", "20")
 

@@ -5,7 +5,7 @@ import hashlib
 import pytest
 
 from gspcli.resources import data_directory, data_json
-from gspcli.solve.api import solve
+from gspcli.solver.api import solve
 from gspcli.spec import load
 
 EXAMPLES = sorted((data_directory() / "examples").glob("*.yaml"))

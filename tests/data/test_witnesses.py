@@ -7,7 +7,6 @@ from random import Random
 
 import pytest
 
-from gspcli.atlas.witnesses import certified_real, known_instance, rows_of, witness_instance
 from gspcli.catalogue.counts import all_families, family_counts
 from gspcli.catalogue.kinds import ALL, DHP, DPH
 from gspcli.catalogue.parsing import parse_type
@@ -21,6 +20,7 @@ from gspcli.catalogue.witnesses import (
     witness,
     witness_text,
 )
+from gspcli.reality.witnesses import certified_real, known_instance, rows_of, witness_instance
 from gspcli.resources import data_json, data_path
 from gspcli.spec import dumps, loads
 

@@ -21,8 +21,8 @@ from gspcli.geometry.matching import pose_set_distance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.poses import Field
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
-from gspcli.solve import SolveResult, solve
-from gspcli.solve.generate import random_instance
+from gspcli.solver import SolveResult, solve
+from gspcli.solver.generate import random_instance
 
 MANY = 320
 #: Poses agree to this if rounding is the only difference; conditions are up to 1e8 or so.

@@ -17,9 +17,9 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.poses import rotation_from_quaternion
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.residuals import Arrangement
-from gspcli.solve import solve
-from gspcli.solve.closed_form import solve_closed_form
-from gspcli.solve.generate import random_instance
+from gspcli.solver import solve
+from gspcli.solver.closed_form import solve_closed_form
+from gspcli.solver.generate import random_instance
 
 #: Families with few poses, so that many platforms can be tried.
 TYPES = [

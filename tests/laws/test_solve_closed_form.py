@@ -18,8 +18,8 @@ from gspcli.geometry.matching import pose_set_distance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.poses import apply, rotation_from_quaternion
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
-from gspcli.solve import SolveResult, solve, solve_values
-from gspcli.solve.generate import random_instance
+from gspcli.solver import SolveResult, solve, solve_values
+from gspcli.solver.generate import random_instance
 
 #: Sets of poses that are equal in exact arithmetic agree to this; poses are simple.
 AGREE = 1e-7

@@ -15,8 +15,8 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.poses import rotation_from_quaternion
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
 from gspcli.geometry.residuals import Arrangement, measured, residuals
-from gspcli.solve.closed_form import solve_closed_form
-from gspcli.solve.tracking import solve_by_tracking
+from gspcli.solver.closed_form import solve_closed_form
+from gspcli.solver.tracking import solve_by_tracking
 
 
 def nonzero(rng: np.random.Generator, size: int) -> np.ndarray:

@@ -12,11 +12,11 @@ from gspcli.continuation.quadrics import evaluate
 from gspcli.geometry.matching import pose_set_distance
 from gspcli.geometry.poses import study_from_pose
 from gspcli.geometry.residuals import Arrangement
-from gspcli.solve import solve
-from gspcli.solve.closed_form import solve_closed_form
-from gspcli.solve.generate import random_instance
-from gspcli.solve.systems import target_systems
-from gspcli.solve.tracking import solve_by_tracking
+from gspcli.solver import solve
+from gspcli.solver.closed_form import solve_closed_form
+from gspcli.solver.generate import random_instance
+from gspcli.solver.systems import target_systems
+from gspcli.solver.tracking import solve_by_tracking
 
 seeds = st.integers(0, 10**6)
 

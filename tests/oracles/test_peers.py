@@ -12,7 +12,7 @@ from bench import macaulay2, msolve, phc
 from bench.cases import CASES
 from bench.homotopy import UNKNOWNS, Homotopy
 from bench.peers import Answer, compare
-from gspcli.solve import SolveResult, solve
+from gspcli.solver import SolveResult, solve
 from gspcli.spec import load
 
 AUTHORITIES = Path(__file__).parent / "authorities"

@@ -18,9 +18,9 @@ from gspcli.catalogue.kinds import DLL, DPP
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.poses import Field, normalised, rotation_from_quaternion
 from gspcli.geometry.residuals import Arrangement, jacobian, measured, residuals
-from gspcli.solve import SolveResult, solve
-from gspcli.solve.generate import random_instance
-from gspcli.solve.tracking import solve_by_tracking
+from gspcli.solver import SolveResult, solve
+from gspcli.solver.generate import random_instance
+from gspcli.solver.tracking import solve_by_tracking
 
 DATA = Path(__file__).parents[2] / "data"
 EXAMPLES = DATA / "examples"

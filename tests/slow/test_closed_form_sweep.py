@@ -13,9 +13,9 @@ import pytest
 from gspcli.catalogue.types import type_by_number
 from gspcli.geometry.matching import pose_set_distance
 from gspcli.geometry.residuals import Arrangement
-from gspcli.solve.closed_form import solve_closed_form
-from gspcli.solve.generate import random_instance
-from gspcli.solve.tracking import solve_by_tracking
+from gspcli.solver.closed_form import solve_closed_form
+from gspcli.solver.generate import random_instance
+from gspcli.solver.tracking import solve_by_tracking
 
 TYPES = 1120
 BLOCKS = 40

@@ -13,10 +13,15 @@ import gspcli
 
 PACKAGE = Path(gspcli.__file__).parent
 LAYERS = {
-    "cli": 6,
-    "paper": 5,
-    "atlas": 5,
-    "solve": 4,
+    "__main__": 8,
+    "cli": 7,
+    "pictures": 6,
+    "export": 6,
+    "paper": 6,
+    "atlas": 6,
+    "reality": 6,
+    "motion": 5,
+    "solver": 4,
     "certification": 3,
     "continuation": 3,
     "spec": 3,
@@ -24,8 +29,10 @@ LAYERS = {
     "symbolic": 2,
     "catalogue": 1,
     "resources": 0.5,
+    "workers": 0.5,
     "errors": 0,
     "progress": 0,
+    "__init__": 8,
 }
 ROOMS = {
     "sympy": {"symbolic"},

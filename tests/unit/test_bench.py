@@ -18,7 +18,7 @@ from bench.report import Bar, duration, table
 from bench.sweep import Cost, plot
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.poses import study_from_pose
-from gspcli.solve import SolveResult, solve
+from gspcli.solver import SolveResult, solve
 from gspcli.spec import dumps, loads
 
 SEED = 1

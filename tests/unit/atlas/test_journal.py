@@ -11,8 +11,8 @@ from gspcli.atlas.journal import Result, append, carry_out, read_journal
 from gspcli.atlas.tasks import Task
 from gspcli.atlas.trace import Trace
 from gspcli.atlas.tracking import Tracked
-from gspcli.atlas.workers import Workers
 from gspcli.errors import GspError
+from gspcli.workers import Workers
 
 TASKS = [Task("DPP DPP DPP", 1, 0, seed) for seed in range(3)]
 

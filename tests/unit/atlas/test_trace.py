@@ -11,8 +11,8 @@ from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.solve import solve_system
 from gspcli.continuation.systems import Structure, TargetSystem
 from gspcli.geometry.residuals import Arrangement
-from gspcli.solve.generate import random_instance
-from gspcli.solve.systems import target_systems
+from gspcli.solver.generate import random_instance
+from gspcli.solver.systems import target_systems
 
 SEED = 4
 ANGLES = {"3D3A": 3, "4D2A": 2, "5D1A": 1}

@@ -27,8 +27,8 @@ from gspcli.certification.study import TRANSLATION, study_points
 from gspcli.certification.system import System
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.poses import rotation_from_quaternion
-from gspcli.solve import solve
-from gspcli.solve.generate import random_instance
+from gspcli.solver import solve
+from gspcli.solver.generate import random_instance
 
 SIGNATURES = [
     *(" ".join([kind.name] * 6) for kind in DISTANCE_KINDS),

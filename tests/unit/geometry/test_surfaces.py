@@ -13,7 +13,7 @@ from gspcli.geometry.measures import measures
 from gspcli.geometry.poses import dot, normalised, rotation_from_quaternion
 from gspcli.geometry.residuals import Arrangement, measured, placed
 from gspcli.geometry.surfaces import surfaces
-from gspcli.solve.generate import random_instance
+from gspcli.solver.generate import random_instance
 
 TRIPLES = list(combinations_with_replacement(DISTANCE_KINDS, 3))
 

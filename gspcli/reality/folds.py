@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.atlas.platforms import Platforms
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.geometry.poses import Field, cross, dot
+from gspcli.reality.platforms import Platforms
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -75,7 +75,7 @@ def folds(
     Parameters
     ----------
     platform
-        One, with the values zero where `gspcli.atlas.maximize.free_numbers` fixes them.
+        One, with the values zero where `gspcli.reality.maximize.free_numbers` fixes them.
     R, T
         All its solutions, shapes (n, 3, 3) and (n, 3).
     real

@@ -13,7 +13,7 @@ from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind, Primitive
 from gspcli.continuation.solve import SystemSolutions, solve_systems
 from gspcli.continuation.systems import TargetSystem
 from gspcli.geometry.poses import Field, apply, cross, dot, normalised, rotation_from_quaternion
-from gspcli.solve.systems import systems_of
+from gspcli.solver.systems import systems_of
 
 Array = NDArray[np.float64]
 

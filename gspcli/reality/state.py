@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from gspcli.atlas.maximize import Solved
-from gspcli.atlas.platforms import Platforms
 from gspcli.catalogue.kinds import KINDS_BY_NAME
 from gspcli.errors import GspError
+from gspcli.reality.maximize import Solved
+from gspcli.reality.platforms import Platforms
 
 SCHEMA = "gsp.maximize-real/1"
 _PARTS = ("y", "x", "u", "v", "values")

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.poses import Field, cross, dot, rotation_from_vector
 from gspcli.geometry.residuals import Arrangement, placed
-from gspcli.solve.stated import improved
+from gspcli.solver.stated import improved
 
 #: Unit directions that differ by less are parallel: what is left of double precision at an end
 #: where several paths meet.

@@ -7,14 +7,14 @@ import pickle
 import numpy as np
 import pytest
 
-from gspcli.atlas.platforms import random_platforms
-from gspcli.atlas.reality import Reality, reality
-from gspcli.atlas.sampling import Sample, Tally, sample
-from gspcli.atlas.workers import HERE, Workers
 from gspcli.catalogue.kinds import AHH, AHL, ALH, KINDS
 from gspcli.catalogue.parsing import parse_type
 from gspcli.geometry.poses import pose_from_study
 from gspcli.geometry.residuals import Arrangement, residuals
+from gspcli.reality.platforms import random_platforms
+from gspcli.reality.recognition import Reality, reality
+from gspcli.reality.sampling import Sample, Tally, sample
+from gspcli.workers import HERE, Workers
 
 TYPES = ("6PP", "DPL DLP DPH DHP DLL ALL", "3D3A PL PH LL ALL ALH AHH")
 

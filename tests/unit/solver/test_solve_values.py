@@ -6,8 +6,8 @@ import pytest
 from gspcli.catalogue.parsing import parse_type
 from gspcli.geometry.matching import pose_set_distance
 from gspcli.geometry.numbers import Number
-from gspcli.solve import solve, solve_values
-from gspcli.solve.generate import random_instance
+from gspcli.solver import solve, solve_values
+from gspcli.solver.generate import random_instance
 
 
 def instance_of(name: str):

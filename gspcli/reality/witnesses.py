@@ -10,7 +10,6 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.atlas.platforms import Platforms
 from gspcli.catalogue.kinds import AHH, ALL, DHP, DLL, DPH, Kind, Primitive
 from gspcli.catalogue.types import GspType
 from gspcli.catalogue.witnesses import Witness, witness
@@ -20,8 +19,9 @@ from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Unit
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.residuals import Arrangement
-from gspcli.solve.poses import PoseSet
-from gspcli.solve.tracking import solve_by_tracking
+from gspcli.reality.platforms import Platforms
+from gspcli.solver.poses import PoseSet
+from gspcli.solver.tracking import solve_by_tracking
 
 Array = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ def real_instance(
     Parameters
     ----------
     platform
-        One reduced platform (`gspcli.atlas.maximize`), lengths of order one.
+        One reduced platform (`gspcli.reality.maximize`), lengths of order one.
     count
         How many real poses the instance has to have, on all sides.
     units

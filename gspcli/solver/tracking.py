@@ -20,10 +20,10 @@ from gspcli.geometry.poses import (
     unit_quaternion,
 )
 from gspcli.geometry.residuals import Arrangement
-from gspcli.solve.motion import Motion
-from gspcli.solve.parallel_lines import judge_parallel_lines, polish_parallel_lines
-from gspcli.solve.poses import PoseSet
-from gspcli.solve.systems import target_systems
+from gspcli.solver.parallel_lines import judge_parallel_lines, polish_parallel_lines
+from gspcli.solver.poses import PoseSet
+from gspcli.solver.self_motion import Motion
+from gspcli.solver.systems import target_systems
 
 Complex = NDArray[np.complex128]
 

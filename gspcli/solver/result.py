@@ -15,8 +15,8 @@ from gspcli import __version__
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.poses import Field
 from gspcli.geometry.residuals import Arrangement, condition_numbers, residuals, sides_of
-from gspcli.solve.motion import Motion
-from gspcli.solve.poses import PoseSet
+from gspcli.solver.poses import PoseSet
+from gspcli.solver.self_motion import Motion
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -9,13 +9,13 @@ from typing import Any
 
 import pytest
 
-from gspcli.atlas import workers as module
+from gspcli import workers as module
 from gspcli.atlas.journal import carry_out, measure
-from gspcli.atlas.maximize import Search, attempts
 from gspcli.atlas.tasks import Task
-from gspcli.atlas.workers import HERE, Workers
 from gspcli.catalogue.parsing import parse_type
 from gspcli.errors import GspError
+from gspcli.reality.maximize import Search, attempts
+from gspcli.workers import HERE, Workers
 
 distributed = pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
 

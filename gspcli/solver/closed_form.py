@@ -33,10 +33,10 @@ from gspcli.geometry.surfaces import (
     intersection,
     surfaces,
 )
-from gspcli.solve.infinity import finite_pose
-from gspcli.solve.motion import Motion, local_motion
-from gspcli.solve.poses import PoseSet
-from gspcli.solve.rotations import ROTATIONS, Rotations, angle_forms, rotations
+from gspcli.solver.infinity import finite_pose
+from gspcli.solver.poses import PoseSet
+from gspcli.solver.rotations import ROTATIONS, Rotations, angle_forms, rotations
+from gspcli.solver.self_motion import Motion, local_motion
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

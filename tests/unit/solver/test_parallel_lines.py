@@ -11,8 +11,8 @@ from gspcli.catalogue.parsing import parse_type
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, vector
 from gspcli.geometry.residuals import Arrangement, measured
-from gspcli.solve import SolveResult, solve
-from gspcli.solve.generate import random_instance
+from gspcli.solver import SolveResult, solve
+from gspcli.solver.generate import random_instance
 from gspcli.spec import loads
 
 SPEC = """

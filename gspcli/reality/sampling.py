@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from gspcli.atlas.platforms import Platforms, random_platforms
-from gspcli.atlas.reality import reality
-from gspcli.atlas.workers import HERE, Workers
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.types import GspType
+from gspcli.reality.platforms import Platforms, random_platforms
+from gspcli.reality.recognition import reality
+from gspcli.workers import HERE, Workers
 
 #: The default seed of everything random.
 SEED = 20031

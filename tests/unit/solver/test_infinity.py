@@ -11,10 +11,10 @@ from gspcli.catalogue.types import type_by_number
 from gspcli.geometry.measures import measures
 from gspcli.geometry.poses import dot, normalised, rotation_from_quaternion, study_from_pose
 from gspcli.geometry.residuals import Arrangement
-from gspcli.solve.closed_form import solve_closed_form
-from gspcli.solve.generate import random_instance
-from gspcli.solve.infinity import finite_pose, refined_rotation
-from gspcli.solve.rotations import angle_forms
+from gspcli.solver.closed_form import solve_closed_form
+from gspcli.solver.generate import random_instance
+from gspcli.solver.infinity import finite_pose, refined_rotation
+from gspcli.solver.rotations import angle_forms
 
 
 def null_quaternion(rng: np.random.Generator) -> np.ndarray:

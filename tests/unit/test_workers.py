@@ -12,8 +12,8 @@ from subprocess import getoutput
 
 import pytest
 
-from gspcli.atlas.workers import HERE, Workers
 from gspcli.errors import GspError
+from gspcli.workers import HERE, Workers
 
 TWO = Workers(2)
 SLOW_FIRST = ["sleep 0.5; echo slow", "echo quick", "echo last"]

@@ -12,7 +12,7 @@ from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Unit
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane, Point, vector
 from gspcli.geometry.residuals import residuals
-from gspcli.solve import SolveResult, solve
+from gspcli.solver import SolveResult, solve
 
 ORIGIN, X, Y, Z = (vector(*v) for v in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
 P = Point(ORIGIN)

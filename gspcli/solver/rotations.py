@@ -17,7 +17,7 @@ from gspcli.geometry.intersections import generic_points
 from gspcli.geometry.poses import Field, dot, rotated_forms
 from gspcli.geometry.quadrics import all_roots
 from gspcli.geometry.surfaces import certainly_not_zero
-from gspcli.solve.infinity import refined_rotation
+from gspcli.solver.infinity import refined_rotation
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.solve.motion import Motion
+from gspcli.solver.self_motion import Motion
 
 Complex = NDArray[np.complex128]
 

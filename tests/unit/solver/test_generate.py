@@ -10,7 +10,7 @@ from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.types import all_types
 from gspcli.errors import GspError
 from gspcli.geometry.residuals import Arrangement, residuals
-from gspcli.solve.generate import random_instance
+from gspcli.solver.generate import random_instance
 
 
 @pytest.mark.parametrize("number", range(0, 3850, 193))

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.residuals import Arrangement
-from gspcli.solve.poses import PoseSet
-from gspcli.solve.result import SolveResult, stable_order
+from gspcli.solver.poses import PoseSet
+from gspcli.solver.result import SolveResult, stable_order
 
 #: The default seed of everything random.
 DEFAULT_SEED = 20031
@@ -93,10 +93,10 @@ def solve_values(
         raise ValueError(message)
     arrangement = Arrangement.of(instance)
     if len(arrangement.angles) == MAX_ANGLES:
-        from gspcli.solve.closed_form import solve_closed_forms
+        from gspcli.solver.closed_form import solve_closed_forms
 
         return solve_closed_forms(arrangement, rows)
-    from gspcli.solve.tracking import solve_each_by_tracking
+    from gspcli.solver.tracking import solve_each_by_tracking
 
     each = (arrangement.with_values(row) for row in rows)
     return solve_each_by_tracking(each, seed=seed, jobs=jobs)
@@ -107,12 +107,12 @@ def _poses(arrangement: Arrangement, seed: int, jobs: int) -> PoseSet:
     # Each method is imported when it is needed: start-up is most of the time of one solve.
     poses = None
     if len(arrangement.angles) == MAX_ANGLES:
-        from gspcli.solve.closed_form import solve_closed_form
+        from gspcli.solver.closed_form import solve_closed_form
 
         poses = solve_closed_form(arrangement)
         if not poses.lost:
             return poses
-    from gspcli.solve.tracking import solve_by_tracking
+    from gspcli.solver.tracking import solve_by_tracking
 
     # Paths may see through a special position that the closed form does not.
     tracked = solve_by_tracking(arrangement, seed=seed, jobs=jobs)

@@ -7,8 +7,8 @@ import pytest
 
 from gspcli.catalogue.types import type_by_number
 from gspcli.geometry.poses import quaternion_from_rotation
-from gspcli.solve import DEFAULT_SEED, solve
-from gspcli.solve.generate import random_instance
+from gspcli.solver import DEFAULT_SEED, solve
+from gspcli.solver.generate import random_instance
 
 
 @pytest.fixture(scope="module")
