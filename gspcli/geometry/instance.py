@@ -65,6 +65,9 @@ class Constraint:
         For DPH and DHP: where the point lies; `Side.BOTH` for all other kinds.
     platform_name, base_name
         The names of the primitives. Equal names on one body are one shared primitive.
+    limits
+        The smallest and the largest value that the machine can have there, or None. They restrict
+        motion and say nothing about the poses that the value has.
     """
 
     kind: Kind
@@ -74,6 +77,7 @@ class Constraint:
     side: Side = Side.BOTH
     platform_name: str = ""
     base_name: str = ""
+    limits: tuple[Number, Number] | None = None
 
 
 @dataclass(frozen=True)

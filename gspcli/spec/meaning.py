@@ -63,11 +63,21 @@ def equations(constraint: Constraint, unit: AngleUnit) -> int:
     return 2 if turns in special else 1
 
 
+def outside(value: Number, limits: tuple[Number, Number]) -> bool:
+    """Return whether a value is outside its range, by more than the rounding of doubles."""
+    low, high = (limit.value for limit in limits)
+    slack = 4e-16 * max(abs(low), abs(high))
+    return not low - slack <= value.value <= high + slack
+
+
 def remarks(instance: Instance) -> list[tuple[int, str]]:
     """Return what is unusual about an instance: constraint indices from 0 and a sentence each."""
     found: list[tuple[int, str]] = []
     for index, constraint in enumerate(instance.constraints):
         kind, value = constraint.kind, constraint.value
+        if constraint.limits is not None and outside(value, constraint.limits):
+            low, high = constraint.limits
+            found.append((index, f"the value {value} is outside its range from {low} to {high}"))
         count = equations(constraint, instance.units.angle)
         if count > 1:
             message = (
@@ -83,6 +93,15 @@ def remarks(instance: Instance) -> list[tuple[int, str]]:
                 message = "DLL with value 0: the lines meet, and every solution counts twice"
                 found.append((index, message))
     return found + _dependence(instance)
+
+
+def side_choices(instance: Instance) -> int:
+    """Return in how many ways the sides left open can be chosen; a distance of zero has one."""
+    left_open = sum(
+        constraint.kind.has_sides and constraint.side is Side.BOTH and constraint.value.value != 0
+        for constraint in instance.constraints
+    )
+    return 1 << left_open
 
 
 def sharing(instance: Instance) -> tuple[dict[str, list[int]], dict[str, list[int]]]:

@@ -294,6 +294,13 @@ class ConstraintModel(Section):
     distance: Pair | SkipJsonSchema[None] = None
     angle: Pair | SkipJsonSchema[None] = None
     value: Real
+    range: Annotated[
+        list[Real] | SkipJsonSchema[None],
+        Field(min_length=2, max_length=2),
+        _list("two numbers [low, high]", 2),
+    ] = Field(
+        None, description="The smallest and the largest value that the machine can have there."
+    )
     side: Annotated[
         Literal["positive", "negative", "both"] | SkipJsonSchema[None],
         _one_of("positive", "negative", "both"),

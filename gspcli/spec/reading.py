@@ -228,7 +228,25 @@ class _Reader:
             message = f"found a side for {kind.name}, expected one only for DPH and DHP"
             self._note(node[Scalar("side")], message)
         side = Side(model.side or "both")
-        return Constraint(kind, platform, base, model.value, side, str(pair[0]), str(pair[1]))
+        limits = self._limits(node, model, kind)
+        return Constraint(
+            kind, platform, base, model.value, side, str(pair[0]), str(pair[1]), limits
+        )
+
+    def _limits(
+        self, node: Mapping, model: ConstraintModel, kind: Kind
+    ) -> tuple[Number, Number] | None:
+        if model.range is None:
+            return None
+        low, high = model.range
+        written = node[Scalar("range")]
+        for number, text in zip(model.range, written, strict=True):
+            if self.unit is not None and (wrong := wrong_value(kind, number, self.unit)):
+                self._note(text, f"found {shown(text)}, {wrong}")
+        if low.value > high.value:
+            message = f"found {shown(written[0])} above {shown(written[1])}, expected [low, high]"
+            self._note(written, message)
+        return low, high
 
     def _primitive(
         self, name: Value, where: str, body: Body | None, other: Body | None

@@ -109,4 +109,6 @@ def _primitive(geometry: Geometry) -> str:
 def _constraint(constraint: Constraint, platform: str, base: str) -> str:
     quantity = "distance" if constraint.kind.is_distance else "angle"
     side = "" if constraint.side is Side.BOTH else f", side: {constraint.side.value}"
-    return f"  - {{{quantity}: [{platform}, {base}], value: {constraint.value}{side}}}"
+    limits = constraint.limits
+    span = "" if limits is None else f", range: [{limits[0]}, {limits[1]}]"
+    return f"  - {{{quantity}: [{platform}, {base}], value: {constraint.value}{span}{side}}}"

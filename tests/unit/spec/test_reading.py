@@ -9,7 +9,7 @@ import pytest
 from gspcli.errors import SpecError
 from gspcli.geometry.instance import AngleUnit, Side
 from gspcli.geometry.primitives import Line, Plane, Point
-from gspcli.spec import load, loads, read, read_text, set_values, sharing
+from gspcli.spec import dumps, load, loads, read, read_text, set_values, sharing
 from gspcli.spec.document import MAX_BYTES
 
 GOOD = """\
@@ -241,3 +241,16 @@ def test_read_names_the_source(tmp_path):
     path.write_text("gsp: 1", encoding="utf-8")
     with pytest.raises(SpecError, match=r"^given:1:1"):
         read(path, name="given")
+
+
+def test_a_range_is_read_written_and_warned_of():
+    text = GOOD.replace("value: 0.10}", "value: 0.10, range: [1/5, sqrt(2)]}")
+    reading = read_text(text)
+    limits = reading.instance.constraints[1].limits
+    assert limits is not None
+    assert [str(limit) for limit in limits] == ["0.2", "sqrt(2)"]
+    assert loads(dumps(reading.instance)) == reading.instance
+    message = "the value 0.1 is outside its range from 0.2 to sqrt(2)"
+    assert message in [warning.message for warning in reading.warnings]
+    inside = read_text(text.replace("1/5", "1/10"))
+    assert not [warning for warning in inside.warnings if "range" in warning.message]
