@@ -23,7 +23,6 @@ def track(
     build: str = "",
 ) -> tuple[
     NDArray[np.complex128],
-    NDArray[np.complex128],
     NDArray[np.float64],
     NDArray[np.uint8],
     NDArray[np.int32],

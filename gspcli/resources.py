@@ -43,6 +43,17 @@ def data_path(*parts: str) -> Path:
     return path
 
 
+#: Folders of `data/` with instance files that are shipped; no name is in both.
+INSTANCE_FOLDERS = ("examples", "platforms")
+
+
+@cache
+def instance_files() -> dict[str, Path]:
+    """Return the shipped instance files by name: examples, then platforms (do not modify)."""
+    folders = (data_directory() / folder for folder in INSTANCE_FOLDERS)
+    return {path.stem: path for folder in folders for path in sorted(folder.glob("*.yaml"))}
+
+
 @cache
 def data_json(*parts: str) -> Any:
     """Return the parsed content of one shipped JSON file (shared; do not modify)."""

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Callable
 
 import click
+import platform_page
 from recording import ROOT, parser, save
 
 sys.path.insert(0, str(ROOT))
@@ -65,7 +66,11 @@ def errata() -> str:
     )
 
 
-PAGES: dict[str, Callable[[], str]] = {"commands.md": commands, "errata.md": errata}
+PAGES: dict[str, Callable[[], str]] = {
+    "commands.md": commands,
+    "errata.md": errata,
+    "platforms.md": platform_page.page,
+}
 
 
 def main() -> int:

@@ -1,4 +1,4 @@
-"""Count the complex solutions of the example instances by Gröbner bases and record them.
+"""Count the complex solutions of the shipped instances by Gröbner bases and record them.
 
     python tools/build_example_counts.py [--check [--sample N]] [NAME ...]
 
@@ -6,9 +6,11 @@ The complex counts are independent of the package's solvers. The poses are the u
 e + f (N = e.e = 1, e.f = 0), two for each pose, and the constraints polynomials in them. Singular
 (Debian: ``apt-get install singular``) gives the dimension of the solution set over a prime field,
 the number of solutions with multiplicity, and of distinct ones from the minimal polynomial of a
-random linear form; two primes must agree. Square roots in an instance exist modulo the chosen
-primes and are kept consistent. The cosine of an angle that is no multiple of 30 degrees is replaced
-by a random residue, so such a count is that of the instance's geometry with generic angles.
+random linear form; two primes must agree. Square roots, sines and cosines in an instance exist
+modulo the chosen primes and are kept consistent (`residues`). Of the real platforms the same is
+also counted with random values: the count of the geometry. The cosine of an angle that is no
+multiple of 30 degrees is replaced by a random residue, so such a count is that of the instance's
+geometry with generic angles.
 
 The real poses are those that the package's solver finds; `certified` says how many of the distinct
 solutions are proved, with whether they are real, by interval arithmetic. That the list is complete
@@ -30,6 +32,7 @@ from typing import Any
 import singular
 import sympy
 from recording import ROOT, parser, sampled, save
+from residues import NoRootError, Residues, direction, primes
 
 sys.path.insert(0, str(ROOT))
 
@@ -37,14 +40,13 @@ from gspcli.catalogue.kinds import AHH, ALL, DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.cli.progress import progress
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Geometry, Point, Vector
+from gspcli.resources import INSTANCE_FOLDERS
 from gspcli.solver.api import solve
 from gspcli.spec import load
 
-EXAMPLES = ROOT / "data" / "examples"
-TARGET = EXAMPLES / "expected.json"
+EXAMPLES, PLATFORMS = FOLDERS = tuple(ROOT / "data" / name for name in INSTANCE_FOLDERS)
+RECORD = "expected.json"
 COMMAND = "python tools/build_example_counts.py"
-FIRST_PRIME = 500_000_000
 
 #: Real poses known from elsewhere: how many, and from where.
 KNOWN: dict[str, tuple[int, str]] = {
@@ -80,86 +82,26 @@ list y,x,u,v; poly Q,F,G;
 """
 
 
-class NoRootError(Exception):
-    """A square root of the instance does not exist modulo the prime."""
-
-
-class Residues:
-    """The numbers of an instance modulo a prime."""
-
-    def __init__(self, prime: int) -> None:
-        self.prime = prime
-
-    def rational(self, value: Fraction) -> int:
-        """Return the residue of a fraction."""
-        return value.numerator * pow(value.denominator, -1, self.prime) % self.prime
-
-    def root(self, value: Fraction) -> int:
-        """Return a square root; those of products are products of those of the factors."""
-        product = value.numerator * value.denominator
-        root = self.rational(Fraction(1, value.denominator))
-        for factor, power in sympy.factorint(product).items():
-            root = root * pow(factor, power // 2, self.prime) % self.prime
-            if power % 2:
-                of_factor = sympy.sqrt_mod(factor, self.prime)
-                if of_factor is None:
-                    raise NoRootError
-                root = root * of_factor % self.prime
-        return root
-
-    def number(self, number: Number) -> int:
-        """Return the residue of an exact number made of fractions and their square roots."""
-        if number.fraction is not None:
-            return self.rational(number.fraction)
-        if number.operation == "sqrt":
-            return self.root(number.arguments[0].fraction)
-        parts = [self.number(argument) for argument in number.arguments]
-        match number.operation:
-            case "+":
-                result = parts[0] + parts[1]
-            case "-":
-                result = parts[0] - parts[1]
-            case "*":
-                result = parts[0] * parts[1]
-            case "/":
-                result = parts[0] * pow(parts[1], -1, self.prime)
-            case "neg":
-                result = -parts[0]
-            case operation:
-                message = f"no residue of {operation} is known"
-                raise SystemExit(message)
-        return result % self.prime
-
-    def norm(self, direction: Vector) -> int:
-        """Return the length of a direction with rational components."""
-        return self.root(sum((x.fraction or Fraction(0)) ** 2 for x in direction) or Fraction(0))
-
-    def cosine(self, angle: Number, unit: AngleUnit) -> int:
-        """Return the cosine, of a generic angle if it is no multiple of 30 degrees."""
-        degrees = angle.fraction
-        if unit is AngleUnit.DEGREE and degrees is not None and degrees % 30 == 0:
-            exact = sympy.cos(sympy.pi * int(degrees) / 180)
-            sign = -1 if exact < 0 else 1
-            square = sympy.Rational(exact**2)
-            return sign * self.root(Fraction(int(square.p), int(square.q)))
-        return random.Random(f"{angle} {self.prime}").randrange(self.prime)
-
-
 def _list(name: str, values: list[int]) -> str:
     return f"{name}=list(" + ",".join(f"poly({value})" for value in values) + ");"
 
 
-def _direction(geometry: Geometry) -> Vector:
-    zero = Number.of(0)
-    if isinstance(geometry, Point):
-        return (zero, zero, zero)
-    return getattr(geometry, "direction", None) or geometry.normal  # type: ignore[union-attr]
+def equation(
+    constraint: Constraint, unit: AngleUnit, field: Residues, *, value: int | None = None
+) -> str:
+    """Return Singular statements that add a constraint to the ideal i.
 
-
-def equation(constraint: Constraint, unit: AngleUnit, field: Residues) -> str:
-    """Return Singular statements that add a constraint to the ideal i."""
+    Parameters
+    ----------
+    constraint, unit
+        The constraint and the unit of angles.
+    field
+        The numbers modulo a prime.
+    value
+        A residue that stands for the distance or the cosine; None for those of the constraint.
+    """
     kind = constraint.kind
-    u, v = _direction(constraint.platform), _direction(constraint.base)
+    u, v = direction(constraint.platform), direction(constraint.base)
     text = " ".join(
         _list(name, [field.number(number) for number in vector])
         for name, vector in (
@@ -169,21 +111,21 @@ def equation(constraint: Constraint, unit: AngleUnit, field: Residues) -> str:
             ("v", v),
         )
     )
-    # As a polynomial: products of Singular's integers overflow.
-    d = f"poly({field.number(constraint.value)})" if kind.is_distance else ""
+    # As polynomials: products of Singular's integers overflow.
+    d, square = _distance(constraint, field, value) if kind.is_distance else ("", "")
     # The square of r = R y + T - x, and the products of r with v and R u, are quadrics.
     text += " Q=rho+dt(y,y)+dt(x,x)+2*dt(y,U)-2*dt(x,T)-2*dt(turn(e,y),x);"
     if kind is DPP:
-        return text + f" i=i,Q-{d}^2;"
+        return text + f" i=i,Q-{square};"
     if kind in (DPL, DPH):
         text += " F=dt(add(add(turn(e,y),T,1),x,-1),v); G=dt(v,v);"
     elif kind in (DLP, DHP):
         text += " F=dt(add(add(turn(g,x),U,-1),y,-1),u); G=dt(u,u);"
     if kind in (DPL, DLP):
-        return text + f" i=i,Q*G-F^2-{d}^2*G;"
+        return text + f" i=i,Q*G-F^2-{square}*G;"
     if kind in (DPH, DHP):
         if constraint.side is Side.BOTH:
-            return text + f" i=i,F^2-{d}^2*G;"
+            return text + f" i=i,F^2-{square}*G;"
         sign = "-" if constraint.side is Side.POSITIVE else "+"
         return text + f" i=i,F{sign}{d}*({field.norm(v if kind is DPH else u)});"
     text += " G=dt(turn(e,u),v);"
@@ -192,18 +134,30 @@ def equation(constraint: Constraint, unit: AngleUnit, field: Residues) -> str:
         text += (
             " F=dt(turn(e,vec(qm(pure(y),pure(u)))),v)+2*dt(vec(qm(qm(f,pure(u)),g)),v)"
             "-dt(vec(qm(pure(x),pure(turn(e,u)))),v);"
-            f" i=i,F^2-{d}^2*(dt(u,u)*dt(v,v)-G^2);"
+            f" i=i,F^2-{square}*(dt(u,u)*dt(v,v)-G^2);"
         )
         return text
     angle = constraint.value
     if kind not in (ALL, AHH):
         angle = Number.of(90 - (angle.fraction or Fraction(0)))
-    cosine = field.cosine(angle, unit) * field.norm(u) * field.norm(v)
+    cosine = field.cosine(angle, unit) if value is None else value
+    cosine *= field.norm(u) * field.norm(v)
     return text + f" i=i,G{'+' if kind is AHH else '-'}({cosine % field.prime});"
 
 
-def count(instance: Instance, prime: int) -> dict[str, int]:
+def _distance(constraint: Constraint, field: Residues, value: int | None) -> tuple[str, str]:
+    """Return a distance, needed where a side is stated, and its square."""
+    if value is not None:
+        return f"poly({value})", f"poly({value * value % field.prime})"
+    sided = constraint.kind.has_sides and constraint.side is not Side.BOTH
+    d = f"poly({field.number(constraint.value)})" if sided else ""
+    return d, f"poly({field.square(constraint.value)})"
+
+
+def count(instance: Instance, prime: int, *, generic: bool = False) -> dict[str, int]:
     """Return dimension and counts of the complex solutions modulo a prime.
+
+    With `generic` the values of the constraints are random: the count of the geometry.
 
     Raises
     ------
@@ -212,10 +166,12 @@ def count(instance: Instance, prime: int) -> dict[str, int]:
     """
     field = Residues(prime)
     unit = instance.units.angle
-    equations = "\n".join(equation(c, unit, field) for c in instance.constraints)
-    # The values of a generic linear form t separate the points.
     names = VARIABLES.split(",")
     chosen = random.Random(prime)
+    values = [chosen.randrange(1, prime) if generic else None for _ in instance.constraints]
+    pairs = zip(instance.constraints, values, strict=True)
+    equations = "\n".join(equation(c, unit, field, value=value) for c, value in pairs)
+    # The values of a generic linear form t separate the points.
     form = "+".join(f"{chosen.randrange(prime)}*{name}" for name in names)
     program = (
         f"option(redSB);\nring r={prime},({VARIABLES},t),dp;\n{PROCEDURES}{POSES}{equations}\n"
@@ -236,20 +192,20 @@ def count(instance: Instance, prime: int) -> dict[str, int]:
 
 
 def counts(path: Path) -> dict[str, Any]:
-    """Return the record of one example: the same modulo two primes."""
+    """Return the record of one file: the same modulo two primes."""
     instance = load(path)
     results: dict[int, dict[str, int]] = {}
-    prime = FIRST_PRIME
-    while len(results) < 2:
-        prime = sympy.nextprime(prime)
+    geometry: dict[int, dict[str, int]] = {}
+    for prime in primes(instance):
         try:
             results[prime] = count(instance, prime)
         except NoRootError:
             continue
-    first, second = results.values()
-    if first != second:
-        message = f"{path.name}: the primes disagree: {results}"
-        raise SystemExit(message)
+        if path.parent == PLATFORMS:
+            geometry[prime] = count(instance, prime, generic=True)
+        if len(results) == 2:
+            break
+    first = _agreeing(path, results)
     record = {
         "sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
         "type": instance.type.id,
@@ -257,16 +213,33 @@ def counts(path: Path) -> dict[str, Any]:
         "primes": list(results),
         "generic_angles": _has_generic_angles(instance),
     }
+    if geometry:
+        record["geometry"] = _agreeing(path, geometry)
     if first["dimension"] == 0:
-        record |= real_poses(path.stem, instance, first["distinct"])
+        record |= real_poses(path, instance, first)
     return record
 
 
-def real_poses(name: str, instance: Instance, distinct: int) -> dict[str, Any]:
-    """Return the record of the real poses of an example with finitely many."""
+def _agreeing(path: Path, results: dict[int, dict[str, int]]) -> dict[str, int]:
+    first, second = results.values()
+    if first != second:
+        message = f"{path.name}: the primes disagree: {results}"
+        raise SystemExit(message)
+    return first
+
+
+def real_poses(path: Path, instance: Instance, exact: dict[str, int]) -> dict[str, Any]:
+    """Return the record of the real poses of an instance with finitely many.
+
+    Of a platform for which the solver finds another number of poses nothing is recorded: its
+    real poses are then not known. Of an example that is a failure.
+    """
+    name = path.stem
     found = solve(instance).counts
-    if found.found != distinct:
-        message = f"{name}: the solver finds {found.found} poses, the Gröbner basis {distinct}"
+    if found.found != exact["distinct"]:
+        if path.parent == PLATFORMS:
+            return {}
+        message = f"{name}: {found.found} poses found, {exact['distinct']} by the Gröbner basis"
         raise SystemExit(message)
     record = {"real": found.real, "certified": found.certified}
     if name in KNOWN:
@@ -286,38 +259,47 @@ def _has_generic_angles(instance: Instance) -> bool:
 
 
 def main() -> int:
-    """Compute the counts and write or compare the record; return the exit code."""
+    """Compute the counts and write or compare the records; return the exit code."""
     options = parser(__doc__, sample=True)
-    options.add_argument("names", nargs="*", help="examples (default: all)")
+    options.add_argument("names", nargs="*", help="instance files (default: all)")
     arguments = options.parse_args()
-    paths = sorted(EXAMPLES.glob("*.yaml"))
-    wanted = [path for path in paths if path.stem in arguments.names or not arguments.names]
+    files = {path.stem: path for folder in FOLDERS for path in sorted(folder.glob("*.yaml"))}
+    wanted = [name for name in files if name in arguments.names or not arguments.names]
     wanted = sampled(wanted, arguments.sample if arguments.check else None)
-    recorded = json.loads(TARGET.read_text(encoding="utf-8")) if TARGET.exists() else {}
-    examples = {
-        path.stem: recorded["examples"][path.stem]
-        for path in paths
-        if path not in wanted and path.stem in recorded.get("examples", {})
+    records = {folder: _recorded(folder) for folder in FOLDERS}
+    for folder, entries in records.items():
+        for name in [name for name in entries if files.get(name, folder).parent != folder]:
+            del entries[name]
+    for name in progress(wanted, total=len(wanted), label="counting solutions"):
+        records[files[name].parent][name] = counts(files[name])
+    versions = {
+        "Singular": singular.version(),
+        "sympy": sympy.__version__,
+        "python": platform.python_version(),
     }
-    for path in progress(wanted, total=len(wanted), label="counting solutions"):
-        examples[path.stem] = counts(path)
-    document = {
-        "manifest": {
-            "command": COMMAND,
-            "versions": {
-                "Singular": singular.version(),
-                "sympy": sympy.__version__,
-                "python": platform.python_version(),
-            },
-        },
-        "examples": dict(sorted(examples.items())),
+    documents = {
+        folder / RECORD: {
+            "manifest": {"command": COMMAND, "versions": versions},
+            "examples": dict(sorted(entries.items())),
+        }
+        for folder, entries in records.items()
     }
-    text = json.dumps(document, indent=1, ensure_ascii=False) + "\n"
     return save(
-        {TARGET: text},
+        {
+            path: json.dumps(document, indent=1, ensure_ascii=False) + "\n"
+            for path, document in documents.items()
+        },
         check=arguments.check,
-        confirmed=f"complex and real poses of {len(wanted)} of {len(paths)} examples",
+        confirmed=f"complex and real poses of {len(wanted)} of {len(files)} instance files",
     )
+
+
+def _recorded(folder: Path) -> dict[str, Any]:
+    path = folder / RECORD
+    if not path.exists():
+        return {}
+    recorded: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))["examples"]
+    return recorded
 
 
 if __name__ == "__main__":

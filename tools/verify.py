@@ -79,7 +79,11 @@ STEPS = (
         sample="--sample 20",
     ),
     Step(
-        "examples", ("data/examples/*",), "tools/build_example_counts.py --check", "", "--sample 6"
+        "examples",
+        ("data/examples/*", "data/platforms/*"),
+        "tools/build_example_counts.py --check",
+        "",
+        "--sample 6",
     ),
     Step(
         "shared-joints",

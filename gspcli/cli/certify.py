@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.digits import DECIMALS, decimals, digit_table, digits_option, refined
+from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.errors import CheckFailed, GspError, IncompleteError
 
@@ -93,9 +94,9 @@ def command(
         message = "SPEC and RESULT cannot both be standard input"
         raise click.UsageError(message)
     from gspcli.certification import certify, read_candidates
-    from gspcli.spec import load, set_values
+    from gspcli.spec import set_values
 
-    instance = set_values(load(spec), settings)
+    instance = set_values(load_instance(spec), settings)
     given = read_candidates(*_text(result))
     proved = certify(instance, given.R, given.T, tolerance=tolerance, max_precision=max_precision)
     solutions = []

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from gspcli.cli.names import spec_source
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.errors import Problem, SpecError
 
@@ -36,7 +37,8 @@ def command(specs: tuple[str, ...], output: Output) -> None:
     constraint uses, sharing that can never fix the platform. Expected is the generic count of
     the type, bound the refined bound, both for the sides that the file asks for.
 
-    SPEC is a file, or - for standard input. The exit code is 2 if a file has mistakes.
+    SPEC is a file, - for standard input, or @NAME of an example (`gsp example`). The exit
+    code is 2 if a file has mistakes.
 
     \b
     Examples:
@@ -52,7 +54,7 @@ def command(specs: tuple[str, ...], output: Output) -> None:
     problems: list[Problem] = []
     for spec in specs:
         try:
-            reading = read(spec)
+            reading = read(spec_source(spec))
         except SpecError as error:
             problems += error.problems
             rows.append({"file": spec, "valid": False})
@@ -75,7 +77,7 @@ def _facts(instance: Instance) -> dict[str, Any]:
     from gspcli.catalogue.bounds import type_bounds
     from gspcli.catalogue.coincidence import canonical_bonds
     from gspcli.catalogue.counts import generic_counts
-    from gspcli.spec import bonds, sharing
+    from gspcli.spec import bonds, sharing, side_choices
 
     platform, base = sharing(instance)
     gsp_type = instance.type
@@ -89,20 +91,9 @@ def _facts(instance: Instance) -> dict[str, Any]:
         "units": {"length": instance.units.length, "angle": instance.units.angle.value},
         "shared": {"platform": platform, "base": base},
         "pattern": " ".join(map(str, canonical_bonds(bonds(instance)))),
-        "expected": generic_counts(gsp_type).one_sided * _side_choices(instance),
-        "bound": type_bounds(gsp_type).refined_one_sided.value * _side_choices(instance),
+        "expected": generic_counts(gsp_type).one_sided * side_choices(instance),
+        "bound": type_bounds(gsp_type).refined_one_sided.value * side_choices(instance),
     }
-
-
-def _side_choices(instance: Instance) -> int:
-    """Return in how many ways the sides left open can be chosen; a distance of zero has one."""
-    from gspcli.geometry.instance import Side
-
-    left_open = sum(
-        constraint.kind.has_sides and constraint.side is Side.BOTH and float(constraint.value) != 0
-        for constraint in instance.constraints
-    )
-    return 1 << left_open
 
 
 def _type_cells(instance: Instance) -> dict[str, object]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gspcli.catalogue.parsing import parse_name
 from gspcli.catalogue.types import Family, GspType
-from gspcli.errors import TypeNameError
+from gspcli.errors import GspError, TypeNameError
+from gspcli.resources import instance_files
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
@@ -17,13 +18,45 @@ if TYPE_CHECKING:
 _SUFFIXES = (".yaml", ".yml")
 
 
+#: What begins the name of a shipped instance file where a SPEC is expected.
+_SHIPPED = "@"
+
+
 def is_file(word: str) -> bool:
-    """Return whether a word on the command line means an instance file; ``-`` is stdin."""
-    return word == "-" or word.lower().endswith(_SUFFIXES)
+    """Return whether a word on the command line means an instance file, shipped or not."""
+    return word == "-" or word.startswith(_SHIPPED) or word.lower().endswith(_SUFFIXES)
+
+
+def spec_source(word: str) -> str | Path:
+    """Return where a SPEC is: a path, ``-`` for standard input, a shipped file for ``@NAME``.
+
+    Raises
+    ------
+    GspError
+        If there is no such shipped file.
+    """
+    return shipped_file(word[1:]) if word.startswith(_SHIPPED) else word
+
+
+def shipped_file(name: str) -> Path:
+    """Return the shipped instance file of a name.
+
+    Raises
+    ------
+    GspError
+        If there is none.
+    """
+    files = instance_files()
+    if name not in files:
+        near = get_close_matches(name.lower(), files, n=1)
+        hint = f"did you mean {near[0]}? " if near else ""
+        message = f"found no example or platform {name!r}: {hint}`gsp example` lists them"
+        raise GspError(message)
+    return files[name]
 
 
 def load_instance(word: str) -> Instance:
-    """Read an instance from a file or, for ``-``, from standard input.
+    """Read the instance that a SPEC denotes; see `spec_source`.
 
     Raises
     ------
@@ -32,7 +65,7 @@ def load_instance(word: str) -> Instance:
     """
     from gspcli.spec import load
 
-    return load(sys.stdin, name="<stdin>") if word == "-" else load(Path(word))
+    return load(spec_source(word))
 
 
 def read_type(words: Sequence[str]) -> GspType:

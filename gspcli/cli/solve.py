@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.digits import DECIMALS, decimals, digit_table, digits_option, refined
+from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.errors import IncompleteError, NotFiniteError
 
@@ -60,25 +61,25 @@ def command(
 ) -> None:
     """Find every pose of a platform and account for every path.
 
-    SPEC is an instance file, or - for standard input. Each real pose is one line: its translation
-    T and the unit quaternion of its rotation (x_base = R x_platform + T), the largest residual in
-    the units of the file, and the condition number. The last line compares what was found with
-    the generic count of the type.
+    SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`). Each
+    real pose is one line: its translation T and the unit quaternion of its rotation
+    (x_base = R x_platform + T), the largest residual in the units of the file, and the condition
+    number. The last line compares what was found with the generic count of the type.
 
     Exit codes: 0 done (no real pose is an answer, too); 2 bad input; 3 the poses are infinitely
     many; 4 something could not be found or certified.
 
     \b
     Examples:
-      gsp solve data/examples/example-6.8.yaml
+      gsp solve @example-6.8
       gsp solve platform.yaml --set 1=5.2 --set 4=60 --format csv
-      gsp solve data/examples/dietmaier.yaml --digits 50 -o poses.json
+      gsp solve @dietmaier --digits 50 -o poses.json
       gsp new "DPL DPL DLP ALL ALL ALH" | gsp solve - --all -o poses.json
     """
     from gspcli.solver import DEFAULT_SEED, solve
-    from gspcli.spec import load, set_values
+    from gspcli.spec import set_values
 
-    instance = set_values(load(spec), settings)
+    instance = set_values(load_instance(spec), settings)
     result = solve(
         instance,
         seed=DEFAULT_SEED if seed is None else seed,

@@ -4,26 +4,34 @@ import hashlib
 
 import pytest
 
-from gspcli.resources import data_directory, data_json
+from gspcli.resources import INSTANCE_FOLDERS, data_json, instance_files
 from gspcli.solver.api import solve
 from gspcli.spec import load
 
-EXAMPLES = sorted((data_directory() / "examples").glob("*.yaml"))
-EXPECTED = data_json("examples", "expected.json")["examples"]
+FILES = instance_files()
+EXPECTED = {
+    name: record
+    for folder in INSTANCE_FOLDERS
+    for name, record in data_json(folder, "expected.json")["examples"].items()
+}
+#: Platforms whose real poses are not recorded: the solver does not yet find all their poses.
+OPEN = {"reachy-mini-head", "rubin-camera", "t-top-head"}
 
 
 def test_every_example_has_its_record():
-    missing = {path.stem for path in EXAMPLES} - set(EXPECTED)
-    assert not missing, "run python tools/build_example_counts.py"
+    assert set(EXPECTED) == set(FILES), "run python tools/build_example_counts.py"
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", FILES.values(), ids=lambda path: path.stem)
 def test_the_solver_finds_the_recorded_counts(path):
     record = EXPECTED[path.stem]
     content = hashlib.sha256(path.read_bytes()).hexdigest()
     assert content == record["sha256"], "run python tools/build_example_counts.py"
     instance = load(path)
     assert instance.type.id == record["type"]
+    if record["dimension"] == 0 and "real" not in record:
+        assert path.stem in OPEN
+        return
     result = solve(instance, certify=False)
     if record["dimension"] > 0:
         assert result.verdict == "infinite"

@@ -1,0 +1,43 @@
+"""The real platforms: sources, home positions and ranges as their comments state them."""
+
+import numpy as np
+import pytest
+
+from gspcli.geometry.residuals import Arrangement, residuals
+from gspcli.resources import INSTANCE_FOLDERS, data_directory, instance_files
+from gspcli.spec import load, read
+
+NAMES = sorted(name for name, path in instance_files().items() if path.parent.name == "platforms")
+#: Where the platform's origin is at home, the axes parallel; the comments of the files say so.
+HOME = {
+    "linuxcnc-hexapod": 20,
+    "nano-hexapod": 0.09,
+    "simscape-hexapod": 0.09,
+    "simmechanics-hexapod": 2,
+    "workspace-study": 400,
+    "t-top-head": 0.170294539,
+    "reachy-mini-head": 0.177,
+}
+#: The source of these gives six decimals of the home position, or joints to a nanometre.
+ROUNDED = {"t-top-head": 1e-8, "reachy-mini-head": 2e-9}
+
+
+def test_no_name_is_used_twice():
+    folders = [data_directory() / folder for folder in INSTANCE_FOLDERS]
+    assert len(instance_files()) == sum(len(list(f.glob("*.yaml"))) for f in folders)
+    assert len(NAMES) == 14
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_home_position_has_the_values(name):
+    arrangement = Arrangement.of(load(instance_files()[name]))
+    found = residuals(arrangement, np.eye(3), np.array([0.0, 0.0, HOME.get(name, 0.0)]))
+    tolerance = ROUNDED.get(name, 4e-15 * arrangement.length)
+    assert np.all(found <= tolerance), found
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_source_is_named_and_values_are_in_range(name):
+    reading = read(instance_files()[name])
+    assert str(reading.instance.source).startswith("https://")
+    assert not [w for w in reading.warnings if "range" in w.message]
