@@ -19,9 +19,9 @@ from gspcli.continuation.accounts import random_start
 from gspcli.continuation.quadrics import NORM
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import Structure
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.poses import Field, pose_from_study
-from gspcli.geometry.residuals import Arrangement
 from gspcli.solver.systems import target_systems
 
 #: Coefficients with the exponents of the unknowns e1 e2 e3 f0 f1 f2 f3.

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 
 from bench.cases import random_instances
 from bench.processes import run
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.measurement import measured
 from gspcli.geometry.poses import rotation_from_quaternion
-from gspcli.geometry.residuals import Arrangement, measured
 from gspcli.solver import solve, solve_values
 from gspcli.spec import dumps
 

@@ -2,7 +2,8 @@
 
     python tools/build_example_counts.py [--check [--sample N]] [NAME ...]
 
-The complex counts are independent of the package's solvers. The poses are the unit dual quaternions
+The complex counts are independent of the package's solvers and of its statements of the
+constraints (`gspcli.geometry.polynomials`). The poses are the unit dual quaternions
 e + f (N = e.e = 1, e.f = 0), two for each pose, and the constraints polynomials in them. Singular
 (Debian: ``apt-get install singular``) gives the dimension of the solution set over a prime field,
 the number of solutions with multiplicity, and of distinct ones from the minimal polynomial of a
@@ -36,7 +37,7 @@ from residues import NoRootError, Residues, direction, primes
 
 sys.path.insert(0, str(ROOT))
 
-from gspcli.catalogue.kinds import AHH, ALL, DHP, DLL, DLP, DPH, DPL, DPP
+from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.cli.progress import progress
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
@@ -137,8 +138,10 @@ def equation(
             f" i=i,F^2-{square}*(dt(u,u)*dt(v,v)-G^2);"
         )
         return text
+    if kind not in (ALL, ALH, AHL, AHH):
+        raise ValueError(kind)
     angle = constraint.value
-    if kind not in (ALL, AHH):
+    if kind in (ALH, AHL):
         angle = Number.of(90 - (angle.fraction or Fraction(0)))
     cosine = field.cosine(angle, unit) if value is None else value
     cosine *= field.norm(u) * field.norm(v)

@@ -50,11 +50,13 @@ from gspcli import __version__, dumps
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import DPP
 from gspcli.catalogue.types import CLASSES, CONSTRAINTS, MAX_ANGLES, Family, GspType, families
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
+from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.poses import Field, rotation_from_quaternion
 from gspcli.geometry.primitives import Point, vector
-from gspcli.geometry.residuals import Arrangement, measured, residuals
+from gspcli.geometry.residuals import residuals
 from gspcli.solver import PoseSet, SolveResult, solve
 from gspcli.solver.generate import random_instance
 from gspcli.solver.tracking import solve_by_tracking, solve_each_by_tracking

@@ -3,7 +3,8 @@
 A linear function of the motion is a list of 26 coefficients, those of 1, R (by rows), T, U, rho
 and T x R in the order of `gspcli.certification.study`, whose forms are N times these functions.
 Numbers are integers that stand for their classes modulo the prime. Nothing is shared with the
-equations of the path tracker, so that the two ways of counting are independent.
+equations of the path tracker or with `gspcli.geometry.polynomials`, so that the two ways of
+counting are independent.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 from functools import cache
 from random import Random
 
-from gspcli.catalogue.kinds import ALL, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.catalogue.kinds import ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.certification import study
 
 Vector = Sequence[int]
@@ -95,6 +96,8 @@ def equation(kind: Kind, platform: Body, base: Body, value: int, *, sides: int =
     if kind is DLL:
         cosine = _function(rotation=_outer(v, u))
         return Equation(_mutual_moment(y, x, u, v), cosine, square, square)
+    if kind not in (DPH, DHP):
+        raise ValueError(kind)
     height = _above_base(y, x, v) if kind is DPH else _above_platform(y, x, u)
     if sides == 2:
         return Equation(height, _function(), 0, square)

@@ -1,7 +1,8 @@
 """The constraints measured as they are stated, on a pose in balls.
 
 What is measured here is the distance or the angle itself (paper, Section 4), not the polynomial
-that `system` solves: a check of the one against the other.
+that `system` solves: a check of the one against the other. Neither uses the floating-point
+statement in `gspcli.geometry.polynomials`.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from gspcli.catalogue.kinds import AHL, ALH, ALL, DLL, DLP, DPH, DPL, DPP
+from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.certification.balls import cross, dot, largest, norm, rotated
 from gspcli.certification.poses import PoseBall
 from gspcli.certification.statement import Statement
@@ -51,8 +52,10 @@ def _measure(given: Statement, R: list[list[arb]], T: list[arb]) -> Measurement:
         angle = _angle(u, given.v)
         if kind in (ALH, AHL):
             angle = arb.pi() / 2 - angle
-        elif kind is not ALL:
+        elif kind is AHH:
             angle = arb.pi() - angle
+        elif kind is not ALL:
+            raise ValueError(kind)
         return Measurement(angle * given.unit, stated)
     w = [x + t - y for x, t, y in zip(rotated(R, given.a), T, given.b, strict=True)]
     if kind is DPP:
@@ -63,6 +66,8 @@ def _measure(given: Statement, R: list[list[arb]], T: list[arb]) -> Measurement:
     axis = u or given.v
     if kind in (DPL, DLP):
         return Measurement(norm(cross(w, axis)) / norm(axis) * given.unit, stated)
+    if kind not in (DPH, DHP):
+        raise ValueError(kind)
     height = dot(w, axis) / norm(axis) * given.unit
     height = height if kind is DPH else -height
     return Measurement(abs(height), stated, height)

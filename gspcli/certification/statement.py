@@ -8,7 +8,7 @@ from functools import cached_property
 
 from flint import arb
 
-from gspcli.catalogue.kinds import AHL, ALH, ALL, Kind
+from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, Kind
 from gspcli.certification.balls import ball, power_of_two
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.primitives import Line, Plane, Point, Vector
@@ -52,7 +52,9 @@ class Statement:
             return self.value.cos()
         if self.kind in (ALH, AHL):
             return self.value.sin()
-        return -self.value.cos()
+        if self.kind is AHH:
+            return -self.value.cos()
+        raise ValueError(self.kind)
 
 
 def length_scale(instance: Instance) -> float:

@@ -10,7 +10,9 @@ the constraint as stated wherever ``N != 0``:
   square of ``M = 0``, which is taken instead.
 
 No direction is normalised, so only square roots of lengths and cosines of angles (and whatever
-the input itself contains) are irrational.
+the input itself contains) are irrational. These equations are written down on their own, apart
+from those that are solved (`gspcli.geometry.polynomials`, `gspcli.solver.systems`): a mistake
+there makes no wrong certificate.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ import numpy as np
 from flint import acb, acb_mat, arb, arb_mat
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import DHP, DLL, DLP, DPL, DPP
+from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.certification import study
 from gspcli.certification.balls import OUTWARD, cross, dot, floats_above, norm
 from gspcli.certification.poses import PoseBall
@@ -94,6 +96,8 @@ class System:
             axis = u or v
             main = self._add(_scaled(square, dot(axis, axis)))
             return (Equation(main, (self._add(height),)),)
+        if kind not in (DPH, DHP):
+            raise ValueError(kind)
         if kind is DHP:
             height = _scaled(height, arb(-1))
         value = given.value * norm(u or v)

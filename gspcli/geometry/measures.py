@@ -10,9 +10,9 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import DHP, DLP, DPH, DPL, DPP
+from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.poses import BODY_TRANSLATION_FORMS, ROTATION_FORMS, TRANSLATION_FORMS
-from gspcli.geometry.residuals import Arrangement
 
 Array = NDArray[np.float64]
 #: A vector of a constraint; here there are too few numbers for arrays to be quick.
@@ -116,10 +116,12 @@ def measures(arrangement: Arrangement, parallel: Collection[int] = ()) -> Measur
         elif kind is DPL or i in parallel:
             cylinders.append((j, _square(y, x)))
             axial.append(_base_height(y, x, v))
-        else:
+        elif kind is DLL:
             skew.append(len(heights))
             heights.append((j, _moment(y, x, u, v)))
             normals += [_combination(R=_outer(_cross(v, axis), u)) for axis in _AXES]
+        else:
+            raise ValueError(kind)
         sorts.add("q" if kind in (DHP, DLP) else "s" if kind is DPP else "p")
     flat = [j for j, _ in heights]
     rows = [row for _, row in (*heights, *spheres, *cylinders)] + axial + normals + _TRANSLATION

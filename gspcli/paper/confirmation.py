@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import GspType
 from gspcli.errors import CheckFailed
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.poses import apply, cross, dot
-from gspcli.geometry.residuals import Arrangement
 from gspcli.paper.table3 import Entry, compute
 from gspcli.progress import Progress, silent
 from gspcli.solver import SolveResult, solve

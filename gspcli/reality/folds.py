@@ -16,7 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
-from gspcli.geometry.poses import Field, cross, dot
+from gspcli.geometry.measurement import by_twist
+from gspcli.geometry.polynomials import Gradient, polynomial
+from gspcli.geometry.poses import dot
 from gspcli.reality.platforms import Platforms
 
 Array = NDArray[np.float64]
@@ -146,40 +148,19 @@ def neighbours(X: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
 def _gradients(platform: Platforms, R: Complex, T: Complex) -> tuple[Complex, Complex]:
     """Return derivatives of the equations by a twist (n, 6, 6) and by their numbers (n, 6, 13).
 
-    The equations are polynomials in ``r = R y + T - x``, ``w = R u`` and v.
+    The equations are the polynomials of `gspcli.geometry.polynomials` less what they should be.
     """
-    turned = np.swapaxes(R, -1, -2)
-    arm, w = platform.y @ turned, platform.u @ turned
-    r = arm + T[:, None] - platform.x
+    r, w, arm = platform.placed(R, T)
     v = np.broadcast_to(platform.v, w.shape)
     by_r, by_w, by_v = (np.zeros(w.shape, complex) for _ in range(3))
     by_value = np.zeros(w.shape[:2], complex)
     for i, kind in enumerate(platform.kinds):
-        by_r[:, i], by_w[:, i], by_v[:, i] = _by_vectors(kind, r[:, i], w[:, i], v[:, i])
+        gradient = polynomial(kind).gradient(r[:, i], w[:, i], v[:, i])
+        by_r[:, i], by_w[:, i], by_v[:, i] = gradient
         if not kind.is_distance:
             by_value[:, i] = -1.0
         elif kind in (DPP, DPL, DLP):
             by_value[:, i] = -2 * platform.values[i]
-    by_twist = np.concatenate((cross(arm, by_r) + cross(w, by_w), by_r), axis=-1)
+    rates = by_twist(Gradient(by_r, by_w, by_v), arm, w)
     by_number = np.concatenate((by_r @ R, -by_r, by_w @ R, by_v, by_value[..., None]), axis=-1)
-    return by_twist, by_number
-
-
-def _by_vectors(kind: Kind, r: Field, w: Field, v: Field) -> tuple[Field, Field, Field]:
-    """Return the derivatives of one equation by r, w and v, each (n, 3)."""
-    zero = np.zeros_like(r)
-    if kind is DPP:
-        return 2 * r, zero, zero
-    if kind is DPL:
-        along = dot(r, v)[..., None]
-        return 2 * (r - along * v), zero, -2 * along * r
-    if kind is DLP:
-        along = dot(r, w)[..., None]
-        return 2 * (r - along * w), -2 * along * r, zero
-    if kind is DPH:
-        return v, zero, r
-    if kind is DHP:
-        return w, r, zero
-    if kind is DLL:
-        return cross(w, v), cross(v, r), cross(r, w)
-    return zero, v, w
+    return rates, by_number

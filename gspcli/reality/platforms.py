@@ -9,38 +9,30 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind, Primitive
+from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.continuation.solve import SystemSolutions, solve_systems
 from gspcli.continuation.systems import TargetSystem
-from gspcli.geometry.poses import Field, apply, cross, dot, normalised, rotation_from_quaternion
+from gspcli.geometry.arrangement import Bodies
+from gspcli.geometry.measurement import measured
+from gspcli.geometry.poses import dot, normalised, rotation_from_quaternion
 from gspcli.solver.systems import systems_of
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Platforms:
+class Platforms(Bodies):
     """The numbers of platforms with the same kinds of constraints.
 
     Attributes
     ----------
-    kinds
-        The kinds of the six constraints.
-    y, x
-        A point of each platform and of each base primitive, shape (..., 6, 3); zero for the
-        lines and planes of angles.
-    u, v
-        Unit direction or normal of each, shape (..., 6, 3); zero for points.
+    kinds, y, x, u, v
+        See `Bodies`; the points of the lines and planes of angles are zero.
     values
         Distances, signed where there are sides, and for angles the values of ``R u . v``;
         shape (..., 6).
     """
 
-    kinds: tuple[Kind, ...]
-    y: Array
-    x: Array
-    u: Array
-    v: Array
     values: Array
 
     def __len__(self) -> int:
@@ -84,24 +76,12 @@ def random_platforms(kinds: Sequence[Kind], count: int, rng: np.random.Generator
     v *= np.array([kind.base is not Primitive.POINT for kind in kinds])[:, None]
     R = rotation_from_quaternion(rng.normal(size=(count, 4)))
     T = rng.uniform(-1, 1, size=(count, 3))
-    r = apply(R[:, None], y) + T[:, None] - x
-    w = apply(R[:, None], u)
-    values = [_measured(kind, r[:, i], w[:, i], v[:, i]) for i, kind in enumerate(kinds)]
-    return Platforms(tuple(kinds), y, x, u, v, np.stack(values, axis=-1))
-
-
-def _measured(kind: Kind, r: Field, w: Field, v: Field) -> Array:
-    """Return the value of one constraint at poses, shape (n,); r, w, v of shape (n, 3)."""
-    if kind is DPP:
-        return np.asarray(np.sqrt(dot(r, r)))
-    if kind in (DPL, DLP):
-        along = cross(r, v if kind is DPL else w)
-        return np.asarray(np.sqrt(dot(along, along)))
-    if kind is DPH:
-        return np.asarray(dot(r, v))
-    if kind is DHP:
-        return np.asarray(-dot(r, w))
-    if kind is DLL:
-        normal = cross(w, v)
-        return np.asarray(np.abs(dot(r, normal)) / np.sqrt(dot(normal, normal)))
-    return np.asarray(dot(w, v))
+    bodies = Bodies(tuple(kinds), y, x, u, v)
+    values = measured(bodies, R, T)
+    _, w, _ = bodies.placed(R, T)
+    for i, kind in enumerate(kinds):
+        if not kind.is_distance:
+            values[:, i] = dot(w[:, i], v[:, i])
+        elif not kind.has_sides:
+            values[:, i] = np.abs(values[:, i])
+    return Platforms(bodies.kinds, y, x, u, v, values)

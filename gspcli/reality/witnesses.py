@@ -10,15 +10,15 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import AHH, ALL, DHP, DLL, DPH, Kind, Primitive
+from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DPH, Kind, Primitive
 from gspcli.catalogue.types import GspType
 from gspcli.catalogue.witnesses import Witness, witness
 from gspcli.certification import certify
 from gspcli.errors import GspError
+from gspcli.geometry.arrangement import Arrangement, angle_of
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
-from gspcli.geometry.residuals import Arrangement
 from gspcli.reality.platforms import Platforms
 from gspcli.solver.poses import PoseSet
 from gspcli.solver.tracking import solve_by_tracking
@@ -138,9 +138,7 @@ def rounded(
     for i, kind in enumerate(platform.kinds):
         value, places = float(platform.values[i]), digits - exponent
         if not kind.is_distance:
-            angle = math.acos(-value if kind is AHH else value)
-            angle = angle if kind in (ALL, AHH) else math.pi / 2 - angle
-            value, places = angle / units.angle.in_radians, digits
+            value, places = angle_of(kind, value) / units.angle.in_radians, digits
         constraints.append(
             Constraint(
                 kind,
@@ -218,8 +216,10 @@ def witness_instance(found: Witness, angles: tuple[Kind, ...]) -> Instance:
         value = numbers[-1]
         if kind is AHH:
             value = 180 - value
-        elif not kind.is_distance and kind is not ALL:
+        elif kind in (ALH, AHL):
             value = 90 - value
+        elif not kind.is_distance and kind is not ALL:
+            raise ValueError(kind)
         constraints.append(Constraint(kind, platform, base, Number.of(value)))
     return Instance(tuple(constraints), DEFAULT_UNITS)
 

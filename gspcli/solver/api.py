@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gspcli.catalogue.types import MAX_ANGLES
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.residuals import Arrangement
 from gspcli.solver.poses import PoseSet
 from gspcli.solver.result import SolveResult, stable_order
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import MAX_ANGLES
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measures import Measures, measures
 from gspcli.geometry.poses import (
     Field,
@@ -26,7 +27,6 @@ from gspcli.geometry.poses import (
     rotation_from_quaternion,
     unit_quaternion,
 )
-from gspcli.geometry.residuals import Arrangement
 from gspcli.geometry.surfaces import (
     certainly_not_zero,
     generic_positions,

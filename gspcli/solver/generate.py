@@ -13,11 +13,13 @@ from gspcli.catalogue.kinds import Primitive
 from gspcli.catalogue.overconstraint import over_constraint
 from gspcli.catalogue.types import GspType
 from gspcli.errors import GspError
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
+from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.poses import rotation_from_quaternion, rotation_from_vector
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
-from gspcli.geometry.residuals import Arrangement, condition_numbers, jacobian, measured
+from gspcli.geometry.residuals import condition_numbers
 
 Array = NDArray[np.float64]
 

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.poses import Field, cross, dot, rotation_from_vector
-from gspcli.geometry.residuals import Arrangement, placed
 from gspcli.solver.stated import improved
 
 #: Unit directions that differ by less are parallel: what is left of double precision at an end
@@ -63,7 +63,7 @@ def judge_parallel_lines(
     lines = _lines(arrangement)
     if not lines or not multiple.any():
         return spurious, undecided
-    r, w = (field[:, lines] for field in placed(arrangement, R, T))
+    r, w = (field[:, lines] for field in arrangement.placed(R, T)[:2])
     v = arrangement.v[lines]
     apart = [np.sqrt((np.abs(w - sign * v) ** 2).sum(axis=-1)) for sign in (1, -1)]
     parallel = multiple[:, None] & (np.minimum(*apart) < _PARALLEL)
@@ -104,7 +104,7 @@ def _lines(arrangement: Arrangement) -> list[int]:
 def _sines(arrangement: Arrangement, R: Field, T: Field) -> NDArray[np.float64]:
     """Return the sines of the angles of the line pairs at poses, shape (..., lines)."""
     lines = _lines(arrangement)
-    _, w = placed(arrangement, R, T)
+    w = arrangement.placed(R, T).w
     normals = cross(w[..., lines, :], np.broadcast_to(arrangement.v[lines], w[..., lines, :].shape))
     return np.asarray(np.linalg.norm(normals, axis=-1))
 

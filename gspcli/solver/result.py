@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli import __version__
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.poses import Field
-from gspcli.geometry.residuals import Arrangement, condition_numbers, residuals, sides_of
+from gspcli.geometry.residuals import condition_numbers, residuals, sides_of
 from gspcli.solver.poses import PoseSet
 from gspcli.solver.self_motion import Motion
 

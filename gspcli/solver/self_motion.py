@@ -11,7 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import DLL, DLP, DPH, DPP
+from gspcli.catalogue.kinds import DLL, DLP, DPL, DPP, Kind
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.measurement import by_twist, velocities
+from gspcli.geometry.polynomials import COSINE, polynomial
 from gspcli.geometry.poses import (
     Field,
     cross,
@@ -19,7 +22,6 @@ from gspcli.geometry.poses import (
     quaternion_from_rotation,
     rotation_from_quaternion,
 )
-from gspcli.geometry.residuals import Arrangement, placed
 
 Array = NDArray[np.float64]
 
@@ -122,9 +124,8 @@ class _System:
     def __init__(self, arrangement: Arrangement) -> None:
         self.outer = arrangement
         self.given = arrangement.normalised
-        self.cosines = dict(
-            zip(self.given.angles.tolist(), self.given.cosines(self.given.values), strict=True)
-        )
+        self.targets = self.given.values.copy()
+        self.targets[self.given.angles] = self.given.cosines(self.given.values)
 
     def inward(self, R: Field, T: Field) -> Field:
         """Return the translation of a pose for the normalised arrangement."""
@@ -135,58 +136,51 @@ class _System:
         """Return translations in the frames that were given."""
         return self.outer.restored(R, T)
 
-    def errors(self, R: Field, T: Field) -> Field:
-        """Return the values of the equations, (..., 3, 3), (..., 3) -> (..., m)."""
-        r, w = placed(self.given, R, T)
-        parts = [
-            self._equations(i, r[..., i, :], w[..., i, :]) for i in range(len(self.given.kinds))
-        ]
-        return np.concatenate(parts, axis=-1)
+    def equations(self, R: Field, T: Field) -> tuple[Field, Field]:
+        """Return the errors of one pose, shape (m,), and their derivatives by a twist, (m, 6)."""
+        r, w, arm = self.given.placed(R, T)
+        parts = [self._equations(i, r[i], w[i], arm[i]) for i in range(len(self.given.kinds))]
+        errors, rows = zip(*parts, strict=True)
+        return np.concatenate(errors), np.concatenate(rows)
 
-    def _equations(self, i: int, r: Field, w: Field) -> Field:
-        """Return the values of the equations of one constraint, shape (..., 1) or (..., 3)."""
-        values: Field
-        kind, v, d = self.given.kinds[i], self.given.v[i], self.given.values[i]
+    def _equations(self, i: int, r: Field, w: Field, arm: Field) -> tuple[Field, Field]:
+        """Return the equations of one constraint, one or three, and their derivatives."""
+        kind, v, target = self.given.kinds[i], self.given.v[i], self.targets[i]
         is_real = not np.iscomplexobj(r)
+        if kind.is_distance:
+            apart = np.abs(cross(w, v)).max() > _PARALLEL
+            if kind is DLL and not apart:
+                kind = DPL
+            squared = kind in (DPP, DPL, DLP)
+            if is_real and squared and target < _END:
+                return _across(kind, r, w, v, arm)
+        elif is_real and abs(target) > 1 - _END:
+            return w - np.sign(target) * v, velocities(arm, w)[1]
+        form = polynomial(kind)
+        value, row = form.value(r, w, v), by_twist(form.gradient(r, w, v), arm, w)
         if not kind.is_distance:
-            cosine = self.cosines[i]
-            if is_real and abs(cosine) > 1 - _END:
-                values = w - np.sign(cosine) * v
-            else:
-                values = (w @ v - cosine)[..., None]
-            return values
-        if kind.has_sides:
-            height = r @ v if kind is DPH else -dot(r, w)
-            sign = self.given.signs[i] or np.where(height.real < 0, -1, 1)
-            values = (height - sign * d)[..., None]
-            return values
-        if kind is DLL:
-            normal = cross(w, np.broadcast_to(v, w.shape))
-            if np.abs(normal).max() > _PARALLEL:
-                square = dot(r, normal) ** 2 - d**2 * dot(normal, normal)
-                values = (dot(r, normal) if d == 0 else square)[..., None]
-                return values
-        axis = np.zeros(3) if kind is DPP else w if kind is DLP else v
-        across = r - dot(r, np.broadcast_to(axis, r.shape))[..., None] * axis
-        if is_real and d < _END:
-            return across
-        values = (dot(across, across) - d**2)[..., None]
-        return values
+            error = value - target
+        elif squared:
+            error = value - target**2
+        elif kind.has_sides:
+            error = value - (self.given.signs[i] or np.where(value.real < 0, -1, 1)) * target
+        elif target == 0:
+            error = value
+        else:
+            # The distance is the moment over the sine of the angle of the lines.
+            cosine = COSINE.value(r, w, v)
+            normal = cross(w, v)
+            error = value**2 - target**2 * dot(normal, normal)
+            turn = by_twist(COSINE.gradient(r, w, v), arm, w)
+            row = 2 * value * row + 2 * target**2 * cosine * turn
+        return error[None], row[None]
 
     def kernel(self, R: Field, T: Field) -> Field:
         """Return an orthonormal basis of the twists that change nothing, shape (k, 6)."""
-        _, values, right = np.linalg.svd(self._jacobian(R, T))
+        _, values, right = np.linalg.svd(self.equations(R, T)[1])
         values = np.concatenate((values, np.zeros(6)))[:6]
         twists: Field = right[values < _KERNEL * values[0]].conj()
         return twists
-
-    def _jacobian(self, R: Field, T: Field) -> Field:
-        """Return the derivatives of `errors` by central differences, shape (m, 6)."""
-        h = 1e-5
-        twists = np.concatenate((h * np.eye(6), -h * np.eye(6)))
-        values = self.errors(*_moved(R, T, twists))
-        rows: Field = (values[:6] - values[6:]).T / (2 * h)
-        return rows
 
     def correct(self, R: Field, T: Field, kernel: int) -> tuple[Field, Field] | None:
         """Return the pose after shortest corrections, or None if they do not converge.
@@ -194,10 +188,10 @@ class _System:
         The Jacobian matrix is inverted on its largest 6 - kernel singular values only.
         """
         for _ in range(12):
-            errors = self.errors(R, T)
+            errors, rows = self.equations(R, T)
             if np.abs(errors).max() < _CONVERGED:
                 return R, T
-            left, values, right = np.linalg.svd(self._jacobian(R, T))
+            left, values, right = np.linalg.svd(rows)
             rank = max(1, min(6 - kernel, int((values > _KERNEL * values[0]).sum())))
             inner = (left[:, :rank].conj().T @ -errors) / values[:rank]
             R, T = _moved(R, T, right[:rank].conj().T @ inner)
@@ -219,6 +213,14 @@ class _System:
         skew = (turn - turn.T) / 2
         omega = np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
         return np.concatenate((omega, there[1] - here[1]))
+
+
+def _across(kind: Kind, r: Field, w: Field, v: Field, arm: Field) -> tuple[Field, Field]:
+    """Return the vector that is zero where a DPP, DPL or DLP distance is, and its derivatives."""
+    form = polynomial(kind)
+    gradient, hessian = form.gradient(r, w, v), form.hessian(r, w, v)
+    r_moves, w_moves = velocities(arm, w)
+    return gradient.r / 2, (hessian.rr @ r_moves + hessian.rw @ w_moves) / 2
 
 
 def _moved(R: Field, T: Field, twist: Field) -> tuple[Field, Field]:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.poses import Field
-from gspcli.geometry.residuals import Arrangement, jacobian, measured, residuals
+from gspcli.geometry.residuals import residuals
 
 
 def improved(

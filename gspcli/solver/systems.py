@@ -17,11 +17,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.continuation.quadrics import BASES, COEFFICIENTS, NORM
 from gspcli.continuation.systems import EQUATIONS, Structure, TargetSystem
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.poses import cross, dot
-from gspcli.geometry.residuals import Arrangement
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -144,7 +144,9 @@ def equation(kind: Kind, y: Array, x: Array, u: Array, v: Array, value: Array) -
         if not value.any():
             return Equation("l", moment)
         return _factors("l", moment, value[..., None] * _turned(u, v), value)
-    return Equation("a", _turned(u, v) - _constant(value))
+    if kind in ANGLE_KINDS:
+        return Equation("a", _turned(u, v) - _constant(value))
+    raise ValueError(kind)
 
 
 def _factors(letter: str, a: Array, b: Array, distance: Array) -> Equation:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gspcli.continuation.solve import SystemSolutions, solve_systems
 from gspcli.continuation.systems import TargetSystem
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.conjugates import find_real_points, made_real
 from gspcli.geometry.poses import (
     Field,
@@ -19,7 +20,6 @@ from gspcli.geometry.poses import (
     quaternion_from_rotation,
     unit_quaternion,
 )
-from gspcli.geometry.residuals import Arrangement
 from gspcli.solver.parallel_lines import judge_parallel_lines, polish_parallel_lines
 from gspcli.solver.poses import PoseSet
 from gspcli.solver.self_motion import Motion

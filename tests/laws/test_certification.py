@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 
 from gspcli.catalogue.parsing import parse_type
 from gspcli.certification import Certificates, certify
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.poses import rotation_from_quaternion
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
-from gspcli.geometry.residuals import Arrangement
 from gspcli.solver import solve
 from gspcli.solver.closed_form import solve_closed_form
 from gspcli.solver.generate import random_instance

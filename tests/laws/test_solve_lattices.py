@@ -10,11 +10,13 @@ import pytest
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, Kind, Primitive
 from gspcli.catalogue.types import GspType
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
+from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.poses import rotation_from_quaternion
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
-from gspcli.geometry.residuals import Arrangement, measured, residuals
+from gspcli.geometry.residuals import residuals
 from gspcli.solver.closed_form import solve_closed_form
 from gspcli.solver.tracking import solve_by_tracking
 

@@ -15,9 +15,11 @@ import pytest
 from gspcli import dumps, load
 from gspcli.catalogue.coincidence import parse_sharing
 from gspcli.catalogue.kinds import DLL, DPP
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.poses import Field, normalised, rotation_from_quaternion
-from gspcli.geometry.residuals import Arrangement, jacobian, measured, residuals
+from gspcli.geometry.residuals import residuals
 from gspcli.solver import SolveResult, solve
 from gspcli.solver.generate import random_instance
 from gspcli.solver.tracking import solve_by_tracking

@@ -10,7 +10,7 @@ from gspcli.catalogue.parsing import parse_type
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.solve import solve_system
 from gspcli.continuation.systems import Structure, TargetSystem
-from gspcli.geometry.residuals import Arrangement
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.generate import random_instance
 from gspcli.solver.systems import target_systems
 

@@ -13,11 +13,12 @@ from gspcli.certification import Certificate, Certificates, Outcome, certify
 from gspcli.certification.isolation import Isolation, refine_point
 from gspcli.certification.poses import pose_of_point
 from gspcli.certification.system import System
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.poses import pose_from_study
 from gspcli.geometry.primitives import vector
-from gspcli.geometry.residuals import Arrangement, residuals, sides_of
+from gspcli.geometry.residuals import residuals, sides_of
 
 SHIFT = np.array([1, -1, 1])
 SIGNATURES = [

@@ -9,9 +9,10 @@ import pytest
 
 from gspcli.catalogue.kinds import ALL, DISTANCE_KINDS, DLL, DLP, DPL, DPP
 from gspcli.catalogue.types import GspType
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.measurement import measured
 from gspcli.geometry.measures import measures
 from gspcli.geometry.poses import dot, normalised, rotation_from_quaternion
-from gspcli.geometry.residuals import Arrangement, measured, placed
 from gspcli.geometry.surfaces import surfaces
 from gspcli.solver.generate import random_instance
 
@@ -45,7 +46,7 @@ def test_surfaces_at_random_poses(kinds, field):
     t = np.linalg.solve(found.frame, T[..., None])[..., 0]
     X = np.concatenate((np.ones((5, 1)), t), axis=1)
     np.testing.assert_allclose(np.einsum("fk,fkc->fc", e, found.basis), 0, atol=1e-14)
-    r, w = placed(given, R, T)
+    r, w, _ = given.placed(R, T)
     for j, position in enumerate(shapes.flat):
         i = given.distances[position]
         length = distances[:, position]

@@ -9,7 +9,8 @@ from gspcli.catalogue.coincidence import parse_sharing
 from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.types import all_types
 from gspcli.errors import GspError
-from gspcli.geometry.residuals import Arrangement, residuals
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.residuals import residuals
 from gspcli.solver.generate import random_instance
 
 

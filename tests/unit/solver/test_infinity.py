@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.types import type_by_number
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measures import measures
 from gspcli.geometry.poses import dot, normalised, rotation_from_quaternion, study_from_pose
-from gspcli.geometry.residuals import Arrangement
 from gspcli.solver.closed_form import solve_closed_form
 from gspcli.solver.generate import random_instance
 from gspcli.solver.infinity import finite_pose, refined_rotation

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.parsing import parse_type
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, vector
-from gspcli.geometry.residuals import Arrangement, measured
 from gspcli.solver import SolveResult, solve
 from gspcli.solver.generate import random_instance
 from gspcli.spec import loads

@@ -1,0 +1,239 @@
+"""The numbers of platforms in floating point: their primitives, and the values asked for."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, Kind
+from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.poses import Field, apply
+from gspcli.geometry.primitives import Geometry, Point
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+_SIGNS = {Side.POSITIVE: 1, Side.NEGATIVE: -1, Side.BOTH: 0}
+#: Of which angles the value of ``R u . v`` is the cosine or the sine, and its sign (Section 4).
+_ANGLES = {ALL: (True, 1.0), ALH: (False, 1.0), AHL: (False, 1.0), AHH: (True, -1.0)}
+
+
+def angle_of(kind: Kind, cosine: float) -> float:
+    """Return the angle of a kind, in radians, that asks for a value of ``R u . v``."""
+    is_cosine, sign = _ANGLES[kind]
+    return math.acos(sign * cosine) if is_cosine else math.asin(sign * cosine)
+
+
+class Placed(NamedTuple):
+    """The vectors of the constraints at a pose, in the axes of the base, each (..., n, 3)."""
+
+    r: Field
+    """From the base's point to the platform's, ``R y + T - x``."""
+    w: Field
+    """The direction or normal of the platform's primitive, ``R u``."""
+    arm: Field
+    """From the origin of the platform to its point, ``R y``."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """The primitives of n constraints on both bodies, of one platform or of many alike.
+
+    Attributes
+    ----------
+    kinds
+        The kinds of the n constraints.
+    y, x
+        A point of each platform and of each base primitive, shape (..., n, 3), length units.
+    u, v
+        Unit direction or normal of each platform and of each base primitive, shape (..., n, 3);
+        zero for points.
+    """
+
+    kinds: tuple[Kind, ...]
+    y: Array
+    x: Array
+    u: Array
+    v: Array
+
+    def placed(self, R: Field, T: Field) -> Placed:
+        """Return the vectors of the constraints at poses, ``(..., 3, 3), (..., 3)``."""
+        turned = np.swapaxes(R, -1, -2)
+        arm = self.y @ turned
+        return Placed(arm + T[..., None, :] - self.x, self.u @ turned, arm)
+
+
+class _Layout(NamedTuple):
+    """What follows from the kinds alone; read-only arrays."""
+
+    distances: Index
+    angles: Index
+    sided: NDArray[np.bool_]
+    """Which constraints have sides, shape (n,)."""
+    cosine: NDArray[np.bool_]
+    """Of which angles the cosine is the value of ``R u . v``, up to sign."""
+    sign: Array
+    """That sign, for each angle."""
+
+
+@cache
+def _layout(kinds: tuple[Kind, ...]) -> _Layout:
+    angles = [_ANGLES[kind] for kind in kinds if not kind.is_distance]
+    layout = _Layout(
+        distances=np.array([i for i, kind in enumerate(kinds) if kind.is_distance], int),
+        angles=np.array([i for i, kind in enumerate(kinds) if not kind.is_distance], int),
+        sided=np.array([kind.has_sides for kind in kinds], bool),
+        cosine=np.array([is_cosine for is_cosine, _ in angles], bool),
+        sign=np.array([sign for _, sign in angles], float),
+    )
+    for part in layout:
+        part.setflags(write=False)
+    return layout
+
+
+@dataclass(frozen=True, eq=False)
+class Arrangement(Bodies):
+    """The numbers of an instance in floating point.
+
+    Attributes
+    ----------
+    kinds, y, x, u, v
+        See `Bodies`; in the order of the instance, without batch axes.
+    values
+        The distances and angles, shape (n,), in the units of the instance.
+    sides
+        The sides asked for: 1, -1 or, for both, 0; shape (n,).
+    in_radians
+        The angle unit in radians.
+    """
+
+    values: Array
+    sides: NDArray[np.int64]
+    in_radians: float
+
+    @classmethod
+    def of(cls, instance: Instance) -> Arrangement:
+        """Return the numbers of an instance."""
+        rows = instance.constraints
+        return cls(
+            kinds=tuple(row.kind for row in rows),
+            y=np.array([row.platform.point for row in rows]),
+            x=np.array([row.base.point for row in rows]),
+            u=np.array([_direction(row.platform) for row in rows]),
+            v=np.array([_direction(row.base) for row in rows]),
+            values=np.array([row.value.value for row in rows]),
+            sides=np.array([_SIGNS[row.side] for row in rows]),
+            in_radians=instance.units.angle.in_radians,
+        )
+
+    def with_values(self, values: Array) -> Arrangement:
+        """Return the same geometry with other values, shape (n,)."""
+        return replace(self, values=values)
+
+    @cached_property
+    def signs(self) -> Index:
+        """The sides to look on: as `sides`, but a distance of zero has only one, shape (n,)."""
+        return np.where(self.sided & (self.values == 0), 1, self.sides)
+
+    @property
+    def sided(self) -> NDArray[np.bool_]:
+        """Which constraints have sides, shape (n,)."""
+        return _layout(self.kinds).sided
+
+    @property
+    def distances(self) -> Index:
+        """Indices of the distance constraints."""
+        return _layout(self.kinds).distances
+
+    @property
+    def angles(self) -> Index:
+        """Indices of the angle constraints."""
+        return _layout(self.kinds).angles
+
+    @cached_property
+    def targets(self) -> Array:
+        """The values with angles in radians, shape (n,)."""
+        targets = self.values.copy()
+        targets[self.angles] *= self.in_radians
+        return targets
+
+    def cosines(self, values: Array) -> Array:
+        """Return the values of ``R u . v`` that angles ask for (Section 4).
+
+        Parameters
+        ----------
+        values
+            Values of all constraints, shape (..., n), in the units of the instance. The
+            result runs over `angles`.
+        """
+        layout = _layout(self.kinds)
+        values = values[..., layout.angles] * self.in_radians
+        return layout.sign * np.where(layout.cosine, np.cos(values), np.sin(values))
+
+    @cached_property
+    def _points(self) -> Array:
+        """The points of the distance constraints of the platform and of the base, (2, d, 3)."""
+        return np.array((self.y[self.distances], self.x[self.distances]))
+
+    @cached_property
+    def _centres(self) -> Array:
+        """The means of these points, shape (2, 3)."""
+        return np.asarray(self._points.sum(axis=1) / self._points.shape[1])
+
+    @property
+    def platform_centre(self) -> Array:
+        """Mean of the platform points of the distance constraints, shape (3,)."""
+        return np.asarray(self._centres[0])
+
+    @property
+    def base_centre(self) -> Array:
+        """Mean of the base points of the distance constraints, shape (3,)."""
+        return np.asarray(self._centres[1])
+
+    @cached_property
+    def extent(self) -> float:
+        """The largest distance of a point from the centre of its body, of distances only."""
+        offsets = self._points - self._centres[:, None]
+        return math.sqrt((offsets * offsets).sum(axis=2).max())
+
+    @cached_property
+    def length(self) -> float:
+        """A typical length: the largest of `extent` and the distances, or one if all vanish."""
+        return self.length_with(self.values)
+
+    def length_with(self, values: Array) -> float:
+        """Return the typical length with other values, shape (..., n)."""
+        return max(self.extent, float(abs(values[..., self.distances]).max())) or 1.0
+
+    @cached_property
+    def normalised(self) -> Arrangement:
+        """The same with lengths of order one, and frames at the centres of the points.
+
+        `restored` takes its translations back.
+        """
+        return self.in_units_of(self.length)
+
+    def in_units_of(self, length: float) -> Arrangement:
+        """Return the same in another unit of length, frames at the centres of the points."""
+        values = self.values.copy()
+        values[self.distances] /= length
+        return replace(
+            self,
+            y=(self.y - self.platform_centre) / length,
+            x=(self.x - self.base_centre) / length,
+            values=values,
+        )
+
+    def restored(self, R: Field, T: Field, length: float | None = None) -> Field:
+        """Return translations of `in_units_of` (`normalised` if None) in the given frames."""
+        unit = self.length if length is None else length
+        return unit * T + self.base_centre - apply(R, self.platform_centre)
+
+
+def _direction(geometry: Geometry) -> Array | tuple[float, ...]:
+    return (0.0, 0.0, 0.0) if isinstance(geometry, Point) else geometry.unit

@@ -1,0 +1,249 @@
+"""What constraints measure at a pose, and its first and second derivatives by the pose.
+
+The quantities are those of the paper's Section 4, in floating point and also at complex poses:
+a distance is the complex square root of the complex square. A pose may be anything in leading
+batch axes; the constraints are the last axis of values and the first of each derivative. All
+follow by the chain rule from the polynomials of `gspcli.geometry.polynomials`.
+
+A twist (omega, tau) moves the pose to ``exp([s omega]x) R`` and ``T + s tau``: a rotation in
+the axes of the base about the origin of the platform, and a translation.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.geometry.arrangement import Bodies
+from gspcli.geometry.polynomials import COSINE, Gradient, Hessian, polynomial
+from gspcli.geometry.poses import Field, cross, dot
+
+#: Lines that meet at a smaller angle than this (radians) are measured as parallel ones.
+_PARALLEL = 1e-9
+_IDENTITY = np.eye(3)
+
+
+def measured(bodies: Bodies, R: Field, T: Field) -> Field:
+    """Return what each constraint measures, ``(..., 3, 3), (..., 3) -> (..., n)``.
+
+    Distances to planes are signed by the normal; line-line distances are signed by the
+    orientation of the lines; angles are in radians. A complex distance is one of two square
+    roots, a complex angle one branch of the inverse function.
+    """
+    r, w, _ = bodies.placed(R, T)
+    v = np.broadcast_to(bodies.v, w.shape)
+    values: Field = np.zeros(r.shape[:-1], dtype=r.dtype)
+    for kind, k in _alike(bodies.kinds):
+        values[..., k] = _value(kind, r[..., k, :], w[..., k, :], v[..., k, :])
+    return values
+
+
+def jacobian(bodies: Bodies, R: Field, T: Field) -> Field:
+    """Return the derivatives of `measured` with respect to a twist, ``(..., n, 6)``.
+
+    At a distance or sine of zero the measured value has no derivative, and the row is not
+    finite; parallel lines have that of a point and a line.
+    """
+    r, w, arm = bodies.placed(R, T)
+    v = np.broadcast_to(bodies.v, w.shape)
+    rows: Field = np.zeros((*r.shape[:-1], 6), dtype=r.dtype)
+    for kind, k in _alike(bodies.kinds):
+        vectors = r[..., k, :], w[..., k, :], v[..., k, :]
+        rows[..., k, :] = by_twist(_gradient(kind, *vectors), arm[..., k, :], vectors[1])
+    return rows
+
+
+def hessian(bodies: Bodies, R: Field, T: Field) -> Field:
+    """Return the second derivatives of `measured` with respect to a twist, ``(..., n, 6, 6)``.
+
+    The symmetric matrix H of which ``t.H t`` is the second derivative by s for each twist t.
+    Where the value has no second derivative (a distance or sine of zero, parallel lines) H is
+    not finite.
+    """
+    r, w, arm = bodies.placed(R, T)
+    v = np.broadcast_to(bodies.v, w.shape)
+    matrices: Field = np.zeros((*r.shape[:-1], 6, 6), dtype=r.dtype)
+    for kind, k in _alike(bodies.kinds):
+        vectors = r[..., k, :], w[..., k, :], v[..., k, :]
+        first, second = _gradient(kind, *vectors), _hessian(kind, *vectors)
+        matrices[..., k, :, :] = by_twist_twice(first, second, arm[..., k, :], vectors[1])
+    return matrices
+
+
+def by_twist(gradient: Gradient, arm: Field, w: Field) -> Field:
+    """Return the derivative by a twist of a function of r and w, ``(..., 3) -> (..., 6)``.
+
+    Parameters
+    ----------
+    gradient
+        Its derivatives by r and w.
+    arm, w
+        What turns: ``R y`` and ``R u``.
+    """
+    turning = cross(arm, gradient.r) + cross(w, gradient.w)
+    return np.concatenate((turning, gradient.r), axis=-1)
+
+
+def by_twist_twice(gradient: Gradient, hessian: Hessian, arm: Field, w: Field) -> Field:
+    """Return the second derivative by a twist of a function of r and w, shape (..., 6, 6)."""
+    r_moves, w_moves = velocities(arm, w)
+    mixed = _between(r_moves, hessian.rw, w_moves)
+    matrix = _between(r_moves, hessian.rr, r_moves) + _between(w_moves, hessian.ww, w_moves)
+    matrix = matrix + mixed + np.swapaxes(mixed, -1, -2)
+    # And the acceleration of r is omega x (omega x arm), likewise that of w.
+    for a, f in ((arm, gradient.r), (w, gradient.w)):
+        outer = a[..., :, None] * f[..., None, :]
+        bent = (outer + np.swapaxes(outer, -1, -2)) / 2 - dot(a, f)[..., None, None] * _IDENTITY
+        matrix[..., :3, :3] += bent
+    return matrix
+
+
+def velocities(arm: Field, w: Field) -> tuple[Field, Field]:
+    """Return the derivatives of r and of w by a twist, each ``(..., 3) -> (..., 3, 6)``.
+
+    These are ``omega x arm + tau`` and ``omega x w``.
+    """
+    turns = (
+        np.stack([cross(np.broadcast_to(axis, a.shape), a) for axis in _IDENTITY], axis=-1)
+        for a in (arm, w)
+    )
+    r, w = (np.concatenate((turn, np.zeros_like(turn)), axis=-1) for turn in turns)
+    r[..., 3:] = _IDENTITY
+    return r, w
+
+
+def _between(a: Field, matrix: Field, b: Field) -> Field:
+    product: Field = np.swapaxes(a, -1, -2) @ matrix @ b
+    return product
+
+
+@cache
+def _alike(kinds: tuple[Kind, ...]) -> list[tuple[Kind, slice | list[int]]]:
+    """Return each kind with the index of its constraints; slices are much quicker than lists."""
+    groups = {kind: [i for i, k in enumerate(kinds) if k is kind] for kind in kinds}
+    return [
+        (kind, slice(k[0], k[-1] + 1) if k[-1] - k[0] < len(k) else k) for kind, k in groups.items()
+    ]
+
+
+def _root(square: Field) -> Field:
+    """Return a square root, real for real squares (rounding may make those negative)."""
+    root: Field = np.sqrt(square if np.iscomplexobj(square) else np.maximum(square, 0.0))
+    return root
+
+
+def _value(kind: Kind, r: Field, w: Field, v: Field) -> Field:
+    if kind in (DPP, DPL, DLP):
+        return _root(polynomial(kind).value(r, w, v))
+    if kind in (DPH, DHP):
+        return polynomial(kind).value(r, w, v)
+    if kind is DLL:
+        square, parallel = _sine_square(w, v)
+        skew = polynomial(DLL).value(r, w, v) / np.sqrt(np.where(parallel, 1.0, square))
+        return np.where(parallel, _value(DPL, r, w, v), skew)
+    return _angle(kind, w, v)
+
+
+def _sine_square(w: Field, v: Field) -> tuple[Field, Field]:
+    """Return the squared sine of the angle of directions, and where they are parallel."""
+    normal = cross(w, v)
+    square = dot(normal, normal)
+    return square, np.abs(square) < _PARALLEL**2
+
+
+def _angle(kind: Kind, w: Field, v: Field) -> Field:
+    """Return the angle of directions by half angles, exact also near 0 and 180 degrees."""
+    w = -w if kind is AHH else w
+    near, far = w - v, w + v
+    sine, cosine = _root(dot(near, near)), _root(dot(far, far))
+    if np.iscomplexobj(sine):
+        # arctan of the smaller quotient; its two forms differ by a quarter turn.
+        small = np.abs(sine) <= np.abs(cosine)
+        a, b = np.where(small, sine, cosine), np.where(small, cosine, sine)
+        half = np.arctan(a / b)
+        half = np.where(small, half, np.pi / 2 - half)
+    else:
+        half = np.arctan2(sine, cosine)
+    if kind in (ALL, AHH):
+        return 2 * half
+    if kind in (ALH, AHL):
+        return np.pi / 2 - 2 * half
+    raise ValueError(kind)
+
+
+def _gradient(kind: Kind, r: Field, w: Field, v: Field) -> Gradient:
+    """Return the derivatives of what is measured by r, w and v."""
+    gradient = polynomial(kind).gradient(r, w, v)
+    if kind in (DPP, DPL, DLP):
+        return _times(0.5 / _root(polynomial(kind).value(r, w, v)), gradient)
+    if kind in (DPH, DHP):
+        return gradient
+    if kind is DLL:
+        # The moment m over the sine s = (1 - c^2)^(1/2), whose inverse has the derivative c / s^3.
+        m, turning = polynomial(DLL).value(r, w, v), COSINE.gradient(r, w, v)
+        square, parallel = _sine_square(w, v)
+        s = np.sqrt(np.where(parallel, 1.0, square))
+        skew = _plus(_times(1 / s, gradient), _times(m * COSINE.value(r, w, v) / s**3, turning))
+        flat = polynomial(DPL)
+        distance = _root(flat.value(r, w, v))
+        beside = _times(0.5 / np.where(distance == 0, 1.0, distance), flat.gradient(r, w, v))
+        chosen = parallel[..., None]
+        return Gradient(*(np.where(chosen, b, s) for b, s in zip(beside, skew, strict=True)))
+    if kind in _ANGLE_SIGNS:
+        return _times(_ANGLE_SIGNS[kind] / _root(_sine_square(w, v)[0]), gradient)
+    raise ValueError(kind)
+
+
+#: The sign of the derivative of an angle by ``w . v``: the first is an arc cosine, the last that
+#: of the negative, the others are arc sines.
+_ANGLE_SIGNS = {ALL: -1.0, ALH: 1.0, AHL: 1.0, AHH: 1.0}
+
+
+def _hessian(kind: Kind, r: Field, w: Field, v: Field) -> Hessian:
+    """Return the second derivatives of what is measured by r and w."""
+    gradient = polynomial(kind).gradient(r, w, v)
+    hessian = polynomial(kind).hessian(r, w, v)
+    if kind in (DPP, DPL, DLP):
+        # The root f of p: f' = p' / 2f, f'' = p'' / 2f - p' p' / 4f^3.
+        f = _root(polynomial(kind).value(r, w, v))
+        return _sum(_times_all(0.5 / f, hessian), _squared(-0.25 / f**3, gradient, gradient))
+    if kind in (DPH, DHP):
+        return hessian
+    if kind is DLL:
+        # The moment m over the sine s = (1 - c^2)^(1/2): with k = 1 / s by c, k' = c / s^3 and
+        # k'' = (1 + 2 c^2) / s^5.
+        m, c = polynomial(DLL).value(r, w, v), COSINE.value(r, w, v)
+        square, parallel = _sine_square(w, v)
+        s = np.sqrt(np.where(parallel, np.nan, square))
+        turning = COSINE.gradient(r, w, v)
+        both = _squared(c / s**3, gradient, turning), _squared(c / s**3, turning, gradient)
+        last = _squared(m * (1 + 2 * c**2) / s**5, turning, turning)
+        return _sum(_times_all(1 / s, hessian), *both, last)
+    if kind in _ANGLE_SIGNS:
+        c, s = COSINE.value(r, w, v), _root(_sine_square(w, v)[0])
+        return _squared(_ANGLE_SIGNS[kind] * c / s**3, gradient, gradient)
+    raise ValueError(kind)
+
+
+def _times(factor: Field, gradient: Gradient) -> Gradient:
+    return Gradient(*(factor[..., None] * part for part in gradient))
+
+
+def _plus(a: Gradient, b: Gradient) -> Gradient:
+    return Gradient(*(p + q for p, q in zip(a, b, strict=True)))
+
+
+def _times_all(factor: Field, hessian: Hessian) -> Hessian:
+    return Hessian(*(factor[..., None, None] * part for part in hessian))
+
+
+def _squared(factor: Field, a: Gradient, b: Gradient) -> Hessian:
+    """Return the part of second derivatives that is a multiple of ``a b^T``."""
+    pairs = ((a.r, b.r), (a.r, b.w), (a.w, b.w))
+    return Hessian(*(factor[..., None, None] * p[..., :, None] * q[..., None, :] for p, q in pairs))
+
+
+def _sum(*parts: Hessian) -> Hessian:
+    return Hessian(*(sum(blocks[1:], blocks[0]) for blocks in zip(*parts, strict=True)))
