@@ -23,6 +23,7 @@ def track(
     build: str = "",
 ) -> tuple[
     NDArray[np.complex128],
+    NDArray[np.complex128],
     NDArray[np.float64],
     NDArray[np.uint8],
     NDArray[np.int32],

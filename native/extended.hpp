@@ -94,6 +94,7 @@ INLINE Extended root(const Extended& x) {
 }
 
 INLINE double lane(const Extended& x, int l) { return x.hi[l]; }
+INLINE double low_lane(const Extended& x, int l) { return x.lo[l]; }
 INLINE void put(Extended& x, int l, double value) {
   x.hi[l] = value;
   x.lo[l] = 0.0;

@@ -47,6 +47,7 @@ constexpr double kEpsilon = 4e-16;
 INLINE V splat(double x) { return V{} + x; }
 INLINE V select(const Mask& m, const V& a, const V& b) { return m ? a : b; }
 INLINE double lane(const V& x, int l) { return x[l]; }
+INLINE double low_lane(const V&, int) { return 0.0; }
 INLINE void put(V& x, int l, double value) { x[l] = value; }
 #endif
 
@@ -55,6 +56,7 @@ struct C {
 };
 
 INLINE Complex lane(const C& x, int l) { return {lane(x.re, l), lane(x.im, l)}; }
+INLINE Complex low_lane(const C& x, int l) { return {low_lane(x.re, l), low_lane(x.im, l)}; }
 INLINE void put(C& x, int l, const Complex& value) {
   put(x.re, l, value.re);
   put(x.im, l, value.im);

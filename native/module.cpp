@@ -178,6 +178,7 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
 
   const std::size_t total = targets * paths;
   auto point = std::make_unique<std::complex<double>[]>(total * kVariables);
+  auto low = std::make_unique<std::complex<double>[]>(extended ? total * kVariables : 0);
   auto t = std::make_unique<double[]>(total);
   auto status = std::make_unique<std::uint8_t[]>(total);
   auto steps = std::make_unique<std::int32_t[]>(total);
@@ -212,8 +213,9 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
         const std::size_t at = b * paths + begin;
         run(*homotopy, options, static_cast<int>(count),
             reinterpret_cast<const Complex*>(points.data() + begin * kVariables),
-            {reinterpret_cast<Complex*>(point.get() + at * kVariables), t.get() + at,
-             status.get() + at, steps.get() + at, condition.get() + at, curvature.get() + at,
+            {reinterpret_cast<Complex*>(point.get() + at * kVariables),
+             extended ? reinterpret_cast<Complex*>(low.get() + at * kVariables) : nullptr,
+             t.get() + at, status.get() + at, steps.get() + at, condition.get() + at, curvature.get() + at,
              residual.get() + at, correction.get() + at});
       }
     };
@@ -224,6 +226,7 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
   }
   const std::size_t eight = kVariables;
   return nb::make_tuple(owned(std::move(point), {targets, paths, eight}),
+                        owned(std::move(low), {extended ? targets : 0, paths, eight}),
                         owned(std::move(t), {targets, paths}),
                         owned(std::move(status), {targets, paths}),
                         owned(std::move(steps), {targets, paths}),

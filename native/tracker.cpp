@@ -108,6 +108,14 @@ INLINE void normalize(C* z) {
   for (int i = 0; i < N; ++i) z[i] = scale * z[i];
 }
 
+// A point of norm 1 goes out.
+INLINE void store(const C* z, int l, int path, const Results& out) {
+  for (int i = 0; i < N; ++i) {
+    out.point[path * N + i] = lane(z[i], l);
+    if (out.low) out.low[path * N + i] = low_lane(z[i], l);
+  }
+}
+
 constexpr int kRefinements = 4;
 constexpr double kSettled = 250.0 * kEpsilon;
 
@@ -162,7 +170,7 @@ void refine(const Homotopy& H, Workspace& w, int count, const int* index, const 
   residual = root(residual);
   for (int l = 0; l < count; ++l) {
     const int p = index[l];
-    for (int i = 0; i < N; ++i) out.point[p * N + i] = lane(z[i], l);
+    store(z, l, p, out);
     out.condition[p] = lane(condition, l);
     out.curvature[p] = lane(curvature, l);
     out.residual[p] = lane(residual, l);
@@ -199,7 +207,7 @@ void track(const Homotopy& H, const Options& options, int paths, const Complex* 
   };
   const auto finish = [&](int l, Status status, const C* z, double t) {
     const int p = s.path[l];
-    for (int i = 0; i < N; ++i) out.point[p * N + i] = lane(z[i], l);
+    store(z, l, p, out);
     out.t[p] = t;
     out.status[p] = status;
     out.steps[p] = s.steps[l];

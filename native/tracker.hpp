@@ -53,6 +53,7 @@ enum Status : std::uint8_t { kRegular = 0, kSingular = 1, kFailed = 2 };
 // Arrays over the paths of one homotopy.
 struct Results {
   Complex* point;          // (paths, 8), norm 1
+  Complex* low;            // likewise, what double-double arithmetic adds to it; else null
   double* t;               // where the point belongs to
   std::uint8_t* status;
   std::int32_t* steps;     // accepted and rejected

@@ -10,27 +10,31 @@ from collections.abc import Sequence
 import click
 
 from gspcli import __version__
+from gspcli.cli.colour import coloured
 from gspcli.errors import GspError
 
-#: The subcommands in the order of the help; each is `command` of the module of its
-#: name (a dash is an underscore there).
-COMMANDS = (
-    "enumerate",
-    "show",
-    "bound",
-    "constraint",
-    "table",
-    "derive",
-    "realize",
-    "new",
-    "example",
-    "check",
-    "solve",
-    "certify",
-    "sample",
-    "maximize-real",
-    "atlas",
-)
+_TYPES = "What types are"
+_PLATFORM = "One platform"
+_REAL = "How many solutions can be real"
+#: The subcommands in the order of the help, and the heading that each stands under; each is
+#: `command` of the module of its name (a dash is an underscore there).
+COMMANDS = {
+    "enumerate": _TYPES,
+    "show": _TYPES,
+    "bound": _TYPES,
+    "constraint": _TYPES,
+    "realize": _TYPES,
+    "table": _TYPES,
+    "derive": _TYPES,
+    "atlas": _TYPES,
+    "new": _PLATFORM,
+    "example": _PLATFORM,
+    "check": _PLATFORM,
+    "solve": _PLATFORM,
+    "certify": _PLATFORM,
+    "sample": _REAL,
+    "maximize-real": _REAL,
+}
 
 INTERRUPTED = 130
 INTERNAL_ERROR = 70
@@ -55,15 +59,38 @@ class CommandGroup(click.Group):
         ).command
         return command
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the subcommand; say what was perhaps meant if there is no such."""
+        name = args[0]
+        if name not in COMMANDS and not name.startswith("-") and not ctx.resilient_parsing:
+            raise click.UsageError(_unknown_command(name), ctx)
+        return super().resolve_command(ctx, args)
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """List the subcommands with their first sentences, whole."""
-        rows = [
-            (name, command.get_short_help_str(limit=_WHOLE_SENTENCE))
-            for name in self.list_commands(ctx)
-            if (command := self.get_command(ctx, name)) is not None
-        ]
-        with formatter.section("Commands"):
-            formatter.write_dl(rows)
+        """List the subcommands under their headings, with their first sentences, whole."""
+        widest = max(map(len, COMMANDS))
+        for heading in dict.fromkeys(COMMANDS.values()):
+            rows = [
+                (name.ljust(widest), command.get_short_help_str(limit=_WHOLE_SENTENCE))
+                for name, its_heading in COMMANDS.items()
+                if its_heading == heading and (command := self.get_command(ctx, name)) is not None
+            ]
+            with formatter.section(heading):
+                formatter.write_dl(rows)
+
+
+def _unknown_command(name: str) -> str:
+    """Return what to say of a word that is no command."""
+    from difflib import get_close_matches
+
+    message = f"there is no command {name!r}"
+    if near := get_close_matches(name.lower(), COMMANDS, n=2, cutoff=0.6):
+        return f"{message}: did you mean {' or '.join(near)}?"
+    if name.lower().endswith((".yaml", ".yml")) or name.startswith("@"):
+        return f"{message}: did you mean gsp solve {name}?"
+    return f"{message}: gsp --help lists them"
 
 
 @click.group(
@@ -91,7 +118,7 @@ def cli(debug: bool) -> None:
 
 def _complain(message: str) -> None:
     # Named in full: the console script is `gsp` whatever path it was started by.
-    click.secho("error: ", fg="red", bold=True, nl=False, err=True)
+    click.secho("error: ", fg="red", bold=True, nl=False, err=True, color=coloured(sys.stderr))
     click.echo(message, err=True)
 
 

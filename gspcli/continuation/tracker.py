@@ -66,6 +66,8 @@ class PathResults:
 
     points: ComplexArray
     """Study points of norm 1, shape (B, P, 8)."""
+    low: ComplexArray
+    """What 32 digits add to the points, shape (B, P, 8); (0, P, 8) if 16 were computed."""
     t: FloatArray
     """Where on the way from 0 to 1 the points are, shape (B, P)."""
     status: NDArray[np.uint8]

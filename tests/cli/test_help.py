@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 
 import click
 import pytest
 
+from gspcli.cli.colour import coloured
 from gspcli.cli.main import COMMANDS, cli
 
 Run = Callable[..., object]
+HEADINGS = [f"{heading}:" for heading in dict.fromkeys(COMMANDS.values())]
 
 
 @pytest.mark.parametrize("name", ["commands.md", "errata.md"])
@@ -37,19 +40,60 @@ def test_help_exits_with_0_and_lists_every_command(gsp: Run) -> None:
     outcome = gsp("--help")
     assert outcome.code == 0
     assert all(f"\n  {name} " in outcome.out for name in COMMANDS)
-    assert "..." not in outcome.out.split("Commands:")[1]
+    assert "..." not in outcome.out.split("What types are:")[1]
+
+
+def test_help_groups_the_commands(gsp: Run) -> None:
+    assert [line for line in gsp("--help").out.splitlines() if line in HEADINGS] == HEADINGS
 
 
 def test_no_arguments_show_the_help_and_exit_with_2(gsp: Run) -> None:
     outcome = gsp()
     assert outcome.code == 2
-    assert "Commands:" in outcome.err
+    assert "What types are:" in outcome.err
     assert outcome.out == ""
 
 
 def test_unknown_commands_and_options_exit_with_2(gsp: Run) -> None:
     assert gsp("frobnicate").code == 2
     assert gsp("enumerate", "--frobnicate").code == 2
+
+
+@pytest.mark.parametrize(
+    ("word", "said"),
+    [
+        ("slove", "there is no command 'slove': did you mean solve?"),
+        ("Solve", "there is no command 'Solve': did you mean solve?"),
+        ("platform.yaml", "did you mean gsp solve platform.yaml?"),
+        ("@dietmaier", "did you mean gsp solve @dietmaier?"),
+        ("frobnicate", "there is no command 'frobnicate': gsp --help lists them"),
+    ],
+)
+def test_a_wrong_command_is_told_what_was_meant(gsp: Run, word: str, said: str) -> None:
+    outcome = gsp(word)
+    assert outcome.code == 2
+    assert said in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("settings", "expected"),
+    [
+        ({"TERM": "xterm"}, True),
+        ({"TERM": "xterm", "NO_COLOR": "1"}, False),
+        ({"TERM": "xterm", "NO_COLOR": ""}, True),
+        ({"TERM": "dumb"}, False),
+    ],
+)
+def test_colour_is_for_terminals_and_who_wants_it(
+    monkeypatch: pytest.MonkeyPatch, settings: dict[str, str], expected: bool
+) -> None:
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    for name, value in settings.items():
+        monkeypatch.setenv(name, value)
+    terminal, pipe = io.StringIO(), io.StringIO()
+    monkeypatch.setattr(terminal, "isatty", lambda: True)
+    assert coloured(terminal) is expected
+    assert not coloured(pipe)
 
 
 def test_the_version(gsp: Run) -> None:

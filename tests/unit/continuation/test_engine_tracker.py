@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -111,3 +113,22 @@ def test_wrong_shapes(homotopy):
         track(products, start, targets, points[:, :7])
     with pytest.raises(ValueError, match="no build named"):
         track(products, start, targets, points, build="sse9")
+
+
+def test_double_double_numbers_give_the_digits_that_doubles_cut_off(homotopy):
+    results = track(*homotopy, options=EXTENDED)
+    assert results.low.shape == results.points.shape
+    assert track(*homotopy).low.shape == (0, *results.points.shape[1:])
+    # On the Study quadric to 30 digits, in exact arithmetic.
+    high, low = ([Fraction(x) for x in row] for row in _parts(results.points, results.low))
+    z = [a + b for a, b in zip(high, low, strict=True)]
+    real, imaginary = z[:8], z[8:]
+    on_quadric = [
+        sum(real[k] * real[4 + k] - imaginary[k] * imaginary[4 + k] for k in range(4)),
+        sum(real[k] * imaginary[4 + k] + imaginary[k] * real[4 + k] for k in range(4)),
+    ]
+    assert 0 < max(map(abs, on_quadric)) < 1e-28
+
+
+def _parts(*arrays):
+    return [np.concatenate((x[0, 0].real, x[0, 0].imag)).tolist() for x in arrays]

@@ -1,0 +1,226 @@
+"""From approximate Study points of an instance to proved poses, with as many digits as it takes.
+
+A platform that is special up to a shake of eps has poses at eps^-2 lengths and N at eps^4, side
+by side with each other: too far and too near for doubles, but not for Newton's method on the exact
+equations in twice, four or eight times as many digits. What comes out is proved as every
+certificate is (`isolation`), N != 0 and the constraints as they are stated included.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import chain
+
+import numpy as np
+from flint import acb, ctx
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import DLL
+from gspcli.certification import study
+from gspcli.certification.balls import cross, dot, largest, rotated
+from gspcli.certification.isolation import Isolation, refine_point
+from gspcli.certification.measures import measure
+from gspcli.certification.poses import PoseBall, pose_of_point
+from gspcli.certification.system import System
+from gspcli.geometry.instance import Instance
+
+Complex = NDArray[np.complex128]
+
+#: Bits of the attempts at a point that is known in doubles, and of the last attempt at any.
+FIRST_PRECISION, LAST_PRECISION = 64, 512
+#: From this precision on a point that Newton's method still moves by more than the second number
+#: (coordinates are at most one) is given up: it is no approximation of a simple solution.
+_PATIENCE, _UNSETTLED = 256, 2.0**-12
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Coordinates in which Study points are given: ``T_instance = length T + base - R platform``.
+
+    Attributes
+    ----------
+    length
+        The unit of length.
+    platform, base
+        The origins in the frames of the instance, shape (3,).
+    """
+
+    length: float
+    platform: tuple[float, float, float]
+    base: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Located:
+    """A pose that is proved to be a simple solution, and real or not.
+
+    Attributes
+    ----------
+    isolation
+        The proof.
+    pose
+        Balls of the pose, translations in units of `scale`.
+    scale
+        The length scale of the instance.
+    real
+        Whether it is real.
+    """
+
+    isolation: Isolation
+    pose: PoseBall
+    scale: float
+    real: bool
+
+    @cached_property
+    def R(self) -> Complex:
+        """The rotation rounded to doubles, shape (3, 3)."""
+        return _rounded(list(chain(*self.pose.rotation)), self.real).reshape(3, 3)
+
+    @cached_property
+    def T(self) -> Complex:
+        """The translation rounded to doubles, in length units, shape (3,)."""
+        return _rounded([entry * self.scale for entry in self.pose.translation], self.real)
+
+    @cached_property
+    def quaternion(self) -> Complex:
+        """The quaternion with ``e.e = 1`` rounded to doubles, of either sign, shape (4,)."""
+        e = self.isolation.point[:4]
+        root = dot4(e, e).sqrt()
+        return _rounded([entry / root for entry in e], self.real)
+
+
+def dot4(a: Sequence[acb], b: Sequence[acb]) -> acb:
+    """Return the bilinear product of two vectors of length four."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
+
+
+def _rounded(numbers: Sequence[acb], real: bool) -> Complex:
+    values = np.array([complex(number.mid()) for number in numbers])
+    return values.real.astype(complex) if real else values
+
+
+class Locator:
+    """Finds the solutions of one instance near approximate points.
+
+    Parameters
+    ----------
+    instance
+        The exact instance.
+    frames
+        The coordinates in which points are given.
+    """
+
+    def __init__(self, instance: Instance, frames: Frames) -> None:
+        self.instance = instance
+        self.frames = frames
+        self._systems: dict[int, System] = {}
+
+    def system(self, precision: int) -> System:
+        """Return the equations at a precision, which must be the working one."""
+        if precision not in self._systems:
+            self._systems[precision] = System(self.instance, precision)
+        return self._systems[precision]
+
+    def locate(
+        self, points: Complex, low: Complex | None, sides: tuple[int, ...]
+    ) -> list[Located | None]:
+        """Return what is proved near each point, None where nothing is.
+
+        Parameters
+        ----------
+        points
+            Study points in the coordinates of `frames`, of any norm, shape (n, 8).
+        low
+            What is to be added to them, if they are known to more than doubles; shape (n, 8).
+        sides
+            For each constraint the index of its equation (`System.equations`).
+        """
+        precision = FIRST_PRECISION if low is None else 2 * FIRST_PRECISION
+        with ctx.workprec(LAST_PRECISION):
+            rest = np.zeros_like(points) if low is None else low
+            starts = [
+                self._in_frames(point, more) for point, more in zip(points, rest, strict=True)
+            ]
+        return [self.locate_exactly(start, sides, precision) for start in starts]
+
+    def _in_frames(self, point: Complex, low: Complex) -> list[acb]:
+        """Return a point in the frames of the instance, lengths in units of its scale."""
+        numbers = [acb(x) + acb(y) for x, y in zip(point.tolist(), low.tolist(), strict=True)]
+        e, f = numbers[:4], numbers[4:]
+        base, platform = ([acb(0), *map(acb, x)] for x in (self.frames.base, self.frames.platform))
+        ahead, behind = study.product(base, e), study.product(e, platform)
+        scale = acb(self.system(LAST_PRECISION).scale)
+        return e + [
+            (acb(self.frames.length) * x + (a - b) / 2) / scale
+            for x, a, b in zip(f, ahead, behind, strict=True)
+        ]
+
+    def locate_exactly(
+        self, start: Sequence[acb], sides: tuple[int, ...], precision: int = FIRST_PRECISION
+    ) -> Located | None:
+        """Return what is proved near a point in the frames of the instance and its length scale."""
+        patch = max(range(4), key=lambda k: float(abs(start[k]).mid()))
+        if start[patch].contains(0):
+            return None
+        with ctx.workprec(LAST_PRECISION):
+            point = [(x / start[patch]).mid() for x in start]
+        point[patch] = acb(1)
+        while precision <= LAST_PRECISION:
+            with ctx.workprec(precision):
+                system = self.system(precision)
+                found = refine_point(system, point, patch, sides)
+                if isinstance(found, Isolation):
+                    located = _located(system, found)
+                    if located is not None:
+                        return located
+                    point = list(found.centre)
+                else:
+                    # With too few digits Newton's method leaves even a good start: it is kept.
+                    moved = float(largest([x - y for x, y in zip(found, point, strict=True)]))
+                    if not moved < _UNSETTLED and precision >= _PATIENCE:
+                        return None
+            precision *= 2
+        return None
+
+
+def _located(system: System, isolation: Isolation) -> Located | None:
+    """Return the pose of a solution if it is proved to be one and known well enough."""
+    real = isolation.real
+    pose = pose_of_point(isolation.point)
+    if pose is None or real is None or not _is_known(pose) or not _as_stated(system, pose, real):
+        return None
+    return Located(isolation, pose, system.scale, real)
+
+
+#: Poses are located to this relative error of the largest entry of R and of T.
+_KNOWN = 2.0**-54
+
+
+def _is_known(pose: PoseBall) -> bool:
+    for part in (list(chain(*pose.rotation)), pose.translation):
+        size = largest(part)
+        if size.is_zero():
+            continue
+        if not all(entry.real.rad() + entry.imag.rad() <= _KNOWN * size for entry in part):
+            return False
+    return True
+
+
+def _as_stated(system: System, pose: PoseBall, real: bool) -> bool:
+    """Whether the constraints are proved to hold as they are stated.
+
+    Only for the distance of two lines does the equation hold elsewhere: where they are parallel,
+    whatever their distance.
+    """
+    if real and any(not m.value.overlaps(m.stated) for m in measure(system, pose)):
+        return False
+    for given in system.statements:
+        if given.kind is DLL:
+            normal = cross(
+                rotated(pose.rotation, [acb(x) for x in given.u]), list(map(acb, given.v))
+            )
+            if dot(normal, normal).contains(0):
+                return False
+    return True

@@ -1,0 +1,18 @@
+"""How results reach the user: one description of a table, a format a file, files written whole."""
+
+from gspcli.cli.output.emit import emit, write
+from gspcli.cli.output.files import check_writable, write_whole
+from gspcli.cli.output.options import FORMATS, Output, output_options
+from gspcli.cli.output.table import Column, Table
+
+__all__ = [
+    "FORMATS",
+    "Column",
+    "Output",
+    "Table",
+    "check_writable",
+    "emit",
+    "output_options",
+    "write",
+    "write_whole",
+]

@@ -1,0 +1,83 @@
+"""The options ``--format`` and ``-o``: where a result goes and in which format."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+from gspcli.cli.output.files import check_writable
+
+FORMATS = ("table", "csv", "json", "markdown", "latex")
+_SUFFIXES = {
+    ".csv": "csv",
+    ".json": "json",
+    ".md": "markdown",
+    ".tex": "latex",
+    ".txt": "table",
+    ".svg": "svg",
+    ".yaml": "yaml",
+}
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+@dataclass(frozen=True)
+class Output:
+    """Where the user wants a result and in which format.
+
+    Attributes
+    ----------
+    format
+        One of `FORMATS` (or the formats the command allows).
+    path
+        The file, or None for standard output.
+    """
+
+    format: str
+    path: Path | None
+
+
+def output_options(
+    formats: Sequence[str] = FORMATS, default: str = "table"
+) -> Callable[[Function], Function]:
+    """Return a decorator that adds ``--format`` and ``-o``; the command gets ``output: Output``."""
+
+    def decorate(function: Function) -> Function:
+        def resolve(context: click.Context, _: click.Parameter, value: str | None) -> str | None:
+            path = value
+            if path == "-":
+                path = None
+            chosen = context.params.pop("format_", None)
+            if chosen is None and path is not None:
+                chosen = _SUFFIXES.get(Path(path).suffix.lower())
+                if chosen not in formats:
+                    known = ", ".join(s for s, name in _SUFFIXES.items() if name in formats)
+                    message = f"no format known from {path!r}: use --format, or one of {known}"
+                    raise click.BadParameter(message)
+            if path is not None:
+                check_writable(Path(path))
+            context.params["output"] = Output(chosen or default, Path(path) if path else None)
+            return None
+
+        function = click.option(
+            "-o",
+            "--output",
+            "output_file_",
+            metavar="FILE",
+            expose_value=False,
+            callback=resolve,
+            help="Write to FILE; its suffix gives the format.",
+        )(function)
+        return click.option(
+            "--format",
+            "format_",
+            type=click.Choice(list(formats)),
+            is_eager=True,
+            help=f"Output format.  [default: {default}, or by the suffix of -o]",
+        )(function)
+
+    return decorate
