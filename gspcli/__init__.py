@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from gspcli.certification import certify
     from gspcli.errors import GspError
     from gspcli.geometry.instance import Instance
+    from gspcli.motion import measure
     from gspcli.solver import solve, solve_values
     from gspcli.spec import dumps, load, loads, set_values
 
@@ -47,6 +48,7 @@ _HOMES = {
     "family_bounds": "gspcli.catalogue.bounds",
     "load": "gspcli.spec",
     "loads": "gspcli.spec",
+    "measure": "gspcli.motion",
     "mechanism": "gspcli.catalogue.mechanism",
     "parse_class": "gspcli.catalogue.parsing",
     "parse_kind": "gspcli.catalogue.parsing",
@@ -73,6 +75,7 @@ __all__ = [
     "family_bounds",
     "load",
     "loads",
+    "measure",
     "mechanism",
     "parse_class",
     "parse_kind",

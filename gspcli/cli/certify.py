@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -12,7 +10,8 @@ import click
 from gspcli.cli.digits import DECIMALS, decimals, digit_table, digits_option, refined
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.errors import CheckFailed, GspError, IncompleteError
+from gspcli.cli.poses import text_of
+from gspcli.errors import CheckFailed, IncompleteError
 
 if TYPE_CHECKING:
     from gspcli.certification import Certificate, Certificates
@@ -97,7 +96,7 @@ def command(
     from gspcli.spec import set_values
 
     instance = set_values(load_instance(spec), settings)
-    given = read_candidates(*_text(result))
+    given = read_candidates(*text_of(result))
     proved = certify(instance, given.R, given.T, tolerance=tolerance, max_precision=max_precision)
     solutions = []
     for number, (item, claim) in enumerate(zip(proved, given.claimed_real, strict=True), 1):
@@ -121,20 +120,6 @@ def command(
     }
     emit(output, _tables(solutions, counts, output.format), document=document)
     _conclude(solutions, proved)
-
-
-def _text(path: str) -> tuple[str, str]:
-    """Return the content of a file or of standard input, and its name."""
-    name = "standard input" if path == "-" else path
-    try:
-        content = sys.stdin.buffer.read() if path == "-" else Path(path).read_bytes()
-        return content.decode("utf-8-sig"), name
-    except OSError as error:
-        message = f"{name}: cannot be read: {error.strerror}"
-        raise GspError(message) from error
-    except UnicodeDecodeError as error:
-        message = f"{name}: found {error.reason}, expected text in UTF-8"
-        raise GspError(message) from error
 
 
 def _head(instance: Instance) -> dict[str, Any]:

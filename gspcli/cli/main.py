@@ -16,6 +16,7 @@ from gspcli.errors import GspError
 _TYPES = "What types are"
 _PLATFORM = "One platform"
 _REAL = "How many solutions can be real"
+_MOVING = "Platforms that move"
 #: The subcommands in the order of the help, and the heading that each stands under; each is
 #: `command` of the module of its name (a dash is an underscore there).
 COMMANDS = {
@@ -34,6 +35,7 @@ COMMANDS = {
     "certify": _PLATFORM,
     "sample": _REAL,
     "maximize-real": _REAL,
+    "measure": _MOVING,
 }
 
 INTERRUPTED = 130

@@ -1,0 +1,103 @@
+"""`gsp measure`: from poses to values."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.names import load_instance
+from gspcli.cli.output import Column, Output, Table, emit, output_options
+from gspcli.cli.poses import pose_format, pose_options, text_of
+
+if TYPE_CHECKING:
+    from gspcli.geometry.instance import Instance
+    from gspcli.motion import PoseTable
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@click.argument("poses", metavar="[POSES]", required=False)
+@click.option("--pose", metavar="NUMBERS", help="One pose instead of a file: x,y,z,qw,qx,qy,qz.")
+@pose_options
+@output_options()
+def command(
+    spec: str,
+    poses: str | None,
+    pose: str | None,
+    euler: str | None,
+    pivot: str | None,
+    output: Output,
+) -> None:
+    """Measure the values of constraints at given poses (inverse kinematics).
+
+    SPEC is an instance file, POSES a CSV file with a heading, or what `gsp solve --format json`
+    prints; one of them may be - for standard input. Columns of POSES: x, y, z and one of
+    qw, qx, qy, qz (a quaternion of any length), rx, ry, rz (with --euler, in the angle unit of
+    SPEC) or r11 ... r33 (by rows), for x_base = R x_platform + T; and perhaps t. Others are left
+    out.
+
+    Each pose is one row with the distances and angles in the units and the order of SPEC. Distances
+    to planes (DPH, DHP) are signed: positive on the side to which the normal points. The values of
+    SPEC itself are not used.
+
+    \b
+    Examples:
+      gsp measure platform.yaml poses.csv -o values.csv
+      gsp measure platform.yaml path.csv --euler ZYX --pivot 0,0,-12.5
+      gsp measure platform.yaml --pose 0,0,1.5,1,0,0,0
+      gsp solve platform.yaml --format json | gsp measure platform.yaml -
+    """
+    if (poses is None) == (pose is None):
+        message = "give either POSES or --pose"
+        raise click.UsageError(message)
+    if spec == poses == "-":
+        message = "SPEC and POSES cannot both be standard input"
+        raise click.UsageError(message)
+    from gspcli.motion import measure, read_pose, read_poses
+
+    instance = load_instance(spec)
+    form = pose_format(instance, euler, pivot)
+    table = read_pose(pose, form) if pose is not None else read_poses(*text_of(str(poses)), form)
+    rows = _rows(instance, table, measure(instance, table.R, table.T).tolist())
+    document = None
+    if output.format == "json":
+        kind = instance.type
+        document = {
+            "schema": "gsp.measure/1",
+            "name": instance.name,
+            "type": {"id": kind.id, "number": kind.number, "class": kind.platform_class.id},
+            "units": {"length": instance.units.length, "angle": instance.units.angle.value},
+            "poses": [
+                {"t": row["t"], "values": [row[str(k)] for k in range(1, 7)], "sides": row["sides"]}
+                for row in rows
+            ],
+        }
+    emit(output, _table(instance, rows), document=document)
+
+
+def _rows(instance: Instance, table: PoseTable, values: list[list[float]]) -> list[dict[str, Any]]:
+    """Return a row for each pose; t counts the poses from 1 if the file has none."""
+    sided = [k for k, row in enumerate(instance.constraints, 1) if row.kind.has_sides]
+    times = range(1, len(values) + 1) if table.t is None else table.t.tolist()
+    rows = []
+    for t, row in zip(times, values, strict=True):
+        named = {str(k): value for k, value in enumerate(row, 1)}
+        sides = {str(k): "negative" if row[k - 1] < 0 else "positive" for k in sided}
+        rows.append({"t": t, **named, "sides": sides})
+    return rows
+
+
+def _table(instance: Instance, rows: list[dict[str, Any]]) -> Table:
+    kinds = [constraint.kind.name for constraint in instance.constraints]
+    columns = [Column("t", align="right", essential=True)]
+    columns += [
+        Column(str(k), f"{k} {name}", align="right", essential=True)
+        for k, name in enumerate(kinds, 1)
+    ]
+    units = instance.units
+    title = ": ".join(part for part in (instance.name, instance.type.id) if part)
+    note = f"distances in {units.length}, angles in {units.angle.value}"
+    if any(row["sides"] for row in rows):
+        note += "; DPH and DHP signed, positive where the normal points"
+    return Table(columns, rows, title=title, notes=[note])

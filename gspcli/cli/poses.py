@@ -1,0 +1,60 @@
+"""Options of the commands that take poses, and the text of files that are not instances."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from gspcli.errors import GspError
+
+if TYPE_CHECKING:
+    from gspcli.geometry.instance import Instance
+    from gspcli.motion import PoseFormat
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def pose_options(function: Function) -> Function:
+    """Add ``--euler`` and ``--pivot``."""
+    function = click.option(
+        "--pivot",
+        metavar="X,Y,Z",
+        help="The point of the platform, in its frame, that x, y, z are the position of.",
+    )(function)
+    return click.option(
+        "--euler",
+        metavar="AXES",
+        help="Order of the axes of rx, ry, rz: capitals turn with the platform (ZYX), small "
+        "letters about the axes of the base (xyz).",
+    )(function)
+
+
+def pose_format(instance: Instance, euler: str | None, pivot: str | None) -> PoseFormat:
+    """Return what the options and the instance say of a pose file."""
+    from gspcli.geometry.euler import check_sequence
+    from gspcli.motion import PoseFormat
+    from gspcli.motion.pose_files import pivot_from_text
+
+    return PoseFormat(
+        check_sequence(euler) if euler is not None else None,
+        pivot_from_text(pivot) if pivot is not None else (0.0, 0.0, 0.0),
+        instance.units.angle.in_radians,
+    )
+
+
+def text_of(path: str) -> tuple[str, str]:
+    """Return the content of a file or, for -, of standard input, and its name."""
+    name = "standard input" if path == "-" else path
+    try:
+        content = sys.stdin.buffer.read() if path == "-" else Path(path).read_bytes()
+        return content.decode("utf-8-sig"), name
+    except OSError as error:
+        message = f"{name}: cannot be read: {error.strerror}"
+        raise GspError(message) from error
+    except UnicodeDecodeError as error:
+        message = f"{name}: found {error.reason}, expected text in UTF-8"
+        raise GspError(message) from error

@@ -1,0 +1,74 @@
+"""Rotations by three angles about coordinate axes, in the letter case of SciPy."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.errors import GspError
+
+Array = NDArray[np.float64]
+
+_AXES = "xyz"
+
+
+def check_sequence(sequence: str) -> str:
+    """Return a sequence of axes as it is if it names three different axes in one case.
+
+    Raises
+    ------
+    GspError
+        If it does not.
+    """
+    if not re.fullmatch("[xyz]{3}|[XYZ]{3}", sequence) or len(set(sequence)) != 3:
+        message = (
+            f"found the Euler sequence {sequence!r}, expected three different axes: such as ZYX "
+            "(about the axes of the platform, one after the other) or xyz (about those of the base)"
+        )
+        raise GspError(message)
+    return sequence
+
+
+def rotation_from_euler(sequence: str, angles: Any) -> Array:
+    """Return rotations by angles about three axes.
+
+    Parameters
+    ----------
+    sequence
+        The order of the axes, as ``scipy.spatial.transform.Rotation.from_euler`` has it: capital
+        letters turn about the axes of the moving frame, ``ZYX = R_z R_y R_x``, small ones about
+        those of the fixed frame, ``zyx = R_x R_y R_z``.
+    angles
+        The angles about x, y and z, whatever the order of the axes, in radians, shape (..., 3).
+
+    Returns
+    -------
+    Array
+        Rotations, shape (..., 3, 3).
+
+    Raises
+    ------
+    GspError
+        If the sequence does not name three different axes in one case.
+    """
+    check_sequence(sequence)
+    angles = np.asarray(angles, float)
+    R: Array = np.broadcast_to(np.eye(3), (*angles.shape[:-1], 3, 3))
+    for letter in sequence:
+        turn = _about(_AXES.index(letter.lower()), angles)
+        R = R @ turn if letter.isupper() else turn @ R
+    return R
+
+
+def _about(axis: int, angles: Array) -> Array:
+    """Return the rotations about one coordinate axis by its angle, (..., 3) -> (..., 3, 3)."""
+    sine, cosine = np.sin(angles[..., axis]), np.cos(angles[..., axis])
+    j, k = (axis + 1) % 3, (axis + 2) % 3
+    turn = np.zeros((*angles.shape[:-1], 3, 3))
+    turn[..., axis, axis] = 1
+    turn[..., j, j] = turn[..., k, k] = cosine
+    turn[..., k, j], turn[..., j, k] = sine, -sine
+    return turn

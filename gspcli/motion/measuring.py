@@ -1,0 +1,66 @@
+"""Inverse kinematics: the values that the constraints have at given poses."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.catalogue.kinds import DLL
+from gspcli.errors import GspError
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.measurement import measured
+
+Array = NDArray[np.float64]
+
+#: Poses measured at a time: their intermediate arrays stay in the cache of a core.
+_CHUNK = 2000
+
+
+def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
+    """Return the values of all constraints at poses, in the units of the instance.
+
+    The values of the instance itself are not used. Distances to planes (DPH and DHP) are signed:
+    positive on the side to which the normal points. All other distances are at least zero.
+
+    Parameters
+    ----------
+    instance
+        The geometry and units.
+    R
+        Rotations, shape (..., 3, 3), ``x_base = R x_platform + T``.
+    T
+        Translations, shape (..., 3), in length units.
+
+    Returns
+    -------
+    Array
+        Distances and angles in the order of the instance, shape (..., 6).
+
+    Raises
+    ------
+    GspError
+        If the arrays have other shapes or numbers that are not finite.
+    """
+    R, T = np.asarray(R, float), np.asarray(T, float)
+    if R.shape[-2:] != (3, 3) or T.shape[-1:] != (3,) or R.shape[:-2] != T.shape[:-1]:
+        message = (
+            f"R has shape {R.shape} and T {T.shape}, expected (..., 3, 3) and (..., 3) with the "
+            "same leading axes"
+        )
+        raise GspError(message)
+    for name, part in (("R", R), ("T", T)):
+        if not np.isfinite(part).all():
+            index = tuple(np.argwhere(~np.isfinite(part))[0].tolist())
+            message = f"{name}{list(index)} is {part[index]}, expected a finite number"
+            raise GspError(message)
+    arrangement = Arrangement.of(instance)
+    rotations, translations = R.reshape(-1, 3, 3), T.reshape(-1, 3)
+    values = np.empty((len(rotations), len(arrangement.kinds)))
+    for start in range(0, len(rotations), _CHUNK):
+        rows = slice(start, start + _CHUNK)
+        values[rows] = measured(arrangement, rotations[rows], translations[rows])
+    skew = [kind is DLL for kind in arrangement.kinds]
+    values[:, skew] = np.abs(values[:, skew])
+    values[:, arrangement.angles] /= arrangement.in_radians
+    return values.reshape(*T.shape[:-1], len(arrangement.kinds))

@@ -1,0 +1,196 @@
+"""Numbers in CSV files with a heading, and the place of every mistake in them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.errors import Location, Problem, SpecError
+from gspcli.spec.wording import listed, shown, suggestion
+
+Array = NDArray[np.float64]
+
+#: One cell, in quotation marks or not, up to a delimiter.
+_CELL = r'[ ]*(?:"((?:[^"]|"")*)"|([^{d}]*?))[ ]*(?:[{d}]|$)'
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+#: More mistakes than this are counted, not listed.
+MOST_PROBLEMS = 20
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A cell of a file: its text, and the column (of characters, from 1) where it begins."""
+
+    text: str
+    column: int
+
+
+class NumberTable:
+    """A table of numbers under a heading, read from CSV text.
+
+    The delimiter is the first of comma, semicolon and tab that the heading has, else blanks. Empty
+    lines and lines that begin with # are left out. Mistakes are collected in `problems`, so that
+    all of them can be told at once (`check`).
+
+    Parameters
+    ----------
+    text
+        The content of the file.
+    name
+        How messages name the file.
+    """
+
+    def __init__(self, text: str, name: str) -> None:
+        self.name = name
+        self.problems: list[Problem] = []
+        lines = [
+            (number, line.rstrip())
+            for number, line in enumerate(text.splitlines(), 1)
+            if line.strip() and not line.lstrip().startswith("#")
+        ]
+        if not lines:
+            raise SpecError(
+                [Problem(Location(name, 1, 1), "", "found nothing, expected a heading and rows")]
+            )
+        heading = lines[0][1]
+        self._delimiter = next((mark for mark in ",;\t" if mark in heading), "")
+        cells = self._cells(heading)
+        self._heading_line = lines[0][0]
+        #: The names in the heading, in small letters.
+        self.heading = tuple(cell.text.lower() for cell in cells)
+        for k, cell in enumerate(cells):
+            if cell.text and self.heading.index(self.heading[k]) < k:
+                self._note(lines[0][0], cell, f"found the column {shown(cell.text)} twice")
+        self._lines = lines[1:]
+        if not self._lines:
+            self.note_heading("found a heading and no rows")
+        for number, line in self._lines:
+            found = line.count(self._delimiter) + 1 if self._delimiter else len(line.split())
+            if found != len(cells) and (row := self._cells(line)) and len(row) != len(cells):
+                message = f"found {len(row)} cells, expected {len(cells)} as in the heading"
+                self.problems.append(Problem(Location(name, number, 1), "", message))
+
+    def __len__(self) -> int:
+        return len(self._lines)
+
+    def _cells(self, line: str) -> list[Cell]:
+        if not self._delimiter:
+            return [Cell(match[0], match.start() + 1) for match in re.finditer(r"\S+", line)]
+        cells, start = [], 0
+        pattern = re.compile(_CELL.format(d=re.escape(self._delimiter)))
+        while match := pattern.match(line, start):
+            quoted = match[1] is not None
+            text = match[1].replace('""', '"') if quoted else match[2]
+            cells.append(Cell(text.strip(), match.start(1 if quoted else 2) + 1))
+            start = match.end()
+            if not match[0].endswith(self._delimiter):
+                break
+        return cells
+
+    def _note(self, line: int, cell: Cell, message: str) -> None:
+        self.problems.append(Problem(Location(self.name, line, cell.column), cell.text, message))
+
+    def note_heading(self, message: str) -> None:
+        """Note a mistake of the heading."""
+        self.problems.append(Problem(Location(self.name, self._heading_line, 1), "", message))
+
+    def note_row(self, row: int, message: str) -> None:
+        """Note a mistake of a whole row, counted from 0."""
+        self.problems.append(Problem(Location(self.name, self._lines[row][0], 1), "", message))
+
+    def choose(self, *groups: Sequence[str]) -> Sequence[str] | None:
+        """Return the group of columns that the heading has; None, and a mistake, for none or two.
+
+        Parameters
+        ----------
+        groups
+            Alternatives, names in small letters.
+        """
+        complete = [group for group in groups if set(group) <= set(self.heading)]
+        if len(complete) == 1:
+            return complete[0]
+        expected = listed(" ".join(group) for group in groups)
+        if complete:
+            both = listed((" ".join(group) for group in complete), "and")
+            self.note_heading(f"found {both}, expected only one of {expected}")
+            return None
+        missing = next(
+            (
+                name
+                for group in groups
+                if set(group) & set(self.heading)
+                for name in group
+                if name not in self.heading
+            ),
+            None,
+        )
+        hint = ""
+        if missing is not None:
+            hint = f": {missing} is missing{suggestion(missing, self._unknown(groups))}"
+        found = " ".join(self.heading) or "nothing"
+        self.note_heading(f"found the columns {shown(found)}, expected {expected}{hint}")
+        return None
+
+    def _unknown(self, groups: Sequence[Sequence[str]]) -> list[str]:
+        known = {name for group in groups for name in group}
+        return [name for name in self.heading if name and name not in known]
+
+    def numbers(self, columns: Sequence[str]) -> Array:
+        """Return the numbers in some columns, shape (rows, columns); NaN for each mistake."""
+        places = [self.heading.index(name) for name in columns]
+        rows = np.full((len(self._lines), len(places)), math.nan)
+        for k, (number, line) in enumerate(self._lines):
+            texts = (
+                line.split(self._delimiter or None)
+                if '"' not in line
+                else [cell.text for cell in self._cells(line)]
+            )
+            try:
+                rows[k] = [float(texts[place]) for place in places]
+            except (ValueError, IndexError):
+                rows[k] = math.nan
+            if not all(map(math.isfinite, rows[k])) or "_" in line:
+                self._complain(number, line, places, columns)
+        return rows
+
+    def _complain(
+        self, number: int, line: str, places: Sequence[int], columns: Sequence[str]
+    ) -> None:
+        """Note the cells of a row that are no numbers."""
+        cells = self._cells(line)
+        for place, name in zip(places, columns, strict=True):
+            if place >= len(cells):
+                continue
+            if message := wrong_number(cells[place].text):
+                location = Location(self.name, number, cells[place].column)
+                self.problems.append(Problem(location, name, message))
+
+    def check(self) -> None:
+        """Raise `SpecError` with all mistakes found so far, if there are any."""
+        check(self.problems)
+
+
+def wrong_number(text: str) -> str:
+    """Return what is wrong with the text of a number, or nothing."""
+    if _NUMBER.fullmatch(text) and math.isfinite(float(text)):
+        return ""
+    found = shown(text) if text else "nothing"
+    comma = "," in text and _NUMBER.fullmatch(text.replace(",", "."))
+    hint = " (decimals are written with a point)" if comma else ""
+    return f"found {found}, expected a finite number{hint}"
+
+
+def check(problems: Sequence[Problem]) -> None:
+    """Raise `SpecError` if there are problems, with the first `MOST_PROBLEMS` and a count."""
+    if not problems:
+        return
+    ordered = sorted(problems, key=lambda problem: (problem.location is None, problem.location))
+    shown_ones, more = ordered[:MOST_PROBLEMS], len(ordered) - MOST_PROBLEMS
+    if more > 0:
+        shown_ones.append(Problem(None, "", f"and {more} more mistakes"))
+    raise SpecError(shown_ones)

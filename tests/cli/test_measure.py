@@ -1,0 +1,92 @@
+from __future__ import annotations
+
+import io
+import json
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).parents[2] / "data" / "examples"
+HEXAPOD = str(EXAMPLES / "platform-6-6.yaml")
+PLANES = str(EXAMPLES / "six-planes.yaml")
+
+
+def test_solve_and_measure_give_the_values_of_the_file(gsp, tmp_path):
+    for form in ("json", "csv"):
+        path = tmp_path / f"poses.{form}"
+        path.write_text(gsp("solve", HEXAPOD, "--format", form).out, encoding="utf-8")
+        run = gsp("measure", HEXAPOD, path, "--format", "csv")
+        assert (run.code, run.err) == (0, "")
+        head, *rows = run.out.splitlines()
+        assert head == "t,1,2,3,4,5,6"
+        assert len(rows) == 2
+        for number, row in enumerate(rows, 1):
+            t, *values = map(float, row.split(","))
+            assert t == number
+            assert values == pytest.approx([2.53, 2.08, 0.93, 1.97, 1.46, 1.73], abs=1e-12)
+
+
+def test_table_of_signed_distances(gsp):
+    run = gsp("measure", PLANES, "--pose", "1,2,3,2,0,0,0")
+    assert run.code == 0
+    assert run.out == (
+        "Six points on six planes: DPH DPH DPH DPH DPH DPH\n"
+        "\n"
+        "t     1 DPH       2 DPH      3 DPH      4 DPH      5 DPH    6 DPH\n"
+        "─────────────────────────────────────────────────────────────────\n"
+        "1   -1.4961   -0.803623   -1.61942   -1.25493   -0.33796   3.2922\n"
+        "\n"
+        "distances in unit, angles in deg; DPH and DHP signed, positive where the normal points\n"
+    )
+
+
+def test_json_has_values_and_sides(gsp):
+    run = gsp("measure", PLANES, "--pose", "1,2,3,1,0,0,0", "--format", "json")
+    document = json.loads(run.out)
+    assert document["schema"] == "gsp.measure/1"
+    (pose,) = document["poses"]
+    assert pose["t"] == 1
+    assert pose["values"][5] == pytest.approx(3.2922, abs=1e-4)
+    assert pose["sides"] == {str(k): "positive" if k == 6 else "negative" for k in range(1, 7)}
+
+
+def test_standard_input_times_angles_and_pivot(gsp, monkeypatch):
+    stdin = io.TextIOWrapper(io.BytesIO(b"t,x,y,z,rx,ry,rz\n0.5,1,1,1,0,0,90\n"))
+    monkeypatch.setattr("sys.stdin", stdin)
+    run = gsp("measure", HEXAPOD, "-", "--euler", "xyz", "--pivot", "1,0,0", "--format", "csv")
+    assert (run.code, run.err) == (0, "")
+    direct = gsp("measure", HEXAPOD, "--pose", "1,0,1,1,0,0,1", "--format", "csv")
+    rows = [[float(x) for x in r.out.splitlines()[1].split(",")] for r in (run, direct)]
+    assert rows[0][0] == 0.5
+    assert rows[0][1:] == pytest.approx(rows[1][1:])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((HEXAPOD,), "give either POSES or --pose"),
+        ((HEXAPOD, "p.csv", "--pose", "1"), "give either POSES or --pose"),
+        (("-", "-"), "SPEC and POSES cannot both be standard input"),
+        ((HEXAPOD, "no.csv"), "error: no.csv: cannot be read: No such file or directory\n"),
+        (
+            (HEXAPOD, "--pose", "1,2,3,0,0,0"),
+            "error: --pose:1:1: found rx ry rz without the order of the axes: say it with "
+            "--euler, such as ZYX or xyz\n",
+        ),
+        (
+            (HEXAPOD, "--pose", "1,2,3,0,0,0", "--euler", "XYx"),
+            "error: found the Euler sequence 'XYx', expected three different axes: such as ZYX "
+            "(about the axes of the platform, one after the other) or xyz (about those of the "
+            "base)\n",
+        ),
+        (
+            (HEXAPOD, "--pose", "1,2,3,0,0,0,1", "--pivot", "0,0"),
+            "error: --pivot: found '0,0', expected the three coordinates of a point: x,y,z\n",
+        ),
+    ],
+)
+def test_mistakes(gsp, arguments, message):
+    run = gsp("measure", *arguments)
+    assert run.code == 2
+    assert run.out == ""
+    assert message in run.err
