@@ -73,7 +73,7 @@ def throughput(type_text: str, batch: int, jobs: int, seed: int) -> Throughput:
     for _ in range(3):
         began = time.perf_counter()
         complete = sum(
-            not (poses.lost or poses.on_curves)
+            poses.account.verdict == "complete"
             for poses in solve_values(instance, values, jobs=jobs)
         )
         times.append(time.perf_counter() - began)

@@ -131,12 +131,11 @@ def examine(
     relative[:, arrangement.distances] /= arrangement.length
     residual = (relative.max(axis=1) / size**2).max(initial=0)
     own = conjugate == np.arange(len(R))
-    spurious = poses.spurious if isinstance(poses, PoseSet) else poses.counts.spurious
     statements = {
-        "lost paths": poses.lost > 0,
-        "paths on curves": poses.on_curves > 0 or len(poses.motions) > 0,
-        "poses at infinity": poses.at_infinity > 0,
-        "spurious ends": spurious > 0,
+        "lost paths": poses.account.lost > 0,
+        "paths on curves": poses.account.on_curves > 0,
+        "poses at infinity": poses.account.at_infinity > 0,
+        "spurious ends": poses.account.spurious > 0,
         "multiple poses": bool((poses.multiplicity > 1).any()),
         "wrong number": len(R) != expected,
         "equal poses": separation < SEPARATION,

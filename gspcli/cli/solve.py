@@ -169,20 +169,19 @@ def _row(number: int, solution: Solution, readable: bool) -> dict[str, Any]:
 
 def account(result: SolveResult) -> str:
     """Return the line that says what became of every path."""
-    counts = result.counts
+    counts, ends = result.counts, result.account
     found = counts.found
     parts = [f"{found} of {result.expected} expected found", f"{counts.real} real"]
     if counts.certified:
         parts.append(f"{counts.certified} certified")
     if counts.singular:
-        paths = int(result.multiplicity.sum())
-        parts.append(f"{counts.singular} multiple ({paths} paths end at found ones)")
-    parts.append(f"{counts.at_infinity} at infinity")
-    if counts.on_curves:
-        parts.append(f"{counts.on_curves} on curves")
-    if counts.spurious:
-        parts.append(f"{counts.spurious} where parallel lines have another distance")
-    parts.append(f"{counts.lost} lost")
+        parts.append(f"{counts.singular} multiple ({ends.found} paths end at found ones)")
+    parts.append(f"{ends.at_infinity} at infinity")
+    if ends.on_curves:
+        parts.append(f"{ends.on_curves} on curves")
+    if ends.spurious:
+        parts.append(f"{ends.spurious} where parallel lines have another distance")
+    parts.append(f"{ends.lost} lost")
     return f"{', '.join(parts)}; {result.verdict}"
 
 
@@ -197,11 +196,10 @@ def _complain(result: SolveResult, *, certified: bool) -> None:
             "(numerical evidence; --format json has sample motions)"
         )
         raise NotFiniteError(message)
-    missing = counts.lost + counts.on_curves
-    if missing:
+    if result.account.lost:
         message = (
-            f"{missing} of {result.expected} expected solutions could not be made out: the "
-            "platform is in or near a special position\n"
+            f"{result.account.lost} of {result.expected} expected solutions could not be made "
+            "out: the platform is in or near a special position\n"
             "try another --seed, or change a value a little with --set and compare"
         )
         raise IncompleteError(message)

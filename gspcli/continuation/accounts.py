@@ -26,6 +26,7 @@ from gspcli.continuation.ends import (
     may_coincide,
     regular_error,
 )
+from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.regularity import clearly_simple, simple
 from gspcli.continuation.start import StartSystem
@@ -56,19 +57,22 @@ class Curve:
 
 
 @dataclass(frozen=True, eq=False)
-class Account:
+class Settled:
     """The ends of all paths of one system; points of norm 1."""
 
     points: ComplexArray
     multiplicity: NDArray[np.int64]
     condition: FloatArray
     residual: FloatArray
-    at_infinity: int = 0
-    on_curves: int = 0
-    lost: int = 0
+    account: PathAccount
     suspect: bool = False
     """Winding numbers and multiplicities contradict each other."""
     curves: list[Curve] = field(default_factory=list)
+
+    @property
+    def doubts(self) -> tuple[int, bool]:
+        """How much is not known; less is better."""
+        return self.account.lost, self.suspect
 
 
 @lru_cache(maxsize=256)
@@ -91,21 +95,22 @@ def all_regular(results: PathResults) -> NDArray[np.bool_]:
     return good
 
 
-def regular_account(results: PathResults, i: int) -> Account:
-    """Return the account of a target for which `all_regular` holds."""
+def regular_ends(results: PathResults, i: int) -> Settled:
+    """Return the ends of the paths to a target for which `all_regular` holds."""
     count = results.points.shape[1]
-    return Account(
+    return Settled(
         results.points[i],
         np.ones(count, dtype=np.int64),
         results.condition[i],
         results.residual[i],
+        PathAccount(expected=count, found=count),
     )
 
 
 def settle(
     start: StartSystem, target: Coefficients, results: PathResults, seed: int, jobs: int
-) -> Account:
-    """Return the account of one target from the first results of its paths (1, P)."""
+) -> Settled:
+    """Return where all paths to one target end, from their first results (1, P)."""
     products = np.array(start.structure.products)
     best = None
     for attempt in range(_ATTEMPTS):
@@ -113,12 +118,12 @@ def settle(
         if attempt:
             options = CAREFUL if attempt < _ATTEMPTS - 1 else PARANOID
             results = _track(start, origin, target, start.points, options, jobs)
-        account = _Attempt(start, origin, target, results, jobs).account(seed)
+        ends = _Attempt(start, origin, target, results, jobs).settled(seed)
         if best is not None:
-            account = _completed(account, best, simple(products, target, best.points))
-        if best is None or (account.lost, account.suspect) < (best.lost, best.suspect):
-            best = account
-        if not best.lost and not best.suspect:
+            ends = _completed(ends, best, simple(products, target, best.points))
+        if best is None or ends.doubts < best.doubts:
+            best = ends
+        if not any(best.doubts):
             break
     assert best is not None
     return best
@@ -137,25 +142,27 @@ def _track(
     return track(products, origin, goal, points, options=options, jobs=jobs)
 
 
-def _completed(account: Account, other: Account, regular: NDArray[np.bool_]) -> Account:
+def _completed(ends: Settled, other: Settled, regular: NDArray[np.bool_]) -> Settled:
     """Add regular solutions that only another attempt found: one lost path ends at each."""
-    if not account.lost or not len(other.points):
-        return account
+    lost = ends.account.lost
+    if not lost or not len(other.points):
+        return ends
     index = [
         i
         for i in np.flatnonzero(regular)
         if other.multiplicity[i] == 1
-        and distances(account.points, other.points[i]).min(initial=1.0) > SINGULAR_ERROR
+        and distances(ends.points, other.points[i]).min(initial=1.0) > SINGULAR_ERROR
     ]
-    if not index or len(index) > account.lost:
-        return account
+    if not index or len(index) > lost:
+        return ends
+    found = ends.account.found + len(index)
     return replace(
-        account,
-        points=np.concatenate([account.points, other.points[index]]),
-        multiplicity=np.concatenate([account.multiplicity, other.multiplicity[index]]),
-        condition=np.concatenate([account.condition, other.condition[index]]),
-        residual=np.concatenate([account.residual, other.residual[index]]),
-        lost=account.lost - len(index),
+        ends,
+        points=np.concatenate([ends.points, other.points[index]]),
+        multiplicity=np.concatenate([ends.multiplicity, other.multiplicity[index]]),
+        condition=np.concatenate([ends.condition, other.condition[index]]),
+        residual=np.concatenate([ends.residual, other.residual[index]]),
+        account=replace(ends.account, found=found, lost=lost - len(index)),
     )
 
 
@@ -193,7 +200,7 @@ class _Attempt:
         self.regular = clearly_simple(results)[0]
         self.error = regular_error(self.correction)
 
-    def account(self, seed: int) -> Account:
+    def settled(self, seed: int) -> Settled:
         for options in (CAREFUL, PARANOID):
             wrong = (self.status == PathStatus.FAILED) | self._collided()
             if wrong.any():
@@ -276,7 +283,7 @@ class _Attempt:
         self.regular[chosen] = True
         winding[chosen] = 0
 
-    def _classify(self, winding: NDArray[np.int64], rng: np.random.Generator) -> Account:
+    def _classify(self, winding: NDArray[np.int64], rng: np.random.Generator) -> Settled:
         lost = int((winding < 0).sum())
         known = np.flatnonzero(winding >= 0)
         away = infinite(self.points[known], self.error[known])
@@ -302,14 +309,18 @@ class _Attempt:
             suspect |= bool((of_cycle[1:] % cycle[1:]).any())
             rows.append((first, len(members)))
         index = np.array([first for first, _ in rows], dtype=np.intp)
-        return Account(
+        return Settled(
             self.points[index],
             np.array([count for _, count in rows], dtype=np.int64),
             self.condition[index],
             self.target.residuals(self.products, self.points[index]),
-            int(away.sum()),
-            sum(len(end.members) for end in found),
-            lost,
+            PathAccount(
+                expected=len(self.points),
+                found=sum(count for _, count in rows),
+                at_infinity=int(away.sum()),
+                on_curves=sum(len(end.members) for end in found),
+                lost=lost,
+            ),
             suspect,
             self._curves(found),
         )

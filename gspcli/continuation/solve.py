@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields
 from itertools import groupby, islice
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.accounts import (
-    Account,
+    Settled,
     all_regular,
     random_start,
-    regular_account,
+    regular_ends,
     settle,
 )
+from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.start import StartSystem, start_system
 from gspcli.continuation.systems import Coefficients, TargetSystem
@@ -48,7 +48,7 @@ class SolutionCurve:
 
 @dataclass(frozen=True, eq=False)
 class SystemSolutions:
-    """The solutions of one system. ``paths = finite + at_infinity + on_curves + lost`` always."""
+    """The solutions of one system, with an account of every path."""
 
     points: ComplexArray
     """Distinct finite isolated solutions, shape (n, 8), scaled to N = e.e = 1. The sign is such
@@ -66,30 +66,13 @@ class SystemSolutions:
     residual: FloatArray
     """Largest value of an equation, divided by the size of the terms that cancel in it, for
     coordinates and factors of norm 1; shape (n,)."""
-    paths: int
-    """Number of paths, which is the generic count of the structure: 2^products times I."""
-    at_infinity: int
-    """Paths that end at infinity, N = 0."""
-    on_curves: int
-    """Paths that end on positive-dimensional solution sets."""
-    lost: int
-    """Paths whose end is not known."""
+    account: PathAccount
+    """Where all paths end; as many are expected as the generic count of the structure says,
+    2^products times I."""
     curves: tuple[SolutionCurve, ...]
     """The positive-dimensional solution sets found."""
     seed: int
     """What the random choices were made from."""
-
-    @property
-    def finite(self) -> int:
-        """Number of paths that end at finite isolated solutions: the sum of multiplicities."""
-        return int(self.multiplicity.sum())
-
-    @property
-    def verdict(self) -> Literal["complete", "infinite", "incomplete"]:
-        """`infinite` if there are curves, else `incomplete` if paths are lost."""
-        if self.curves:
-            return "infinite"
-        return "incomplete" if self.lost else "complete"
 
 
 def solve_system(
@@ -163,24 +146,21 @@ def _solve_batch(
     clean = all_regular(results)
     for i in range(len(targets)):
         if clean[i]:
-            account = regular_account(results, i)
+            ends = regular_ends(results, i)
         else:
             row = PathResults(*(getattr(results, f.name)[i : i + 1] for f in fields(results)))
-            account = settle(start, balanced.take(i), row, seed, jobs)
-        yield _solutions(account, len(start.points), float(scale[i]), seed)
+            ends = settle(start, balanced.take(i), row, seed, jobs)
+        yield _solutions(ends, float(scale[i]), seed)
 
 
-def _solutions(account: Account, paths: int, scale: float, seed: int) -> SystemSolutions:
+def _solutions(ends: Settled, scale: float, seed: int) -> SystemSolutions:
     return SystemSolutions(
-        points=_scaled_to_one(account.points, scale),
-        multiplicity=account.multiplicity,
-        singular=~np.isfinite(account.condition),
-        condition=account.condition,
-        residual=account.residual,
-        paths=paths,
-        at_infinity=account.at_infinity,
-        on_curves=account.on_curves,
-        lost=account.lost,
+        points=_scaled_to_one(ends.points, scale),
+        multiplicity=ends.multiplicity,
+        singular=~np.isfinite(ends.condition),
+        condition=ends.condition,
+        residual=ends.residual,
+        account=ends.account,
         curves=tuple(
             SolutionCurve(
                 curve.dimension,
@@ -188,7 +168,7 @@ def _solutions(account: Account, paths: int, scale: float, seed: int) -> SystemS
                 _scaled_to_one(curve.motion, scale),
                 curve.real,
             )
-            for curve in account.curves
+            for curve in ends.curves
         ),
         seed=seed,
     )

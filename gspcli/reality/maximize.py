@@ -119,7 +119,7 @@ def solved(platform: Platforms, seed: int = SEED) -> Solved | None:
     """Return a platform with all solutions, or None if some cannot be made out."""
     system = next(platform[None].systems())
     result = next(solve_systems([system], seed=seed))
-    if result.verdict != "complete" or len(result.points) < result.paths:
+    if len(result.points) < result.account.expected:
         return None
     found = reality(result.points, result.condition)
     if not found.decided:

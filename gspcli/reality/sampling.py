@@ -113,7 +113,7 @@ class Sample:
         solutions = platforms.solutions(self.seed)
         for k in range(self.pieces[number]):
             every = [next(solutions) for _ in range(systems)]
-            if any(one.verdict != "complete" for one in every):
+            if any(one.account.verdict != "complete" for one in every):
                 tally.doubtful[number, k] = "incomplete"
                 continue
             found = [reality(one.points, one.condition) for one in every]

@@ -109,7 +109,7 @@ def certified_real(instance: Instance, *, jobs: int = 1) -> int:
 
 def _real_count(instance: Instance) -> int:
     found = poses(instance)
-    return -1 if found.lost or found.motions else int(found.real.sum())
+    return int(found.real.sum()) if found.account.verdict == "complete" else -1
 
 
 def _scaled(platform: Platforms, length: float) -> Platforms:

@@ -38,31 +38,12 @@ def solve(
     """
     arrangement = Arrangement.of(instance)
     poses = _poses(arrangement, seed, jobs)
-    R, T = poses.R, poses.T
-    real, certified = poses.real, np.zeros(len(R), bool)
-    if certify and len(R):
+    if certify and len(poses.R):
         from gspcli.certification import decide
 
-        certified, proved = decide(instance, R, T)
-        real = np.where(certified, proved, real)
-    order = stable_order(poses, real, arrangement.length)
-    return SolveResult(
-        instance=instance,
-        arrangement=arrangement,
-        quaternions=poses.quaternions[order],
-        R=R[order],
-        T=T[order],
-        real=real[order],
-        certified=certified[order],
-        multiplicity=poses.multiplicity[order],
-        expected=poses.paths,
-        at_infinity=poses.at_infinity,
-        on_curves=poses.on_curves,
-        spurious=poses.spurious,
-        lost=poses.lost,
-        motions=poses.motions,
-        seed=seed,
-    )
+        poses = poses.decided(*decide(instance, poses.R, poses.T))
+    poses = poses.reordered(stable_order(poses, arrangement.length))
+    return SolveResult(instance, arrangement, poses, seed)
 
 
 def solve_values(
@@ -110,10 +91,10 @@ def _poses(arrangement: Arrangement, seed: int, jobs: int) -> PoseSet:
         from gspcli.solver.closed_form import solve_closed_form
 
         poses = solve_closed_form(arrangement)
-        if not poses.lost:
+        if not poses.account.lost:
             return poses
     from gspcli.solver.tracking import solve_by_tracking
 
     # Paths may see through a special position that the closed form does not.
     tracked = solve_by_tracking(arrangement, seed=seed, jobs=jobs)
-    return tracked if poses is None or tracked.lost < poses.lost else poses
+    return tracked if poses is None or tracked.account.lost < poses.account.lost else poses

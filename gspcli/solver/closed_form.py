@@ -8,6 +8,7 @@ answer is not certain are solved again one by one with everything that can happe
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import groupby, islice
 from typing import NamedTuple
 
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import MAX_ANGLES
+from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measures import Measures, measures
 from gspcli.geometry.poses import (
@@ -35,7 +37,7 @@ from gspcli.geometry.surfaces import (
 )
 from gspcli.solver.infinity import finite_pose
 from gspcli.solver.poses import PoseSet
-from gspcli.solver.rotations import ROTATIONS, Rotations, angle_forms, rotations
+from gspcli.solver.rotations import Rotations, angle_forms, rotations
 from gspcli.solver.self_motion import Motion, local_motion
 
 Array = NDArray[np.float64]
@@ -108,10 +110,6 @@ def _solve_batch(arrangement: Arrangement, values: Array) -> Iterator[PoseSet]:
     for k, rotation in enumerate(turned):
         ledger = _Ledger(given, shapes, forms[k], distances[k])
         ledger.add_rotations(rotation, places.of(slice(ends[k] - len(rotation.e), ends[k])))
-        for e in rotation.samples:
-            ledger.add_sample(e)
-        ledger.at_infinity += shapes.positions * rotation.at_infinity
-        ledger.lost += shapes.positions * rotation.lost
         yield ledger.poses(arrangement, values[k], length)
 
 
@@ -172,19 +170,17 @@ _NO_POSES = _Isolated(
 class _Translations(NamedTuple):
     """What became of the points at one rotation.
 
-    Translations and their multiplicities, samples of infinite sets, simple points that were
-    examined and found to be at infinity, and how many are lost.
+    Translations and their multiplicities, samples of infinite sets, and the account.
     """
 
     T: Complex
     multiplicity: Index
     samples: Complex
-    at_infinity: int
-    lost: int
+    account: PathAccount
 
 
 class _Ledger:
-    """Collects poses in the unit of length of a batch, and counts what became of every path."""
+    """Collects poses in the unit of length of a batch, with the account of all expected ones."""
 
     def __init__(
         self, geometry: Arrangement, shapes: Measures, forms: Array, distances: Array
@@ -196,10 +192,15 @@ class _Ledger:
         self.each = shapes.positions  # poses of each rotation (Theorem 6.9)
         self.isolated = [_NO_POSES]
         self.samples: list[tuple[Complex, Complex]] = []
-        self.at_infinity = self.on_curves = self.lost = 0
+        self.account = PathAccount(expected=0, basis=Basis.COUNT)
+
+    def _account(self, **parts: int) -> PathAccount:
+        """Return the account of one rotation; what is not counted is at infinity."""
+        rest = self.each - sum(parts.values())
+        return PathAccount(expected=self.each, at_infinity=rest, basis=Basis.COUNT, **parts)
 
     def add_rotations(self, rotations: Rotations, places: _Places) -> None:
-        """Add the poses of isolated rotations; of complex ones the conjugate poses as well."""
+        """Add everything at some rotations; at complex ones the conjugate poses as well."""
         good = places.good
         index = good.nonzero()[0].repeat(places.T.shape[1])
         T = places.T[good].reshape(-1, 3)
@@ -214,8 +215,14 @@ class _Ledger:
             ),
             ~rotations.real[index],
         )
+        paths = int(rotations.multiplicity[good] @ np.where(rotations.real[good], 1, 2))
+        self.account += self._account(found=self.each) * paths
         for f in (~good).nonzero()[0]:
             self._add_carefully(rotations, places, int(f))
+        for e in rotations.samples:
+            self._add_sample(e)
+        self.account += self._account() * rotations.account.at_infinity
+        self.account += self._account(lost=self.each) * rotations.account.lost
 
     def _add(self, poses: _Isolated, paired: NDArray[np.bool_]) -> None:
         """Add poses, and the conjugates of those whose rotation is not real."""
@@ -236,14 +243,13 @@ class _Ledger:
         e, turned_really = rotations.e[f], bool(rotations.real[f])
         multiplicity = int(rotations.multiplicity[f])
         weight = multiplicity * (1 if turned_really else 2)
-        found = self._translations(e, float(rotations.errors[f]), multiplicity == 1)
-        T, counts = found.T, found.multiplicity
-        lost, samples = found.lost, found.samples
-        if abs(dot(e, e)) < _NEARLY_NULL:
+        T, counts, samples, account = self._translations(
+            e,
+            float(rotations.errors[f]),
+            isolated=multiplicity == 1,
             # Nothing but simple points can be told from the effects of a small N.
-            simple = counts == 1
-            T, counts, samples = T[simple], counts[simple], samples[:0]
-            lost = self.each - len(T) - found.at_infinity
+            only_simple=bool(abs(dot(e, e)) < _NEARLY_NULL),
+        )
         real = np.zeros(len(T), bool)
         if turned_really and len(T):
             distances = np.abs(T.conj()[:, None] - T).sum(axis=-1)
@@ -255,35 +261,34 @@ class _Ledger:
             ~rotations.real[index],
         )
         self.samples += [(places.R[f], point) for point in samples]
-        rest = max(0, self.each - int(counts.sum()) - lost)
-        on_curves = min(len(samples), rest)
-        self.at_infinity += weight * (rest - on_curves)
-        self.on_curves += weight * on_curves
-        self.lost += weight * lost
+        self.account += account * weight
 
-    def add_sample(self, e: Field) -> None:
+    def _add_sample(self, e: Field) -> None:
         """Add the poses of one rotation on a positive-dimensional set of rotations.
 
         If there are none, there may still be poses at special rotations of the set. They are
         not looked for.
         """
-        found = self._translations(e, _SAMPLE_ACCURACY, False)
-        points = [*found.T, *found.samples]
+        T, _, samples, account = self._translations(
+            e, _SAMPLE_ACCURACY, isolated=False, only_simple=False
+        )
+        points = [*T, *samples]
         R = rotation_from_quaternion(e)
         self.samples += [(R, point) for point in points]
-        on_curves = min(len(points), self.each)
-        self.on_curves += on_curves
         if points:
-            self.lost += found.lost
-            self.at_infinity += self.each - on_curves - found.lost
+            on_curves = account.found + account.on_curves
+            self.account += replace(account, found=0, on_curves=on_curves)
         else:
-            self.lost += self.each
+            self.account += self._account(lost=self.each)
 
-    def _translations(self, e: Field, accuracy: float, isolated: bool) -> _Translations:
+    def _translations(
+        self, e: Field, accuracy: float, *, isolated: bool, only_simple: bool
+    ) -> _Translations:
         """Return the translations at a rotation whose error is known.
 
-        Simple points that seem to be infinitely far are examined if the rotation is simple
-        too; else they are at infinity as well as can be told.
+        Simple points that seem to be infinitely far are examined if the rotation is isolated
+        and simple too; else they are at infinity as well as can be told. Everything but simple
+        points is lost if that is asked for.
         """
         given, accuracy = self.geometry, max(accuracy, _EPS)
         R = rotation_from_quaternion(e)
@@ -293,7 +298,7 @@ class _Ledger:
         least = sines.min(initial=1, where=sines > _PARALLEL + 10 * accuracy)
         if least < _SKEW + 1e4 * accuracy:
             nowhere = np.zeros((0, 3), complex)
-            return _Translations(nowhere, np.zeros(0, int), nowhere, 0, self.each)
+            return _Translations(nowhere, np.zeros(0, int), nowhere, self._account(lost=self.each))
         # Normals of planes are as accurate as the sines.
         accuracy /= least
         shapes = measures(given, parallel) if parallel else self.shapes
@@ -302,7 +307,7 @@ class _Ledger:
         points: list[Complex] = []
         counts: list[int] = []
         samples: list[Complex] = []
-        at_infinity = lost = 0
+        examined = lost = 0
         for signs, planes in zip(shapes.signs, there.planes[0, :, : len(shapes.flat)], strict=True):
             meet = intersection(planes, there.quadrics[0], accuracy)
             points += list(meet.points @ frame.T)
@@ -315,30 +320,36 @@ class _Ledger:
                 if pose:
                     points.append(pose[1])
                     counts.append(1)
-                at_infinity += pose is False
+                examined += pose is False
                 lost += pose is None
+        if only_simple:
+            points = [X for X, count in zip(points, counts, strict=True) if count == 1]
+            counts, samples = [1] * len(points), []
+            lost = self.each - len(points) - examined
         return _Translations(
             np.array(points, complex).reshape(-1, 3),
             np.array(counts, int),
             np.array(samples, complex).reshape(-1, 3),
-            at_infinity,
-            lost,
+            self._account(found=sum(counts), on_curves=len(samples), lost=lost),
         )
 
     def poses(self, arrangement: Arrangement, values: Array, length: float) -> PoseSet:
         """Return everything in the frames and units of the arrangement with some values."""
         q, R, T, real, multiplicity = _Isolated.joined(self.isolated)
+        motions, account = self._motions(arrangement, values, length), self.account
+        if not motions:
+            # Samples of a set are no evidence if no motion is found through any of them.
+            lost = account.lost + account.on_curves
+            account = replace(account, on_curves=0, lost=lost)
         return PoseSet(
             quaternions=canonical_sign(q),
             R=R,
             T=arrangement.restored(R, T, length),
             real=real,
+            certified=np.zeros(len(R), bool),
             multiplicity=multiplicity,
-            motions=self._motions(arrangement, values, length),
-            paths=ROTATIONS * self.each,
-            at_infinity=self.at_infinity,
-            on_curves=self.on_curves,
-            lost=self.lost,
+            motions=motions,
+            account=account,
         )
 
     def _motions(

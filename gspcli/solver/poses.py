@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.continuation.paths import PathAccount
 from gspcli.solver.self_motion import Motion
 
 Complex = NDArray[np.complex128]
@@ -14,7 +15,7 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True, eq=False)
 class PoseSet:
-    """Poses in no particular order, in the frames of the arrangement.
+    """Poses, in the frames of the arrangement.
 
     Attributes
     ----------
@@ -24,30 +25,41 @@ class PoseSet:
     R, T
         Distinct isolated poses, shapes (n, 3, 3) and (n, 3), complex.
     real
-        Which of them are real; their imaginary parts are exactly zero. Shape (n,).
+        Which of them are real; their imaginary parts are exactly zero. Shape (n,). Proved for
+        certified poses. For others it is decided by pairing conjugates, a numerical argument
+        without a threshold: real systems have conjugate solutions, and a pose whose conjugate
+        is nearest to itself is its own.
+    certified
+        Which of them are proved to exist, to be simple, and to be real or not, shape (n,).
     multiplicity
         How many paths end at each, shape (n,).
     motions
         Positive-dimensional sets of poses that were found.
-    paths
-        The generic count for the sides asked for.
-    at_infinity, on_curves, lost
-        How many of the paths end at infinity, on positive-dimensional sets, or are not
-        accounted for.
-    spurious
-        How many paths end where the equations hold and a constraint does not: the lines of a
-        DLL are parallel, at another distance. With the multiplicities of the poses and the
-        other three numbers they add up to the paths.
+    account
+        What became of every path, for all sides asked for.
     """
 
     quaternions: Complex
     R: Complex
     T: Complex
     real: NDArray[np.bool_]
+    certified: NDArray[np.bool_]
     multiplicity: NDArray[np.int64]
     motions: tuple[Motion, ...]
-    paths: int
-    at_infinity: int
-    on_curves: int
-    lost: int
-    spurious: int = 0
+    account: PathAccount
+
+    def decided(self, certified: NDArray[np.bool_], real: NDArray[np.bool_]) -> PoseSet:
+        """Return the poses with some of them certified, and proved to be real or not."""
+        return replace(self, certified=certified, real=np.where(certified, real, self.real))
+
+    def reordered(self, order: NDArray[np.intp]) -> PoseSet:
+        """Return the poses in another order."""
+        return replace(
+            self,
+            quaternions=self.quaternions[order],
+            R=self.R[order],
+            T=self.T[order],
+            real=self.real[order],
+            certified=self.certified[order],
+            multiplicity=self.multiplicity[order],
+        )

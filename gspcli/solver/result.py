@@ -6,12 +6,13 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli import __version__
+from gspcli.continuation.paths import PathAccount, Verdict
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.poses import Field
@@ -23,13 +24,12 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Array = NDArray[np.float64]
-Verdict = Literal["complete", "infinite", "incomplete"]
 SCHEMA = "gsp.solve/1"
 
 
 @dataclass(frozen=True)
 class Counts:
-    """How many of what.
+    """How many poses of which sort.
 
     Attributes
     ----------
@@ -37,24 +37,12 @@ class Counts:
         Distinct finite isolated solutions.
     real, certified, singular
         How many of those are real, are certified, have a multiplicity above one.
-    at_infinity, on_curves, spurious, lost
-        Paths that end at infinity, on positive-dimensional sets, or where parallel lines of a
-        DLL have another distance (no pose, though the equations hold), and those whose end is
-        not known. Multiplicities of the found ones and these four add up to the paths.
     """
 
     found: int
     real: int
     certified: int
     singular: int
-    at_infinity: int
-    on_curves: int
-    spurious: int
-    lost: int
-
-    def to_json(self) -> dict[str, int]:
-        """Return the counts as plain data."""
-        return dict(vars(self))
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,51 +111,66 @@ class SolveResult:
     ----------
     instance, arrangement
         What was solved, as given and in floating point.
-    quaternions
-        Of the rotations, ``e.e = 1``, the first component that is not zero positive, shape (n, 4).
-    R, T
-        Distinct isolated poses, shapes (n, 3, 3) and (n, 3), complex; the imaginary parts of
-        real poses are exactly zero.
-    real
-        Which poses are real, shape (n,). Proved for certified poses. For others it is decided
-        by pairing conjugates, a numerical argument without a threshold: real systems have
-        conjugate solutions, and a pose whose conjugate is nearest to itself is its own.
-    certified
-        Which poses are proved to exist, to be simple, and to be real or not, shape (n,).
-    multiplicity
-        How many paths end at each, shape (n,).
-    expected
-        The number of paths: the generic count for the sides asked for.
-    at_infinity, on_curves, spurious, lost
-        What became of the other paths, see `Counts`.
-    motions
-        Positive-dimensional sets of poses that were found.
+    poses
+        Everything found, in this order.
     seed
         The source of random choices.
     """
 
     instance: Instance
     arrangement: Arrangement
-    quaternions: Field
-    R: Field
-    T: Field
-    real: NDArray[np.bool_]
-    certified: NDArray[np.bool_]
-    multiplicity: NDArray[np.int64]
-    expected: int
-    at_infinity: int
-    on_curves: int
-    spurious: int
-    lost: int
-    motions: tuple[Motion, ...]
+    poses: PoseSet
     seed: int
 
     @property
+    def R(self) -> Field:
+        """Rotations of the poses, shape (n, 3, 3), complex."""
+        return self.poses.R
+
+    @property
+    def T(self) -> Field:
+        """Translations of the poses, shape (n, 3), complex."""
+        return self.poses.T
+
+    @property
+    def real(self) -> NDArray[np.bool_]:
+        """Which poses are real, shape (n,)."""
+        return self.poses.real
+
+    @property
+    def quaternions(self) -> Field:
+        """Unit quaternions of the rotations, shape (n, 4), complex; see `PoseSet`."""
+        return self.poses.quaternions
+
+    @property
+    def certified(self) -> NDArray[np.bool_]:
+        """Which poses are certified, shape (n,)."""
+        return self.poses.certified
+
+    @property
+    def multiplicity(self) -> NDArray[np.int64]:
+        """How many paths end at each pose, shape (n,)."""
+        return self.poses.multiplicity
+
+    @property
+    def motions(self) -> tuple[Motion, ...]:
+        """Positive-dimensional sets of poses that were found."""
+        return self.poses.motions
+
+    @property
+    def account(self) -> PathAccount:
+        """What became of every path."""
+        return self.poses.account
+
+    @property
+    def expected(self) -> int:
+        """The generic count for the sides asked for."""
+        return self.account.expected
+
+    @property
     def verdict(self) -> Verdict:
-        """`infinite` if a motion was found, `incomplete` if any path is not accounted for."""
-        if self.motions:
-            return "infinite"
-        return "incomplete" if self.lost or self.on_curves else "complete"
+        """`infinite`, `incomplete` or `complete`, as the account says."""
+        return self.account.verdict
 
     @cached_property
     def counts(self) -> Counts:
@@ -177,10 +180,6 @@ class SolveResult:
             real=int(self.real.sum()),
             certified=int(self.certified.sum()),
             singular=int((self.multiplicity > 1).sum()),
-            at_infinity=self.at_infinity,
-            on_curves=self.on_curves,
-            spurious=self.spurious,
-            lost=self.lost,
         )
 
     @cached_property
@@ -202,6 +201,7 @@ class SolveResult:
     @cached_property
     def solutions(self) -> tuple[Solution, ...]:
         """The poses one by one."""
+        quaternions = self.quaternions
         sides = sides_of(self.arrangement, self.R, self.T)
         names = {1: Side.POSITIVE.value, -1: Side.NEGATIVE.value}
         return tuple(
@@ -211,7 +211,7 @@ class SolveResult:
                 multiplicity=int(self.multiplicity[k]),
                 R=self.R[k].real if self.real[k] else self.R[k],
                 T=self.T[k].real if self.real[k] else self.T[k],
-                quaternion=self.quaternions[k].real if self.real[k] else self.quaternions[k],
+                quaternion=quaternions[k].real if self.real[k] else quaternions[k],
                 residual=float(self.residuals[k].max()),
                 condition=float(self.conditions[k]),
                 sides={i + 1: names[s] for i, s in enumerate(sides[k].tolist()) if s},
@@ -246,12 +246,22 @@ class SolveResult:
             "units": {"length": units.length, "angle": units.angle.value},
             "expected": self.expected,
             "verdict": self.verdict,
-            "counts": self.counts.to_json(),
+            "counts": self._counts_json(),
             "solutions": [solution.to_json() for solution in chosen],
         }
         if self.motions:
             document["motions"] = [_motion_json(motion) for motion in self.motions]
         return {**document, "seed": self.seed, "version": __version__}
+
+    def _counts_json(self) -> dict[str, int]:
+        account = self.account
+        return {
+            **vars(self.counts),
+            "at_infinity": account.at_infinity,
+            "on_curves": account.on_curves,
+            "spurious": account.spurious,
+            "lost": account.lost,
+        }
 
     def to_frame(self, *, everything: bool = False) -> pd.DataFrame:
         """Return the poses as a table with a row for each (pandas is imported now).
@@ -262,7 +272,8 @@ class SolveResult:
         import pandas as pd
 
         count = len(self.R) if everything else self.counts.real
-        q, T = self.quaternions[:count], self.T[:count]
+        q: Field = self.quaternions[:count]
+        T: Field = self.T[:count]
         if not everything:
             q, T = q.real, T.real
         return pd.DataFrame(
@@ -290,15 +301,13 @@ def _motion_json(motion: Motion) -> dict[str, Any]:
     return document
 
 
-def stable_order(poses: PoseSet, real: NDArray[np.bool_], length: float) -> Any:
+def stable_order(poses: PoseSet, length: float) -> Any:
     """Return the permutation that puts poses into the order of `SolveResult`, shape (n,).
 
     Parameters
     ----------
     poses
         The poses.
-    real
-        Which of them are real, shape (n,).
     length
         The typical length of the arrangement.
     """
@@ -306,4 +315,4 @@ def stable_order(poses: PoseSet, real: NDArray[np.bool_], length: float) -> Any:
     pose = np.concatenate((poses.quaternions, poses.T * (1 / unit)), axis=1)
     keys = np.concatenate((pose.real, pose.imag), axis=1).round(9)
     # The last key is the first to sort by.
-    return np.lexsort((*keys.T[::-1], ~real))
+    return np.lexsort((*keys.T[::-1], ~poses.real))

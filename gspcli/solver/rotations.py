@@ -8,10 +8,12 @@ they are at infinity.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.conjugates import find_real_points
 from gspcli.geometry.intersections import generic_points
 from gspcli.geometry.poses import Field, dot, rotated_forms
@@ -34,6 +36,8 @@ _SAMPLE_INFINITY = 1e-7
 #: Two real linear forms without special position.
 _FORMS = np.array([[0.31, 0.53, -0.83, 0.17], [0.71, -0.29, 0.37, 0.59]])
 _NOTHING = np.zeros((0, 4), complex)
+_account = partial(PathAccount, expected=ROTATIONS, basis=Basis.COUNT)
+_ALL_FOUND = _account(found=ROTATIONS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,8 +57,8 @@ class Rotations:
         Their estimated errors, shape (f,).
     samples
         Quaternions on positive-dimensional components, shape (m, 4).
-    at_infinity, lost
-        How many of the eight are at infinity, or could not be made out.
+    account
+        What became of the eight.
     """
 
     e: Complex
@@ -62,8 +66,7 @@ class Rotations:
     multiplicity: NDArray[np.int64]
     errors: Array
     samples: Complex
-    at_infinity: int
-    lost: int
+    account: PathAccount
 
 
 def angle_forms(u: Array, v: Array, cosines: Array) -> Array:
@@ -97,7 +100,7 @@ def _simple(e: Complex, errors: Array) -> Rotations:
     chosen = ~imaginary | (imaginary.cumsum() % 2 == 1)
     e, real = e[chosen], ~imaginary[chosen]
     ones = np.ones(len(e), int)
-    return Rotations(e, real, ones, errors[chosen], samples=_NOTHING, at_infinity=0, lost=0)
+    return Rotations(e, real, ones, errors[chosen], _NOTHING, _ALL_FOUND)
 
 
 def _careful(forms: Field) -> Rotations:
@@ -121,13 +124,20 @@ def _careful(forms: Field) -> Rotations:
     chosen = real | (finite & (quotient.imag > 0))
     on_curve = np.abs(dot(samples, samples)) > _SAMPLE_INFINITY
     at_infinity = int(multiplicity[infinite].sum())
-    known = multiplicity[chosen] @ np.where(real[chosen], 1, 2) + len(samples)
+    at_infinity += int((~on_curve).sum())
+    samples = samples[on_curve]
+    found = int(multiplicity[chosen] @ np.where(real[chosen], 1, 2))
+    lost = ROTATIONS - found - at_infinity - len(samples)
+    if lost < 0:
+        # Conjugates that do not pair contradict the number of points: nothing is known.
+        return Rotations(
+            _NOTHING, real[:0], multiplicity[:0], errors[:0], _NOTHING, _account(lost=ROTATIONS)
+        )
     return Rotations(
         e=e[chosen],
         real=real[chosen],
         multiplicity=multiplicity[chosen],
         errors=errors[chosen],
-        samples=samples[on_curve],
-        at_infinity=at_infinity + int((~on_curve).sum()),
-        lost=ROTATIONS - at_infinity - int(known),
+        samples=samples,
+        account=_account(found=found, at_infinity=at_infinity, on_curves=len(samples), lost=lost),
     )

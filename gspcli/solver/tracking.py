@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.solve import SystemSolutions, solve_systems
 from gspcli.continuation.systems import TargetSystem
 from gspcli.geometry.arrangement import Arrangement
@@ -79,18 +81,23 @@ def _pose_set(arrangement: Arrangement, results: list[SystemSolutions]) -> PoseS
         R, quaternions = polished, quaternion_from_rotation(polished)
     posed = ~spurious & ~undecided
     motions, beside = _motions(arrangement, results)
+    account = sum((result.account for result in results), PathAccount(expected=0))
+    none, unknown = (int(multiplicity[where].sum()) for where in (spurious, undecided))
     return PoseSet(
         quaternions=quaternions[posed],
         R=R[posed],
         T=T[posed],
         real=real[posed],
+        certified=np.zeros(int(posed.sum()), dtype=np.bool_),
         multiplicity=multiplicity[posed],
         motions=motions,
-        paths=sum(result.paths for result in results),
-        at_infinity=sum(result.at_infinity for result in results),
-        on_curves=sum(result.on_curves for result in results) - beside,
-        lost=sum(result.lost for result in results) + int(multiplicity[undecided].sum()),
-        spurious=int(multiplicity[spurious].sum()) + beside,
+        account=replace(
+            account,
+            found=account.found - none - unknown,
+            on_curves=account.on_curves - beside,
+            spurious=none + beside,
+            lost=account.lost + unknown,
+        ),
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.counts import generic_counts
+from gspcli.continuation.paths import PathAccount
 
 MANY = 256
 
@@ -95,15 +96,22 @@ def test_examine_sees_wrong_reality(tool, solved):
     ("changes", "problem"),
     [
         ({"lost": 1}, "lost paths"),
-        ({"at_infinity": 2}, "poses at infinity"),
+        ({"at_infinity": 1}, "poses at infinity"),
         ({"on_curves": 1}, "paths on curves"),
         ({"spurious": 1}, "spurious ends"),
-        ({"multiplicity": np.full(40, 2)}, "multiple poses"),
     ],
 )
 def test_examine_reads_the_account(tool, solved, changes, problem):
     arrangement, poses, hidden = solved
-    assert problem in tool.examine(arrangement, replace(poses, **changes), 40, hidden).problems
+    account = PathAccount(expected=40, found=39, **changes)
+    other = replace(poses, account=account)
+    assert problem in tool.examine(arrangement, other, 40, hidden).problems
+
+
+def test_examine_sees_multiple_poses(tool, solved):
+    arrangement, poses, hidden = solved
+    double = replace(poses, multiplicity=np.full(40, 2))
+    assert "multiple poses" in tool.examine(arrangement, double, 40, hidden).problems
 
 
 def test_a_journal_is_taken_up_where_it_was_cut_off(tool, tmp_path):

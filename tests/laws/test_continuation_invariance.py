@@ -47,7 +47,7 @@ def test_seed_and_order(seed, families):
     rng = np.random.default_rng(seed)
     target = real_system(families, rng)
     solutions = solve_system(target)
-    assert solutions.verdict == "complete"
+    assert solutions.account.verdict == "complete"
     again = solve_system(target.reordered(rng.permutation(6)), seed=seed)
     match(solutions.points, again.points)
 
@@ -80,5 +80,5 @@ def test_real_systems_have_conjugate_solutions(families):
 def test_complex_systems():
     rng = np.random.default_rng(12)
     solutions = solve_system(TargetSystem(Structure("plsssq"), random_quadrics("plsssq", rng)))
-    assert solutions.verdict == "complete"
-    assert len(solutions.points) == solutions.paths
+    assert solutions.account.verdict == "complete"
+    assert len(solutions.points) == solutions.account.expected

@@ -67,7 +67,7 @@ def test_every_distance_triple_and_angle_triple(index):
         result = solved(instance)
         counts = result.counts
         assert counts.found == result.expected
-        assert counts.singular == counts.at_infinity == counts.lost == 0
+        assert counts.singular == result.account.at_infinity == result.account.lost == 0
         assert_small_residuals(result)
         nearest = np.abs(result.R - R).max(axis=(1, 2)) + np.abs(result.T - T).max(axis=1)
         assert nearest.min() < 1e-9
@@ -108,8 +108,7 @@ def test_every_random_set_of_values_has_all_its_poses(index):
     instance, _ = random_instance(gsp_type, rng)
     ranges = [(0.1, 2) if c.kind.is_distance else (20, 80) for c in instance.constraints]
     for poses in solve_values(instance, rng.uniform(*np.transpose(ranges), size=(16, 6))):
-        assert len(poses.R) == poses.paths
-        assert poses.at_infinity == poses.on_curves == poses.lost == 0
+        assert len(poses.R) == poses.account.found == poses.account.expected
 
 
 @given(numbers_of_3d3a, seeds)

@@ -62,7 +62,7 @@ def test_special_positions_are_never_answered_wrongly(block):
         arrangement, R, T = lattice_platform(seed)
         poses = solve_closed_form(arrangement)
         found = int(poses.multiplicity.sum())
-        assert found + poses.at_infinity + poses.on_curves + poses.lost == poses.paths
+        assert found == poses.account.found
         if poses.real.any():
             real = residuals(arrangement, poses.R[poses.real].real, poses.T[poses.real].real)
             # A double pose is only known to the square root of the precision.
@@ -70,12 +70,8 @@ def test_special_positions_are_never_answered_wrongly(block):
         for motion in poses.motions:
             if motion.real:
                 assert residuals(arrangement, motion.R, motion.T).max() < 1e-5
-        if poses.motions:
-            outcomes["infinite"] += 1
-        elif poses.lost or poses.on_curves:
-            outcomes["incomplete"] += 1
-        else:
-            outcomes["complete"] += 1
+        outcomes[poses.account.verdict] += 1
+        if poses.account.verdict == "complete":
             assert len(poses.R) > 0
             distance = np.abs(poses.R - R).max(axis=(1, 2)) + np.abs(poses.T - T).max(axis=1)
             assert distance.min() < 1e-6
@@ -92,14 +88,13 @@ def test_paths_end_the_same_whatever_the_way(angles, block):
         if generic_count(arrangement) > 128:
             continue
         one, other = (solve_by_tracking(arrangement, seed=way) for way in (1, 2))
-        assert one.lost == other.lost == 0
+        assert one.account.lost == other.account.lost == 0
         assert bool(one.motions) == bool(other.motions)
         for poses in (one, other):
-            ends = poses.at_infinity + poses.on_curves + poses.spurious
-            assert int(poses.multiplicity.sum()) + ends == poses.paths
+            assert int(poses.multiplicity.sum()) == poses.account.found
         if not one.motions:
             assert sorted(one.multiplicity) == sorted(other.multiplicity)
-            assert one.at_infinity == other.at_infinity
+            assert one.account.at_infinity == other.account.at_infinity
             distance = np.abs(one.R - R).max(axis=(1, 2)) + np.abs(one.T - T).max(axis=1)
             assert distance.min() < 1e-6
 

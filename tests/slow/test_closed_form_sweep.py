@@ -33,8 +33,7 @@ def platform(k: int) -> Arrangement:
 def test_every_random_platform_has_all_its_poses(block):
     for k in range(PER_BLOCK * block, PER_BLOCK * (block + 1)):
         poses = solve_closed_form(platform(k))
-        assert len(poses.R) == poses.paths, k
-        assert poses.at_infinity == poses.on_curves == poses.lost == 0, k
+        assert len(poses.R) == poses.account.found == poses.account.expected, k
 
 
 @pytest.mark.parametrize("block", range(10))

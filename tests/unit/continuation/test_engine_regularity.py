@@ -36,8 +36,8 @@ def test_solutions_of_random_platforms_are_simple(build, kinds):
 def test_a_point_on_a_line_is_a_double_solution_and_one_near_it_two(build, distance, found):
     """Both factors of the product vanish, which leaves the scaled rows well-conditioned."""
     solutions = solve_system(build.point_at_a_line(distance, np.random.default_rng(8)))
-    assert solutions.verdict == "complete"
-    assert solutions.finite == 80
+    assert solutions.account.verdict == "complete"
+    assert solutions.account.found == 80
     assert len(solutions.points) == found
     assert solutions.singular.sum() == 80 - found
 

@@ -23,8 +23,7 @@ KINDS = [
 
 
 def is_account_consistent(solutions) -> bool:
-    found = solutions.finite + solutions.at_infinity + solutions.on_curves + solutions.lost
-    return found == solutions.paths
+    return int(solutions.multiplicity.sum()) == solutions.account.found
 
 
 @pytest.mark.parametrize("kinds", KINDS)
@@ -34,8 +33,8 @@ def test_random_platforms_are_complete(build, kinds):
     for (_, r, t), solutions in zip(
         cases, solve_systems(target for target, _, _ in cases), strict=True
     ):
-        assert solutions.verdict == "complete"
-        assert len(solutions.points) == solutions.paths
+        assert solutions.account.verdict == "complete"
+        assert len(solutions.points) == solutions.account.expected
         assert is_account_consistent(solutions)
         assert solutions.residual.max() < 1e-13
         rotations, translations = build.poses(solutions.points)
@@ -92,15 +91,15 @@ def special(name: str, build, rng: np.random.Generator):
 def test_special_positions(build, name, finite, distinct, seed):
     solutions = solve_system(special(name, build, np.random.default_rng(seed)))
     assert is_account_consistent(solutions)
-    assert (solutions.verdict, solutions.lost) == ("complete", 0)
-    assert (solutions.finite, len(solutions.points)) == (finite, distinct)
+    assert solutions.account.verdict == "complete"
+    assert (solutions.account.found, len(solutions.points)) == (finite, distinct)
     assert solutions.singular.sum() == finite - distinct
 
 
 def test_congruent_platform_with_equal_legs_moves(build):
     x = np.random.default_rng(10).standard_normal((6, 3))
     solutions = solve_system(build.legs(x, x, [1.5] * 6))
-    assert solutions.verdict == "infinite"
+    assert solutions.account.verdict == "infinite"
     assert is_account_consistent(solutions)
     # R = 1 and T on a sphere.
     assert {curve.dimension for curve in solutions.curves} == {2}
@@ -120,6 +119,6 @@ def test_griffis_duffy_moves(build):
     sides = np.array([p for k in range(3) for p in (corners[k], (corners[k] + corners[k - 2]) / 2)])
     target = build.legs_at(np.roll(sides, -1, axis=0), sides, np.eye(3), np.array([0, 0, 1.3]))
     solutions = solve_system(target)
-    assert solutions.verdict == "infinite"
+    assert solutions.account.verdict == "infinite"
     assert is_account_consistent(solutions)
     assert any(curve.real and curve.dimension == 1 for curve in solutions.curves)

@@ -32,7 +32,7 @@ def test_solutions_satisfy_the_constraints_as_stated(name: str) -> None:
     kinds = parse_type(name).kinds
     platforms = random_platforms(kinds, 2, np.random.default_rng(5))
     for k, solutions in enumerate(platforms.solutions(1)):
-        assert len(solutions.points) == solutions.paths
+        assert len(solutions.points) == solutions.account.expected
         points = solutions.points[reality(solutions.points, solutions.condition).real].real
         R, T = pose_from_study(points[:, :4], points[:, 4:])
         one = platforms[k]

@@ -92,8 +92,8 @@ def test_nearly_null_rotations_are_found_or_lost_but_never_infinite(small):
                 v[k] = foot + np.sqrt(1 - foot @ foot) * normal
                 values[k] = np.degrees(np.arccos(cosine))
         poses = solve_closed_form(replace(given, v=v, values=values))
-        assert poses.at_infinity == poses.on_curves == 0
+        assert poses.account.at_infinity == poses.account.on_curves == 0
         assert (poses.multiplicity == 1).all()
-        assert len(poses.R) + poses.lost == poses.paths
-        solved += poses.lost == 0
+        assert len(poses.R) == poses.account.found
+        solved += poses.account.lost == 0
     assert solved > 8 or small < 1e-3

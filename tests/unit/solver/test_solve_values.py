@@ -34,7 +34,7 @@ def test_batches_equal_single_solves(name):
     for row, poses in zip(values, results, strict=True):
         numbers = {i: Number.of(float(value)) for i, value in enumerate(row)}
         single = solve(instance.with_values(numbers), certify=False)
-        assert poses.paths == single.expected
+        assert poses.account.expected == single.expected
         assert poses.real.sum() == single.counts.real
         distance = pose_set_distance(
             (poses.R, poses.T), (single.R, single.T), single.arrangement.length
@@ -48,7 +48,7 @@ def test_zeros_among_the_values_change_the_structure():
     values = np.tile(own, (4, 1))
     distance = next(i for i, c in enumerate(instance.constraints) if c.kind.has_sides)
     values[1:3, distance] = 0
-    paths = [poses.paths for poses in solve_values(instance, values)]
+    paths = [poses.account.expected for poses in solve_values(instance, values)]
     assert paths == [64, 32, 32, 64]
 
 

@@ -1,0 +1,104 @@
+"""What became of every path: the one account that every method of solution gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Literal
+
+Verdict = Literal["complete", "infinite", "incomplete"]
+
+
+class Basis(StrEnum):
+    """What an account rests on."""
+
+    PATHS = "paths"
+    """Every path was followed to its end."""
+    COUNT = "count"
+    """Nothing was followed: at infinity are the expected less those that were counted."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathAccount:
+    """Where the expected solutions of a system, or of several, are.
+
+    Accounts of different systems add: ``sum(accounts, PathAccount(expected=0))``. An account
+    times n is that of n systems alike. A sum rests on `Basis.COUNT` if a part of it does.
+
+    Attributes
+    ----------
+    expected
+        The generic count: how many paths there are.
+    found
+        Paths that end at finite isolated solutions: the sum of their multiplicities.
+    at_infinity
+        Paths that end at infinity.
+    on_curves
+        Paths that end on positive-dimensional solution sets.
+    spurious
+        Paths that end where the equations hold and a constraint does not: the lines of a DLL
+        are parallel, at another distance.
+    lost
+        Paths whose end is not known.
+    basis
+        What the account rests on.
+
+    Raises
+    ------
+    ValueError
+        If a number is negative, or the five do not add up to the expected ones.
+
+    Examples
+    --------
+    >>> account = PathAccount(expected=40, found=28, at_infinity=12)
+    >>> account.verdict
+    'complete'
+    >>> (account + PathAccount(expected=8, found=7, lost=1)).verdict
+    'incomplete'
+    """
+
+    expected: int
+    found: int = 0
+    at_infinity: int = 0
+    on_curves: int = 0
+    spurious: int = 0
+    lost: int = 0
+    basis: Basis = Basis.PATHS
+
+    def __post_init__(self) -> None:
+        parts = (self.found, self.at_infinity, self.on_curves, self.spurious, self.lost)
+        if min(parts) < 0 or sum(parts) != self.expected:
+            message = f"an account must add up, of parts that are not negative: {self}"
+            raise ValueError(message)
+
+    @property
+    def verdict(self) -> Verdict:
+        """`infinite` if paths end on curves, else `incomplete` if any are lost."""
+        if self.on_curves:
+            return "infinite"
+        return "incomplete" if self.lost else "complete"
+
+    def __add__(self, other: PathAccount) -> PathAccount:
+        """Return the account of both."""
+        counted = Basis.COUNT in (self.basis, other.basis)
+        return PathAccount(
+            expected=self.expected + other.expected,
+            found=self.found + other.found,
+            at_infinity=self.at_infinity + other.at_infinity,
+            on_curves=self.on_curves + other.on_curves,
+            spurious=self.spurious + other.spurious,
+            lost=self.lost + other.lost,
+            basis=Basis.COUNT if counted else Basis.PATHS,
+        )
+
+    def __mul__(self, times: int) -> PathAccount:
+        """Return the account of several systems alike."""
+        return PathAccount(
+            expected=self.expected * times,
+            found=self.found * times,
+            at_infinity=self.at_infinity * times,
+            on_curves=self.on_curves * times,
+            spurious=self.spurious * times,
+            lost=self.lost * times,
+            basis=self.basis,
+        )
