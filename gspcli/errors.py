@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+#: Exit code of what the user interrupted; those of errors are `GspError.exit_code`.
+INTERRUPTED = 130
+
 
 class GspError(Exception):
     """Base class of every error that a user can cause or should read.

@@ -23,7 +23,7 @@ import numpy as np
 import singular
 import sympy
 from build_example_counts import FIRST_PRIME, count
-from recording import ROOT, SEED, parser, save
+from recording import ROOT, parser, save
 
 sys.path.insert(0, str(ROOT))
 
@@ -33,6 +33,7 @@ from gspcli.catalogue.kinds import DPP
 from gspcli.catalogue.overconstraint import over_constraint
 from gspcli.catalogue.types import CONSTRAINTS, GspType
 from gspcli.cli.progress import progress
+from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
 from gspcli.solver.generate import random_instance
 

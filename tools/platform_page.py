@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from gspcli.catalogue.counts import generic_counts
 from gspcli.cli.example import short_name
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.resources import data_json, instance_files
-from gspcli.spec import load, sharing, side_choices
+from gspcli.spec import load, sharing
 
 FOLDER = "platforms"
 HEAD = """\
@@ -68,7 +67,7 @@ def page() -> str:
         cells = [
             f"[{name}](#{anchor(name)})",
             short_name(instance.type),
-            generic_counts(instance.type).one_sided * side_choices(instance),
+            instance.expected,
             _count(record["geometry"]),
             _count(record),
             record.get("real", ""),

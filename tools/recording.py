@@ -14,9 +14,11 @@ from pathlib import Path
 from random import Random
 from typing import Any, TypeVar
 
+from gspcli.defaults import SEED
+from gspcli.errors import CheckFailed, IncompleteError
+
 ROOT = Path(__file__).resolve().parents[1]
-CONFIRMED, DIFFERENT, UNABLE, INTERRUPTED = 0, 1, 4, 130
-SEED = 20031
+CONFIRMED, DIFFERENT, UNABLE = 0, CheckFailed.exit_code, IncompleteError.exit_code
 #: Kept beside records, and free to differ from one machine to another.
 _OF_THE_MACHINE = "versions"
 

@@ -23,11 +23,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from recording import CONFIRMED, DIFFERENT, INTERRUPTED, ROOT, UNABLE, sources_sha256
+from recording import CONFIRMED, DIFFERENT, ROOT, UNABLE, sources_sha256
 
 sys.path.insert(0, str(ROOT))
 
 from gspcli.cli.output import Column, Output, Table, emit
+from gspcli.errors import INTERRUPTED
 
 WORK = ROOT / "build" / "verify"
 #: What the answers come from: work files of other sources are not used.

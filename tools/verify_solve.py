@@ -50,6 +50,8 @@ from gspcli import __version__, dumps
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import DPP
 from gspcli.catalogue.types import CLASSES, CONSTRAINTS, MAX_ANGLES, Family, GspType, families
+from gspcli.defaults import SEED
+from gspcli.errors import INTERRUPTED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.measurement import measured
@@ -75,7 +77,6 @@ SOURCES = (
     "gspcli/geometry",
     "data/start-systems",
 )
-SEED = 20031
 #: Platforms in one task.
 CHUNK = 500
 #: Columns of the record that rounding errors change.
@@ -542,4 +543,4 @@ if __name__ == "__main__":
     try:
         sys.exit(main())
     except KeyboardInterrupt:
-        sys.exit(130)
+        sys.exit(INTERRUPTED)

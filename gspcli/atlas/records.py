@@ -16,7 +16,7 @@ from typing import Any
 
 from gspcli.atlas.groebner import msolve_path, msolve_version
 from gspcli.atlas.journal import Result
-from gspcli.atlas.tasks import LIMITS, PRIMES, SEED, Task, monodromy_counts
+from gspcli.atlas.tasks import LIMITS, PRIMES, Task, monodromy_counts
 from gspcli.atlas.trace import TOLERANCE
 from gspcli.catalogue.counts import (
     FAMILIES_FILE,
@@ -30,6 +30,7 @@ from gspcli.catalogue.counts import (
 from gspcli.catalogue.intersections import intersection_number
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import Family
+from gspcli.defaults import SEED
 from gspcli.errors import CheckFailed
 
 MANIFEST_FILE = "manifest.json"

@@ -13,12 +13,11 @@ from gspcli.atlas.tracking import Tracked, tracked
 from gspcli.catalogue.counts import all_families, law
 from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind
 from gspcli.catalogue.types import CONSTRAINTS
+from gspcli.defaults import SEED
 from gspcli.resources import data_json
 
 #: The two largest primes below 2^31.
 PRIMES = (2147483647, 2147483629)
-#: The default seed of everything random.
-SEED = 20031
 #: By the number of sides, the largest counts for which there are Gröbner bases, whose time grows
 #: with the third power; two-sided counts, which follow from the others, are not tracked above it.
 LIMITS = {1: 1408, 2: 512}

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from math import prod
+from typing import NamedTuple
 
 from gspcli.catalogue.constraints import LowestDegrees, constraint_facts
 from gspcli.catalogue.kinds import DISTANCE_KINDS, DLL, DPH, DPP, Kind
@@ -80,6 +81,27 @@ class Bounds:
 
 #: The names of the bounds, in the order of the catalogue's columns.
 BOUND_NAMES = tuple(Bounds.__dataclass_fields__)
+
+
+class BoundMeaning(NamedTuple):
+    """What a bound is called, and of what it is one."""
+
+    title: str
+    short: str
+    """For the heading of a narrow column."""
+    sides: str
+    """Which number it limits: the theorems leave the side of a plane open (Section 5)."""
+
+
+#: What the bounds mean, by their names.
+BOUND_MEANINGS = {
+    "theorem_5_2": BoundMeaning("Theorem 5.2", "Thm 5.2", "two-sided"),
+    "theorem_5_3": BoundMeaning("Theorem 5.3", "Thm 5.3", "two-sided"),
+    "theorem_5_4": BoundMeaning("Theorem 5.4", "Thm 5.4", "one-sided"),
+    "table_3": BoundMeaning("Table 3", "Table 3", "one-sided"),
+    "refined_one_sided": BoundMeaning("refined, one-sided", "refined 1-sided", "one-sided"),
+    "refined_two_sided": BoundMeaning("refined, two-sided", "refined 2-sided", "two-sided"),
+}
 
 
 def type_bounds(gsp_type: GspType) -> Bounds:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, overload
 
-from gspcli.catalogue.bounds import BOUND_NAMES, Bound, type_bounds
+from gspcli.catalogue.bounds import BOUND_MEANINGS, Bound, type_bounds
 from gspcli.catalogue.coincidence_counts import count_coincident
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import Kind
@@ -65,15 +65,6 @@ def _names(kinds: Iterable[Kind]) -> str:
     return " ".join(kind.short for kind in kinds)
 
 
-_TITLES = {
-    "theorem_5_2": "Thm 5.2",
-    "theorem_5_3": "Thm 5.3",
-    "theorem_5_4": "Thm 5.4",
-    "table_3": "Table 3",
-    "refined_one_sided": "refined 1-sided",
-    "refined_two_sided": "refined 2-sided",
-}
-
 #: What is known of a type; the order is that of the CSV.
 COLUMNS: tuple[TypeColumn, ...] = (
     TypeColumn("number", "no.", lambda t: t.number),
@@ -81,7 +72,7 @@ COLUMNS: tuple[TypeColumn, ...] = (
     TypeColumn("class", "class", lambda t: t.platform_class.id, numeric=False),
     TypeColumn("distances", "distances", lambda t: _names(t.distances), numeric=False),
     TypeColumn("angles", "angles", lambda t: _names(t.angles), numeric=False),
-    *(TypeColumn(name, _TITLES[name], _bound(name)) for name in BOUND_NAMES),
+    *(TypeColumn(name, meaning.short, _bound(name)) for name, meaning in BOUND_MEANINGS.items()),
     TypeColumn("generic_one_sided", "generic 1-sided", _count("one_sided")),
     TypeColumn("generic_two_sided", "generic 2-sided", _count("two_sided")),
     TypeColumn("best_real", "best known real", best_real),

@@ -86,6 +86,10 @@ class Family:
         angles = combinations_with_replacement(ANGLE_KINDS, self.platform_class.angles)
         return tuple(GspType(self.distances + chosen) for chosen in angles)
 
+    def to_json(self) -> dict[str, int | str | None]:
+        """Return what identifies the family as plain data; it has no number of its own."""
+        return {"id": None, "number": None, "class": self.platform_class.id}
+
     def __str__(self) -> str:
         return self.id
 
@@ -170,6 +174,10 @@ class GspType:
     def primitives(self) -> tuple[tuple[Primitive, Primitive], ...]:
         """The six pairs (platform primitive, base primitive)."""
         return tuple((kind.platform, kind.base) for kind in self.kinds)
+
+    def to_json(self) -> dict[str, int | str | None]:
+        """Return what identifies the type as plain data."""
+        return {"id": self.id, "number": self.number, "class": self.platform_class.id}
 
     def __str__(self) -> str:
         return self.id

@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.certification.distinct import all_different
 from gspcli.certification.floating import prove
-from gspcli.certification.proving import FIRST_PRECISION, TOLERANCE, certify
+from gspcli.certification.proving import FIRST_PRECISION, certify
 from gspcli.certification.system import System
+from gspcli.defaults import TOLERANCE
 from gspcli.geometry.instance import Instance
 
 

@@ -18,14 +18,11 @@ from gspcli.certification.measures import Measurement, measure, residual
 from gspcli.certification.poses import PoseBall, pose_of_floats, pose_of_point
 from gspcli.certification.statement import length_scale
 from gspcli.certification.system import System
+from gspcli.defaults import MAX_PRECISION, TOLERANCE
 from gspcli.geometry.instance import Instance, Side
 
 #: Bits of the first attempt: candidates are floats, and a limb of FLINT has 64 bits.
 FIRST_PRECISION = 64
-#: Default limit of the precision.
-MAX_PRECISION = 1024
-#: Default limit of the difference between a candidate and the solution proved near it.
-TOLERANCE = 1e-6
 
 
 class _Candidate:

@@ -13,6 +13,7 @@ import click
 from gspcli.cli.output import Column, Output, Table, emit, output_options, write_whole
 from gspcli.cli.progress import progress
 from gspcli.cli.workers import worker_options
+from gspcli.defaults import SEED
 from gspcli.errors import CheckFailed, IncompleteError
 
 if TYPE_CHECKING:
@@ -125,8 +126,9 @@ def _numbers(*keys: str) -> list[Column]:
 )
 @click.option(
     "--seed",
-    type=int,
-    help="Other random platforms, and another sample.  [default: those of the record]",
+    default=SEED,
+    show_default="that of the record",
+    help="Other random platforms, and another sample.",
 )
 @worker_options
 @_timeout
@@ -135,7 +137,7 @@ def _numbers(*keys: str) -> list[Column]:
 def verify(
     fast: bool,
     method: str | None,
-    seed: int | None,
+    seed: int,
     workers: Workers,
     timeout: float | None,
     journal: Path | None,
@@ -155,11 +157,10 @@ def verify(
     from gspcli.atlas.groebner import msolve_path
     from gspcli.atlas.journal import carry_out
     from gspcli.atlas.records import Verdict, recorded, verdict
-    from gspcli.atlas.tasks import PRIMES, SEED, all_tasks
+    from gspcli.atlas.tasks import PRIMES, all_tasks
 
     chosen = method or ("both" if msolve_path() else "tracking")
     characteristics = (0,) * (chosen != "groebner") + PRIMES * (chosen != "tracking")
-    seed = SEED if seed is None else seed
     tasks = all_tasks(seed=seed, characteristics=characteristics)
     if fast:
         size, largest = _FAST

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from gspcli.catalogue.bounds import Bounds, family_bounds, type_bounds
+from gspcli.catalogue.bounds import BOUND_MEANINGS, BOUND_NAMES, Bounds, family_bounds, type_bounds
 from gspcli.catalogue.constraints import Degrees, constraint_facts
 from gspcli.catalogue.counts import Counts, family_counts, generic_counts
 from gspcli.catalogue.kinds import Kind
@@ -18,24 +18,7 @@ from gspcli.cli.names import read_names
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 
 _SURFACES = {"P": "plane", "S": "sphere", "C": "cylinder"}
-_TITLES = {
-    "theorem_5_2": "Theorem 5.2",
-    "theorem_5_3": "Theorem 5.3",
-    "theorem_5_4": "Theorem 5.4",
-    "table_3": "Table 3",
-    "refined_one_sided": "refined, one-sided",
-    "refined_two_sided": "refined, two-sided",
-}
 _GENERIC = ("generic_one_sided", "generic_two_sided")
-#: Which number a bound limits: the theorems leave the side of a plane open (Section 5).
-_SIDES = {
-    "theorem_5_2": "two-sided",
-    "theorem_5_3": "two-sided",
-    "theorem_5_4": "one-sided",
-    "table_3": "one-sided",
-    "refined_one_sided": "one-sided",
-    "refined_two_sided": "two-sided",
-}
 
 
 @click.command
@@ -78,19 +61,8 @@ def _kinds(subject: GspType | Family) -> tuple[Kind, ...]:
 
 
 def _identity(subject: GspType | Family) -> dict[str, Any]:
-    if isinstance(subject, GspType):
-        return {
-            "id": subject.id,
-            "number": subject.number,
-            "class": subject.platform_class.id,
-            "family": subject.family.id,
-        }
-    return {
-        "id": None,
-        "number": None,
-        "class": subject.platform_class.id,
-        "family": subject.id,
-    }
+    family = subject.family if isinstance(subject, GspType) else subject
+    return {**subject.to_json(), "family": family.id}
 
 
 def bound_document(subject: GspType | Family) -> dict[str, Any]:
@@ -176,7 +148,12 @@ def bound_table(bounds: Bounds, counts: Counts, real: int | None) -> Table:
     """Return rows: the bounds that apply with their reasons, the counts, the best known real."""
     applying = [(name, bound) for name, bound in bounds.items() if bound is not None]
     rows = [
-        {"kind": "bound", "source": _TITLES[name], "value": bound.value, "sides": _SIDES[name]}
+        {
+            "kind": "bound",
+            "source": BOUND_MEANINGS[name].title,
+            "value": bound.value,
+            "sides": BOUND_MEANINGS[name].sides,
+        }
         for name, bound in applying
     ]
     rows += [
@@ -218,7 +195,7 @@ def _summary(subjects: list[GspType | Family]) -> Table:
     return Table(
         columns=[
             *(Column(key) for key in ("number", "id", "class", "family")),
-            *(Column(name, align="right") for name in (*_TITLES, *_GENERIC, "best_real")),
+            *(Column(name, align="right") for name in (*BOUND_NAMES, *_GENERIC, "best_real")),
         ],
         rows=rows,
     )

@@ -11,11 +11,11 @@ from gspcli.cli.digits import DECIMALS, decimals, digit_table, digits_option, re
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.poses import text_of
+from gspcli.defaults import MAX_PRECISION, TOLERANCE
 from gspcli.errors import CheckFailed, IncompleteError
 
 if TYPE_CHECKING:
     from gspcli.certification import Certificate, Certificates
-    from gspcli.geometry.instance import Instance
 
 _COLUMNS = (
     Column("number", "no.", align="right", essential=True),
@@ -43,7 +43,7 @@ _COLUMNS = (
 )
 @click.option(
     "--tolerance",
-    default=1e-6,
+    default=TOLERANCE,
     show_default=True,
     type=click.FloatRange(0, min_open=True),
     help="Largest difference of a pose from its solution, lengths by the platform's size; "
@@ -51,7 +51,7 @@ _COLUMNS = (
 )
 @click.option(
     "--max-precision",
-    default=1024,
+    default=MAX_PRECISION,
     show_default=True,
     type=click.IntRange(64),
     metavar="BITS",
@@ -112,7 +112,7 @@ def command(
     }
     document = {
         "schema": "gsp.certify/1",
-        **_head(instance),
+        **instance.to_json(),
         "tolerance": tolerance,
         "scale": proved.scale,
         "counts": counts,
@@ -120,15 +120,6 @@ def command(
     }
     emit(output, _tables(solutions, counts, output.format), document=document)
     _conclude(solutions, proved)
-
-
-def _head(instance: Instance) -> dict[str, Any]:
-    kind = instance.type
-    return {
-        "name": instance.name,
-        "type": {"id": kind.id, "number": kind.number, "class": kind.platform_class.id},
-        "units": {"length": instance.units.length, "angle": instance.units.angle.value},
-    }
 
 
 def _facts(item: Certificate) -> dict[str, Any]:

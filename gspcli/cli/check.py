@@ -76,23 +76,16 @@ def command(specs: tuple[str, ...], output: Output) -> None:
 def _facts(instance: Instance) -> dict[str, Any]:
     from gspcli.catalogue.bounds import type_bounds
     from gspcli.catalogue.coincidence import canonical_bonds
-    from gspcli.catalogue.counts import generic_counts
-    from gspcli.spec import bonds, sharing, side_choices
+    from gspcli.spec import bonds, sharing
 
     platform, base = sharing(instance)
     gsp_type = instance.type
     return {
-        "name": instance.name,
-        "type": {
-            "id": gsp_type.id,
-            "number": gsp_type.number,
-            "class": gsp_type.platform_class.id,
-        },
-        "units": {"length": instance.units.length, "angle": instance.units.angle.value},
+        **instance.to_json(),
         "shared": {"platform": platform, "base": base},
         "pattern": " ".join(map(str, canonical_bonds(bonds(instance)))),
-        "expected": generic_counts(gsp_type).one_sided * side_choices(instance),
-        "bound": type_bounds(gsp_type).refined_one_sided.value * side_choices(instance),
+        "expected": instance.expected,
+        "bound": type_bounds(gsp_type).refined_one_sided.value * instance.side_choices,
     }
 
 

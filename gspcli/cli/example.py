@@ -69,8 +69,7 @@ def command(name: str | None, output: Output) -> None:
 
 
 def _row(name: str, path: Path) -> dict[str, Any]:
-    from gspcli.catalogue.counts import generic_counts
-    from gspcli.spec import load, side_choices
+    from gspcli.spec import load
 
     instance = load(path)
     folder = path.parent.name
@@ -80,7 +79,7 @@ def _row(name: str, path: Path) -> dict[str, Any]:
         "group": folder.removesuffix("s"),
         "type": short_name(instance.type),
         "number": instance.type.number,
-        "expected": generic_counts(instance.type).one_sided * side_choices(instance),
+        "expected": instance.expected,
         "exact": "infinite" if record.get("dimension") else record.get("complex"),
         "real": record.get("real"),
         "title": instance.name,

@@ -11,7 +11,7 @@ import click
 
 from gspcli import __version__
 from gspcli.cli.colour import coloured
-from gspcli.errors import GspError
+from gspcli.errors import INTERRUPTED, GspError
 
 _TYPES = "What types are"
 _PLATFORM = "One platform"
@@ -38,7 +38,6 @@ COMMANDS = {
     "measure": _MOVING,
 }
 
-INTERRUPTED = 130
 INTERNAL_ERROR = 70
 _WHOLE_SENTENCE = 1000
 

@@ -14,15 +14,14 @@ from gspcli.cli.names import is_file, load_instance, read_type
 from gspcli.cli.output import Output, check_writable, write, write_whole
 from gspcli.cli.progress import progress
 from gspcli.cli.workers import worker_options
-from gspcli.errors import CheckFailed, GspError, IncompleteError
+from gspcli.defaults import SEED
+from gspcli.errors import INTERRUPTED, CheckFailed, GspError, IncompleteError
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance, Units
     from gspcli.reality.maximize import Search
     from gspcli.reality.state import State
     from gspcli.workers import Workers
-
-_INTERRUPTED = 130
 
 
 @click.command()
@@ -46,7 +45,7 @@ _INTERRUPTED = 130
 )
 @click.option(
     "--seed",
-    default=20031,
+    default=SEED,
     show_default=True,
     type=click.IntRange(min=0),
     help="Seed of the random numbers; attempts depend on it and on their number only.",
@@ -124,7 +123,7 @@ def command(
         state, interrupted = interruption.state, True
     if interrupted and state.platform is None:
         click.echo("interrupted before the end of an attempt", err=True)
-        return _INTERRUPTED
+        return INTERRUPTED
     if state.platform is None:
         message = "no platform was solved in the time given: use a greater --time"
         raise IncompleteError(message)
@@ -132,7 +131,7 @@ def command(
     write(output, dumps(instance))
     click.echo(f"{real} real poses, certified", err=True)
     if interrupted:
-        return _INTERRUPTED
+        return INTERRUPTED
     if target is not None and real < target:
         message = f"{target} real poses were asked for, {real} were found: give it more time"
         raise CheckFailed(message)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli.output import Output, write
+from gspcli.defaults import SEED
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ _TEMPLATE_HEAD = """\
 @click.option("--template", is_flag=True, help="Write comments that explain how to fill it in.")
 @click.option(
     "--seed",
-    default=0,
+    default=SEED,
     show_default=True,
     type=click.IntRange(min=0),
     help="Seed of the random numbers; the same seed gives the same file.",

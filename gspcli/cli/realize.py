@@ -70,11 +70,7 @@ def command(names: tuple[str, ...], output: Output) -> None:
         Table(_COLUMNS, rows, title=title, notes=notes),
         document={
             "schema": "gsp.realize/1",
-            "type": {
-                "id": gsp_type.id,
-                "number": gsp_type.number,
-                "class": gsp_type.platform_class.id,
-            },
+            "type": gsp_type.to_json(),
             "chains": [_document(mounted) for mounted in built.chains],
             "shared": [
                 {

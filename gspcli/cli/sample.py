@@ -12,7 +12,8 @@ from gspcli import __version__
 from gspcli.cli.names import read_type
 from gspcli.cli.output import FORMATS, Column, Output, Table, emit, output_options, write_whole
 from gspcli.cli.workers import worker_options
-from gspcli.errors import GspError
+from gspcli.defaults import SEED
+from gspcli.errors import INTERRUPTED, GspError
 
 if TYPE_CHECKING:
     from gspcli.reality.sampling import Sample, Tally
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 SCHEMA = "gsp.sample/1"
 #: Exit code after Ctrl-C, as of the whole program.
-_INTERRUPTED = 130
 #: The longest bar of the histogram, characters.
 _BAR = 40
 #: Decimals that keep a number of order one.
@@ -39,7 +39,7 @@ _WIDTH, _HEIGHT, _MARGIN = 640, 320, 40
 )
 @click.option(
     "--seed",
-    default=20031,
+    default=SEED,
     show_default=True,
     type=click.IntRange(min=0),
     help="Seed of the random numbers; the same seed gives the same numbers.",
@@ -103,7 +103,7 @@ def command(
         document=_document(wanted, total),
         texts={"svg": histogram(wanted, total)},
     )
-    return _INTERRUPTED if interrupted else 0
+    return INTERRUPTED if interrupted else 0
 
 
 def _make(folder: Path) -> None:
@@ -161,14 +161,9 @@ def _subject(wanted: Sample) -> str:
 
 
 def _document(wanted: Sample, tally: Tally) -> dict[str, Any]:
-    gsp_type = wanted.gsp_type
     return {
         "schema": SCHEMA,
-        "type": {
-            "id": gsp_type.id,
-            "number": gsp_type.number,
-            "class": gsp_type.platform_class.id,
-        },
+        "type": wanted.gsp_type.to_json(),
         "one_sided": wanted.one_sided,
         "expected": wanted.expected,
         "seed": wanted.seed,

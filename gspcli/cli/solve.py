@@ -10,6 +10,7 @@ import click
 from gspcli.cli.digits import DECIMALS, decimals, digit_table, digits_option, refined
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
+from gspcli.defaults import SEED
 from gspcli.errors import IncompleteError, NotFiniteError
 
 if TYPE_CHECKING:
@@ -36,7 +37,8 @@ _QUATERNION = ("qw", "qx", "qy", "qz")
 @click.option(
     "--seed",
     type=int,
-    default=None,
+    default=SEED,
+    show_default=True,
     help="Seed of random choices; the answer does not depend on it.",
 )
 @click.option(
@@ -54,7 +56,7 @@ def command(
     settings: tuple[str, ...],
     everything: bool,
     no_certify: bool,
-    seed: int | None,
+    seed: int,
     jobs: int,
     digits: int | None,
     output: Output,
@@ -76,13 +78,13 @@ def command(
       gsp solve @dietmaier --digits 50 -o poses.json
       gsp new "DPL DPL DLP ALL ALL ALH" | gsp solve - --all -o poses.json
     """
-    from gspcli.solver import DEFAULT_SEED, solve
+    from gspcli.solver import solve
     from gspcli.spec import set_values
 
     instance = set_values(load_instance(spec), settings)
     result = solve(
         instance,
-        seed=DEFAULT_SEED if seed is None else seed,
+        seed=seed,
         jobs=jobs,
         certify=not no_certify,
     )

@@ -21,8 +21,8 @@ from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.start import StartSystem, start_system
 from gspcli.continuation.systems import Coefficients, TargetSystem
 from gspcli.continuation.tracker import DEFAULT, PathResults, TrackerOptions, track
+from gspcli.defaults import SEED
 
-DEFAULT_SEED = 20031
 _BATCH = 256
 _BATCH_PATHS = 65_536
 
@@ -78,7 +78,7 @@ class SystemSolutions:
 def solve_system(
     target: TargetSystem,
     *,
-    seed: int = DEFAULT_SEED,
+    seed: int = SEED,
     jobs: int = 1,
     options: TrackerOptions = DEFAULT,
 ) -> SystemSolutions:
@@ -107,7 +107,7 @@ def solve_system(
 def solve_systems(
     targets: Iterable[TargetSystem],
     *,
-    seed: int = DEFAULT_SEED,
+    seed: int = SEED,
     jobs: int = 1,
     options: TrackerOptions = DEFAULT,
 ) -> Iterator[SystemSolutions]:

@@ -6,7 +6,9 @@ import math
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
+from typing import Any
 
+from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import GspType
 from gspcli.geometry.numbers import Number
@@ -109,6 +111,28 @@ class Instance:
             If there are not six constraints or more than three are angles.
         """
         return GspType.of(constraint.kind for constraint in self.constraints)
+
+    @cached_property
+    def side_choices(self) -> int:
+        """In how many ways the sides left open can be chosen; a distance of zero has one."""
+        left_open = sum(
+            row.kind.has_sides and row.side is Side.BOTH and row.value.value != 0
+            for row in self.constraints
+        )
+        return 1 << left_open
+
+    @cached_property
+    def expected(self) -> int:
+        """The generic count of the type for the sides asked for."""
+        return generic_counts(self.type).one_sided * self.side_choices
+
+    def to_json(self) -> dict[str, Any]:
+        """Return what identifies the instance in every document: its name, type and units."""
+        return {
+            "name": self.name,
+            "type": self.type.to_json(),
+            "units": {"length": self.units.length, "angle": self.units.angle.value},
+        }
 
     def with_values(self, values: dict[int, Number]) -> Instance:
         """Return the instance with other values for some constraints (indices from 0)."""

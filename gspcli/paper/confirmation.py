@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import GspType
+from gspcli.defaults import SEED
 from gspcli.errors import CheckFailed
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.poses import apply, cross, dot
@@ -17,8 +18,6 @@ from gspcli.paper.table3 import Entry, compute
 from gspcli.progress import Progress, silent
 from gspcli.solver import SolveResult, solve
 from gspcli.solver.generate import random_instance
-
-DEFAULT_SEED = 20031
 
 
 @dataclass(frozen=True)
@@ -35,9 +34,7 @@ class Confirmation:
     instances: int
 
 
-def confirm(
-    *, instances: int = 2, seed: int = DEFAULT_SEED, progress: Progress = silent
-) -> Confirmation:
+def confirm(*, instances: int = 2, seed: int = SEED, progress: Progress = silent) -> Confirmation:
     """Solve random one-sided instances of every family of Table 3.
 
     The angles vary over the twenty types of each family. Every combination of a rotation with one

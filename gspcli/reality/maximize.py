@@ -27,6 +27,7 @@ from gspcli.continuation.accounts import all_regular
 from gspcli.continuation.solve import solve_systems
 from gspcli.continuation.systems import Coefficients, Structure
 from gspcli.continuation.tracker import track
+from gspcli.defaults import SEED
 from gspcli.geometry.poses import normalised, pose_from_study
 from gspcli.reality.folds import Folds, folds, moved
 from gspcli.reality.platforms import Platforms, random_platforms
@@ -37,8 +38,6 @@ from gspcli.workers import HERE, Workers
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-#: The default seed of everything random.
-SEED = 20031
 #: Sizes of random platforms, in turn by the number of the attempt. Types with distances of points
 #: and lines begin with the small ones, which have more real solutions there.
 _SIZES = (1.0, 0.3)

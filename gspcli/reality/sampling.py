@@ -10,12 +10,11 @@ import numpy as np
 
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.types import GspType
+from gspcli.defaults import SEED
 from gspcli.reality.platforms import Platforms, random_platforms
 from gspcli.reality.recognition import reality
 from gspcli.workers import HERE, Workers
 
-#: The default seed of everything random.
-SEED = 20031
 #: About how many paths are one piece of work.
 _PATHS = 16_384
 

@@ -14,6 +14,7 @@ from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DPH, Kind, Prim
 from gspcli.catalogue.types import GspType
 from gspcli.catalogue.witnesses import Witness, witness
 from gspcli.certification import certify
+from gspcli.defaults import SEED
 from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement, angle_of
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
@@ -31,7 +32,6 @@ _DIGITS = range(2, 13)
 #: last, two poses that differ by it are still told apart by double precision.
 _GAPS = tuple(Fraction(m, 10**k) for k in range(1, 6) for m in (5, 2, 1))
 DEFAULT_UNITS = Units("unit", AngleUnit.DEGREE)
-_SEED = 20031
 #: Numbers of each primitive in a recorded witness.
 _SIZE = {Primitive.POINT: 3, Primitive.LINE: 6, Primitive.PLANE: 6}
 
@@ -98,7 +98,7 @@ def real_instance(
 
 def poses(instance: Instance, *, jobs: int = 1) -> PoseSet:
     """Return all poses of an instance by path tracking."""
-    return solve_by_tracking(Arrangement.of(instance), seed=_SEED, jobs=jobs)
+    return solve_by_tracking(Arrangement.of(instance), seed=SEED, jobs=jobs)
 
 
 def certified_real(instance: Instance, *, jobs: int = 1) -> int:

@@ -8,17 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gspcli.catalogue.types import MAX_ANGLES
+from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.solver.poses import PoseSet
 from gspcli.solver.result import SolveResult, stable_order
 
-#: The default seed of everything random.
-DEFAULT_SEED = 20031
-
 
 def solve(
-    instance: Instance, *, seed: int = DEFAULT_SEED, jobs: int = 1, certify: bool = True
+    instance: Instance, *, seed: int = SEED, jobs: int = 1, certify: bool = True
 ) -> SolveResult:
     """Return all poses of an instance, with an account of every path.
 
@@ -47,7 +45,7 @@ def solve(
 
 
 def solve_values(
-    instance: Instance, values: ArrayLike, *, seed: int = DEFAULT_SEED, jobs: int = 1
+    instance: Instance, values: ArrayLike, *, seed: int = SEED, jobs: int = 1
 ) -> Iterator[PoseSet]:
     """Yield all poses of an instance for each of many sets of values, in order, uncertified.
 

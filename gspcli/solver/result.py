@@ -232,18 +232,10 @@ class SolveResult:
         everything
             Whether poses that are not real are included.
         """
-        units = self.instance.units
         chosen = self.solutions if everything else self.real_solutions
-        gsp_type = self.instance.type
         document: dict[str, Any] = {
             "schema": SCHEMA,
-            "name": self.instance.name,
-            "type": {
-                "id": gsp_type.id,
-                "number": gsp_type.number,
-                "class": gsp_type.platform_class.id,
-            },
-            "units": {"length": units.length, "angle": units.angle.value},
+            **self.instance.to_json(),
             "expected": self.expected,
             "verdict": self.verdict,
             "counts": self._counts_json(),

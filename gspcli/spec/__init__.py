@@ -5,7 +5,7 @@
 which primitives several constraints share.
 """
 
-from gspcli.spec.meaning import bonds, sharing, side_choices
+from gspcli.spec.meaning import bonds, sharing
 from gspcli.spec.reading import Reading, load, loads, read, read_text, set_values
 from gspcli.spec.writing import dump, dumps
 
@@ -20,5 +20,4 @@ __all__ = [
     "read_text",
     "set_values",
     "sharing",
-    "side_choices",
 ]

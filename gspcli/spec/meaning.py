@@ -95,15 +95,6 @@ def remarks(instance: Instance) -> list[tuple[int, str]]:
     return found + _dependence(instance)
 
 
-def side_choices(instance: Instance) -> int:
-    """Return in how many ways the sides left open can be chosen; a distance of zero has one."""
-    left_open = sum(
-        constraint.kind.has_sides and constraint.side is Side.BOTH and constraint.value.value != 0
-        for constraint in instance.constraints
-    )
-    return 1 << left_open
-
-
 def sharing(instance: Instance) -> tuple[dict[str, list[int]], dict[str, list[int]]]:
     """Return the shared primitives of platform and base: names, and constraint numbers from 1."""
     users: tuple[dict[str, list[int]], dict[str, list[int]]] = ({}, {})

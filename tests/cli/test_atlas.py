@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from gspcli.atlas import records
-from gspcli.atlas.tasks import SEED, Task
+from gspcli.atlas.tasks import Task
+from gspcli.defaults import SEED
 
 Run = Callable[..., object]
 DOCS = Path(__file__).resolve().parents[2] / "docs"

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from matching import pose_set_distance
 
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.types import CLASSES, GspType, all_types
 from gspcli.geometry.instance import Constraint, Instance, Side
-from gspcli.geometry.matching import pose_set_distance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.poses import Field
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector

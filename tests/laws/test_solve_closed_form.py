@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matching import pose_set_distance
 
 from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS
 from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.types import GspType, type_by_number
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
-from gspcli.geometry.matching import pose_set_distance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.poses import apply, rotation_from_quaternion
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from matching import pose_set_distance
 
 from gspcli.catalogue.types import all_types, type_by_number
 from gspcli.continuation.quadrics import evaluate
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.matching import pose_set_distance
 from gspcli.geometry.poses import study_from_pose
 from gspcli.solver import solve
 from gspcli.solver.closed_form import solve_closed_form

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from matching import pose_set_distance
 
 from gspcli.catalogue.types import type_by_number
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.matching import pose_set_distance
 from gspcli.solver.closed_form import solve_closed_form
 from gspcli.solver.generate import random_instance
 from gspcli.solver.tracking import solve_by_tracking

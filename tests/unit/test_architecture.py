@@ -28,6 +28,7 @@ LAYERS = {
     "geometry": 2,
     "symbolic": 2,
     "catalogue": 1,
+    "defaults": 0,
     "resources": 0.5,
     "workers": 0.5,
     "errors": 0,
@@ -42,7 +43,7 @@ ROOMS = {
     "click": {"cli"},
     "rich": {"cli"},
 }
-STANDARD_LIBRARY_ONLY = {"catalogue", "errors", "resources", "progress"}
+STANDARD_LIBRARY_ONLY = {"catalogue", "errors", "resources", "progress", "defaults"}
 #: pandas is imported only inside the `to_frame` methods.
 FRAMES = "pandas"
 

@@ -9,9 +9,10 @@ import pytest
 
 from gspcli.atlas.journal import Result
 from gspcli.atlas.records import Verdict, contents, verdict
-from gspcli.atlas.tasks import PRIMES, SEED, Task
+from gspcli.atlas.tasks import PRIMES, Task
 from gspcli.atlas.trace import Trace
 from gspcli.atlas.tracking import Tracked
+from gspcli.defaults import SEED
 from gspcli.errors import CheckFailed
 
 SUBJECT, FAMILY = "DPP DPP DPL", "3D3A PP PP PL"

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.types import type_by_number
+from gspcli.defaults import SEED
 from gspcli.geometry.poses import quaternion_from_rotation
-from gspcli.solver import DEFAULT_SEED, solve
+from gspcli.solver import solve
 from gspcli.solver.generate import random_instance
 
 
@@ -33,7 +34,7 @@ def test_json_has_the_keys_of_the_schema(result):
     ]
     assert document["schema"] == "gsp.solve/1"
     assert document["type"]["number"] == 900
-    assert document["seed"] == DEFAULT_SEED
+    assert document["seed"] == SEED
     assert len(document["solutions"]) == document["counts"]["found"]
     for solution in document["solutions"]:
         keys = {"real", "certified", "multiplicity", "R", "T", "quaternion"}

@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from matching import pose_set_distance
 
 from gspcli.catalogue.parsing import parse_type
-from gspcli.geometry.matching import pose_set_distance
 from gspcli.geometry.numbers import Number
 from gspcli.solver import solve, solve_values
 from gspcli.solver.generate import random_instance

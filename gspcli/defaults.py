@@ -1,0 +1,11 @@
+"""Numbers that functions and commands use unless others are given; each is stated here alone."""
+
+from __future__ import annotations
+
+#: The seed of everything random: the same call gives the same bytes.
+SEED = 20031
+#: Largest difference of a pose from its solution that `certify` accepts; lengths by the
+#: platform's size, relative for numbers above one.
+TOLERANCE = 1e-6
+#: Bits at which `certify` stops raising the precision.
+MAX_PRECISION = 1024
