@@ -51,7 +51,7 @@ def command() -> None:
 
 
 @command.command
-@output_options()
+@output_options(parts=("counts", "bounds"))
 def summary(output: Output) -> None:
     """Summarize the generic counts by class, and how sharp the bounds are.
 
@@ -83,6 +83,7 @@ def summary(output: Output) -> None:
                 ],
                 rows=[vars(s) for s in class_summaries()],
                 title="Generic counts",
+                part="counts",
                 notes=[
                     "All counts are proved, see docs/counts.md.",
                     *notes,
@@ -104,12 +105,14 @@ def summary(output: Output) -> None:
                     for s in bound_summaries()
                 ],
                 title="Bounds against generic counts",
+                part="bounds",
                 notes=[
                     "sharp: the bound is the count; factor: by what it exceeds it. Table 3 counts",
                     "one of the two planes of a DLL and is compared with that count.",
                 ],
             ),
         ],
+        schema="atlas-summary",
     )
 
 
@@ -133,7 +136,7 @@ def _numbers(*keys: str) -> list[Column]:
 @worker_options
 @_timeout
 @_work
-@output_options()
+@output_options(parts=("methods", "different"))
 def verify(
     fast: bool,
     method: str | None,
@@ -175,7 +178,11 @@ def verify(
     verdicts = {result: verdict(result) for result in map(results.__getitem__, tasks)}
     wrong = [result for result, v in verdicts.items() if v is Verdict.DIFFERENT]
     unfinished = [result for result, v in verdicts.items() if v is Verdict.UNFINISHED]
-    emit(output, [_verified(verdicts), *([_differing(wrong)] if wrong else [])])
+    emit(
+        output,
+        [_verified(verdicts), *([_differing(wrong)] if wrong else [])],
+        schema="atlas-verify",
+    )
     if wrong:
         message = f"{len(wrong)} of {len(results)} counts differ from the record"
         raise CheckFailed(message)
@@ -202,7 +209,8 @@ def _verified(verdicts: Mapping[Result, Verdict]) -> Table:
     rows = [{**dict.fromkeys((c.key for c in numbers), 0), **row} for row in rows]
     equal = sum(row["equal"] for row in rows)
     note = f"confirmed: {equal} of {len(verdicts)} counts"
-    return Table([Column("method", essential=True), *numbers], rows, notes=[note])
+    columns = [Column("method", essential=True), *numbers]
+    return Table(columns, rows, notes=[note], part="methods")
 
 
 def _differing(wrong: Sequence[Result]) -> Table:
@@ -215,6 +223,7 @@ def _differing(wrong: Sequence[Result]) -> Table:
         ],
         rows=[{**vars(r.task), "recorded": recorded(r.task), "counted": r.count} for r in wrong],
         title="Different from the record",
+        part="different",
     )
 
 

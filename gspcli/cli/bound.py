@@ -23,7 +23,7 @@ _GENERIC = ("generic_one_sided", "generic_two_sided")
 
 @click.command
 @click.argument("names", nargs=-1, required=True, metavar="TYPE...")
-@output_options()
+@output_options(parts=("constraints", "bounds"))
 def command(names: tuple[str, ...], output: Output) -> None:
     """Bound the number of solutions of a type, by constraint and by theorem.
 
@@ -41,7 +41,8 @@ def command(names: tuple[str, ...], output: Output) -> None:
     """
     subjects = read_names(names)
     documents = [bound_document(subject) for subject in subjects]
-    if output.format in ("csv", "markdown", "latex") and len(subjects) > 1:
+    one_line_each = output.format in ("csv", "markdown", "latex") and len(subjects) > 1
+    if one_line_each or (output.format == "csv" and output.part is None):
         tables = [_summary(subjects)]
     else:
         tables = [table for subject in subjects for table in _tables(subject)]
@@ -136,11 +137,12 @@ def constraint_table(kinds: Sequence[Kind], title: str) -> Table:
             Column("degree_lazard", "degree (Lazard)", essential=True),
             Column("degree_mourrain", "degree (Mourrain)", essential=True),
             Column("degree_lowest", "lowest degree", essential=True),
-            Column("coordinates", "in coordinates"),
-            Column("surface", "surface", essential=True),
+            Column("coordinates", "in coordinates", minor=1),
+            Column("surface", "surface"),
         ],
         rows=rows,
         title=title,
+        part="constraints",
     )
 
 
@@ -171,8 +173,8 @@ def bound_table(bounds: Bounds, counts: Counts, real: int | None) -> Table:
         )
     return Table(
         columns=[
-            Column("kind", "number of solutions", essential=True),
-            Column("source", "by", essential=True),
+            Column("kind", "number of solutions", essential=True, fold=" "),
+            Column("source", "by", essential=True, fold=" "),
             Column("value", align="right", essential=True),
             Column("sides", essential=True),
         ],
@@ -181,6 +183,7 @@ def bound_table(bounds: Bounds, counts: Counts, real: int | None) -> Table:
             *dict.fromkeys(bound.reason for _, bound in applying),
             f"Generic count: {counts.established}",
         ],
+        part="bounds",
     )
 
 

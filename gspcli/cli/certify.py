@@ -152,8 +152,8 @@ def _tables(
     ).format(**counts)
     shown = [Column(key) for key in DECIMALS if any(key in row for row in rows)]
     if output_format == "csv" or not shown:
-        return [Table([*_COLUMNS, *shown], rows, notes=[note])]
-    return [Table(_COLUMNS, rows, notes=[note]), digit_table(rows)]
+        return [Table([*_COLUMNS, *shown], rows, summary=[note], part="poses")]
+    return [Table(_COLUMNS, rows, summary=[note], part="poses"), digit_table(rows)]
 
 
 def _conclude(solutions: list[dict[str, Any]], proved: Certificates) -> None:

@@ -18,11 +18,11 @@ _COLUMNS = (
     Column("valid", essential=True),
     Column("class"),
     Column("number", "no.", align="right"),
-    Column("type"),
+    Column("type", fold=" "),
     Column("expected", align="right"),
     Column("bound", align="right"),
     Column("warnings", align="right"),
-    Column("shared"),
+    Column("shared", fold=", ", minor=1),
 )
 
 

@@ -25,15 +25,15 @@ _PROOF = (
 )
 _ALL_COLUMNS = (
     Column("kind", essential=True),
-    Column("equation", essential=True),
-    Column("degree_lazard", "Lazard", "right"),
-    Column("degree_mourrain", "Mourrain", "right"),
+    Column("equation", essential=True, fold=" "),
+    Column("degree_lazard", "Lazard", "right", minor=2),
+    Column("degree_mourrain", "Mourrain", "right", minor=2),
     Column("degree_lowest", "lowest", "right", essential=True),
     Column("degree_lowest_one_sided", "one-sided", "right"),
     Column("coordinates", "in"),
     Column("surface"),
     Column("realization"),
-    Column("meaning"),
+    Column("meaning", fold=" ", minor=3),
 )
 
 
@@ -140,7 +140,7 @@ def _one_sided(facts: ConstraintFacts, degrees: Degrees | None) -> int | None:
 def _equation_list(shown: list[ConstraintFacts]) -> Table:
     """Return the equations of several kinds in one table."""
     rows = [row for facts in shown for row in _equation_rows(facts)]
-    return Table([Column(key) for key in rows[0]], rows)
+    return Table([Column(key) for key in rows[0]], rows, part="equations")
 
 
 def _page(facts: ConstraintFacts) -> list[Table]:
@@ -162,7 +162,7 @@ def _page(facts: ConstraintFacts) -> list[Table]:
         Table(
             [
                 Column("system", "written", essential=True),
-                Column("equation", essential=True),
+                Column("equation", essential=True, fold=" "),
                 Column("degree_paper", "Prop. 4.1", "right"),
                 Column("degree_lowest", "lowest", "right"),
                 *one_sided,

@@ -36,7 +36,7 @@ def command(case: str | None, expand: bool, output: Output) -> None:
     from gspcli.symbolic.presentation import to_document, to_latex, to_text
 
     if case is None:
-        emit(output, _listing([derive(name) for name in CASES]))
+        emit(output, _listing([derive(name) for name in CASES]), schema="derive-cases")
         return
     name = parse_case(case)
     triangular = expand_case(name) if expand else derive(name)
@@ -51,10 +51,10 @@ def _listing(sets: list[TriangularSet]) -> Table:
     return Table(
         columns=[
             Column("case", essential=True),
-            Column("title"),
+            Column("title", fold=" "),
             Column("degrees"),
             Column("solutions", align="right", essential=True),
-            Column("source"),
+            Column("source", fold=" ", minor=1),
         ],
         rows=[
             {
@@ -66,5 +66,6 @@ def _listing(sets: list[TriangularSet]) -> Table:
             }
             for item in sets
         ],
+        part="cases",
         notes=["degrees: of each polynomial in its leading variable; solutions: their product"],
     )

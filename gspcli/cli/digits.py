@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
 #: The columns of a refined pose, real parts first.
 DECIMALS = tuple(
-    name + suffix
+    f"refined_{name}{suffix}"
     for suffix in ("", "_imag")
-    for name in (*(f"r{i}{j}" for i in "123" for j in "123"), "tx", "ty", "tz")
+    for name in (*(f"R{i}{j}" for i in "123" for j in "123"), "Tx", "Ty", "Tz")
 )
 
 digits_option = click.option(
@@ -54,7 +54,7 @@ def decimals(pose: Mapping[str, Any]) -> dict[str, str]:
 def digit_table(rows: Sequence[Mapping[str, Any]]) -> Table:
     """Return one number a line, for people: fifty digits do not fit beside each other."""
     lines = [
-        {"number": row["number"], "entry": key, "value": row[key]}
+        {"number": row["number"], "entry": key.removeprefix("refined_"), "value": row[key]}
         for row in rows
         for key in DECIMALS
         if key in row
@@ -64,4 +64,4 @@ def digit_table(rows: Sequence[Mapping[str, Any]]) -> Table:
         Column("entry", essential=True),
         Column("value", essential=True),
     )
-    return Table(columns, lines, title="Proved digits")
+    return Table(columns, lines, title="Proved digits", part="digits")

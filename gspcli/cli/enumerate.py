@@ -19,6 +19,17 @@ from gspcli.cli.output import Column, Output, Table, emit, output_options
 #: Options that take several words, as in `--only PL PH A`.
 _WORD_LISTS = ("--only", "--with", "--without", "--columns", "--sort")
 _ESSENTIAL = ("number", "id")
+#: What a narrow terminal shows last: the paper's bounds before sharper ones, and those before
+#: counts. The kinds are in the id, too.
+_MINOR = {
+    "generic_two_sided": 0,
+    "best_real": 1,
+    "generic_one_sided": 2,
+    "refined_two_sided": 3,
+    "refined_one_sided": 4,
+    "class": 5,
+}
+_MOST_MINOR = 6
 
 
 class _WordListCommand(click.Command):
@@ -104,14 +115,17 @@ def command(
     """
     selected = _select(classes, only, having, without, ceilings)
     if coincident is not None:
-        emit(output, _patterns(parse_type(coincident), limit) if coincident else _sharing(selected))
+        if coincident:
+            emit(output, _patterns(parse_type(coincident), limit), schema="enumerate-patterns")
+        else:
+            emit(output, _sharing(selected), schema="enumerate-sharing")
         return
     if sort:
         selected = selected.sorted_by(*_words(sort))
     if limit is not None:
         selected = selected[:limit]
     if count:
-        emit(output, _counts(selected))
+        emit(output, _counts(selected), schema="enumerate-count")
         return
     shown = [listing.column(key) for key in _words(columns)] if columns else listing.DEFAULT_COLUMNS
     emit(
@@ -123,12 +137,15 @@ def command(
                     column.title,
                     align="right" if column.numeric else "left",
                     essential=column.key in _ESSENTIAL,
+                    minor=_MINOR.get(column.key, _MOST_MINOR),
                 )
                 for column in shown
             ],
             rows=list(selected.rows(shown)),
             notes=[f"{len(selected)} of {len(listing.TypeList())} types"],
+            part="types",
         ),
+        schema="enumerate",
     )
 
 
@@ -182,6 +199,7 @@ def _counts(selected: listing.TypeList) -> Table:
             Column("selected", "enumerated", align="right", essential=True),
         ],
         rows=list(rows()),
+        part="classes",
     )
 
 
@@ -214,6 +232,7 @@ def _sharing(selected: listing.TypeList) -> Table:
             Column("up_to_swap", "up to exchanging bodies", align="right"),
         ],
         rows=[*(row(name, members) for name, members in by_class), row("all", list(selected))],
+        part="classes",
         notes=[
             "A pattern says which constraints share a primitive, up to renaming; a pair of",
             "primitives carries no kind twice. All primitives distinct is one pattern of a type.",
@@ -238,12 +257,13 @@ def _patterns(gsp_type: GspType, limit: int | None) -> Table:
     return Table(
         columns=[
             Column("id", essential=True),
-            Column("pattern", essential=True),
-            Column("platform_primitives", "on platform", align="right"),
-            Column("base_primitives", "on base", align="right"),
-            Column("never_rigid", "why it never fixes the platform"),
+            Column("pattern", essential=True, fold=" "),
+            Column("platform_primitives", "on platform", align="right", minor=1),
+            Column("base_primitives", "on base", align="right", minor=1),
+            Column("never_rigid", "why it never fixes the platform", fold=" "),
         ],
         rows=rows,
+        part="patterns",
         title=gsp_type.id,
         notes=[
             f"{len(rows)} of {count_coincident(gsp_type)} patterns",

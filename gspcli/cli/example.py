@@ -23,8 +23,8 @@ _COLUMNS = (
     Column("exact", align="right"),
     Column("real", align="right"),
     Column("number", "no.", align="right"),
-    Column("title"),
-    Column("source"),
+    Column("title", fold=" ", minor=1),
+    Column("source", fold=" ", minor=2),
 )
 #: The format of a file itself; the list has no such form.
 _FILE = "yaml"

@@ -120,7 +120,9 @@ def cli(debug: bool) -> None:
 def _complain(message: str) -> None:
     # Named in full: the console script is `gsp` whatever path it was started by.
     click.secho("error: ", fg="red", bold=True, nl=False, err=True, color=coloured(sys.stderr))
-    click.echo(message, err=True)
+    from gspcli.cli.output.cells import printable
+
+    click.echo(printable(message), err=True)
 
 
 def run(arguments: Sequence[str] | None = None) -> int:

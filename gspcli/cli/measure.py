@@ -92,7 +92,7 @@ def _table(instance: Instance, rows: list[dict[str, Any]]) -> Table:
     kinds = [constraint.kind.name for constraint in instance.constraints]
     columns = [Column("t", align="right", essential=True)]
     columns += [
-        Column(str(k), f"{k} {name}", align="right", essential=True)
+        Column(str(k), f"{k} {name}", align="right", essential=True, aligned=True)
         for k, name in enumerate(kinds, 1)
     ]
     units = instance.units

@@ -25,13 +25,13 @@ _COLUMNS = [
     Column("platform"),
     Column("base"),
     Column("chain", essential=True),
-    Column("constraints", align="right"),
+    Column("constraints", align="right", minor=3),
     Column("joint_freedoms", "Σf", align="right"),
     Column("idle_freedoms", "idle", align="right"),
-    Column("idle_motion", "idle motion"),
-    Column("alternative"),
-    Column("held_freedoms", "held", align="right"),
-    Column("figure", align="right"),
+    Column("idle_motion", "idle motion", fold=" "),
+    Column("alternative", minor=1),
+    Column("held_freedoms", "held", align="right", minor=1),
+    Column("figure", align="right", minor=2),
 ]
 
 

@@ -148,7 +148,7 @@ def _table(wanted: Sample, tally: Tally, *, bars: bool) -> Table:
         ],
         rows=rows,
         title=f"{wanted.gsp_type.id}: {_subject(wanted)}",
-        notes=[
+        summary=[
             f"{tally.platforms} platforms{mean}; {tally.undecided} undecided, "
             f"{tally.incomplete} incomplete"
         ],

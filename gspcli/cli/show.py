@@ -22,7 +22,7 @@ from gspcli.cli.output import Column, Output, Table, emit, output_options
 
 @click.command
 @click.argument("names", nargs=-1, required=True, metavar="TYPE")
-@output_options()
+@output_options(parts=("constraints", "meanings", "bounds", "chains"))
 def command(names: tuple[str, ...], output: Output) -> None:
     """Show on one page all that is known of a type.
 
@@ -70,10 +70,11 @@ def _meanings(gsp_type: GspType) -> Table:
         columns=[
             Column("kind", "constraint", essential=True),
             Column("count", "times", align="right", essential=True),
-            Column("equation", "equation, x_base = R x_platform + T", essential=True),
-            Column("meaning"),
+            Column("equation", "equation, x_base = R x_platform + T", essential=True, fold=" "),
+            Column("meaning", fold=" "),
         ],
         rows=rows,
+        part="meanings",
     )
 
 
@@ -91,10 +92,11 @@ def _chains(gsp_type: GspType, built: Mechanism) -> Table:
         columns=[
             Column("kind", "constraint", essential=True),
             Column("chain", essential=True),
-            Column("description", "realized by"),
-            Column("idle", "idle motion"),
+            Column("description", "realized by", fold=" "),
+            Column("idle", "idle motion", fold=" ", minor=1),
         ],
         rows=rows,
+        part="chains",
         notes=[f"mobility: {built.sum_shown}"],
     )
 

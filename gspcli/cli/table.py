@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -14,6 +14,7 @@ from gspcli.errors import CheckFailed
 if TYPE_CHECKING:
     from gspcli.paper.comparison import Comparison
     from gspcli.paper.errata import Erratum
+    from gspcli.paper.printed import Difference
 
 _CHOICES = ("1", "2", "3", "errata", "all")
 _TABLES = (1, 2, 3)
@@ -28,12 +29,13 @@ _HEADINGS = {"n1": "N1", "surfaces": "case", "distances": "three distance constr
     help="Prove the errata, confirm Table 3 by solving random instances of all its families, and "
     "exit with 1 if anything printed differs for another reason.",
 )
-@output_options()
+@output_options(parts=("table-1", "table-2", "table-3", "errata"))
 def command(which: str, check: bool, output: Output) -> None:
     """Recompute Tables 1, 2 and 3 of the paper and compare them with the print.
 
     Tables 1 and 2 are exact: radicals, not decimals. A star marks an entry that the paper prints
-    differently; the erratum that accounts for it is listed below.
+    differently; the erratum that accounts for it is listed below. In CSV the numbers stand as
+    sqrt(3)/2 and a column names the errata of a row.
 
     \b
     Examples:
@@ -51,11 +53,14 @@ def command(which: str, check: bool, output: Output) -> None:
     errata = [e for e in ERRATA if e.key in named or not which.isdigit()]
     evidence = {erratum.key: prove(erratum) for erratum in errata} if check else {}
     confirmed = _confirm() if check and 3 in numbers else None
+    plain = output.format == "csv"
+    # A row of a CSV names its errata; they are a table of their own where nothing else is shown.
+    listed = errata and (not plain or not comparisons or output.part == "errata")
     emit(
         output,
         [
-            *map(_table, comparisons),
-            *([_errata(errata, evidence, confirmed)] if errata else []),
+            *(_table(comparison, plain=plain) for comparison in comparisons),
+            *([_errata(errata, evidence, confirmed)] if listed else []),
         ],
         document={
             "schema": "gsp.table/1",
@@ -82,19 +87,40 @@ def _confirm() -> str:
     )
 
 
-def _table(comparison: Comparison) -> Table:
+def _table(comparison: Comparison, *, plain: bool) -> Table:
+    """Return a table for people, or plain for programs."""
     if comparison.number == 3:
-        return _grouped(comparison)
-    starred = {(d.row, d.column) for d in comparison.differences}
-    rows = [
-        {
-            key: _radical(value) + " *" * ((f"solution {row['solution']}", key) in starred)
-            for key, value in row.items()
-        }
-        for row in comparison.computed
-    ]
-    columns = [Column(key, essential=True) for key in comparison.columns]
-    return Table(columns, rows, comparison.title, notes=_verdict(comparison))
+        return _grouped(comparison, plain=plain)
+    differing = {(d.row, d.column): d for d in comparison.differences}
+    rows: list[dict[str, Any]] = []
+    for computed in comparison.computed:
+        found = {key: differing.get((f"solution {computed['solution']}", key)) for key in computed}
+        if plain:
+            rows.append({**computed, "erratum": _errata_named(filter(None, found.values()))})
+        else:
+            rows.append(
+                {k: _radical(v) + " *" * (found[k] is not None) for k, v in computed.items()}
+            )
+    columns = [Column(key, align="right", essential=True) for key in comparison.columns]
+    return _compared(comparison, columns, rows, plain=plain)
+
+
+def _compared(
+    comparison: Comparison, columns: list[Column], rows: list[dict[str, Any]], *, plain: bool
+) -> Table:
+    return Table(
+        [*columns, Column("erratum")] if plain else columns,
+        rows,
+        comparison.title,
+        notes=_verdict(comparison),
+        part=f"table-{comparison.number}",
+    )
+
+
+def _errata_named(differences: Iterable[Difference]) -> list[str]:
+    from gspcli.paper.errata import erratum_of
+
+    return sorted({erratum_of(difference) or "none" for difference in differences})
 
 
 def _radical(value: object) -> str:
@@ -102,27 +128,33 @@ def _radical(value: object) -> str:
     return re.sub(r"sqrt\((\d+)\)", r"√\1", str(value)).replace("*√", "√")
 
 
-def _grouped(comparison: Comparison) -> Table:
+def _grouped(comparison: Comparison, *, plain: bool) -> Table:
     """Show Table 3 by cases, as the paper does."""
-    starred = {d.computed for d in comparison.differences}
+    differing = {d.computed: d for d in comparison.differences}
     groups: dict[tuple[int, str], list[str]] = {}
     for row in comparison.computed:
-        star = " *" if row["distances"] in starred else ""
+        star = " *" if row["distances"] in differing and not plain else ""
         groups.setdefault((row["n1"], row["surfaces"]), []).append(row["distances"] + star)
     rows = [
-        {"n1": n1, "surfaces": surfaces, "families": len(names), "distances": ", ".join(names)}
+        {
+            "n1": n1,
+            "surfaces": surfaces,
+            "families": len(names),
+            "distances": ", ".join(names),
+            "erratum": _errata_named(differing[name] for name in names if name in differing),
+        }
         for (n1, surfaces), names in sorted(groups.items())
     ]
-    return Table(
+    return _compared(
+        comparison,
         [
             Column("n1", _HEADINGS["n1"], align="right", essential=True),
             Column("surfaces", _HEADINGS["surfaces"], essential=True),
             Column("families", align="right", essential=True),
-            Column("distances", _HEADINGS["distances"], essential=True),
+            Column("distances", _HEADINGS["distances"], essential=True, fold=", "),
         ],
         rows,
-        comparison.title,
-        notes=_verdict(comparison),
+        plain=plain,
     )
 
 
@@ -150,11 +182,12 @@ def _errata(errata: Sequence[Erratum], evidence: Mapping[str, str], confirmed: s
     return Table(
         [
             Column("key", "erratum", essential=True),
-            Column("place", essential=True),
-            Column("printed", "the paper prints"),
-            Column("correct", "what holds"),
+            Column("place", essential=True, fold=" "),
+            Column("printed", "the paper prints", fold=" "),
+            Column("correct", "what holds", fold=" "),
         ],
         rows,
         "Errata",
+        part="errata",
         notes=[*notes, *([confirmed] if confirmed else [])],
     )

@@ -25,7 +25,9 @@ def small_samples(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_summary_by_class_and_against_the_bounds(gsp: Run) -> None:
     outcome = gsp("atlas", "summary", "--format", "json")
     assert (outcome.code, outcome.err) == (0, "")
-    counts, bounds = json.loads(outcome.out)
+    document = json.loads(outcome.out)
+    assert document["schema"] == "gsp.atlas-summary/1"
+    counts, bounds = document["counts"], document["bounds"]
     everything = {row["sides"]: row for row in counts if row["name"] == "all"}
     assert [row["types"] for row in counts[:8:2]] == [1120, 1260, 1008, 462]
     assert everything["one-sided"]["largest"] == max(row["largest"] for row in counts)
@@ -46,7 +48,7 @@ def test_verify_a_sample(gsp: Run, tmp_path: Path) -> None:
     work = tmp_path / "work.jsonl"
     outcome = gsp(*VERIFY, "--work", str(work), "--format", "json")
     assert (outcome.code, outcome.err) == (0, "")
-    (row,) = json.loads(outcome.out)
+    (row,) = json.loads(outcome.out)["methods"]
     assert (row["different"], row["unfinished"]) == (0, 0)
     assert row["equal"] == row["counts"] == len(work.read_text().splitlines())
     # Taken up again, there is nothing left to do.

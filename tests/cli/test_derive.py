@@ -6,9 +6,9 @@ import json
 def test_list_of_cases(gsp):
     outcome = gsp("derive")
     assert (outcome.code, outcome.err) == (0, "")
-    assert "PSC    a plane, a sphere and a cylinder" in outcome.out
+    assert "PSC   a plane, a sphere and a cylinder" in outcome.out
     assert "8·1·1·1·1·1·1·1·1" in outcome.out
-    rows = json.loads(gsp("derive", "--format", "json").out)
+    rows = json.loads(gsp("derive", "--format", "json").out)["cases"]
     assert {row["case"]: row["solutions"] for row in rows} == {
         "PPP": 1, "PPC": 2, "PPS": 2, "SSS": 2, "PSS": 2, "PCC": 4, "SSC": 4, "PSC": 4,
         "CCC": 8, "SCC": 8, "AAA": 8, "6.2": 8, "6.8": 8,

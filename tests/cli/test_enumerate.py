@@ -42,7 +42,7 @@ def test_the_whole_catalogue_as_csv(gsp: Run) -> None:
 
 
 def test_counts_beside_the_binomials(gsp: Run) -> None:
-    counted = json.loads(gsp("enumerate", "--count", "--format", "json").out)
+    counted = json.loads(gsp("enumerate", "--count", "--format", "json").out)["classes"]
     by_class = {row["class"]: (row["types"], row["selected"]) for row in counted}
     assert by_class == {
         "3D3A": (1120, 1120),
@@ -123,11 +123,13 @@ def test_mistakes_are_named(gsp: Run, arguments: list[str], message: str) -> Non
 def test_sharing_is_counted_and_listed(gsp: Run) -> None:
     counted = {
         row["class"]: int(row["patterns"])
-        for row in json.loads(gsp("enumerate", "--coincident", "--format", "json").out)
+        for row in json.loads(gsp("enumerate", "--coincident", "--format", "json").out)["classes"]
     }
     assert counted.pop("all") == sum(counted.values())
     listed = _rows(gsp("enumerate", "--coincident", "6PP", "--format", "csv").out)
-    only = json.loads(gsp("enumerate", "--only", "PP", "--coincident", "--format", "json").out)
+    only = json.loads(gsp("enumerate", "--only", "PP", "--coincident", "--format", "json").out)[
+        "classes"
+    ]
     assert len(listed) == len({row["pattern"] for row in listed}) == only[-1]["patterns"]
 
 

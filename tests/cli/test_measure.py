@@ -32,9 +32,9 @@ def test_table_of_signed_distances(gsp):
     assert run.out == (
         "Six points on six planes: DPH DPH DPH DPH DPH DPH\n"
         "\n"
-        "t     1 DPH       2 DPH      3 DPH      4 DPH      5 DPH    6 DPH\n"
-        "─────────────────────────────────────────────────────────────────\n"
-        "1   -1.4961   -0.803623   -1.61942   -1.25493   -0.33796   3.2922\n"
+        "t     1 DPH      2 DPH     3 DPH     4 DPH      5 DPH    6 DPH\n"
+        "──────────────────────────────────────────────────────────────\n"
+        "1  -1.49610  -0.803623  -1.61942  -1.25493  -0.337960  3.29220\n"
         "\n"
         "distances in unit, angles in deg; DPH and DHP signed, positive where the normal points\n"
     )

@@ -11,6 +11,7 @@ import sys
 import time
 from pathlib import Path
 
+import click
 import pytest
 
 from gspcli.cli.output import Column, Output, Table, check_writable, emit, write_whole
@@ -47,7 +48,10 @@ def test_csv_has_full_precision_and_empty_cells(capsys: pytest.CaptureFixture[st
 
 
 def test_json_of_rows(capsys: pytest.CaptureFixture[str]) -> None:
-    assert json.loads(_shown(capsys, "json"))[1] == {
+    emit(Output("json", None), TABLE, schema="things")
+    document = json.loads(capsys.readouterr().out)
+    assert document["schema"] == "gsp.things/1"
+    assert document["rows"][1] == {
         "name": "c_d & e",
         "count": None,
         "value": True,
@@ -75,7 +79,45 @@ def test_markdown(capsys: pytest.CaptureFixture[str]) -> None:
 def test_latex_escapes(capsys: pytest.CaptureFixture[str]) -> None:
     shown = _shown(capsys, "latex")
     assert r"c\_d \& e &  & yes \\" in shown
-    assert shown.startswith("% A title\n\\begin{tabular}{lrr}\n\\toprule\n")
+    assert "% A title\n% a note\n\\begin{tabular}{lrr}\n\\toprule\n" in shown
+
+
+def test_latex_numbers_and_roots(capsys: pytest.CaptureFixture[str]) -> None:
+    rows = [{"x": -1e-5, "y": "[√3/2"}, {"x": -2, "y": "x_1 < √5"}]
+    emit(Output("latex", None), Table([Column("y"), Column("x", align="right")], rows))
+    shown = capsys.readouterr().out
+    assert "{}[$\\sqrt{3}$/2 & $-1 \\times 10^{-5}$ \\\\\n" in shown
+    assert "x\\_1 \\textless{} $\\sqrt{5}$ & $-2$ \\\\\n" in shown
+
+
+SEVERAL = [
+    Table([Column("a")], [{"a": 1}], part="first", summary=["one row"]),
+    Table([Column("b")], [{"b": 2}], part="second"),
+]
+
+
+def test_one_table_a_csv(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    with pytest.raises(click.UsageError, match="choose --part of first, second"):
+        emit(Output("csv", None), SEVERAL)
+    emit(Output("csv", None, "second"), SEVERAL)
+    assert capsys.readouterr().out == "b\n2\n"
+    emit(Output("csv", tmp_path / "all.csv"), SEVERAL)
+    assert (tmp_path / "all-first.csv").read_text() == "a\n1\n"
+    assert (tmp_path / "all-second.csv").read_text() == "b\n2\n"
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.splitlines()[1] == "one row"
+
+
+def test_one_part_in_other_formats(capsys: pytest.CaptureFixture[str]) -> None:
+    emit(Output("markdown", None, "first"), SEVERAL)
+    assert capsys.readouterr().out == "one row\n\n| a |\n|---|\n| 1 |\n"
+    emit(Output("json", None), SEVERAL, schema="pair")
+    assert json.loads(capsys.readouterr().out) == {
+        "schema": "gsp.pair/1",
+        "first": [{"a": 1}],
+        "second": [{"b": 2}],
+    }
 
 
 def test_a_piped_table_is_never_cut(capsys: pytest.CaptureFixture[str]) -> None:
@@ -91,9 +133,9 @@ def test_a_narrow_terminal_loses_whole_columns_and_is_told(
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)
     emit(Output("table", None), TABLE)
     captured = capsys.readouterr()
-    assert "how many" in captured.out
+    assert "how" in captured.out
     assert "value" not in captured.out
-    assert captured.err == "(left out to fit the terminal: value)\n"
+    assert captured.err == "(left out to fit the\nterminal: value)\n"
 
 
 def test_a_file_appears_whole_or_not_at_all(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ def test_digits_in_every_format(gsp: Run) -> None:
         gsp("solve", SPEC, "--digits", "40", "--format", "csv").out
     )))  # fmt: skip
     for entry, row in zip(document["solutions"], rows, strict=True):
-        assert [row["tx"], row["ty"], row["tz"]] == entry["refined"]["T"]
+        assert [row[f"refined_T{axis}"] for axis in "xyz"] == entry["refined"]["T"]
         for digits, rounded in zip(entry["refined"]["T"], entry["T"], strict=True):
             assert abs(Fraction(digits) - Fraction(rounded)) < Fraction(1, 10**9)
     assert "Proved digits" in gsp("solve", SPEC, "--digits", "5").out

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import click
 
 from gspcli.cli.output import csv, json, latex, markdown, terminal
 from gspcli.cli.output.files import write_whole
@@ -16,6 +20,7 @@ def emit(
     tables: Table | Sequence[Table],
     *,
     document: object = None,
+    schema: str = "",
     texts: Mapping[str, str] | None = None,
 ) -> None:
     """Write a result where and how the user wants it.
@@ -27,17 +32,21 @@ def emit(
     tables
         What to show in the formats made of tables.
     document
-        The JSON document; the rows of the tables when None.
+        The JSON document; when None, the rows of the tables, each table under its part's name.
+    schema
+        What the schema of that document is called, as ``enumerate`` for ``gsp.enumerate/1``.
     texts
         Ready text for formats in which the command does not want tables.
     """
     tables = [tables] if isinstance(tables, Table) else list(tables)
+    if output.part is not None:
+        tables = [table for table in tables if table.part == output.part]
     if texts and output.format in texts:
         write(output, texts[output.format])
     elif output.format == "json":
-        write(output, json.render(tables, document))
+        write(output, json.render(tables, document, schema))
     elif output.format == "csv":
-        write(output, csv.render(tables))
+        _emit_csv(output, [table for table in tables if table.columns])
     elif output.format == "markdown":
         write(output, markdown.render(tables))
     elif output.format == "latex":
@@ -46,6 +55,28 @@ def emit(
         terminal.show(tables)
     else:
         write(output, terminal.render(tables))
+
+
+def _emit_csv(output: Output, tables: Sequence[Table]) -> None:
+    """Write one table, or each of several to a file of its own."""
+    if len(tables) > 1 and output.path is None:
+        parts = ", ".join(table.part for table in tables)
+        message = f"CSV holds one table: choose --part of {parts}, or -o FILE.csv for a file each"
+        raise click.UsageError(message)
+    for table in tables:
+        place = output
+        if len(tables) > 1:
+            assert output.path is not None
+            place = replace(output, path=_named(output.path, table.part))
+            click.echo(f"{place.path}: written", err=True)
+        write(place, csv.render(table))
+        for line in table.summary:
+            click.echo(line, err=True)
+
+
+def _named(path: Path, part: str) -> Path:
+    """Return the file of a part: poses.csv and digits give poses-digits.csv."""
+    return path.with_name(f"{path.stem}-{part}{path.suffix}")
 
 
 def write(output: Output, text: str) -> None:

@@ -35,16 +35,29 @@ class Output:
         One of `FORMATS` (or the formats the command allows).
     path
         The file, or None for standard output.
+    part
+        The one table that is wanted, None for all.
     """
 
     format: str
     path: Path | None
+    part: str | None = None
 
 
 def output_options(
-    formats: Sequence[str] = FORMATS, default: str = "table"
+    formats: Sequence[str] = FORMATS, default: str = "table", parts: Sequence[str] = ()
 ) -> Callable[[Function], Function]:
-    """Return a decorator that adds ``--format`` and ``-o``; the command gets ``output: Output``."""
+    """Return a decorator that adds ``--format`` and ``-o``; the command gets ``output: Output``.
+
+    Parameters
+    ----------
+    formats
+        What the command can write.
+    default
+        The format without ``--format`` and ``-o``.
+    parts
+        Names of its tables if there are several: ``--part`` chooses one.
+    """
 
     def decorate(function: Function) -> Function:
         def resolve(context: click.Context, _: click.Parameter, value: str | None) -> str | None:
@@ -60,7 +73,8 @@ def output_options(
                     raise click.BadParameter(message)
             if path is not None:
                 check_writable(Path(path))
-            context.params["output"] = Output(chosen or default, Path(path) if path else None)
+            part = context.params.pop("part_", None)
+            context.params["output"] = Output(chosen or default, Path(path) if path else None, part)
             return None
 
         function = click.option(
@@ -70,8 +84,16 @@ def output_options(
             metavar="FILE",
             expose_value=False,
             callback=resolve,
-            help="Write to FILE; its suffix gives the format.",
+            help="Write to FILE, replacing it; its suffix gives the format.",
         )(function)
+        if parts:
+            function = click.option(
+                "--part",
+                "part_",
+                type=click.Choice(list(parts)),
+                is_eager=True,
+                help="Show one table only; CSV holds no more than one.",
+            )(function)
         return click.option(
             "--format",
             "format_",

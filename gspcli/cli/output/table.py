@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal
+
+#: Digits of a number in a table for people, unless the column or the width says otherwise.
+DIGITS = 6
 
 
 @dataclass(frozen=True)
@@ -21,12 +24,27 @@ class Column:
         Side to which the cells are flushed.
     essential
         Whether the column stays when a terminal is too narrow for all of them.
+    minor
+        How little the column matters: on a narrow terminal those with the largest number are left
+        out first, and of several with the same the last.
+    fold
+        After what a cell may go on in the next line: a blank in prose, a comma and a blank in
+        lists; empty for cells that stay in one line.
+    aligned
+        Whether the numbers of the column have the same number of decimals, so that the points
+        stand under each other.
+    decimals
+        So many decimals for each number, whatever the width; None for what `aligned` says.
     """
 
     key: str
     title: str = ""
     align: Literal["left", "right"] = "left"
     essential: bool = False
+    minor: int = 0
+    fold: str = ""
+    aligned: bool = False
+    decimals: int | None = None
 
     @property
     def heading(self) -> str:
@@ -41,29 +59,23 @@ class Table:
     Attributes
     ----------
     columns
-        The columns, the most important first: the last ones are left out first.
+        The columns in the order of the page.
     rows
         A mapping from column keys to values for each row; missing and None are empty cells.
     title
         A heading above the table.
     notes
         Lines below the table, for people only.
+    summary
+        Lines between the title and the table that say what came out; with CSV, which has no
+        room for them, they go to standard error.
+    part
+        What `--part` calls the table, where a command shows several.
     """
 
     columns: Sequence[Column]
     rows: Sequence[Mapping[str, Any]]
     title: str = ""
-    notes: Sequence[str] = field(default=())
-
-
-def cell_text(value: object) -> str:
-    """Return a value as people read it in a table."""
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    if isinstance(value, (list, tuple)):
-        return " ".join(cell_text(item) for item in value)
-    return str(value).replace("\n", " ")
+    notes: Sequence[str] = ()
+    summary: Sequence[str] = ()
+    part: str = ""

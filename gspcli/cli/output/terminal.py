@@ -2,82 +2,121 @@
 
 from __future__ import annotations
 
-import io
+import shutil
 import sys
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from itertools import zip_longest
 
 import click
 
-from gspcli.cli.output.table import Table, cell_text
+from gspcli.cli.colour import coloured
+from gspcli.cli.output.cells import column_texts, printable
+from gspcli.cli.output.layout import GAP, Grid, cell_width, folded, lay_out
+from gspcli.cli.output.table import Column, Table
 
-_UNLIMITED_WIDTH = 100_000
+_RULE = "─"
 
 
 def show(tables: Sequence[Table]) -> None:
     """Print tables on the terminal, leaving out columns that do not fit."""
-    from rich.console import Console
-
-    _print_tables(Console(file=sys.stdout), tables)
+    width = shutil.get_terminal_size().columns
+    for index, table in enumerate(tables):
+        grid = lay_out(table, width)
+        lines = _lines(table, grid, width, bold=coloured(sys.stdout))
+        sys.stdout.write("\n" * (index > 0) + "".join(f"{line}\n" for line in lines))
+        if grid is not None and grid.left_out:
+            sys.stdout.flush()
+            names = f"(left out to fit the terminal: {', '.join(grid.left_out)})"
+            click.echo("\n".join(folded(names, width)), err=True)
 
 
 def render(tables: Sequence[Table]) -> str:
     """Return tables as text of any width, for a file or a pipe."""
-    from rich.console import Console
-
-    # Not printed to a pipe directly: rich would exit with 1 when the reader closes it.
-    buffer = io.StringIO()
-    _print_tables(Console(file=buffer, width=_UNLIMITED_WIDTH, color_system=None), tables)
-    return buffer.getvalue()
+    return "\n".join(
+        "".join(f"{line}\n" for line in _lines(table, lay_out(table), None, bold=False))
+        for table in tables
+    )
 
 
-def _print_tables(console: Any, tables: Sequence[Table]) -> None:
-    from rich import box
-    from rich.table import Table as RichTable
-    from rich.text import Text
+def _lines(table: Table, grid: Grid | None, width: int | None, *, bold: bool) -> Iterator[str]:
+    def emphasized(text: str) -> str:
+        return click.style(text, bold=True) if bold else text
 
-    for index, table in enumerate(tables):
-        if index:
-            console.print()
-        if table.title:
-            console.print(Text(table.title, style="bold"))
-            console.print()
-        cells = [[cell_text(row.get(c.key)) for c in table.columns] for row in table.rows]
-        kept, left_out = _fitting(table, cells, console.width)
-        if table.columns:
-            grid = RichTable(
-                box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, header_style="bold"
-            )
-            for position in kept:
-                column = table.columns[position]
-                grid.add_column(Text(column.heading), justify=column.align, no_wrap=True)
-            if cells:
-                # One tall row looks the same as many rows and is drawn three times as fast.
-                grid.add_row(*(Text("\n".join(row[k] for row in cells)) for k in kept))
-            console.print(grid)
-            if table.notes:
-                console.print()
-        for note in table.notes:
-            console.print(Text(note))
-        if left_out:
-            names = ", ".join(left_out)
-            click.echo(f"(left out to fit the terminal: {names})", err=True)
+    if table.title:
+        yield from map(emphasized, _prose(table.title, width))
+        yield ""
+    for line in table.summary:
+        yield from _prose(line, width)
+    if table.columns:
+        if table.summary:
+            yield ""
+        if grid is None:
+            yield from _records(table, width or 0)
+        else:
+            heading, *others = _drawn(grid)
+            yield from map(emphasized, heading.split("\n"))
+            yield from others
+        if table.notes:
+            yield ""
+    for note in table.notes:
+        yield from _prose(note, width)
 
 
-def _fitting(table: Table, cells: list[list[str]], width: int) -> tuple[list[int], list[str]]:
-    """Choose whole columns that fit: the last inessential ones go first."""
-    from rich.cells import cell_len
+def _prose(text: str, width: int | None) -> list[str]:
+    lines = printable(text).split("\n")
+    return lines if width is None else [part for line in lines for part in folded(line, width)]
 
-    widths = [
-        max([cell_len(column.heading), *(cell_len(row[position]) for row in cells)])
-        for position, column in enumerate(table.columns)
+
+def _drawn(grid: Grid) -> Iterator[str]:
+    """Yield the headings (several lines in one text), a rule, and the rows."""
+    headings = [
+        folded(column.heading, width)
+        for column, width in zip(grid.columns, grid.widths, strict=True)
     ]
-    kept = list(range(len(table.columns)))
-    left_out: list[int] = []
-    for position in reversed(range(len(table.columns))):
-        if sum(widths[k] + 2 for k in kept) <= width:
-            break
-        if not table.columns[position].essential:
-            kept.remove(position)
-            left_out.insert(0, position)
-    return kept, [table.columns[position].heading for position in left_out]
+    yield "\n".join(_joined(grid, headings))
+    yield (_RULE * (sum(grid.widths) + GAP * (len(grid.widths) - 1)))
+    prose = [k for k, column in enumerate(grid.columns) if column.fold]
+    for row in zip(*grid.texts, strict=True):
+        cells = [[text] for text in row]
+        for k in prose:
+            cells[k] = folded(row[k], grid.widths[k], grid.columns[k].fold)
+        yield from _joined(grid, cells)
+
+
+def _joined(grid: Grid, cells: Sequence[Sequence[str]]) -> Iterator[str]:
+    """Yield the lines of cells that stand beside each other."""
+    for line in zip_longest(*cells, fillvalue=""):
+        parts = map(_flushed, line, grid.columns, grid.widths)
+        yield (" " * GAP).join(parts).rstrip()
+
+
+def _flushed(text: str, column: Column, width: int) -> str:
+    blanks = " " * (width - cell_width(text))
+    return blanks + text if column.align == "right" else text + blanks
+
+
+def _records(table: Table, width: int) -> Iterator[str]:
+    """Yield the cells that are not empty with their headings, an empty line between the rows.
+
+    Numbers stand beside each other as long as there is room, texts have lines of their own.
+    """
+    texts = [column_texts(table, column) for column in table.columns]
+    widest = [max(map(cell_width, cells), default=0) for cells in texts]
+    for index, row in enumerate(zip(*texts, strict=True)):
+        if index:
+            yield ""
+        line = ""
+        for column, text, cells in zip(table.columns, row, widest, strict=True):
+            if not text:
+                continue
+            if column.align == "left":
+                yield from filter(None, [line.rstrip()])
+                yield from folded(f"{column.heading}: {text}", width, column.fold or " ")
+                line = ""
+                continue
+            entry = f"{column.heading} {text.rjust(cells)}"
+            if line and cell_width(line + entry) > width:
+                yield line.rstrip()
+                line = ""
+            line += entry + " " * GAP
+        yield from filter(None, [line.rstrip()])

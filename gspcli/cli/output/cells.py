@@ -1,0 +1,81 @@
+"""Values as people read them: numbers with as many digits as there is room for."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+
+from gspcli.cli.output.table import DIGITS, Column, Table
+
+#: Numbers of a column are aligned if the largest lies between these; others need exponents.
+_SMALLEST, _LARGEST = 1e-3, 1e5
+#: Decimals that an aligned column has at least at full width.
+_FEWEST_DECIMALS = 2
+#: What a terminal would obey instead of showing: control characters, changes of direction.
+_OBEYED = re.compile("[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
+
+
+def printable(text: str) -> str:
+    """Return a text with what a terminal would obey written out: a file's name may hold anything.
+
+    Line breaks stay.
+    """
+    return _OBEYED.sub(_written_out, text)
+
+
+def _written_out(match: re.Match[str]) -> str:
+    character = match[0]
+    return character if character == "\n" else character.encode("unicode_escape").decode("ascii")
+
+
+def cell_text(value: object, digits: int = DIGITS) -> str:
+    """Return a value as people read it in a table.
+
+    Parameters
+    ----------
+    value
+        A number, a text, a list of them, or None for nothing.
+    digits
+        Significant digits of numbers that are not whole.
+    """
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.{digits}g}"
+    if isinstance(value, (list, tuple)):
+        return " ".join(cell_text(item, digits) for item in value)
+    return printable(str(value).replace("\n", " "))
+
+
+def column_texts(table: Table, column: Column, digits: int = DIGITS) -> list[str]:
+    """Return the cells of a column as text, numbers with so many digits."""
+    values = [row.get(column.key) for row in table.rows]
+    decimals = column.decimals
+    if decimals is None and column.aligned:
+        decimals = _decimals([v for v in values if isinstance(v, float)], digits)
+    if decimals is None:
+        return [cell_text(value, digits) for value in values]
+    return [
+        _without_negative_zero(f"{value:.{decimals}f}")
+        if isinstance(value, float) and math.isfinite(value)
+        else cell_text(value, digits)
+        for value in values
+    ]
+
+
+def _decimals(values: Sequence[float], digits: int) -> int | None:
+    """Return how many decimals leave the largest number so many digits; None if that is no way."""
+    largest = max(map(abs, values), default=0.0)
+    if largest == 0:
+        return 0
+    if not _SMALLEST <= largest < _LARGEST:
+        return None
+    fewest = max(_FEWEST_DECIMALS - (DIGITS - digits), 0)
+    return max(digits - 1 - math.floor(math.log10(largest)), fewest)
+
+
+def _without_negative_zero(text: str) -> str:
+    return text.removeprefix("-") if not text.strip("-0.") else text

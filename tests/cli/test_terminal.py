@@ -1,0 +1,112 @@
+"""Every command at every width in a pseudo-terminal: no number is cut, no line too wide."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from itertools import pairwise
+
+import pytest
+from rich.cells import cell_len
+
+from gspcli.cli.main import COMMANDS
+
+WIDTHS = [40, 48, 60, 72, 80, 96, 100, 120, 140, 160, 180, 200]
+#: As good as no terminal: everything in its full width.
+_UNLIMITED = 50_000
+Shown = Callable[..., tuple[list[str], int]]
+EXAMPLES = "data/examples"
+#: What is looked at, at least one call of every command that prints tables.
+CALLS = [
+    ["enumerate", "--limit", "4"],
+    ["enumerate", "--count"],
+    ["enumerate", "--coincident", "--only", "PP"],
+    ["enumerate", "--coincident", "6PP", "--limit", "4"],
+    ["show", "421"],
+    ["bound", "421"],
+    ["bound", "3D3A PL PL LP"],
+    ["constraint"],
+    ["constraint", "DLL"],
+    ["realize", "DPL DPL DLP ALL ALH AHH"],
+    ["table", "1"],
+    ["table", "2"],
+    ["table", "3"],
+    ["table", "errata"],
+    ["derive"],
+    ["atlas", "summary"],
+    ["check", f"{EXAMPLES}/dietmaier.yaml", f"{EXAMPLES}/example-6.8.yaml"],
+    ["solve", f"{EXAMPLES}/example-6.8.yaml"],
+    ["solve", f"{EXAMPLES}/dietmaier.yaml", "--all"],
+    ["solve", f"{EXAMPLES}/dietmaier.yaml", "--digits", "20"],
+    ["example"],
+    ["measure", "@dietmaier", "--pose", "0.1,0.2,1.5,1,0.1,0,0"],
+    ["sample", "3D3A PH PH PH", "--count", "20", "--jobs", "1"],
+]
+#: Commands that print no tables, or whose tables another test shows.
+NO_TABLES = {"new", "maximize-real", "certify"}
+_NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]\d+)?(?![\w.])")
+_FEWEST_DIGITS = 3
+
+
+def test_every_command_is_looked_at() -> None:
+    assert {call[0] for call in CALLS} | NO_TABLES == set(COMMANDS)
+
+
+@pytest.mark.parametrize("call", CALLS, ids=" ".join)
+def test_no_number_is_cut_at_any_width(shown: Shown, call: list[str]) -> None:
+    (*pages, whole, _), code = shown(*call, widths=[*WIDTHS, _UNLIMITED])
+    assert code in (0, 4)
+    full = set(_NUMBER.findall(whole))
+    rounded = sorted(map(float, full))
+    for width, page in zip(WIDTHS, pages, strict=True):
+        assert page.count("…") <= whole.count("…")
+        for number in set(_NUMBER.findall(page)) - full:
+            assert _is_rounded(number, rounded), f"{number} at {width} columns"
+        for line in page.splitlines():
+            assert cell_len(line) <= width or " " not in line.strip(), f"{width}: {line}"
+
+
+def _is_rounded(text: str, known: list[float]) -> bool:
+    """Return whether a number is one of those known, to fewer digits."""
+    mantissa, _, exponent = text.partition("e")
+    decimals = len(mantissa.partition(".")[2])
+    half = 0.5001 * 10.0 ** (int(exponent or 0) - decimals)
+    significant = len(mantissa.replace(".", "").lstrip("-0"))
+    near = any(abs(float(text) - value) <= half for value in known)
+    return near and (significant >= _FEWEST_DIGITS or decimals > 0 or not known)
+
+
+@pytest.mark.parametrize("width", [60, 80, 120])
+def test_help_fits(shown: Shown, width: int) -> None:
+    (page,), code = shown("--help", widths=[width])
+    assert code == 0
+    assert max(map(cell_len, page.splitlines())) <= width
+
+
+def test_wider_terminals_show_no_less(shown: Shown) -> None:
+    (*pages, _), _ = shown("enumerate", "--limit", "2", widths=WIDTHS[2:])
+    left_out = [page.partition("(left out")[2].count(",") for page in pages]
+    assert all(a >= b for a, b in pairwise(left_out))
+    assert left_out[0] > left_out[-1]
+
+
+def test_the_sharpest_numbers_stay_longest(shown: Shown) -> None:
+    (page, _), _ = shown("enumerate", "--limit", "2", widths=[60])
+    assert any("generic" in line for line in page.splitlines()[:3])
+    assert "Thm" in page.split("(left out")[1]
+
+
+def test_colour_of_errors(shown: Shown) -> None:
+    (coloured,), _ = shown("show", "9999", widths=[80], styled=True)
+    assert "\x1b[31m" in coloured
+    for setting in ({"NO_COLOR": "1"}, {"TERM": "dumb"}):
+        for words in (["show", "9999"], ["bound", "1"]):
+            pages, _ = shown(*words, widths=[80], environment=setting, styled=True)
+            assert "\x1b" not in "".join(pages)
+
+
+def test_what_a_terminal_would_obey_is_written_out(shown: Shown) -> None:
+    pages, code = shown("check", "\x1b[2Jbad\x07.yaml", widths=[80], styled=True)
+    assert code == 2
+    assert "\x1b[2J" not in "".join(pages)
+    assert "\\x1b[2Jbad\\x07.yaml" in pages[0]
