@@ -17,6 +17,7 @@ _TYPES = "What types are"
 _PLATFORM = "One platform"
 _REAL = "How many solutions can be real"
 _MOVING = "Platforms that move"
+_ALONG = "To look at and take along"
 #: The subcommands in the order of the help, and the heading that each stands under; each is
 #: `command` of the module of its name (a dash is an underscore there).
 COMMANDS = {
@@ -36,6 +37,7 @@ COMMANDS = {
     "sample": _REAL,
     "maximize-real": _REAL,
     "measure": _MOVING,
+    "export": _ALONG,
 }
 
 INTERNAL_ERROR = 70

@@ -1,0 +1,201 @@
+"""Each constraint as a chain of joints between the bodies, one of them the value itself.
+
+A chain has six joint freedoms: five that the constraint leaves, and that of its value, which a
+drive holds or moves. The chains are those of the paper's Section 5 with cylindrical and planar
+joints taken apart; all axes are placed at one pose of the platform.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
+
+Vector = NDArray[np.float64]
+#: Lines at a smaller angle than this (radians) are drawn and jointed as parallel ones, and
+#: distances below this part of the platform's size as none.
+_SMALL = 1e-9
+_AXES = np.eye(3)
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A joint.
+
+    Attributes
+    ----------
+    type
+        ``hinge``, ``slide`` or ``ball``.
+    axis
+        Unit axis, shape (3,), in the axes of the base; meaningless for a ball.
+    point
+        A point of the axis, or the centre, shape (3,), in the base's frame.
+    value
+        What the constraint measures at the pose if this joint is its value, else None: lengths,
+        or radians. It grows with the joint's coordinate.
+    """
+
+    type: Literal["hinge", "slide", "ball"]
+    axis: Vector
+    point: Vector
+    value: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A link of a chain, with the joints that lead to it from the base's side.
+
+    Attributes
+    ----------
+    origin
+        Origin of its frame, shape (3,), in the base's frame.
+    joints
+        In the order from the base to the platform.
+    """
+
+    origin: Vector
+    joints: tuple[Joint, ...]
+
+
+Chain = tuple[Link, ...]
+
+
+def chain(kind: Kind, x: Vector, v: Vector, y: Vector, w: Vector) -> Chain:
+    """Return the chain of a constraint from the base to the platform.
+
+    Parameters
+    ----------
+    kind
+        The kind.
+    x, v
+        A point and the unit direction of the base's primitive, each shape (3,).
+    y, w
+        Those of the platform's primitive at the pose, in the base's frame.
+    """
+    if not kind.is_distance:
+        return _angle(kind, v, y, w)
+    if kind is DPP:
+        return _leg(x, y)
+    if kind is DPH:
+        return _above_base(x, v, y)
+    if kind is DHP:
+        return _above_platform(x, y, w)
+    if kind is DPL:
+        return _about_base_line(x, v, y)
+    if kind is DLP:
+        return _about_platform_line(x, y, w)
+    assert kind is DLL, kind
+    return _two_lines(x, v, y, w)
+
+
+def _leg(x: Vector, y: Vector) -> Chain:
+    e, distance = _direction(y - x, _AXES[2])
+    first, second = _across(e)
+    joints = (Joint("hinge", first, x), Joint("hinge", second, x), Joint("slide", e, x, distance))
+    return Link(x, joints), _ball(y)
+
+
+def _above_base(x: Vector, v: Vector, y: Vector) -> Chain:
+    height = float((y - x) @ v)
+    side = -1.0 if height < 0 else 1.0
+    first, second = _across(v)
+    joints = (
+        Joint("slide", first, y),
+        Joint("slide", second, y),
+        Joint("slide", side * v, y, abs(height)),
+    )
+    return Link(y, joints), _ball(y)
+
+
+def _above_platform(x: Vector, y: Vector, w: Vector) -> Chain:
+    height = float((x - y) @ w)
+    side = -1.0 if height < 0 else 1.0
+    foot = x - height * w
+    first, second = _across(w)
+    # The plane recedes from the point against its normal.
+    joints = (
+        Joint("slide", -side * w, foot, abs(height)),
+        Joint("slide", first, foot),
+        Joint("slide", second, foot),
+    )
+    return _ball(x), Link(foot, joints)
+
+
+def _about_base_line(x: Vector, v: Vector, y: Vector) -> Chain:
+    foot = x + ((y - x) @ v) * v
+    e, distance = _direction(y - foot, _across(v)[0])
+    joints = (Joint("slide", v, foot), Joint("hinge", v, foot), Joint("slide", e, foot, distance))
+    return Link(foot, joints), _ball(y)
+
+
+def _about_platform_line(x: Vector, y: Vector, w: Vector) -> Chain:
+    foot = y + ((x - y) @ w) * w
+    e, distance = _direction(foot - x, _across(w)[0])
+    joints = (Joint("slide", e, foot, distance), Joint("hinge", w, foot), Joint("slide", w, foot))
+    return _ball(x), Link(foot, joints)
+
+
+def _two_lines(x: Vector, v: Vector, y: Vector, w: Vector) -> Chain:
+    near, far = feet(x, v, y, w)
+    normal = np.cross(w, v)
+    spare = normal / np.linalg.norm(normal) if np.linalg.norm(normal) > _SMALL else _across(v)[0]
+    n, distance = _direction(far - near, spare)
+    joints = (
+        Joint("slide", v, near),
+        Joint("hinge", v, near),
+        Joint("slide", n, near, distance),
+        Joint("hinge", n, near),
+        Joint("hinge", w, far),
+        Joint("slide", w, far),
+    )
+    return (Link(far, joints),)
+
+
+def _angle(kind: Kind, v: Vector, y: Vector, w: Vector) -> Chain:
+    normal = np.cross(v, w)
+    sine = float(np.linalg.norm(normal))
+    n = normal / sine if sine > _SMALL else _across(v)[0]
+    between = float(np.arctan2(sine, v @ w))
+    # The angle of the directions, or its supplement between planes, its complement of a line
+    # and a plane (Section 4): both of the latter fall when the directions open.
+    if kind is ALL:
+        value, axis = between, n
+    else:
+        value = (np.pi if kind.platform is kind.base else np.pi / 2) - between
+        axis = -n
+    slides = tuple(Joint("slide", unit, y) for unit in _AXES)
+    turns = (Joint("hinge", v, y), Joint("hinge", axis, y, value), Joint("hinge", w, y))
+    return (Link(y, slides + turns),)
+
+
+def feet(x: Vector, v: Vector, y: Vector, w: Vector) -> tuple[Vector, Vector]:
+    """Return the feet of the common perpendicular of two lines, on the first and on the second.
+
+    Of parallel lines it is the perpendicular at the given point of the first.
+    """
+    r, cosine = y - x, float(v @ w)
+    square = 1 - cosine * cosine
+    along = 0.0 if square < _SMALL**2 else float(r @ v - cosine * (r @ w)) / square
+    near = x + along * v
+    return near, y + ((near - y) @ w) * w
+
+
+def _ball(centre: Vector) -> Link:
+    return Link(centre, (Joint("ball", _AXES[2], centre),))
+
+
+def _direction(difference: Vector, spare: Vector) -> tuple[Vector, float]:
+    """Return the unit vector of a difference, or a spare one for none, and the length."""
+    length = float(np.linalg.norm(difference))
+    return (spare, length) if length < _SMALL else (difference / length, length)
+
+
+def _across(w: Vector) -> tuple[Vector, Vector]:
+    """Return two unit vectors perpendicular to a unit vector and to each other."""
+    first = np.cross(w, _AXES[np.argmin(np.abs(w))])
+    first /= np.linalg.norm(first)
+    return first, np.cross(w, first)

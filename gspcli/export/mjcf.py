@@ -1,0 +1,253 @@
+"""MuJoCo models: the platform at one pose, held by six chains of joints.
+
+The platform is a free body; each constraint is a chain of joints from the base (`chains`), welded
+to the platform. The coordinate of the joint ``value_k`` is what constraint k measures, in metres or
+radians. A joint equality ``hold_k`` holds it: its first coefficient is the change of the value
+(``model.eq_data``), so that moving it moves the platform; without it (``data.eq_active``) the
+actuator ``drive_k`` pulls towards the same change.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from xml.etree import ElementTree as ET
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli import __version__
+from gspcli.export.chains import Chain, Joint, Link, chain
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.primitives import Line, Plane
+
+Array = NDArray[np.float64]
+
+#: Names of units of length in metres; any other is taken for the metre.
+METRES = {
+    "m": 1.0,
+    "dm": 0.1,
+    "cm": 0.01,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "µm": 1e-6,
+    "km": 1e3,
+    "in": 0.0254,
+    "inch": 0.0254,
+    "ft": 0.3048,
+}
+#: Seconds a step. With stiff constraints loops stay closed to 1e-6 lengths over seconds.
+TIME_STEP = 5e-5
+#: Kilogrammes of the platform and of each link. Light links would make stiff constraints soft; so
+#: they weigh as much as the platform, but gravity does not pull at them.
+_MASS = 1.0
+#: What a joint has of inertia by itself, as a share of that of a link: no two parallel joints of a
+#: link can then be without any.
+_ROTOR = 0.01
+_SOLIMP = "0.9999 0.9999 0.001 0.5 2"
+_BASE, _PLATFORM, _CHAIN = "0.45 0.5 0.55 1", "0.2 0.45 0.8 1", "0.85 0.5 0.15 1"
+
+
+def mjcf(instance: Instance, R: Array, T: Array, *, gravity: float = 9.81) -> str:
+    """Return the model of an instance at a real pose as XML.
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    R, T
+        The pose: rotation, shape (3, 3), and translation, shape (3,), in its units.
+    gravity
+        Acceleration against z, in m/s^2.
+    """
+    return _Model(instance, R, T, gravity).text()
+
+
+class _Model:
+    """The XML of one model."""
+
+    def __init__(self, instance: Instance, R: Array, T: Array, gravity: float) -> None:
+        self.instance = instance
+        numbers = Arrangement.of(instance)
+        self.metre = METRES.get(instance.units.length, 1.0)
+        self.size = numbers.length * self.metre
+        self.R, self.T = R, T * self.metre
+        self.x, self.v = numbers.x * self.metre, numbers.v
+        self.own = numbers.y * self.metre
+        self.y, self.w = self.own @ R.T + self.T, numbers.u @ R.T
+        self.kinds = numbers.kinds
+        self.root = ET.Element("mujoco", model=_name(instance))
+        self._settings(gravity)
+        self.world = ET.SubElement(self.root, "worldbody")
+        self._bodies()
+
+    def text(self) -> str:
+        """Return the XML."""
+        ET.indent(self.root)
+        unit = self.instance.units.length
+        known = unit in METRES
+        scale = f"1 {unit} = {self.metre:g} m" if known else f"1 {unit} is taken for 1 m"
+        head = f"<!-- gsp {__version__}: {self.instance.type.id}; {scale}; radians -->\n"
+        return head + ET.tostring(self.root, encoding="unicode") + "\n"
+
+    def _settings(self, gravity: float) -> None:
+        ET.SubElement(self.root, "compiler", angle="radian", autolimits="true")
+        ET.SubElement(
+            self.root,
+            "option",
+            timestep=f"{TIME_STEP:g}",
+            gravity=f"0 0 {-gravity:g}",
+            integrator="implicitfast",
+            tolerance="1e-15",
+            iterations="100",
+        )
+        # Bodies pass through each other: only the constraints act.
+        default = ET.SubElement(self.root, "default")
+        ET.SubElement(default, "geom", contype="0", conaffinity="0")
+        equality = ET.SubElement(default, "equality")
+        equality.set("solref", f"{2 * TIME_STEP:g} 1")
+        equality.set("solimp", _SOLIMP)
+        asset = ET.SubElement(self.root, "asset")
+        sky = {"type": "skybox", "builtin": "gradient", "rgb1": "0.93 0.95 0.97", "rgb2": "1 1 1"}
+        ET.SubElement(asset, "texture", sky, width="64", height="64")
+        size = ET.SubElement(self.root, "statistic", extent=_numbers([3 * self.size]))
+        size.set("center", _numbers(self.x.mean(axis=0)))
+
+    def _bodies(self) -> None:
+        for geom in self._shapes(self.x, self.v, platform=False):
+            self.world.append(geom)
+        ET.SubElement(
+            self.world,
+            "light",
+            pos=_numbers(self.T + 5 * self.size * np.eye(3)[2]),
+            castshadow="false",
+        )
+        platform = ET.SubElement(
+            self.world,
+            "body",
+            name="platform",
+            pos=_numbers(self.T),
+            quat=_numbers(_quaternion(self.R)),
+        )
+        ET.SubElement(platform, "freejoint", name="platform")
+        _inertia(platform, self.own.mean(axis=0), self.size)
+        for geom in self._shapes(self.own, self.w @ self.R, platform=True):
+            platform.append(geom)
+        equality = ET.SubElement(self.root, "equality")
+        actuator = ET.SubElement(self.root, "actuator")
+        parts = zip(self.kinds, self.x, self.v, self.y, self.w, strict=True)
+        for number, (kind, *vectors) in enumerate(parts, 1):
+            links = chain(kind, *vectors)
+            self._chain(number, links)
+            end = f"chain_{number}_{len(links)}"
+            ET.SubElement(
+                equality,
+                "weld",
+                name=f"loop_{number}",
+                body1="platform",
+                body2=end,
+                torquescale=_numbers([self.size]),
+            )
+            ET.SubElement(
+                equality,
+                "joint",
+                name=f"hold_{number}",
+                joint1=f"value_{number}",
+                polycoef="0 0 0 0 0",
+            )
+            (value,) = (j.value for link in links for j in link.joints if j.value is not None)
+            stiffness = 1e4 * (1.0 if kind.is_distance else self.size**2)
+            damping = 2 * math.sqrt(stiffness)
+            # The control is the change of the value: stiffness (value + control - q).
+            ET.SubElement(
+                actuator,
+                "general",
+                name=f"drive_{number}",
+                joint=f"value_{number}",
+                gainprm=_numbers([stiffness]),
+                biastype="affine",
+                biasprm=_numbers([stiffness * value, -stiffness, -damping]),
+            )
+
+    def _chain(self, number: int, links: Chain) -> None:
+        parent, origin = self.world, np.zeros(3)
+        for position, link in enumerate(links, 1):
+            name = f"chain_{number}_{position}"
+            pos = _numbers(link.origin - origin)
+            body = ET.SubElement(parent, "body", name=name, pos=pos, gravcomp="1")
+            for order, joint in enumerate(link.joints, 1):
+                self._joint(body, joint, link, f"{name}_{order}", number)
+            _inertia(body, np.zeros(3), self.size)
+            if position > 1 and np.linalg.norm(link.origin - origin) > 1e-6 * self.size:
+                rod = self._rod(np.zeros(3), link.origin - origin)
+                ET.SubElement(parent, "geom", rod, rgba=_CHAIN)
+            parent, origin = body, link.origin
+
+    def _joint(self, body: ET.Element, joint: Joint, link: Link, name: str, number: int) -> None:
+        attributes = {"name": name, "type": joint.type, "pos": _numbers(joint.point - link.origin)}
+        rotor = _ROTOR * _MASS * (1.0 if joint.type == "slide" else self.size**2)
+        attributes["armature"] = _numbers([rotor])
+        if joint.type != "ball":
+            attributes["axis"] = _numbers(joint.axis)
+        if joint.value is not None:
+            attributes |= {"name": f"value_{number}", "ref": _numbers([joint.value])}
+        ET.SubElement(body, "joint", attributes)
+
+    def _rod(self, start: Array, end: Array) -> dict[str, str]:
+        """Return the attributes of a thin rod between two points."""
+        ends = _numbers([*start, *end])
+        return {"type": "capsule", "size": _numbers([0.01 * self.size]), "fromto": ends}
+
+    def _shapes(self, points: Array, directions: Array, *, platform: bool) -> Iterator[ET.Element]:
+        """Yield what is seen of the primitives of a body, in its frame."""
+        colour = _PLATFORM if platform else _BASE
+        rows = self.instance.constraints
+        centre = points.mean(axis=0)
+        for point in points:
+            if np.linalg.norm(point - centre) > 1e-6 * self.size:
+                yield ET.Element("geom", self._rod(centre, point), rgba=colour)
+        for row, point, direction in zip(rows, points, directions, strict=True):
+            primitive = row.platform if platform else row.base
+            if isinstance(primitive, Line):
+                half = direction * self.size / 2
+                shape = self._rod(point - half, point + half)
+            elif isinstance(primitive, Plane):
+                shape = {
+                    "type": "box",
+                    "size": _numbers([0.3 * self.size, 0.3 * self.size, 0.003 * self.size]),
+                    "pos": _numbers(point),
+                    "zaxis": _numbers(direction),
+                }
+            else:
+                shape = {"type": "sphere", "size": _numbers([0.025 * self.size])}
+                shape["pos"] = _numbers(point)
+            clear = isinstance(primitive, Plane)
+            shape["rgba"] = colour[:-1] + "0.4" if clear else colour
+            yield ET.Element("geom", shape)
+
+
+def _inertia(body: ET.Element, centre: Array, size: float) -> None:
+    moments = [0.1 * _MASS * size**2] * 3
+    ET.SubElement(
+        body,
+        "inertial",
+        pos=_numbers(centre),
+        mass=_numbers([_MASS]),
+        diaginertia=_numbers(moments),
+    )
+
+
+def _name(instance: Instance) -> str:
+    return instance.name or instance.type.id
+
+
+def _quaternion(R: Array) -> Array:
+    from gspcli.geometry.poses import quaternion_from_rotation
+
+    return np.asarray(quaternion_from_rotation(R))
+
+
+def _numbers(values: object) -> str:
+    """Return numbers that read back as the same doubles."""
+    return " ".join(repr(float(value)) for value in np.ravel(np.asarray(values, dtype=float)))

@@ -1,0 +1,190 @@
+"""The exported models in MuJoCo: loops closed, mobility, drift under gravity, driven motions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS
+from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.types import all_types
+from gspcli.cli.main import run
+from gspcli.export.mjcf import TIME_STEP, mjcf
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.measurement import jacobian, measured
+from gspcli.geometry.poses import rotation_from_vector
+from gspcli.geometry.residuals import condition_numbers
+from gspcli.resources import instance_files
+from gspcli.solver import solve
+from gspcli.solver.generate import random_instance
+from gspcli.spec import load
+
+mujoco = pytest.importorskip("mujoco")
+
+#: One sixth kind each time with five that fix what it leaves.
+OF_EACH_KIND = [
+    "DPP DPP DPP DPP DPP DPP",
+    "DPL DPP DPP DPP DPH DHP",
+    "DLP DPP DPL DPH ALL ALL",
+    "DLL DPP DPP DPH DHP DLP",
+    "DPP DPL DLP ALH AHL AHH",
+]
+#: Worse poses let the softness of MuJoCo's constraints through: drift grows with the condition.
+WELL_CONDITIONED = 100
+SECONDS = 2.0
+#: Steps in one call; MuJoCo keeps the model in its own loop.
+_BATCH = 1000
+
+
+def _pose(arrangement, R, T, targets):
+    """Return the pose near another one at which the constraints measure certain values."""
+    for _ in range(50):
+        twist = np.linalg.solve(jacobian(arrangement, R, T), targets - measured(arrangement, R, T))
+        R, T = rotation_from_vector(twist[:3]) @ R, T + twist[3:]
+        if np.abs(twist).max() < 1e-14:
+            break
+    return R, T
+
+
+def _instance(name, seed):
+    """Return a random platform with a pose that is not too badly conditioned."""
+    rng = np.random.default_rng(seed)
+    while True:
+        instance, (R, T) = random_instance(parse_type(name), rng)
+        arrangement = Arrangement.of(instance)
+        if condition_numbers(arrangement, R, T) < WELL_CONDITIONED:
+            return instance, arrangement, R, T
+
+
+def _loaded(text):
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def _mobility(model, data):
+    mujoco.mj_forward(model, data)
+    rows = np.zeros((data.nefc, model.nv))
+    if mujoco.mj_isSparse(model):
+        parts = (data.efc_J_rownnz, data.efc_J_rowadr, data.efc_J_colind)
+        mujoco.mju_sparse2dense(rows, data.efc_J, *parts)
+    else:
+        rows[:] = data.efc_J.reshape(rows.shape)
+    rows /= np.linalg.norm(rows, axis=1)[:, None]
+    return model.nv - np.linalg.matrix_rank(rows, tol=1e-7)
+
+
+def _holds(model):
+    return [model.equality(f"hold_{k}").id for k in range(1, 7)]
+
+
+def _run(model, data, seconds):
+    for _ in range(round(seconds / TIME_STEP)):
+        mujoco.mj_step(model, data)
+
+
+def _platform(data):
+    body = data.body("platform")
+    return body.xmat.reshape(3, 3).copy(), body.xpos.copy()
+
+
+def _check(name, seed, seconds):
+    instance, arrangement, R, T = _instance(name, seed)
+    model, data = _loaded(mjcf(instance, R, T))
+    values = measured(arrangement, R, T)
+    for k, kind in enumerate(arrangement.kinds):
+        (found,) = data.joint(f"value_{k + 1}").qpos
+        assert found == pytest.approx(abs(values[k]) if kind.is_distance else values[k], abs=1e-12)
+    assert np.abs(data.efc_pos).max() < 1e-9
+    assert _mobility(model, data) == 0
+    data.eq_active[_holds(model)] = False
+    assert _mobility(model, data) == 6
+    data.eq_active[_holds(model)] = True
+    _run(model, data, seconds)
+    turned, moved = _platform(data)
+    length = arrangement.length
+    assert np.abs(moved - T).max() < 1e-6 * length
+    assert np.abs(turned - R).max() < 1e-6
+
+
+@pytest.mark.parametrize("name", OF_EACH_KIND)
+def test_loops_are_closed_and_the_platform_stays(name):
+    _check(name, 7, 0.05)
+
+
+def test_the_sample_has_every_kind():
+    kinds = {kind for name in OF_EACH_KIND for kind in parse_type(name).kinds}
+    assert kinds == {*DISTANCE_KINDS, *ANGLE_KINDS}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", OF_EACH_KIND)
+def test_of_every_kind_stay_for_two_seconds(name):
+    _check(name, 7, SECONDS)
+
+
+_RANDOM = np.random.default_rng(2003).choice(len(all_types()), 100, replace=False) + 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", _RANDOM)
+def test_random_types_stay_for_two_seconds(number):
+    _check(str(number), int(number), SECONDS)
+
+
+def _driven(name, seed, seconds, share):
+    """Move all values a little and compare where the platform arrives with Newton's method."""
+    instance, arrangement, R, T = _instance(name, seed)
+    # In metres, without weight: the values move, nothing else.
+    model, data = _loaded(mjcf(instance, R, T, gravity=0.0))
+    values = measured(arrangement, R, T)
+    steps = np.where([kind.is_distance for kind in arrangement.kinds], arrangement.length, 1.0)
+    change = share * steps * np.random.default_rng(seed).choice([-1, 1], 6)
+    count = round(seconds / TIME_STEP)
+    signs = np.where([k.is_distance for k in arrangement.kinds], np.sign(values), 1.0)
+    for step in range(count):
+        # Starts and ends at rest.
+        done = (1 - np.cos(np.pi * (step + 1) / count)) / 2
+        model.eq_data[_holds(model), 0] = done * change
+        mujoco.mj_step(model, data)
+    _run(model, data, 0.02)
+    expected = (R, T)
+    for part in np.linspace(0, 1, 21)[1:]:
+        expected = _pose(arrangement, *expected, values + part * signs * change)
+    turned, moved = _platform(data)
+    assert np.abs(moved - expected[1]).max() < 1e-5 * arrangement.length
+    assert np.abs(turned - expected[0]).max() < 1e-5
+    assert np.abs(moved - T).max() + np.abs(turned - R).max() > 1e-3
+
+
+@pytest.mark.parametrize("name", OF_EACH_KIND)
+def test_a_driven_platform_arrives_where_newton_says(name):
+    _driven(name, 7, 0.2, 0.005)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", _RANDOM[:30])
+def test_random_types_arrive_where_newton_says(number):
+    _driven(str(number), int(number), 1.0, 0.005)
+
+
+@pytest.mark.parametrize("name", sorted({*instance_files()} - {"parallel-edges"}))
+def test_special_platforms_can_be_built(name):
+    real = solve(load(instance_files()[name]), certify=False).real_solutions
+    if not real:
+        pytest.skip("no real pose")
+    instance = load(instance_files()[name])
+    model, data = _loaded(mjcf(instance, real[0].R.real, real[0].T.real))
+    assert np.abs(data.efc_pos).max() < 1e-9
+    _run(model, data, 0.005)
+    assert np.abs(data.efc_pos).max() < 1e-7
+
+
+def test_a_command_writes_the_model(tmp_path, capsys):
+    target = tmp_path / "model.xml"
+    assert run(["export", "@rubin-m2", "--to", "mjcf", "-o", str(target)]) == 0
+    model, _ = _loaded(target.read_text(encoding="utf-8"))
+    assert (model.nv, model.nu) == (42, 6)
+    assert run(["export", "@no-real-pose", "--to", "mjcf"]) == 2
+    assert "found 0 real poses" in capsys.readouterr().err
