@@ -2,6 +2,9 @@
 
 Only the shape of YAML is used: every scalar is the text that was written. So ``1_000``, ``yes`` or
 ``1:30`` never turn into something else, and decimals are exact.
+
+PyYAML's parser in C is fifteen times as fast as the one in Python, whose messages and places are
+the better ones: correct files are read by the former, mistakes are looked for with the latter.
 """
 
 from __future__ import annotations
@@ -9,9 +12,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, TypeVar
 
-from ruamel.yaml import YAML
-from ruamel.yaml.error import MarkedYAMLError, YAMLError
-from ruamel.yaml.events import (
+import yaml
+from yaml.error import MarkedYAMLError, YAMLError
+from yaml.events import (
     AliasEvent,
     DocumentStartEvent,
     Event,
@@ -22,7 +25,7 @@ from ruamel.yaml.events import (
     SequenceStartEvent,
     StreamEndEvent,
 )
-from ruamel.yaml.reader import ReaderError
+from yaml.reader import ReaderError
 
 from gspcli.errors import Location, Problem, SpecError
 from gspcli.spec.wording import shown
@@ -99,6 +102,19 @@ def decode(content: bytes, file: str) -> str:
         raise SpecError([Problem(Location(file, line, column), "", message)]) from error
 
 
+def parse_correct(text: str, file: str) -> Value | None:
+    """Return the located content of a YAML text, or None unless it is certainly correct."""
+    # The parser in C takes tabs for blanks in places where the other does not.
+    if not yaml.__with_libyaml__ or len(text) > MAX_BYTES or "\t" in text:
+        return None
+    problems: list[Problem] = []
+    try:
+        root = _Builder(text.removeprefix("\ufeff"), file, problems, yaml.CSafeLoader).document()
+    except (YAMLError, SpecError, ValueError, OverflowError):
+        return None
+    return None if problems else root
+
+
 def parse(text: str, file: str, problems: list[Problem]) -> Value:
     """Return the located content of a YAML text with one document.
 
@@ -112,7 +128,7 @@ def parse(text: str, file: str, problems: list[Problem]) -> Value:
     if len(text) > MAX_BYTES:
         message = f"found {len(text)} characters, expected an instance of at most {MAX_BYTES}"
         raise SpecError([Problem(Location(file, 1, 1), "", message)])
-    builder = _Builder(text.removeprefix("\ufeff"), file, problems)
+    builder = _Builder(text.removeprefix("\ufeff"), file, problems, yaml.SafeLoader)
     try:
         return builder.document()
     except ReaderError as error:
@@ -128,7 +144,7 @@ def parse(text: str, file: str, problems: list[Problem]) -> Value:
         message = f"not valid YAML: {problem}{hint}"
         raise SpecError([*problems, Problem(location, "", message)]) from error
     except (YAMLError, ValueError, OverflowError) as error:
-        # ruamel.yaml lets an escape such as "\UFFFFFFFF" fail inside `chr`, without its place.
+        # PyYAML lets an escape such as "\UFFFFFFFF" fail inside `chr`, without its place.
         message = (
             "not valid YAML: found a backslash escape after this place that denotes no character"
         )
@@ -138,8 +154,8 @@ def parse(text: str, file: str, problems: list[Problem]) -> Value:
 class _Builder:
     """Builds located values from the events of the YAML parser."""
 
-    def __init__(self, text: str, file: str, problems: list[Problem]) -> None:
-        self.events: Iterator[Event] = YAML(typ="safe", pure=True).parse(text)
+    def __init__(self, text: str, file: str, problems: list[Problem], loader: Any) -> None:
+        self.events: Iterator[Event] = yaml.parse(text, Loader=loader)
         self.file = file
         self.place = Location(file, 1, 1)
         self.problems = problems

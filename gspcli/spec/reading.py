@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import BinaryIO, TextIO
 
@@ -15,7 +16,7 @@ from gspcli.errors import Problem, SpecError, TypeNameError
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
-from gspcli.spec.document import Mapping, Scalar, Sequence, Value, decode, parse
+from gspcli.spec.document import Mapping, Scalar, Sequence, Value, decode, parse, parse_correct
 from gspcli.spec.expressions import parse_number
 from gspcli.spec.meaning import remarks, wrong_value
 from gspcli.spec.models import ConstraintModel, InstanceModel, PrimitiveModel
@@ -32,12 +33,15 @@ class Reading:
     ----------
     instance
         The instance.
-    warnings
-        What is allowed, but perhaps not meant: unused primitives, values that are not one equation.
     """
 
     instance: Instance
-    warnings: tuple[Problem, ...]
+    _reader: _Reader
+
+    @cached_property
+    def warnings(self) -> tuple[Problem, ...]:
+        """What is allowed, but perhaps not meant: unused primitives, values of more equations."""
+        return tuple(sorted(self._reader.warnings(self.instance), key=_place))
 
 
 def read(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> Reading:
@@ -76,8 +80,25 @@ def read(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> 
 
 def read_text(text: str, *, name: str = "instance") -> Reading:
     """Read the text of an instance file; as `read`."""
+    root = parse_correct(text, name)
+    if root is not None:
+        try:
+            return _reading(root, [])
+        except SpecError:
+            # Mistakes are reported from the full reading.
+            pass
     problems: list[Problem] = []
-    root = parse(text, name, problems)
+    return _reading(parse(text, name, problems), problems)
+
+
+def _reading(root: Value, problems: list[Problem]) -> Reading:
+    """Return what a document says.
+
+    Raises
+    ------
+    SpecError
+        With all mistakes in it, and those that were found before.
+    """
     if not isinstance(root, Mapping):
         message = "found no keys, expected an instance: gsp, units, platform, base, constraints"
         raise SpecError([*problems, Problem(root.location, "", message)])
@@ -86,7 +107,7 @@ def read_text(text: str, *, name: str = "instance") -> Reading:
     instance = reader.instance()
     if instance is None or problems:
         raise SpecError(sorted(problems, key=_place))
-    return Reading(instance, tuple(sorted(reader.warnings(instance), key=_place)))
+    return Reading(instance, reader)
 
 
 def load(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> Instance:

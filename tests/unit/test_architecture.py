@@ -38,7 +38,7 @@ LAYERS = {
 ROOMS = {
     "sympy": {"symbolic"},
     "flint": {"certification"},
-    "ruamel": {"spec"},
+    "yaml": {"spec"},
     "pydantic": {"spec"},
     "click": {"cli"},
     "rich": {"cli"},
@@ -90,7 +90,7 @@ def _loaded_by(code: str) -> set[str]:
     return {name.partition(".")[0] for name in run.stdout.splitlines()[-1].split()}
 
 
-HEAVY = {"numpy", "sympy", "pandas", "flint", "pydantic", "ruamel", "rich", "scipy"}
+HEAVY = {"numpy", "sympy", "pandas", "flint", "pydantic", "yaml", "rich", "scipy"}
 
 
 @pytest.mark.parametrize(

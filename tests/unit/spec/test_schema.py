@@ -6,7 +6,7 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-from ruamel.yaml import YAML
+import yaml
 
 from gspcli.resources import data_directory
 from gspcli.spec.schema import json_schema
@@ -24,7 +24,7 @@ def test_the_published_schema_is_up_to_date():
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_examples_conform(path):
-    VALIDATOR.validate(YAML(typ="safe").load(path.read_text(encoding="utf-8")))
+    VALIDATOR.validate(yaml.safe_load(path.read_text(encoding="utf-8")))
 
 
 @pytest.mark.parametrize(
@@ -42,7 +42,9 @@ def test_examples_conform(path):
     ],
 )
 def test_wrong_files_do_not_conform(change, message):
-    document = copy.deepcopy(YAML(typ="safe").load(EXAMPLES[0].parent / "example-6.8.yaml"))
+    document = copy.deepcopy(
+        yaml.safe_load((EXAMPLES[0].parent / "example-6.8.yaml").read_text(encoding="utf-8"))
+    )
     change(document)
     errors = [error.message for error in VALIDATOR.iter_errors(document)]
     assert len(errors) == 1
