@@ -60,3 +60,19 @@ def surfaces(
 def find_real_points(
     points: NDArray[np.complex128],
 ) -> tuple[NDArray[np.complex128], NDArray[np.bool_]]: ...
+def count(
+    prime: int,
+    *,
+    seed: int,
+    blocks: int,
+    hessians: NDArray[np.int64],
+    moments: NDArray[np.uint64],
+    functions: NDArray[np.uint64],
+    squares: NDArray[np.uint64],
+    weights: NDArray[np.uint64],
+    owners: NDArray[np.int64],
+    find_distinct: bool,
+    max_work: int,
+    max_entries: int,
+    build: str = "",
+) -> tuple[int, int, int, int, bool, int, list[int]]: ...

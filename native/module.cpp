@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "conjugates.hpp"
+#include "counting.hpp"
 #include "intersection.hpp"
 #include "surfaces.hpp"
 #include "tracker.hpp"
@@ -41,12 +42,16 @@ struct Build {
   Track* track;
   Track* track_extended;
   Intersect* intersect;
+  Count* count;
 };
 
-constexpr Build kPortable{"portable", track_portable, track_portable_extended, intersect_portable};
+constexpr Build kPortable{"portable", track_portable, track_portable_extended, intersect_portable,
+                        count_portable};
 #if defined(GSP_X86)
-constexpr Build kAvx2{"avx2", track_avx2, track_avx2_extended, intersect_avx2};
-constexpr Build kAvx512{"avx512", track_avx512, track_avx512_extended, intersect_avx512};
+constexpr Build kAvx2{"avx2", track_avx2, track_avx2_extended, intersect_avx2,
+                        count_avx2};
+constexpr Build kAvx512{"avx512", track_avx512, track_avx512_extended, intersect_avx512,
+                        count_avx512};
 
 bool has_avx2() { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
 #endif
@@ -321,11 +326,67 @@ nb::tuple intersect(Array<std::complex<double>, 4> planes, Array<std::complex<do
                         owned(std::move(ok), {groups, systems}));
 }
 
+nb::tuple count(std::uint64_t prime, std::uint64_t seed, unsigned blocks,
+                Array<std::int64_t, 3> hessians, Array<std::uint64_t, 2> moments,
+                Array<std::uint64_t, 2> functions, Array<std::uint64_t, 2> squares,
+                Array<std::uint64_t, 1> weights, Array<std::int64_t, 1> owners, bool find_distinct,
+                std::uint64_t max_work, std::uint64_t max_entries, const std::string& build) {
+  const std::size_t width = kFunctions + moments.shape(0);
+  require(prime % 2 == 1 && (prime < (1u << 31) || prime >> 60 == 1),
+          "the prime must be odd and below 2^31 or between 2^60 and 2^61");
+  require(prime > 2 * kFunctions, "the prime must not be small");
+  require((blocks & (kTranslation | kBody)) != 0, "T or U must be among the coordinates");
+  require(hessians.shape(0) == kFunctions && hessians.shape(1) == 8 && hessians.shape(2) == 8,
+          "hessians must have shape (26, 8, 8)");
+  require(moments.shape(1) == kFunctions && functions.shape(1) == width &&
+              squares.shape(1) == width,
+          "functions must have shapes (moments, 26), (equations, 26 + moments), (squares, same)");
+  require(weights.shape(0) == squares.shape(0) && owners.shape(0) == squares.shape(0),
+          "each square has a weight and an owner");
+  const auto reduced = [&](const auto& array) {
+    return std::all_of(array.data(), array.data() + array.size(),
+                       [&](std::uint64_t x) { return x < prime; });
+  };
+  require(reduced(moments) && reduced(functions) && reduced(squares) && reduced(weights),
+          "numbers must be reduced modulo the prime");
+  for (const auto& rows : {functions, squares})
+    for (std::size_t i = 0; i < rows.shape(0); ++i)
+      require(std::all_of(&rows(i, 17), &rows(i, 17) + 9, [](std::uint64_t x) { return x == 0; }),
+              "T x R enters by moments only");
+  const auto interrupted = [] {
+    nb::gil_scoped_acquire acquire;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+  };
+  const CountingProblem problem{prime,
+                                seed,
+                                blocks,
+                                hessians.data(),
+                                static_cast<int>(moments.shape(0)),
+                                moments.data(),
+                                static_cast<int>(functions.shape(0)),
+                                functions.data(),
+                                static_cast<int>(squares.shape(0)),
+                                squares.data(),
+                                weights.data(),
+                                owners.data(),
+                                find_distinct,
+                                max_work,
+                                max_entries,
+                                interrupted};
+  CountingResult result;
+  {
+    nb::gil_scoped_release release;
+    result = build_named(build).count(problem);
+  }
+  return nb::make_tuple(static_cast<int>(result.outcome), result.solutions, result.distinct,
+                        result.falls, result.all_commutators, result.work, result.hilbert);
+}
+
 }  // namespace
 }  // namespace gsp
 
 NB_MODULE(_kernel, m) {
-  m.doc() = "Native code of gspcli.continuation and gspcli.geometry.";
+  m.doc() = "Native code of gspcli.continuation, gspcli.geometry and gspcli.certification.";
   m.def("find_real_points", &gsp::real_points, "points"_a,
         "Return representatives and which are real; see gspcli.geometry.conjugates.");
   m.def("surfaces", &gsp::surfaces, "forms"_a, "spheres"_a, "skew"_a, "signs"_a,
@@ -339,6 +400,10 @@ NB_MODULE(_kernel, m) {
         "contraction"_a, "radius_fraction"_a, "min_step"_a, "waypoint"_a, "nearest"_a,
         "max_steps"_a, "extended"_a, "jobs"_a, "build"_a = "",
         "Track every point from the start system to each target; see gspcli.continuation.tracker.");
+  m.def("count", &gsp::count, "prime"_a, nb::kw_only(), "seed"_a, "blocks"_a, "hessians"_a,
+        "moments"_a, "functions"_a, "squares"_a, "weights"_a, "owners"_a, "find_distinct"_a,
+        "max_work"_a, "max_entries"_a, "build"_a = "",
+        "Count solutions modulo a prime; see gspcli.certification.counting.residue_counts.");
   m.def("build", [] { return gsp::choose_build().name; },
         "Name of the build that this processor runs: avx512, avx2 or portable.");
 }

@@ -1,0 +1,282 @@
+// The equations of a platform modulo a prime, as polynomials in coordinates of the rigid motions.
+//
+// The coordinates are R, and as asked for T, U = R^T T, rho = T.T and further functions, linear in
+// R and T x R (the mutual moments of lines). All quadrics that vanish on the motions are found
+// exactly: N times a coordinate is a quadratic form in the Study coordinates (e, f), so a product
+// of two coordinates is a quartic form, reduced modulo e.f by its leading term e0 f0.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "counting.hpp"
+#include "echelon.hpp"
+#include "monomials.hpp"
+
+namespace gsp {
+
+template <class F>
+struct Polynomial {
+  std::vector<std::pair<Monomial, typename F::Residue>> terms;
+  int degree = 0;
+};
+
+template <class F>
+class MotionRing {
+ public:
+  using Residue = typename F::Residue;
+  using Quadric = std::vector<Residue>;  // coefficients of products of coordinates
+
+  MotionRing(const F& field, const CountingProblem& problem) : field_(field), problem_(problem) {
+    const auto use = [&](int from, int count) {
+      for (int k = from; k < from + count; ++k) {
+        local_[k] = static_cast<int>(coordinates_.size());
+        coordinates_.push_back(k);
+      }
+    };
+    use(0, 1 + 9);
+    if (problem.blocks & kTranslation) use(10, 3);
+    if (problem.blocks & kBody) use(13, 3);
+    if (problem.blocks & kDistance) use(16, 1);
+    use(kFunctions, problem.moments);
+    substitute();
+  }
+
+  // Whether the linear equations alone contradict each other.
+  bool is_inconsistent() const { return inconsistent_; }
+  int variables() const { return static_cast<int>(free_.size()); }
+  // For each coordinate (1, R, T, U, rho, T x R, further ones) an affine form in the variables,
+  // the constant last; empty for those that are no coordinates here.
+  const std::vector<std::vector<Residue>>& forms() const { return forms_; }
+
+  std::vector<Polynomial<F>> generators() {
+    std::vector<Polynomial<F>> result;
+    for (const Quadric& quadric : relations()) keep(quadric, result);
+    for (const Quadric& quadric : quadrics_) keep(quadric, result);
+    return result;
+  }
+
+ private:
+  using QuarticForm = std::map<Monomial, Residue>;
+
+  int count() const { return static_cast<int>(coordinates_.size()); }
+  int pair(int i, int j) const { return i >= j ? i * (i + 1) / 2 + j : pair(j, i); }
+  int pairs() const { return count() * (count() + 1) / 2; }
+
+  Residue integer(int value) const {
+    return value >= 0 ? static_cast<Residue>(value)
+                      : field_.negative(static_cast<Residue>(-value));
+  }
+  void add_to(Quadric& quadric, int i, int j, Residue value) const {
+    Residue& at = quadric[pair(i, j)];
+    at = field_.add(at, value);
+  }
+
+  // --- the equations as quadrics in the coordinates
+
+  // Adds a function of the motion; functions that are no coordinates are products of them.
+  void add_function(Quadric& quadric, const std::uint64_t* row) const {
+    for (int k = 0; k < kFunctions + problem_.moments; ++k) {
+      const Residue c = static_cast<Residue>(row[k]);
+      if (c == 0) continue;
+      if (local_[k] >= 0) {
+        add_to(quadric, local_[k], 0, c);
+      } else if (k == 16) {
+        const int from = local_[10] >= 0 ? 10 : 13;  // rho = T.T = U.U
+        for (int i = 0; i < 3; ++i) add_to(quadric, local_[from + i], local_[from + i], c);
+      } else if (k >= 13) {
+        for (int i = 0; i < 3; ++i)  // U = R^T T
+          add_to(quadric, local_[1 + 3 * i + (k - 13)], local_[10 + i], c);
+      } else {
+        for (int j = 0; j < 3; ++j)  // T = R U
+          add_to(quadric, local_[1 + 3 * (k - 10) + j], local_[13 + j], c);
+      }
+    }
+  }
+  bool is_linear(const std::uint64_t* row) const {
+    for (int k = 0; k < kFunctions + problem_.moments; ++k)
+      if (row[k] != 0 && local_[k] < 0) return false;
+    return true;
+  }
+
+  // Solves the linear equations for some of the coordinates.
+  void substitute() {
+    const int width = kFunctions + problem_.moments, m = count() - 1;
+    Echelon<F> linear(field_, m + 1);  // columns: the last coordinate first, the constant last
+    for (int equation = 0; equation < problem_.equations; ++equation) {
+      const std::uint64_t* row = problem_.functions + equation * width;
+      bool squared = false;
+      for (int s = 0; s < problem_.squares; ++s) squared |= problem_.owners[s] == equation;
+      if (!squared && is_linear(row)) {
+        linear.accumulator.clear();
+        for (int k = 0; k < width; ++k)
+          if (row[k] != 0)
+            linear.accumulator.set(m - local_[k], static_cast<Residue>(row[k]));
+        linear.push();
+        continue;
+      }
+      Quadric quadric(pairs(), 0);
+      add_function(quadric, row);
+      for (int s = 0; s < problem_.squares; ++s) {
+        if (problem_.owners[s] != equation) continue;
+        const std::uint64_t* form = problem_.square_functions + s * width;
+        const Residue weight = static_cast<Residue>(problem_.weights[s]);
+        for (int i = 0; i < width; ++i)
+          for (int j = 0; j < width; ++j)
+            if (form[i] != 0 && form[j] != 0)
+              add_to(quadric, local_[i], local_[j],
+                     field_.multiply(weight, field_.multiply(static_cast<Residue>(form[i]),
+                                                             static_cast<Residue>(form[j]))));
+      }
+      quadrics_.push_back(std::move(quadric));
+    }
+    linear.back_substitute();
+    inconsistent_ = linear.row_of(m) >= 0;
+    for (int k = 1; k <= m; ++k)
+      if (linear.row_of(m - k) < 0) free_.push_back(k);
+    const int n = variables();
+    local_forms_.assign(m + 1, std::vector<Residue>(n + 1, 0));
+    local_forms_[0][n] = 1;
+    for (int i = 0; i < n; ++i) local_forms_[free_[i]][i] = 1;
+    for (int row = 0; row < linear.rank(); ++row) {
+      std::vector<Residue>& form = local_forms_[m - linear.pivot(row)];
+      if (linear.pivot(row) == m) continue;
+      for (int i = 0; i < n; ++i) form[i] = field_.negative(linear.entry(row, m - free_[i]));
+      form[n] = field_.negative(linear.entry(row, m));
+    }
+    forms_.resize(width);
+    for (int k = 0; k < width; ++k)
+      if (local_[k] >= 0) forms_[k] = local_forms_[local_[k]];
+  }
+
+  // Appends a quadric in the coordinates as a polynomial in the variables, unless it is zero.
+  void keep(const Quadric& quadric, std::vector<Polynomial<F>>& result) const {
+    const int n = variables();
+    std::vector<Residue> sums((n + 1) * (n + 1), 0);
+    for (int i = 0; i < count(); ++i)
+      for (int j = 0; j <= i; ++j) {
+        const Residue c = quadric[pair(i, j)];
+        if (c == 0) continue;
+        for (int x = 0; x <= n; ++x) {
+          if (local_forms_[i][x] == 0) continue;
+          const Residue cx = field_.multiply(c, local_forms_[i][x]);
+          for (int y = 0; y <= n; ++y) {
+            if (local_forms_[j][y] == 0) continue;
+            Residue& sum = sums[std::min(x, y) * (n + 1) + std::max(x, y)];
+            sum = field_.add(sum, field_.multiply(cx, local_forms_[j][y]));
+          }
+        }
+      }
+    Polynomial<F> polynomial;
+    for (int x = 0; x <= n; ++x)
+      for (int y = x; y <= n; ++y) {
+        if (sums[x * (n + 1) + y] == 0) continue;
+        const Monomial m = (x < n ? variable(x) : 0) + (y < n ? variable(y) : 0);
+        polynomial.terms.emplace_back(m, sums[x * (n + 1) + y]);
+        polynomial.degree = std::max(polynomial.degree, (x < n) + (y < n));
+      }
+    if (!polynomial.terms.empty()) result.push_back(std::move(polynomial));
+  }
+
+  // --- the quadrics that vanish on the motions
+
+  using Form = std::vector<std::pair<std::array<int, 2>, Residue>>;  // terms z_i z_j
+
+  Form form_of(int coordinate) const {
+    std::array<Residue, 64> sums{};
+    for (int k = 0; k < kFunctions; ++k) {
+      const Residue factor =
+          coordinate < kFunctions
+              ? Residue{k == coordinate}
+              : static_cast<Residue>(
+                    problem_.moment_functions[(coordinate - kFunctions) * kFunctions + k]);
+      if (factor == 0) continue;
+      for (int i = 0; i < 8; ++i)
+        for (int j = i; j < 8; ++j) {
+          const int entry = problem_.hessians[64 * k + 8 * i + j];
+          if (entry == 0) continue;
+          Residue& sum = sums[8 * i + j];
+          sum = field_.add(sum, field_.multiply(factor, integer(i == j ? entry / 2 : entry)));
+        }
+    }
+    // Modulo e.f: e0 f0 = -(e1 f1 + e2 f2 + e3 f3).
+    for (int i = 1; i < 4; ++i)
+      sums[8 * i + i + 4] = field_.subtract(sums[8 * i + i + 4], sums[4]);
+    sums[4] = 0;
+    Form form;
+    for (int i = 0; i < 8; ++i)
+      for (int j = i; j < 8; ++j)
+        if (sums[8 * i + j] != 0) form.push_back({{i, j}, sums[8 * i + j]});
+    return form;
+  }
+
+  void add_quartic(QuarticForm& quartic, Monomial m, Residue value) const {
+    if (exponent(m, 0) > 0 && exponent(m, 4) > 0) {
+      const Monomial rest = m - variable(0) - variable(4);
+      for (int i = 1; i < 4; ++i)
+        add_quartic(quartic, rest + variable(i) + variable(i + 4), field_.negative(value));
+      return;
+    }
+    Residue& at = quartic[m];
+    at = field_.add(at, value);
+  }
+
+  std::vector<Quadric> relations() const {
+    std::vector<Form> forms;
+    for (const int k : coordinates_) forms.push_back(form_of(k));
+    // Rows: the quartic monomials; columns: the products, whose dependences are the relations.
+    std::map<Monomial, std::vector<std::pair<int, Residue>>> rows;
+    std::vector<int> column_of(pairs()), pair_at;
+    const auto weight = [&](int i) {
+      return coordinates_[i] < 10 ? 0 : coordinates_[i] == 16 ? 2 : 1;
+    };
+    for (int w = 0; w <= 4; ++w)
+      for (int i = 0; i < count(); ++i)
+        for (int j = 0; j <= i; ++j)
+          if (weight(i) + weight(j) == w) {
+            column_of[pair(i, j)] = static_cast<int>(pair_at.size());
+            pair_at.push_back(pair(i, j));
+          }
+    for (int i = 0; i < count(); ++i)
+      for (int j = 0; j <= i; ++j) {
+        QuarticForm quartic;
+        for (const auto& [a, x] : forms[i])
+          for (const auto& [b, y] : forms[j])
+            add_quartic(quartic, variable(a[0]) + variable(a[1]) + variable(b[0]) + variable(b[1]),
+                        field_.multiply(x, y));
+        for (const auto& [m, value] : quartic)
+          if (value != 0) rows[m].emplace_back(column_of[pair(i, j)], value);
+      }
+    Echelon<F> products(field_, pairs());
+    for (const auto& [m, row] : rows) {
+      products.accumulator.clear();
+      for (const auto& [column, value] : row) products.accumulator.set(column, value);
+      products.push();
+    }
+    products.back_substitute();
+    std::vector<Quadric> result;
+    for (int column = 0; column < pairs(); ++column) {
+      if (products.row_of(column) >= 0) continue;
+      Quadric relation(pairs(), 0);
+      relation[pair_at[column]] = 1;
+      for (int row = 0; row < products.rank(); ++row)
+        relation[pair_at[products.pivot(row)]] = field_.negative(products.entry(row, column));
+      result.push_back(std::move(relation));
+    }
+    return result;
+  }
+
+  const F& field_;
+  const CountingProblem& problem_;
+  std::vector<int> coordinates_;
+  std::vector<int> local_ = std::vector<int>(kFunctions + problem_.moments, -1);
+  std::vector<int> free_;
+  std::vector<std::vector<Residue>> local_forms_, forms_;
+  std::vector<Quadric> quadrics_;
+  bool inconsistent_ = false;
+};
+
+}  // namespace gsp
