@@ -1,0 +1,138 @@
+"""The constraints as equations between functions of a motion, in any exact arithmetic.
+
+The functions are 1, R (by rows), T, U, rho and T x R, in the order of
+`gspcli.certification.study`, and the mutual moments of the line pairs behind them. An equation is
+``F + w1 G1^2 + w2 G2^2 + ... = 0`` with linear combinations F, G of them: PL and LP say
+``|X x v|^2 = d^2 |v|^2`` and LL ``M^2 + d^2 C^2 = d^2 |u|^2 |v|^2`` (paper, Section 4).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
+from gspcli.certification import study
+from gspcli.certification.balls import cross, dot
+from gspcli.certification.counting.exact_platform import EvaluatedConstraint
+
+#: A linear combination: coefficients of the functions, by their position.
+Function = dict[int, Any]
+
+#: How many functions there are without moments.
+FUNCTIONS = study.COUNT - 1
+
+
+@dataclass(frozen=True)
+class Equation:
+    """``linear + sum of weight * square^2 = 0``.
+
+    Attributes
+    ----------
+    linear
+        The function that enters linearly.
+    squares
+        Pairs of a weight and a function.
+    """
+
+    linear: Function
+    squares: list[tuple[Any, Function]] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Equations:
+    """The equations of a platform.
+
+    Attributes
+    ----------
+    moments
+        The mutual moments of the DLL constraints: functions of position `FUNCTIONS` and following.
+    equations
+        One for each constraint.
+    """
+
+    moments: list[Function]
+    equations: list[Equation]
+
+
+def equations(constraints: Sequence[EvaluatedConstraint]) -> Equations:
+    """Return the equations of constraints."""
+    moments: list[Function] = []
+    result = []
+    for row in constraints:
+        if row.kind is DLL:
+            position = FUNCTIONS + len(moments)
+            moments.append(_moment(row))
+            result.append(_distance_of_lines(row, position))
+        else:
+            result.append(_equation(row))
+    return Equations(moments, result)
+
+
+def _equation(row: EvaluatedConstraint) -> Equation:
+    kind, a, b, u, v, value = row.kind, row.a, row.b, row.u, row.v, row.value
+    if not kind.is_distance:
+        return Equation({study.NORM: -value} | _rotation(v, u))
+    if kind is DPP:
+        function = {study.NORM: dot(a, a) + dot(b, b) - value, study.RHO: 1}
+        function |= _rotation([-2 * x for x in b], a)
+        for k in range(3):
+            function[study.TRANSLATION[k]] = -2 * b[k]
+            function[study.BODY[k]] = 2 * a[k]
+        return Equation(function)
+    if kind in (DPH, DHP):
+        function = _base_height(a, b, v) if kind is DPH else _platform_height(a, b, u)
+        function[study.NORM] -= value
+        return Equation(function)
+    if kind is DPL:
+        heights = [_base_height(a, b, normal) for normal in _normals(v)]
+        return Equation({study.NORM: -value * dot(v, v)}, [(1, height) for height in heights])
+    if kind is DLP:
+        heights = [_platform_height(a, b, normal) for normal in _normals(u)]
+        return Equation({study.NORM: -value * dot(u, u)}, [(1, height) for height in heights])
+    message = f"no equation of {kind.name}"
+    raise ValueError(message)
+
+
+def _normals(axis: Sequence[Any]) -> list[list[Any]]:
+    """Return three vectors n with ``|w x axis|^2`` the sum of the ``(w . n)^2``."""
+    x, y, z = axis
+    return [[0 * x, z, -y], [-z, 0 * x, x], [y, -x, 0 * x]]
+
+
+def _rotation(left: Sequence[Any], right: Sequence[Any]) -> Function:
+    """Return ``left . R right``."""
+    return {study.ROTATION[i][j]: left[i] * right[j] for i in range(3) for j in range(3)}
+
+
+def _base_height(a: Sequence[Any], b: Sequence[Any], normal: Sequence[Any]) -> Function:
+    """Return ``normal . (R a + T - b)``."""
+    function = {study.NORM: -dot(normal, b)} | _rotation(normal, a)
+    return function | dict(zip(study.TRANSLATION, normal, strict=True))
+
+
+def _platform_height(a: Sequence[Any], b: Sequence[Any], normal: Sequence[Any]) -> Function:
+    """Return ``R normal . (b - R a - T)``."""
+    function = {study.NORM: -dot(normal, a)} | _rotation(b, normal)
+    return function | dict(zip(study.BODY, (-x for x in normal), strict=True))
+
+
+def _moment(row: EvaluatedConstraint) -> Function:
+    """Return the mutual moment ``(R a + T - b) . (R u x v)``."""
+    function = _rotation(row.v, cross(row.a, row.u))
+    for index, coefficient in _rotation(cross(row.v, row.b), row.u).items():
+        function[index] -= coefficient
+    for i in range(3):
+        for j in range(3):
+            function[study.MOMENT[i][j]] = row.v[i] * row.u[j]
+    return function
+
+
+def _distance_of_lines(row: EvaluatedConstraint, moment: int) -> Equation:
+    if row.is_zero:
+        return Equation({moment: 1})
+    size = dot(row.u, row.u) * dot(row.v, row.v)
+    return Equation(
+        {study.NORM: -row.value * size}, [(1, {moment: 1}), (row.value, _rotation(row.v, row.u))]
+    )

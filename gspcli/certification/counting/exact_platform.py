@@ -1,0 +1,160 @@
+"""What the equations of an instance need of its numbers, exactly and modulo primes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from gspcli.catalogue.kinds import AHH, AHL, ALH, Kind
+from gspcli.certification.counting.exact_numbers import Element, element, in_radians
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
+from gspcli.geometry.primitives import Line, Plane, Point, Vector
+
+_ZERO, _ONE = Element.of(0), Element.of(1)
+_SIGNS: dict[Side, tuple[int, ...]] = {
+    Side.POSITIVE: (1,),
+    Side.NEGATIVE: (-1,),
+    Side.BOTH: (1, -1),
+}
+
+
+@dataclass(frozen=True)
+class ExactConstraint:
+    """A constraint with exact numbers.
+
+    Attributes
+    ----------
+    kind
+        Its kind.
+    a, b
+        A point of the platform and of the base primitive.
+    u, v
+        Direction or normal of either, of any length; empty for points.
+    value
+        What the equation needs of the value: the square of the distance; for DPH and DHP the
+        distance times the length of the normal; for angles the value of ``R u . v``.
+    sides
+        The factors 1 and -1 of the value to look at: both for a DPH or DHP of both sides.
+    """
+
+    kind: Kind
+    a: tuple[Element, ...]
+    b: tuple[Element, ...]
+    u: tuple[Element, ...]
+    v: tuple[Element, ...]
+    value: Element
+    sides: tuple[int, ...]
+
+    @property
+    def numbers(self) -> Iterator[Element]:
+        """All its numbers."""
+        yield from (*self.a, *self.b, *self.u, *self.v, self.value)
+
+
+@dataclass(frozen=True)
+class EvaluatedConstraint:
+    """A constraint with numbers of some arithmetic, on one side.
+
+    The attributes are those of `ExactConstraint`; `is_zero` is whether the exact value is zero.
+    """
+
+    kind: Kind
+    a: Sequence[Any]
+    b: Sequence[Any]
+    u: Sequence[Any]
+    v: Sequence[Any]
+    value: Any
+    is_zero: bool
+
+    def on_side(self, sign: int) -> EvaluatedConstraint:
+        """Return the constraint with its value times 1 or -1."""
+        return self if sign == 1 else replace(self, value=-self.value)
+
+
+def exact_constraints(
+    instance: Instance, *, values_free: bool = False
+) -> tuple[ExactConstraint, ...]:
+    """Return the constraints of an instance with exact numbers.
+
+    Parameters
+    ----------
+    instance
+        The instance.
+    values_free
+        Whether its values are left out of account: all become 1.
+
+    Raises
+    ------
+    NoElementError
+        If a number, a length or a cosine lies outside the ring of `exact_numbers`.
+    """
+    return tuple(_exact(row, instance.units.angle, values_free) for row in instance.constraints)
+
+
+def evaluated(
+    constraint: ExactConstraint, evaluate: Callable[[Element], Any]
+) -> EvaluatedConstraint:
+    """Return a constraint in other arithmetic, such as residues modulo a prime."""
+
+    def vector(numbers: tuple[Element, ...]) -> list[Any]:
+        return [evaluate(number) for number in numbers]
+
+    return EvaluatedConstraint(
+        constraint.kind,
+        vector(constraint.a),
+        vector(constraint.b),
+        vector(constraint.u),
+        vector(constraint.v),
+        evaluate(constraint.value),
+        constraint.value.is_zero,
+    )
+
+
+def _exact(constraint: Constraint, unit: AngleUnit, values_free: bool) -> ExactConstraint:
+    kind = constraint.kind
+    u, v = _direction(constraint.platform), _direction(constraint.base)
+    is_zero = constraint.value.fraction == 0
+    return ExactConstraint(
+        kind,
+        _elements(constraint.platform.position),
+        _elements(constraint.base.position),
+        u,
+        v,
+        _ONE if values_free else _value(constraint, unit, u, v),
+        _SIGNS[constraint.side] if kind.has_sides and not is_zero else (1,),
+    )
+
+
+def _value(
+    constraint: Constraint, unit: AngleUnit, u: tuple[Element, ...], v: tuple[Element, ...]
+) -> Element:
+    kind = constraint.kind
+    if not kind.is_distance:
+        cosine = _cosine(kind, in_radians(constraint.value, unit))
+        return cosine if cosine.is_zero else cosine * (_square(u) * _square(v)).sqrt()
+    value = element(constraint.value)
+    if not kind.has_sides:
+        return value * value
+    return value if value.is_zero else value * _square(v or u).sqrt()
+
+
+def _elements(vector: Vector) -> tuple[Element, ...]:
+    return tuple(element(number) for number in vector)
+
+
+def _direction(geometry: Point | Line | Plane) -> tuple[Element, ...]:
+    if isinstance(geometry, Point):
+        return ()
+    return _elements(geometry.direction if isinstance(geometry, Line) else geometry.normal)
+
+
+def _square(vector: tuple[Element, ...]) -> Element:
+    return sum((x * x for x in vector), _ZERO)
+
+
+def _cosine(kind: Kind, angle: Element) -> Element:
+    """Return the value of ``R u . v`` of unit vectors (paper, Section 4)."""
+    if kind in (ALH, AHL):
+        return angle.sin()
+    return -angle.cos() if kind is AHH else angle.cos()

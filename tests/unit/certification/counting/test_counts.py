@@ -1,0 +1,94 @@
+from dataclasses import replace
+
+import pytest
+
+from gspcli.certification.counting import (
+    NotCountedError,
+    count_exactly,
+    count_geometry,
+    exact_count,
+    geometry_count,
+)
+from gspcli.geometry.numbers import Number
+from gspcli.resources import data_directory, data_json
+from gspcli.spec import load
+from gspcli.spec.expressions import parse_number
+
+EXPECTED = data_json("examples", "expected.json")["examples"]
+
+
+def example(name: str):
+    return load(data_directory() / "examples" / f"{name}.yaml")
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_examples_have_their_groebner_counts(name):
+    record = EXPECTED[name]
+    count = count_exactly(example(name))
+    assert count.finite == (record["dimension"] == 0)
+    if count.finite:
+        assert (count.solutions, count.distinct) == (record["complex"], record["distinct"])
+        assert count.error < 1e-5
+        assert count.proved_lower == count.solutions
+    else:
+        assert count.solutions is None
+        assert 0 < count.error < 1e-9
+
+
+@pytest.mark.parametrize("name", ["dietmaier", "example-6.8", "six-planes", "platform-5-5"])
+def test_without_solutions_at_infinity_one_prime_proves_the_count(name):
+    count = count_exactly(example(name))
+    assert count.error == 0
+    assert count.distinct_error == 0
+
+
+def test_special_hexagons_have_fewer_poses_and_rounded_ones_do_not():
+    special = example("planar-hexagons")
+    assert (count_exactly(special).solutions, count_geometry(special).solutions) == (28, 28)
+    row = special.constraints[0]
+    x, *rest = row.base.position
+    moved = replace(row.base, position=(Number.of(x.value + 1e-9), *rest))
+    rounded = replace(special, constraints=(replace(row, base=moved), *special.constraints[1:]))
+    assert count_exactly(rounded).solutions > 28
+
+
+def test_a_double_pose_that_the_data_split_is_two():
+    instance = example("singular-pose")
+    assert count_exactly(instance).distinct == 39
+    split = instance.with_values({0: parse_number("sqrt(3.25+1e-30)")})
+    count = count_exactly(split)
+    assert (count.solutions, count.distinct, count.distinct_error) == (40, 40, 0)
+
+
+def test_sides_add_up():
+    instance = example("parallel-lines")
+    both = tuple(
+        replace(row, side=type(row.side).BOTH) if row.kind.has_sides else row
+        for row in instance.constraints
+    )
+    count = count_exactly(replace(instance, constraints=both))
+    assert len(count.sides) == 8
+    assert count.solutions == sum(side.solutions for side in count.sides)
+    one = count_exactly(instance)
+    assert one.solutions in {side.solutions for side in count.sides}
+
+
+def test_what_cannot_be_counted_is_none_and_says_why():
+    instance = example("dietmaier").with_values({0: parse_number("atan(2)")})
+    assert exact_count(instance) is None
+    with pytest.raises(NotCountedError, match="inverse function atan"):
+        count_exactly(instance)
+    assert geometry_count(instance).solutions == 40
+
+
+def test_the_limit_is_kept():
+    assert exact_count(example("dietmaier"), limit=1e-6) is None
+    with pytest.raises(NotCountedError, match="limit"):
+        count_exactly(example("parallel-edges"), limit=0.01)
+
+
+def test_seeds_change_the_prime_and_not_the_count():
+    counts = [count_exactly(example("platform-6-4"), seed=seed) for seed in range(3)]
+    assert {count.solutions for count in counts} == {32}
+    assert len({count.prime for count in counts}) == 3
+    assert counts[0] == count_exactly(example("platform-6-4"), seed=0)
