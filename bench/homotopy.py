@@ -63,7 +63,7 @@ class Homotopy:
         relation = [Product(terms(affine(motion.relations[0])))]
         start = [
             [Product(quadric(g), quadric(h) if product else None)]
-            for g, h, product in zip(given.g, given.h, structure.products, strict=True)
+            for g, h, product in zip(*given.coefficients[:2], structure.products, strict=True)
         ]
         return cls(
             start=[*start, relation],
@@ -101,7 +101,7 @@ def split_system(instance: Instance) -> list[Terms]:
 
     rows: list[Terms] = []
     u = 0
-    for g, h, tau, product in zip(system.g, system.h, system.tau, products, strict=True):
+    for g, h, tau, product in zip(*system.coefficients, products, strict=True):
         if not product:
             rows.append(extended(quadric(g)))
             continue

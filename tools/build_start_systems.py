@@ -51,7 +51,7 @@ def solutions_of_stored(
     target = generic_factors(factors.astype(np.complex128), families)[0]
     for _ in range(5):
         start = solved.quadrics * random_phases(rng, EQUATIONS, 1)
-        ends = move(start, target, solved.points)
+        ends = move(families, start, target, solved.points)
         if len(ends) == len(solved.points) and distinct(ends):
             return ends
     message = f"{families}: solutions lost on the way to the stored system"

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from gspcli.continuation.monodromy import random_quadrics
 from gspcli.continuation.quadrics import BASES, ComplexArray, evaluate
-from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, TargetSystem
+from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
 from gspcli.continuation.tracker import CAREFUL, PARANOID, PathStatus, track
 
 #: The part of `without_one` that the defect must be below; without one it is about 1.
@@ -53,7 +53,7 @@ class Trace:
         return self.defect / self.without_one if self.without_one > 0 else np.inf
 
 
-def trace_test(target: TargetSystem, points: ComplexArray, seed: int) -> Trace:
+def trace_test(target: System, points: ComplexArray, seed: int) -> Trace:
     """Test whether some solutions of a system are all of them.
 
     Parameters
@@ -81,8 +81,7 @@ def trace_test(target: TargetSystem, points: ComplexArray, seed: int) -> Trace:
         family = target.structure.families[moving]
         member = random_quadrics(family, rng)[0]
         ends = track(
-            np.array(target.structure.products),
-            coefficients,
+            System(target.structure, coefficients),
             _moved(coefficients, target.structure, moving, member),
             points,
             options=options,

@@ -3,6 +3,7 @@
 The engine knows no platform words. Its public face:
 
 - `quadrics`: coefficients of the functions 1, R, T, U, T x R, T.T; the five families.
-- `systems`: `Structure` and `TargetSystem`, what is to be solved.
+- `systems`: `Structure` and `System`, what is to be solved.
+- `following`: `follow`, from the solutions of one system to those of another.
 - `solve`: `solve_system` and `solve_systems`, which return `SystemSolutions`.
 """

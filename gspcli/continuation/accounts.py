@@ -30,7 +30,7 @@ from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.regularity import clearly_simple, simple
 from gspcli.continuation.start import StartSystem
-from gspcli.continuation.systems import EQUATIONS, Coefficients
+from gspcli.continuation.systems import EQUATIONS, System
 from gspcli.continuation.tracker import (
     CAREFUL,
     EXTENDED,
@@ -76,13 +76,13 @@ class Settled:
 
 
 @lru_cache(maxsize=256)
-def random_start(start: StartSystem, seed: int, attempt: int) -> Coefficients:
+def random_start(start: StartSystem, seed: int, attempt: int) -> System:
     """Return the start system with its factors multiplied by random phases: another path."""
     # Not NumPy's generator, which takes longer to load than to solve most systems.
     draws = Random(f"{seed} {attempt}")
     turns = np.array([[draws.random() for _ in range(EQUATIONS)] for _ in range(2)])
     g, h = np.exp(2j * np.pi * turns)
-    return start.coefficients.scaled(g, h)
+    return start.system.scaled(g, h)
 
 
 def all_regular(results: PathResults) -> NDArray[np.bool_]:
@@ -108,38 +108,24 @@ def regular_ends(results: PathResults, i: int) -> Settled:
 
 
 def settle(
-    start: StartSystem, target: Coefficients, results: PathResults, seed: int, jobs: int
+    start: StartSystem, target: System, results: PathResults, seed: int, jobs: int
 ) -> Settled:
     """Return where all paths to one target end, from their first results (1, P)."""
-    products = np.array(start.structure.products)
     best = None
     for attempt in range(_ATTEMPTS):
         origin = random_start(start, seed, attempt)
         if attempt:
             options = CAREFUL if attempt < _ATTEMPTS - 1 else PARANOID
-            results = _track(start, origin, target, start.points, options, jobs)
+            results = track(origin, target, start.points, options=options, jobs=jobs)
         ends = _Attempt(start, origin, target, results, jobs).settled(seed)
         if best is not None:
-            ends = _completed(ends, best, simple(products, target, best.points))
+            ends = _completed(ends, best, simple(target, best.points))
         if best is None or ends.doubts < best.doubts:
             best = ends
         if not any(best.doubts):
             break
     assert best is not None
     return best
-
-
-def _track(
-    start: StartSystem,
-    origin: Coefficients,
-    target: Coefficients,
-    points: ComplexArray,
-    options: TrackerOptions,
-    jobs: int,
-) -> PathResults:
-    products = np.array(start.structure.products)
-    goal = Coefficients(*(x[None] for x in target))
-    return track(products, origin, goal, points, options=options, jobs=jobs)
 
 
 def _completed(ends: Settled, other: Settled, regular: NDArray[np.bool_]) -> Settled:
@@ -181,13 +167,12 @@ class _Attempt:
     def __init__(
         self,
         start: StartSystem,
-        origin: Coefficients,
-        target: Coefficients,
+        origin: System,
+        target: System,
         results: PathResults,
         jobs: int,
     ) -> None:
         self.start = start
-        self.products = np.array(start.structure.products)
         self.origin = origin
         self.target = target
         self.jobs = jobs
@@ -217,10 +202,13 @@ class _Attempt:
                 collided[index[group]] = True
         return collided
 
+    def _track(
+        self, origin: System, target: System, points: ComplexArray, options: TrackerOptions
+    ) -> PathResults:
+        return track(origin, target, points, options=options, jobs=self.jobs)
+
     def _track_again(self, index: NDArray[np.intp], options: TrackerOptions) -> None:
-        results = _track(
-            self.start, self.origin, self.target, self.start.points[index], options, self.jobs
-        )
+        results = self._track(self.origin, self.target, self.start.points[index], options)
         for name in ("points", "t", "status", "condition", "residual", "correction"):
             getattr(self, name)[index] = getattr(results, name)[0]
         self.regular[index] = clearly_simple(results)[0]
@@ -238,9 +226,7 @@ class _Attempt:
             if not len(index):
                 break
             points = self._waypoints(index, options)
-            ends = find_ends(
-                self.products, self.origin, self.target, points, options.waypoint, options
-            )
+            ends = find_ends(self.origin, self.target, points, options.waypoint, options)
             known = ends.error < _END_ERROR
             # Two solutions so near to each other that every circle is around the branch point
             # too: what Newton's method found stands.
@@ -260,7 +246,7 @@ class _Attempt:
         if len(away):
             near = self.origin.towards(self.target, 1 - options.waypoint)
             starts = self.start.points[index[away]]
-            results = _track(self.start, self.origin, near, starts, options, self.jobs)
+            results = self._track(self.origin, near, starts, options)
             arrived = results.status[0] == PathStatus.REGULAR
             points[away] = np.where(arrived[:, None], results.points[0], np.nan)
         return points
@@ -268,13 +254,11 @@ class _Attempt:
     def _simple(self, status: NDArray[np.uint8], points: ComplexArray) -> NDArray[np.bool_]:
         """Return which ends of Newton's method are simple solutions of the target."""
         arrived = status == PathStatus.REGULAR
-        return np.asarray(arrived & simple(self.products, self.target, points))
+        return np.asarray(arrived & simple(self.target, points))
 
     def _recognize_regular(self, index: NDArray[np.intp], winding: NDArray[np.int64]) -> None:
         """Treat ends of unbranched paths as regular if Newton's method confirms them."""
-        results = _track(
-            self.start, self.target, self.target, self.points[index], PARANOID, self.jobs
-        )
+        results = self._track(self.target, self.target, self.points[index], PARANOID)
         regular = self._simple(results.status[0], results.points[0])
         chosen = index[regular]
         for name in ("points", "condition", "residual"):
@@ -313,7 +297,7 @@ class _Attempt:
             self.points[index],
             np.array([count for _, count in rows], dtype=np.int64),
             self.condition[index],
-            self.target.residuals(self.products, self.points[index]),
+            self.target.residuals(self.points[index]),
             PathAccount(
                 expected=len(self.points),
                 found=sum(count for _, count in rows),
@@ -327,10 +311,10 @@ class _Attempt:
 
     def _separated(self, members: NDArray[np.intp]) -> bool:
         """Put two paths with a double end at two near regular solutions, if there are such."""
-        guesses = split(self.products, self.target, self.points[members[0]])
+        guesses = split(self.target, self.points[members[0]])
         if guesses is None or not np.isfinite(guesses).all():
             return False
-        results = _track(self.start, self.target, self.target, guesses, PARANOID, self.jobs)
+        results = self._track(self.target, self.target, guesses, PARANOID)
         error = regular_error(results.correction[0])
         regular = self._simple(results.status[0], results.points[0])
         if not regular.all() or len(clusters(results.points[0], error)) < 2:
@@ -345,10 +329,10 @@ class _Attempt:
         self, point: ComplexArray, rng: np.random.Generator
     ) -> tuple[ComplexArray, ComplexArray]:
         """Return a point, real if one is found, of the solution set at an end, and its tangents."""
-        along = tangents(self.products, self.target, point, rng)
-        candidate = real_point(self.products, self.target, point) if along.shape[1] else None
+        along = tangents(self.target, point, rng)
+        candidate = real_point(self.target, point) if along.shape[1] else None
         if candidate is not None:
-            real = tangents(self.products, self.target, candidate, rng)
+            real = tangents(self.target, candidate, rng)
             if real.shape[1] and not real.imag.any():
                 return candidate, real
         return point, along
@@ -357,7 +341,6 @@ class _Attempt:
         if not found:
             return []
         motions = sample_motions(
-            self.products,
             self.target,
             np.array([end.point for end in found]),
             np.array([end.tangents[:, 0] for end in found]),

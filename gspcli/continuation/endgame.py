@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
-from gspcli.continuation.systems import Coefficients
+from gspcli.continuation.systems import System
 from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
 
 _SAMPLES = 8
@@ -39,9 +39,8 @@ class Ends:
 
 
 def find_ends(
-    products: NDArray[np.bool_],
-    start: Coefficients,
-    target: Coefficients,
+    start: System,
+    target: System,
     points: ComplexArray,
     radius: float,
     options: TrackerOptions = CAREFUL,
@@ -53,8 +52,6 @@ def find_ends(
 
     Parameters
     ----------
-    products
-        Which equations are products, shape (6,).
     start, target
         The systems at t = 0 and t = 1.
     points
@@ -72,7 +69,7 @@ def find_ends(
     )
     todo = np.arange(count)
     for _ in range(_ROUNDS):
-        ends = _circle(products, start, target, points, radius, options)
+        ends = _circle(start, target, points, radius, options)
         better = ends.error < best.error[todo]
         for name in ("points", "winding", "error"):
             getattr(best, name)[todo[better]] = getattr(ends, name)[better]
@@ -81,26 +78,16 @@ def find_ends(
         if not len(todo):
             break
         nearer = radius / _SHRINK
-        results = track(
-            products,
-            start.towards(target, 1 - radius),
-            _single(start.towards(target, 1 - nearer)),
-            points,
-            options=options,
-        )
+        here, there = (start.towards(target, 1 - r) for r in (radius, nearer))
+        results = track(here, there, points, options=options)
         arrived = results.status[0] == PathStatus.REGULAR
         todo, points, radius = todo[arrived], results.points[0][arrived], nearer
     return best
 
 
-def _single(coefficients: Coefficients) -> Coefficients:
-    return Coefficients(*(x[None] for x in coefficients))
-
-
 def _circle(
-    products: NDArray[np.bool_],
-    start: Coefficients,
-    target: Coefficients,
+    start: System,
+    target: System,
     points: ComplexArray,
     radius: float,
     options: TrackerOptions,
@@ -119,13 +106,8 @@ def _circle(
     samples = [points]
     for rounds in range(1, _MAX_WINDING + 1):
         for k in range(_SAMPLES):
-            results = track(
-                products,
-                corners[k],
-                _single(corners[(k + 1) % _SAMPLES]),
-                samples[-1],
-                options=options,
-            )
+            here, there = corners[k], corners[(k + 1) % _SAMPLES]
+            results = track(here, there, samples[-1], options=options)
             # The sample of a path that failed becomes NaN; it never returns.
             arrived = (results.status[0] == PathStatus.REGULAR)[:, None]
             moved = np.where(arrived, results.points[0], np.nan)
@@ -142,7 +124,7 @@ def _circle(
             ends[index] = mean / size[:, None]
             winding[index] = rounds
             # If another branch point is inside the circle, the mean is no solution at all.
-            solved = target.residuals(products, ends[index]) < _RESIDUAL
+            solved = target.residuals(ends[index]) < _RESIDUAL
             error[index] = np.where(solved, halves / size, np.inf)
         going = ~returned & np.isfinite(samples[-1]).all(axis=1)
         under_way, charts = under_way[going], charts[going]

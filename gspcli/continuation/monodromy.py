@@ -15,10 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.quadrics import BASES, ComplexArray, evaluate, monomials
-from gspcli.continuation.systems import EQUATIONS, Coefficients
+from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
 from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
 
-_NO_PRODUCTS = np.zeros(EQUATIONS, dtype=np.bool_)
 _QUIET_LOOPS = 8
 _MAX_LOOPS = 500
 
@@ -77,13 +76,13 @@ def _through(point: ComplexArray, families: str, quadrics: ComplexArray) -> Comp
     return np.array(rows)
 
 
-def _coefficients(quadrics: ComplexArray) -> Coefficients:
-    return Coefficients(
-        quadrics, np.zeros_like(quadrics), np.zeros(quadrics.shape[:-1], dtype=np.complex128)
-    )
+def _system(families: str, quadrics: ComplexArray) -> System:
+    zero = np.zeros(EQUATIONS, dtype=np.complex128)
+    return System(Structure(families), Coefficients(quadrics, np.zeros_like(quadrics), zero))
 
 
 def move(
+    families: str,
     start: ComplexArray,
     target: ComplexArray,
     points: ComplexArray,
@@ -96,9 +95,7 @@ def move(
     ndarray
         Shape (at most P, 8).
     """
-    results = track(
-        _NO_PRODUCTS, _coefficients(start), _coefficients(target[None]), points, options=options
-    )
+    results = track(_system(families, start), _system(families, target), points, options=options)
     return np.asarray(results.points[0][results.status[0] == PathStatus.REGULAR])
 
 
@@ -135,7 +132,7 @@ def solve_family(families: str, rng: np.random.Generator) -> SolvedFamily:
         corners = [base, *(random_quadrics(families, rng) for _ in range(2)), base]
         ends = points
         for start, target in pairwise(corners):
-            ends = move(start * random_phases(rng, EQUATIONS, 1), target, ends)
+            ends = move(families, start * random_phases(rng, EQUATIONS, 1), target, ends)
         merged = _merge(points, ends)
         quiet = quiet + 1 if len(merged) == len(points) else 0
         points, loops = merged, loops + 1
@@ -170,7 +167,7 @@ def trace_defects(
         for s in (-step, 0.0, step):
             shifted = quadrics.copy()
             shifted[i] += s * chart
-            ends = points if s == 0 else move(quadrics, shifted, points)
+            ends = points if s == 0 else move(families, quadrics, shifted, points)
             top, bottom = evaluate(np.array([coordinate, chart]), ends).T
             sums.append((top / bottom).sum())
             size += float(np.abs(top / bottom).sum())

@@ -18,9 +18,8 @@ from gspcli.continuation.quadrics import (
     ComplexArray,
     FloatArray,
     evaluate,
-    gradients,
 )
-from gspcli.continuation.systems import EQUATIONS, Coefficients
+from gspcli.continuation.systems import EQUATIONS, System
 from gspcli.continuation.tracker import PathResults, PathStatus
 
 _ROUNDING = 4e-16
@@ -38,16 +37,12 @@ def clearly_simple(results: PathResults) -> NDArray[np.bool_]:
     return np.asarray((results.status == PathStatus.REGULAR) & bounded)
 
 
-def simple(
-    products: NDArray[np.bool_], target: Coefficients, points: ComplexArray
-) -> NDArray[np.bool_]:
+def simple(target: System, points: ComplexArray) -> NDArray[np.bool_]:
     """Return which points (P, 8) of one system are simple solutions."""
-    return np.asarray(nonlinearity(products, target, points) < _LIMIT)
+    return np.asarray(nonlinearity(target, points) < _LIMIT)
 
 
-def nonlinearity(
-    products: NDArray[np.bool_], target: Coefficients, points: ComplexArray
-) -> FloatArray:
+def nonlinearity(target: System, points: ComplexArray) -> FloatArray:
     """Return the ratio of second to first order at points (P, 8); infinite or NaN if singular.
 
     e and f are measured in units of their own size, so that solutions far away, whose e is small,
@@ -58,18 +53,18 @@ def nonlinearity(
         4,
         axis=1,
     )
-    jacobian = target.jacobians(products, points)
+    jacobian = target.jacobians(points)
     size = np.linalg.norm(jacobian * unit[:, None, :], axis=2)
     # One row more, for the scale of the point.
     patch = (points / np.where(unit > 0, unit, 1.0)).conj()[:, None, :]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         rows = jacobian * unit[:, None, :] / size[:, :, None]
         inverse = _inverse(np.concatenate([rows, patch], axis=1))[:, :, :-1] / size[:, None, :]
-        values = target.values(products, points)[:, None, :] + _changes(products, target, points)
+        values = target.values(points)[:, None, :] + _changes(target, points)
         # Of each change, (P, changes, 8).
         first = values @ inverse.swapaxes(1, 2)
         second = np.stack(
-            [_second_order(products, target, points, first[:, k] * unit) for k in range(_CHANGES)],
+            [target.bends(points, first[:, k] * unit) for k in range(_CHANGES)],
             axis=1,
         )
         bent = np.linalg.norm(second @ inverse.swapaxes(1, 2), axis=2)
@@ -86,9 +81,7 @@ def _inverse(matrices: ComplexArray) -> ComplexArray:
         return np.concatenate([_inverse(matrix[None]) for matrix in matrices])
 
 
-def _changes(
-    products: NDArray[np.bool_], target: Coefficients, points: ComplexArray
-) -> ComplexArray:
+def _changes(target: System, points: ComplexArray) -> ComplexArray:
     """Return changes of the values (P, changes, 7) of the size of rounding in the coefficients."""
     monomials = [np.linalg.norm(part, axis=1) for part in (points[:, :4], points[:, 4:])]
     e, f = monomials
@@ -98,30 +91,13 @@ def _changes(
         sizes = np.stack([np.linalg.norm(quadrics[:, part], axis=1) for part in parts])
         return np.asarray(np.stack([e * e, e * f, f * f], axis=1) @ sizes)
 
-    first = terms(target.g)
-    g, h = (np.abs(evaluate(quadrics, points)) for quadrics in (target.g, target.h))
+    coefficients = target.coefficients
+    first = terms(coefficients.g)
+    g, h = (np.abs(evaluate(quadrics, points)) for quadrics in coefficients[:2])
     n = np.abs(evaluate(NORM[None], points)) * (e * e)[:, None]
-    product = first * h + terms(target.h) * g + np.abs(target.tau) * n
-    size = np.concatenate([(e * f)[:, None], np.where(products, product, first)], axis=1)
+    product = first * h + terms(coefficients.h) * g + np.abs(coefficients.tau) * n
+    rows = np.where(target.structure.is_product, product, first)
+    size = np.concatenate([(e * f)[:, None], rows], axis=1)
     rng = np.random.default_rng(EQUATIONS)
     phases = np.exp(2j * np.pi * rng.random((_CHANGES, 1 + EQUATIONS)))
     return np.asarray(_ROUNDING * size[:, None, :] * phases)
-
-
-def _second_order(
-    products: NDArray[np.bool_], target: Coefficients, points: ComplexArray, step: ComplexArray
-) -> ComplexArray:
-    """Return the terms of second order (P, 7) of the equations at points plus steps (P, 8)."""
-    rows = evaluate(target.g, step)
-    if products.any():
-        n, dn = (evaluate(NORM[None], x) for x in (points, step))
-        g, h = (evaluate(quadrics, points) for quadrics in (target.g, target.h))
-        along_g, along_h, along_n = (
-            np.einsum("pkj,pj->pk", gradients(quadrics, points), step)
-            for quadrics in (target.g, target.h, NORM[None])
-        )
-        product = g * evaluate(target.h, step) + h * rows + along_g * along_h
-        product = product - target.tau * (2 * n * dn + along_n**2)
-        rows = np.where(products, product, rows)
-    study = (step[:, :4] * step[:, 4:]).sum(axis=1, keepdims=True)
-    return np.concatenate([study, rows], axis=1)

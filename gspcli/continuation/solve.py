@@ -19,7 +19,7 @@ from gspcli.continuation.accounts import (
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.start import StartSystem, start_system
-from gspcli.continuation.systems import Coefficients, TargetSystem
+from gspcli.continuation.systems import Coefficients, System
 from gspcli.continuation.tracker import DEFAULT, PathResults, TrackerOptions, track
 from gspcli.defaults import SEED
 
@@ -76,7 +76,7 @@ class SystemSolutions:
 
 
 def solve_system(
-    target: TargetSystem,
+    target: System,
     *,
     seed: int = SEED,
     jobs: int = 1,
@@ -105,7 +105,7 @@ def solve_system(
 
 
 def solve_systems(
-    targets: Iterable[TargetSystem],
+    targets: Iterable[System],
     *,
     seed: int = SEED,
     jobs: int = 1,
@@ -125,18 +125,14 @@ def solve_systems(
 
 def _solve_batch(
     start: StartSystem,
-    targets: list[TargetSystem],
+    targets: list[System],
     seed: int,
     jobs: int,
     options: TrackerOptions,
 ) -> Iterator[SystemSolutions]:
-    order = list(targets[0].structure.order)
-    given = Coefficients(
-        *(np.array([getattr(x, name)[order] for x in targets]) for name in ("g", "h", "tau"))
-    )
+    given = Coefficients.stacked([target.canonical() for target in targets])
     balanced, scale = given.balanced()
     results = track(
-        np.array(start.structure.products),
         random_start(start, seed, 0),
         balanced,
         start.points,
@@ -149,7 +145,8 @@ def _solve_batch(
             ends = regular_ends(results, i)
         else:
             row = PathResults(*(getattr(results, f.name)[i : i + 1] for f in fields(results)))
-            ends = settle(start, balanced.take(i), row, seed, jobs)
+            target = System(start.system.structure, balanced.take(i))
+            ends = settle(start, target, row, seed, jobs)
         yield _solutions(ends, float(scale[i]), seed)
 
 

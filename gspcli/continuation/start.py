@@ -21,7 +21,7 @@ from gspcli.continuation.quadrics import (
     swap_points,
     swap_quadrics,
 )
-from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure
+from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
 from gspcli.continuation.tracker import CAREFUL, DEFAULT, PARANOID, PathStatus, track
 from gspcli.errors import DataError
 from gspcli.resources import data_path
@@ -34,10 +34,8 @@ _SEED = 119
 class StartSystem:
     """A generic system and all its solutions."""
 
-    structure: Structure
-    """In canonical order."""
-    coefficients: Coefficients
-    """Factors of norm 1; `tau` is zero."""
+    system: System
+    """In canonical order; factors of norm 1; `tau` is zero."""
     points: ComplexArray
     """All solutions, shape (paths, 8), of single precision at least: the tracker corrects them."""
 
@@ -135,12 +133,13 @@ def start_system(structure: Structure) -> StartSystem:
         message = "the structure must be in canonical order"
         raise ValueError(message)
     g, h, points = _base(structure.families)
-    products = np.array(structure.products)
+    products = structure.is_product
     zero = np.zeros(EQUATIONS, dtype=np.complex128)
-    base = Coefficients(g, np.zeros_like(h), zero)
+    base = System(Structure(structure.families), Coefficients(g, np.zeros_like(h), zero))
     coefficients = Coefficients(g, np.where(products[:, None], h, 0), zero).normalized()
+    system = System(structure, coefficients)
     if not products.any():
-        return StartSystem(structure, coefficients, points)
+        return StartSystem(system, points)
     choices = np.array(list(product(*[(False, True) if p else (False,) for p in products])))
     chosen = np.where(choices[:, :, None], h, g)
     sides = Coefficients(
@@ -150,8 +149,8 @@ def start_system(structure: Structure) -> StartSystem:
     for options in (DEFAULT, CAREFUL, CAREFUL, PARANOID):
         phases = np.exp(2j * np.pi * rng.random(EQUATIONS))
         start = base.scaled(phases, phases)
-        ends = track(np.zeros(EQUATIONS, dtype=np.bool_), start, sides, points, options=options)
+        ends = track(start, sides, points, options=options)
         if (ends.status == PathStatus.REGULAR).all() and all(map(distinct, ends.points)):
-            return StartSystem(structure, coefficients, ends.points.reshape(-1, 8))
+            return StartSystem(system, ends.points.reshape(-1, 8))
     message = f"the start system of {structure} could not be derived from the stored one"
     raise DataError(message)

@@ -55,6 +55,13 @@ class Structure:
             raise ValueError(message)
 
     @cached_property
+    def is_product(self) -> NDArray[np.bool_]:
+        """The products as an array, shape (6,), not writeable."""
+        mask = np.array(self.products, dtype=np.bool_)
+        mask.setflags(write=False)
+        return mask
+
+    @cached_property
     def order(self) -> tuple[int, ...]:
         """Positions of the equations in canonical order: by letter, quadrics before products."""
         key = [(LETTERS.index(x), p) for x, p in zip(self.families, self.products, strict=True)]
@@ -115,89 +122,69 @@ class Coefficients(NamedTuple):
             *(x + t * (y - x) for x, y in zip(self, target, strict=True)),
         )
 
+    @classmethod
+    def stacked(cls, systems: Sequence[System]) -> Coefficients:
+        """Return the coefficients of systems along a new leading axis."""
+        return cls(*map(np.array, zip(*(system.coefficients for system in systems), strict=True)))
+
     def take(self, index: int | slice | NDArray[np.intp]) -> Coefficients:
         """Return some of many systems, by their index on the first axis."""
         return Coefficients(self.g[index], self.h[index], self.tau[index])
 
-    def values(self, products: NDArray[np.bool_], points: ComplexArray) -> ComplexArray:
-        """Return e.f and the six equations of one system at points (P, 8): shape (P, 7)."""
-        e, f = points[:, :4], points[:, 4:]
-        rows = evaluate(self.g, points)
-        if products.any():
-            n = evaluate(NORM[None], points)
-            product = rows * evaluate(self.h, points) - self.tau * n**2
-            rows = np.where(products, product, rows)
-        return np.concatenate([(e * f).sum(axis=1, keepdims=True), rows], axis=1)
-
-    def residuals(self, products: NDArray[np.bool_], points: ComplexArray) -> FloatArray:
-        """Return the largest of the seven equations at points (P, 8) of norm 1: shape (P,).
-
-        Each equation is divided by the size of the terms that cancel in it, which is 1 for a
-        quadric of norm 1.
-        """
-        size = np.ones((len(points), 1 + EQUATIONS))
-        if products.any():
-            terms = (evaluate(self.g, points), evaluate(self.h, points))
-            right = self.tau * evaluate(NORM[None], points)
-            product = np.sqrt(sum(np.abs(x) ** 2 for x in (*terms, right)))
-            size[:, 1:] = np.where(products, product + 1e-300, 1.0)
-        values = np.abs(self.values(products, points)) / size
-        return np.asarray(values.max(axis=1, initial=0.0))
-
-    def jacobians(self, products: NDArray[np.bool_], points: ComplexArray) -> ComplexArray:
-        """Return the derivatives of `values` at points (P, 8): shape (P, 7, 8)."""
-        rows = gradients(self.g, points)
-        if products.any():
-            g, h = evaluate(self.g, points)[..., None], evaluate(self.h, points)[..., None]
-            n = evaluate(NORM[None], points)[..., None] * self.tau[:, None]
-            dh, dn = gradients(self.h, points), gradients(NORM[None], points)
-            rows = np.where(products[:, None], h * rows + g * dh - 2 * n * dn, rows)
-        study = np.roll(points, 4, axis=1)[:, None, :]
-        return np.concatenate([study, rows], axis=1)
-
 
 @dataclass(frozen=True, eq=False)
-class TargetSystem:
+class System:
     """Six equations ``G_i = 0`` or ``G_i H_i = tau_i N^2`` on the Study quadric ``e.f = 0``.
 
-    Coefficients are real or complex and need no particular scale, but T, U and rho should be
-    measured from origins near the geometry: an origin at a distance of 1e6 costs six digits.
+    `System.of` checks what comes from outside.
 
-    Parameters
+    Attributes
     ----------
     structure
         Families and products.
-    g
-        Quadrics, shape (6, 27).
-    h
-        Second factors, shape (6, 27); rows of equations that are no products are ignored. May
-        be left out if there are no products.
-    tau
-        Right-hand sides of the products, shape (6,); likewise.
-
-    Raises
-    ------
-    ValueError
-        For a wrong shape or a number that is not finite.
+    coefficients
+        The numbers, no leading axes.
     """
 
     structure: Structure
-    g: ComplexArray
-    h: ComplexArray
-    tau: ComplexArray
+    coefficients: Coefficients
 
-    def __init__(
-        self,
+    @classmethod
+    def of(
+        cls,
         structure: Structure,
         g: ArrayLike,
         h: ArrayLike | None = None,
         tau: ArrayLike | None = None,
-    ) -> None:
+    ) -> System:
+        """Return the system with the given coefficients.
+
+        They are real or complex and need no particular scale, but T, U and rho should be measured
+        from origins near the geometry: an origin at a distance of 1e6 costs six digits.
+
+        Parameters
+        ----------
+        structure
+            Families and products.
+        g
+            Quadrics, shape (6, 27).
+        h
+            Second factors, shape (6, 27); rows of equations that are no products are ignored.
+            May be left out if there are no products.
+        tau
+            Right-hand sides of the products, shape (6,); likewise.
+
+        Raises
+        ------
+        ValueError
+            For a wrong shape or a number that is not finite.
+        """
         if any(structure.products) and (h is None or tau is None):
             message = "a system with products needs their second factors h and values tau"
             raise ValueError(message)
-        products = np.array(structure.products)
+        products = structure.is_product
         shape = (EQUATIONS, COEFFICIENTS)
+        arrays = []
         for name, value, wanted in (
             ("g", g, shape),
             ("h", np.zeros(shape) if h is None else h, shape),
@@ -213,19 +200,89 @@ class TargetSystem:
                 message = f"{name} has entries that are not finite"
                 raise ValueError(message)
             array.setflags(write=False)
-            object.__setattr__(self, name, array)
-        object.__setattr__(self, "structure", structure)
+            arrays.append(array)
+        return cls(structure, Coefficients(*arrays))
+
+    def canonical(self) -> System:
+        """Return the system with its equations in canonical order (the same solutions)."""
+        order = list(self.structure.order)
+        coefficients = Coefficients(*(x[order] for x in self.coefficients))
+        return System(self.structure.canonical(), coefficients)
+
+    def normalized(self) -> System:
+        """Return the same equations with every factor scaled to norm 1."""
+        return System(self.structure, self.coefficients.normalized())
+
+    def scaled(self, g: ComplexArray, h: ComplexArray) -> System:
+        """Return the same equations with their factors multiplied by `g` and `h`, shape (6,)."""
+        return System(self.structure, self.coefficients.scaled(g, h))
+
+    def towards(self, target: System, t: complex) -> System:
+        """Return the point `t` of the line from this system (0) to `target` (1)."""
+        return System(self.structure, self.coefficients.towards(target.coefficients, t))
 
     @property
-    def coefficients(self) -> Coefficients:
-        """The numbers of the system."""
-        return Coefficients(self.g, self.h, self.tau)
+    def is_real(self) -> bool:
+        """Whether no coefficient has an imaginary part."""
+        return not any(x.imag.any() for x in self.coefficients)
 
-    def reordered(self, order: Sequence[int]) -> TargetSystem:
-        """Return the system with its equations in another order (the same solutions)."""
-        index = list(order)
-        structure = Structure(
-            "".join(self.structure.families[i] for i in index),
-            tuple(self.structure.products[i] for i in index),
-        )
-        return TargetSystem(structure, self.g[index], self.h[index], self.tau[index])
+    @property
+    def _products(self) -> NDArray[np.bool_]:
+        return self.structure.is_product
+
+    def values(self, points: ComplexArray) -> ComplexArray:
+        """Return e.f and the six equations at points (P, 8): shape (P, 7)."""
+        g, h, tau = self.coefficients
+        e, f = points[:, :4], points[:, 4:]
+        rows = evaluate(g, points)
+        if self._products.any():
+            n = evaluate(NORM[None], points)
+            product = rows * evaluate(h, points) - tau * n**2
+            rows = np.where(self._products, product, rows)
+        return np.concatenate([(e * f).sum(axis=1, keepdims=True), rows], axis=1)
+
+    def residuals(self, points: ComplexArray) -> FloatArray:
+        """Return the largest of the seven equations at points (P, 8) of norm 1: shape (P,).
+
+        Each equation is divided by the size of the terms that cancel in it, which is 1 for a
+        quadric of norm 1.
+        """
+        g, h, tau = self.coefficients
+        size = np.ones((len(points), 1 + EQUATIONS))
+        if self._products.any():
+            terms = (evaluate(g, points), evaluate(h, points))
+            right = tau * evaluate(NORM[None], points)
+            product = np.sqrt(sum(np.abs(x) ** 2 for x in (*terms, right)))
+            size[:, 1:] = np.where(self._products, product + 1e-300, 1.0)
+        values = np.abs(self.values(points)) / size
+        return np.asarray(values.max(axis=1, initial=0.0))
+
+    def jacobians(self, points: ComplexArray) -> ComplexArray:
+        """Return the derivatives of `values` at points (P, 8): shape (P, 7, 8)."""
+        g, h, tau = self.coefficients
+        rows = gradients(g, points)
+        if self._products.any():
+            first, second = evaluate(g, points)[..., None], evaluate(h, points)[..., None]
+            n = evaluate(NORM[None], points)[..., None] * tau[:, None]
+            dh, dn = gradients(h, points), gradients(NORM[None], points)
+            product = second * rows + first * dh - 2 * n * dn
+            rows = np.where(self._products[:, None], product, rows)
+        study = np.roll(points, 4, axis=1)[:, None, :]
+        return np.concatenate([study, rows], axis=1)
+
+    def bends(self, points: ComplexArray, steps: ComplexArray) -> ComplexArray:
+        """Return the terms of second order of `values` at points plus steps (P, 8): (P, 7)."""
+        g, h, tau = self.coefficients
+        rows = evaluate(g, steps)
+        if self._products.any():
+            n, dn = (evaluate(NORM[None], x) for x in (points, steps))
+            first, second = (evaluate(quadrics, points) for quadrics in (g, h))
+            along_g, along_h, along_n = (
+                np.einsum("pkj,pj->pk", gradients(quadrics, points), steps)
+                for quadrics in (g, h, NORM[None])
+            )
+            product = first * evaluate(h, steps) + second * rows + along_g * along_h
+            product = product - tau * (2 * n * dn + along_n**2)
+            rows = np.where(self._products, product, rows)
+        study = (steps[:, :4] * steps[:, 4:]).sum(axis=1, keepdims=True)
+        return np.concatenate([study, rows], axis=1)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gspcli import _kernel
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
-from gspcli.continuation.systems import Coefficients
+from gspcli.continuation.systems import Coefficients, System
 
 
 class PathStatus(IntEnum):
@@ -88,9 +88,8 @@ class PathResults:
 
 
 def track(
-    products: NDArray[np.bool_],
-    start: Coefficients,
-    targets: Coefficients,
+    start: System,
+    targets: Coefficients | System,
     points: ComplexArray,
     *,
     options: TrackerOptions = DEFAULT,
@@ -105,12 +104,10 @@ def track(
 
     Parameters
     ----------
-    products
-        Which equations are products, shape (6,).
     start
         One system.
     targets
-        B systems, with a leading axis.
+        The numbers of B systems of the same structure, with a leading axis; or one such system.
     points
         Solutions of the start system, shape (P, 8), nonzero.
     options
@@ -125,10 +122,13 @@ def track(
     PathResults
         In the order of targets and points.
     """
-    arrays = [np.ascontiguousarray(x, dtype=np.complex128) for x in (*start, *targets, points)]
+    if isinstance(targets, System):
+        targets = Coefficients.stacked([targets])
+    given = (*start.coefficients, *targets, points)
+    arrays = [np.ascontiguousarray(x, dtype=np.complex128) for x in given]
     return PathResults(
         *_kernel.track(
-            np.ascontiguousarray(products, dtype=np.bool_),
+            start.structure.is_product,
             *arrays,
             predictor_tolerance=options.predictor_tolerance,
             contraction=options.contraction,

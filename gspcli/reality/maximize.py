@@ -23,12 +23,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, Kind
-from gspcli.continuation.accounts import all_regular
+from gspcli.continuation.following import follow
 from gspcli.continuation.solve import solve_systems
-from gspcli.continuation.systems import Coefficients, Structure
-from gspcli.continuation.tracker import track
+from gspcli.continuation.systems import Structure, System
 from gspcli.defaults import SEED
-from gspcli.geometry.poses import normalised, pose_from_study
+from gspcli.geometry.poses import pose_from_study
 from gspcli.reality.folds import Folds, folds, moved
 from gspcli.reality.platforms import Platforms, random_platforms
 from gspcli.reality.recognition import reality
@@ -55,8 +54,6 @@ _RANK = 2.0
 _PATIENCE = 200
 #: Solutions are followed from those of the last platform, and solved anew after so many steps.
 _AFRESH = 50
-#: Angles of the random phases of short paths: not zero, lest a path meets a fold.
-_PHASES = (0.3, 1.0)
 #: Limits of the numbers: points, distances, and the least difference from 1 of a cosine.
 _LARGEST, _SMALLEST, _COSINE = 4.0, 0.02, 1e-3
 #: Distance to folds up to which a finished platform is improved, and with how many steps.
@@ -71,8 +68,8 @@ class Solved:
     ----------
     platform
         One platform, no leading axes.
-    coefficients
-        Of its system.
+    system
+        Its equations.
     points
         Solutions in Study coordinates, N = 1, shape (n, 8).
     real
@@ -80,7 +77,7 @@ class Solved:
     """
 
     platform: Platforms
-    coefficients: Coefficients
+    system: System
     points: Complex
     real: NDArray[np.bool_]
 
@@ -123,23 +120,17 @@ def solved(platform: Platforms, seed: int = SEED) -> Solved | None:
     found = reality(result.points, result.condition)
     if not found.decided:
         return None
-    return Solved(platform, system.coefficients.normalized(), result.points, found.real)
+    return Solved(platform, system, result.points, found.real)
 
 
 def _followed(known: Solved, platform: Platforms, rng: np.random.Generator) -> Solved | None:
     """Return a platform near another with all solutions, followed from those of the other."""
     system = next(platform[None].systems())
-    coefficients = system.coefficients.normalized()
-    g, h = np.exp(1j * rng.uniform(*_PHASES, size=(2, 6)))
-    target = Coefficients(*(part[None] for part in coefficients))
-    products = np.array(system.structure.products)
-    results = track(products, known.coefficients.scaled(g, h), target, normalised(known.points))
-    if not all_regular(results)[0]:
+    ends = follow(known.system, known.points, system, rng=rng)
+    if ends is None:
         return None
-    points = results.points[0]
-    points = points / np.sqrt((points[:, :4] ** 2).sum(axis=1, keepdims=True))
-    found = reality(points, results.condition[0])
-    return Solved(platform, coefficients, points, found.real) if found.decided else None
+    found = reality(ends.points, ends.condition)
+    return Solved(platform, system, ends.points, found.real) if found.decided else None
 
 
 def _acceptable(platform: Platforms) -> bool:

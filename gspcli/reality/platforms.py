@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.continuation.solve import SystemSolutions, solve_systems
-from gspcli.continuation.systems import TargetSystem
+from gspcli.continuation.systems import System
 from gspcli.geometry.arrangement import Bodies
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.poses import dot, normalised, rotation_from_quaternion
@@ -44,7 +44,7 @@ class Platforms(Bodies):
             self.kinds, *(part[index] for part in (self.y, self.x, self.u, self.v, self.values))
         )
 
-    def systems(self) -> Iterator[TargetSystem]:
+    def systems(self) -> Iterator[System]:
         """Yield the system of each platform, for the sides that its values have."""
         return systems_of(self.kinds, self.y, self.x, self.u, self.v, self.values)
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.continuation.quadrics import BASES, COEFFICIENTS, NORM
-from gspcli.continuation.systems import EQUATIONS, Structure, TargetSystem
+from gspcli.continuation.systems import EQUATIONS, Structure, System
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.poses import cross, dot
 
@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 
-def target_systems(arrangement: Arrangement) -> list[TargetSystem]:
+def target_systems(arrangement: Arrangement) -> list[System]:
     """Return a system for each combination of sides asked for, all of one structure.
 
     The arrangement should be `Arrangement.normalised`: lengths of order one, points near the
@@ -46,7 +46,7 @@ def target_systems(arrangement: Arrangement) -> list[TargetSystem]:
 
 def systems_of(
     kinds: Sequence[Kind], y: Array, x: Array, u: Array, v: Array, values: Array
-) -> Iterator[TargetSystem]:
+) -> Iterator[System]:
     """Yield the systems of platforms with constraints of the same kinds.
 
     Parameters
@@ -76,7 +76,7 @@ def systems_of(
             shape[i] = rule.letter, rule.h is not None
     structure = _structure(*zip(*shape, strict=True))
     for rest in zip(g, h, tau, strict=True):
-        yield TargetSystem(structure, *rest)
+        yield System.of(structure, *rest)
 
 
 @cache

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.solve import SystemSolutions, solve_systems
-from gspcli.continuation.systems import TargetSystem
+from gspcli.continuation.systems import System
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.conjugates import find_real_points, made_real
 from gspcli.geometry.poses import (
@@ -55,7 +55,7 @@ def solve_each_by_tracking(
     """
     waiting: deque[tuple[Arrangement, int]] = deque()
 
-    def systems() -> Iterator[TargetSystem]:
+    def systems() -> Iterator[System]:
         for arrangement in arrangements:
             targets = target_systems(arrangement.normalised)
             waiting.append((arrangement, len(targets)))

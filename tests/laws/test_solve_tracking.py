@@ -30,8 +30,9 @@ def test_a_pose_satisfies_the_quadrics_of_its_sides(number, seed):
     point = np.concatenate(study_from_pose(R, inward))
     errors = []
     for system in target_systems(inner):
-        g, h = (evaluate(quadrics, point[None])[0] for quadrics in (system.g, system.h))
-        values = np.where(system.structure.products, g * h - system.tau, g)
+        *factors, tau = system.coefficients
+        g, h = (evaluate(quadrics, point[None])[0] for quadrics in factors)
+        values = np.where(system.structure.products, g * h - tau, g)
         errors.append(np.abs(values).max())
     assert min(errors) < 1e-12
     assert sorted(errors)[1:] == [] or sorted(errors)[1] > 1e-9

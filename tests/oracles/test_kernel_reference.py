@@ -8,7 +8,7 @@ import pytest
 from gspcli.continuation.accounts import random_start
 from gspcli.continuation.monodromy import random_quadrics
 from gspcli.continuation.start import start_system
-from gspcli.continuation.systems import Coefficients, Structure
+from gspcli.continuation.systems import Structure, System
 from gspcli.continuation.tracker import PathStatus, track
 
 IDENTITY = np.eye(4)
@@ -97,20 +97,21 @@ def test_kernel_against_reference(families, products, paths):
     start = start_system(structure)
     origin = random_start(start, 14, 0)
     g, h = (random_quadrics(structure.families, rng) for _ in range(2))
-    target = Coefficients(g, np.where(mask[:, None], h, 0), np.where(mask, 0.2 + 0.1j, 0))
+    target = System.of(structure, g, h, np.where(mask, 0.2 + 0.1j, 0))
     points = start.points[rng.choice(len(start.points), paths, replace=False)]
-    results = track(mask, origin, Coefficients(*(x[None] for x in target)), points)
+    results = track(origin, target, points)
     assert (results.status == PathStatus.REGULAR).all()
     for point, end in zip(points, results.points[0], strict=True):
-        assert abs(np.vdot(follow(mask, origin, target, point), end)) > 1 - 1e-12
+        reference = follow(mask, origin.coefficients, target.coefficients, point)
+        assert abs(np.vdot(reference, end)) > 1 - 1e-12
 
 
 def test_condition_against_singular_values():
     start = start_system(Structure("ssssss"))
     origin = random_start(start, 15, 0)
     mask = np.zeros(6, dtype=bool)
-    results = track(mask, origin, Coefficients(*(x[None] for x in origin)), start.points)
+    results = track(origin, origin, start.points)
     for point, condition in zip(results.points[0], results.condition[0], strict=True):
-        jacobian = system(mask, origin, origin, point, 0.0)[1][:7]
+        jacobian = system(mask, origin.coefficients, origin.coefficients, point, 0.0)[1][:7]
         values = np.linalg.svd(jacobian, compute_uv=False)
         assert condition == pytest.approx(np.sqrt((values**-2.0).sum()), rel=1e-6)

@@ -9,7 +9,7 @@ from gspcli.atlas.trace import moving_equation, trace_test
 from gspcli.catalogue.parsing import parse_type
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.solve import solve_system
-from gspcli.continuation.systems import Structure, TargetSystem
+from gspcli.continuation.systems import Structure, System
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.generate import random_instance
 from gspcli.solver.systems import target_systems
@@ -28,7 +28,7 @@ TYPES = (
 )
 
 
-def _solved(name: str) -> tuple[TargetSystem, ComplexArray]:
+def _solved(name: str) -> tuple[System, ComplexArray]:
     gsp_type = parse_type(name + " ALL" * ANGLES.get(name[:4], 0))
     instance, _ = random_instance(gsp_type, np.random.default_rng(SEED), one_sided=True)
     target = target_systems(Arrangement.of(instance))[0]

@@ -19,7 +19,7 @@ from gspcli.continuation.quadrics import (
     monomials,
     swap_quadrics,
 )
-from gspcli.continuation.systems import Structure, TargetSystem
+from gspcli.continuation.systems import Structure, System
 
 Array = NDArray[np.float64]
 
@@ -85,15 +85,15 @@ def constraint(kind: str, rng: np.random.Generator, pose: tuple[Array, Array]) -
     return "l", True, moment + 1j * d * turned(n, v), moment - 1j * d * turned(n, v), d * d
 
 
-def platform(kinds: str, rng: np.random.Generator) -> tuple[TargetSystem, Array, Array]:
+def platform(kinds: str, rng: np.random.Generator) -> tuple[System, Array, Array]:
     """A random platform of the kinds given, and the pose that its values come from."""
     r, t = rotation(rng), rng.standard_normal(3)
     rows = [constraint(kind, rng, (r, t)) for kind in kinds.split()]
     families, products, g, h, tau = zip(*rows, strict=True)
-    return TargetSystem(Structure("".join(families), tuple(products)), g, h, tau), r, t
+    return System.of(Structure("".join(families), tuple(products)), g, h, tau), r, t
 
 
-def point_at_a_line(distance: float, rng: np.random.Generator) -> TargetSystem:
+def point_at_a_line(distance: float, rng: np.random.Generator) -> System:
     """Five legs and a point that has a distance from a line at a real pose."""
     r, t = rotation(rng), rng.standard_normal(3)
     rows = [constraint("PP", rng, (r, t)) for _ in range(5)]
@@ -104,16 +104,16 @@ def point_at_a_line(distance: float, rng: np.random.Generator) -> TargetSystem:
     a, b = (point_plane(y, x, m, 0.0) for m in side)
     rows.append(("p", True, a + 1j * b, a - 1j * b, distance * distance))
     families, products, g, h, tau = zip(*rows, strict=True)
-    return TargetSystem(Structure("".join(families), tuple(products)), g, h, tau)
+    return System.of(Structure("".join(families), tuple(products)), g, h, tau)
 
 
-def legs(y: Sequence[Array], x: Sequence[Array], d: Sequence[float]) -> TargetSystem:
+def legs(y: Sequence[Array], x: Sequence[Array], d: Sequence[float]) -> System:
     """Six legs of lengths d from platform points y to base points x."""
     rows = [point_point(np.asarray(a), np.asarray(b), c) for a, b, c in zip(y, x, d, strict=True)]
-    return TargetSystem(Structure("ssssss"), rows)
+    return System.of(Structure("ssssss"), rows)
 
 
-def legs_at(y: Sequence[Array], x: Sequence[Array], r: Array, t: Array) -> TargetSystem:
+def legs_at(y: Sequence[Array], x: Sequence[Array], r: Array, t: Array) -> System:
     """Six legs with the lengths that they have at a pose."""
     d = [float(np.linalg.norm(r @ a + t - b)) for a, b in zip(y, x, strict=True)]
     return legs(y, x, d)

@@ -61,9 +61,8 @@ def test_counts_are_symmetric_under_the_swap():
 @pytest.mark.parametrize("families", canonical_families())
 def test_stored_points_solve_the_stored_systems(families):
     start = start_system(Structure(families))
-    products = np.zeros(6, dtype=bool)
     # Stored in single precision.
-    assert np.abs(start.coefficients.values(products, start.points)).max() < 1e-6
+    assert np.abs(start.system.values(start.points)).max() < 1e-6
     assert distinct(start.points)
 
 
@@ -76,9 +75,8 @@ def test_derived_start_systems(families, products):
     start = start_system(structure)
     assert len(start.points) == path_count(structure)
     assert distinct(start.points)
-    mask = np.array(structure.products)
-    assert np.abs(start.coefficients.values(mask, start.points)).max() < 1e-6
-    assert not start.coefficients.tau.any()
+    assert np.abs(start.system.values(start.points)).max() < 1e-6
+    assert not start.system.coefficients.tau.any()
 
 
 @pytest.mark.parametrize("families", ["ssssss", "aaappp", "ppqqll", "aaplls", "plllll"])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gspcli.continuation.monodromy import random_complex, random_quadrics
-from gspcli.continuation.systems import Coefficients, Structure, TargetSystem
+from gspcli.continuation.systems import Coefficients, Structure, System
 
 
 def random_coefficients(rng: np.random.Generator) -> Coefficients:
@@ -29,23 +29,34 @@ def test_canonical_order():
 
 def test_wrong_coefficients():
     with pytest.raises(ValueError, match="g must have shape"):
-        TargetSystem(Structure("ssssss"), np.zeros((6, 26)))
+        System.of(Structure("ssssss"), np.zeros((6, 26)))
     with pytest.raises(ValueError, match="not finite"):
-        TargetSystem(Structure("ssssss"), np.full((6, 27), np.nan))
+        System.of(Structure("ssssss"), np.full((6, 27), np.nan))
     with pytest.raises(ValueError, match="second factors"):
-        TargetSystem(Structure("pppppp", (True,) * 6), np.zeros((6, 27)))
+        System.of(Structure("pppppp", (True,) * 6), np.zeros((6, 27)))
 
 
 def test_jacobians_against_differences():
     rng = np.random.default_rng(4)
-    coefficients = random_coefficients(rng)
-    products = np.array([True, False, True, False, False, True])
+    structure = Structure("ssssss", (True, False, True, False, False, True))
+    system = System(structure, random_coefficients(rng))
     point, step = random_complex(rng, 1, 8), 1e-6
     moved = np.repeat(point, 8, axis=0)
-    plus = coefficients.values(products, moved + step * np.eye(8))
-    minus = coefficients.values(products, moved - step * np.eye(8))
+    plus = system.values(moved + step * np.eye(8))
+    minus = system.values(moved - step * np.eye(8))
     expected = (plus - minus).T / (2 * step)
-    np.testing.assert_allclose(coefficients.jacobians(products, point)[0], expected, atol=1e-6)
+    np.testing.assert_allclose(system.jacobians(point)[0], expected, atol=1e-6)
+
+
+def test_bends_against_differences():
+    rng = np.random.default_rng(9)
+    structure = Structure("ssssss", (True, False, True, False, False, True))
+    system = System(structure, random_coefficients(rng))
+    point, step = random_complex(rng, 2, 3, 8)
+    h = 1e-4
+    there, here, back = (system.values(point + s * step) for s in (h, 0, -h))
+    expected = (there - 2 * here + back) / (2 * h * h)
+    np.testing.assert_allclose(system.bends(point, step), expected, rtol=1e-5)
 
 
 @pytest.mark.parametrize("unit", [2.0**-20, 1.0, 2.0**20])

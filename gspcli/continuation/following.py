@@ -1,0 +1,72 @@
+"""From the solutions of one system to those of another near it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gspcli.continuation.accounts import all_regular
+from gspcli.continuation.quadrics import ComplexArray, FloatArray
+from gspcli.continuation.systems import EQUATIONS, System
+from gspcli.continuation.tracker import DEFAULT, TrackerOptions, track
+
+#: Angles of the random phases: not zero, lest a path between real systems meets a fold, and not
+#: larger than they need to be, because a short path has fewer steps.
+_PHASES = (0.3, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """Solutions of a system that were followed from those of another, in their order."""
+
+    points: ComplexArray
+    """Shape (n, 8), scaled to N = e.e = 1."""
+    condition: FloatArray
+    """Condition number of each (`SystemSolutions.condition`), shape (n,)."""
+
+
+def follow(
+    known: System,
+    points: ComplexArray,
+    target: System,
+    *,
+    rng: np.random.Generator,
+    options: TrackerOptions = DEFAULT,
+    jobs: int = 1,
+) -> Followed | None:
+    """Follow solutions of one system to another of the same structure, along a complex path.
+
+    Which solution goes where depends on the random path; if the points are all solutions of a
+    system with as many as any, they lead to all of the target. Only what is plain is done: paths
+    that end at infinity or at each other are not looked into, as `solve_system` does.
+
+    Parameters
+    ----------
+    known
+        A system; lengths of order one (`Coefficients.balanced`), as those of the target.
+    points
+        Solutions of it, shape (n, 8), of any norm.
+    target
+        Another system with its equations in the same order.
+    rng
+        Source of the path.
+    options, jobs
+        As for `track`.
+
+    Returns
+    -------
+    Followed or None
+        None unless all paths end at finite regular solutions that are distinct.
+    """
+    g, h = np.exp(1j * rng.uniform(*_PHASES, size=(2, EQUATIONS)))
+    square = np.einsum("ni,ni->n", points.conj(), points).real
+    starts = points * (1 / np.sqrt(square))[:, None]
+    results = track(
+        known.normalized().scaled(g, h), target.normalized(), starts, options=options, jobs=jobs
+    )
+    if not all_regular(results)[0]:
+        return None
+    ends = results.points[0]
+    ends = ends / np.sqrt((ends[:, :4] ** 2).sum(axis=1, keepdims=True))
+    return Followed(ends, results.condition[0])
