@@ -122,6 +122,7 @@ STEPS = (
         "tools/verify_solve.py all --check --jobs {jobs} --work {work}",
         sample="--sample 3",
     ),
+    Step("view", ("data/view/*",), "tools/build_view.py --check"),
     Step(
         "distribution",
         ("docs/real-counts.md", "docs/images/real-6-6.svg"),

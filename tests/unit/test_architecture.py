@@ -42,6 +42,7 @@ ROOMS = {
     "pydantic": {"spec"},
     "click": {"cli"},
     "rich": {"cli"},
+    "matplotlib": {"pictures"},
 }
 STANDARD_LIBRARY_ONLY = {"catalogue", "errors", "resources", "progress", "defaults"}
 #: pandas is imported only inside the `to_frame` methods.
@@ -90,7 +91,7 @@ def _loaded_by(code: str) -> set[str]:
     return {name.partition(".")[0] for name in run.stdout.splitlines()[-1].split()}
 
 
-HEAVY = {"numpy", "sympy", "pandas", "flint", "pydantic", "yaml", "rich", "scipy"}
+HEAVY = {"numpy", "sympy", "pandas", "flint", "pydantic", "yaml", "rich", "scipy", "matplotlib"}
 
 
 @pytest.mark.parametrize(

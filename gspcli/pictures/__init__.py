@@ -1,0 +1,1 @@
+"""Pictures: platforms as scenes, the page that shows one, drawings and charts."""

@@ -1,0 +1,136 @@
+"""The page that shows a scene: one file that needs nothing else, not even a network.
+
+The page itself is data (`tools/build_view.py` makes it); here it gets the scene, and all numbers
+a second time as text, for people who cannot see the picture and browsers that cannot draw it.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from html import escape
+
+from gspcli import __version__
+from gspcli.pictures.scene import Scene, Series
+from gspcli.resources import data_path
+
+#: Significant digits of the size of the scene in the list; the pose that is shown has more.
+_DIGITS = 4
+_BLANK = re.compile(r"@@(\w+)@@")
+
+
+def page(scene: Scene, start: int = 0, series: int | None = None) -> str:
+    """Return the page of a scene, a whole HTML document.
+
+    Parameters
+    ----------
+    scene
+        What to show.
+    start
+        The assembly mode that is shown first, from 0.
+    series
+        The series that is shown first; if None, the first that has poses.
+    """
+    modes = scene.series[0]
+    if series is None:
+        series = next((k for k, each in enumerate(scene.series) if len(each)), 0)
+    # A script element ends at the first "</", wherever it stands.
+    data = json.dumps(
+        {**scene.to_json(), "first": series, "start": 0 if series else start},
+        ensure_ascii=False,
+        separators=(",", ":"),
+    ).replace("</", "<\\/")
+    filled = {
+        "title": escape(scene.title),
+        "type": escape(scene.type_id),
+        "summary": escape(scene.summary),
+        "picture": escape(_picture(scene)),
+        "modes_heading": escape(f"{modes.title} ({len(modes)})"),
+        "modes": _modes(scene, modes),
+        "constraints": _constraints(scene, modes, start),
+        "footer": escape(
+            f"gsp {__version__}. Lengths in {scene.length_unit}, x y z as in the file."
+        ),
+        "scene": data,
+    }
+    text = data_path("view", "page.html").read_text(encoding="utf-8")
+    return _BLANK.sub(lambda match: filled[match[1]], text)
+
+
+def number(value: float, size: float = 1.0) -> str:
+    """Return a number as people read it; rounding errors beside `size` are zero."""
+    text = f"{0.0 if abs(value) < 1e-12 * size else value:.6g}"
+    return text.replace("-", "−")
+
+
+def fixed(value: float, places: int) -> str:
+    """Return a number with so many decimals; zero has no sign."""
+    return f"{round(value, places) + 0.0:.{places}f}".replace("-", "−")
+
+
+def condition(value: float) -> str:
+    """Return a condition number: three digits, whole if it is larger."""
+    if not math.isfinite(value):
+        return "∞"
+    return f"{value:.3g}" if value < 1000 or value >= 1e6 else f"{value:.0f}"
+
+
+def _picture(scene: Scene) -> str:
+    """Return what the picture shows, in words."""
+    bonds = ", ".join(f"{b.kind.name} {b.platform_name}–{b.base_name}" for b in scene.bonds)
+    return (
+        f"Base and platform of {scene.title} joined by six constraints: {bonds}. "
+        "All numbers are in the tables."
+    )
+
+
+def _modes(scene: Scene, modes: Series) -> str:
+    if not len(modes):
+        return "<p>There is no real pose.</p>"
+    places = max(0, _DIGITS - math.ceil(math.log10(scene.size)))
+    rows = "".join(
+        f'<tr><td><button type="button" aria-label="show mode {k + 1}">{k + 1}</button></td>'
+        + "".join(f"<td>{fixed(x, places)}</td>" for x in modes.T[k].tolist())
+        + f'<td><i class="chip"></i>{condition(modes.conditions[k])}</td>'
+        + "".join(f"<td>{escape(str(values[k]))}</td>" for values in _shown(modes))
+        + "</tr>"
+        for k in range(len(modes))
+    )
+    heads = ["no.", "x", "y", "z", "condition", *_shown_names(modes)]
+    return _table("modes", heads, rows)
+
+
+#: Facts that have a column in the list; all of them are said of the pose that is shown.
+_COLUMNS = ("sides", "multiplicity")
+
+
+def _shown_names(modes: Series) -> list[str]:
+    return [name for name, values in modes.facts.items() if name in _COLUMNS and len({*values}) > 1]
+
+
+def _shown(modes: Series) -> list[list[object]]:
+    return [modes.facts[name] for name in _shown_names(modes)]
+
+
+def _constraints(scene: Scene, modes: Series, start: int) -> str:
+    rows = "".join(
+        f"<tr><td>{bond.number}</td>"
+        f'<td class="text">{escape(bond.platform_name)} – {escape(bond.base_name)} '
+        f'<span class="kind">{bond.kind.name}</span></td>'
+        f"<td>{number(bond.value)} {escape(scene.unit(bond))}</td>"
+        f'<td class="measured">{number(modes.measured[start, k]) if len(modes) else ""}</td></tr>'
+        for k, bond in enumerate(scene.bonds)
+    )
+    return _table("constraints", ["no.", "between", "asked for", "measured"], rows)
+
+
+def _table(name: str, heads: list[str], rows: str) -> str:
+    head = "".join(
+        f'<th scope="col"{" class=text" if text == "between" else ""}>{escape(text)}</th>'
+        for text in heads
+    )
+    return (
+        f'<div class="scroll" tabindex="0"><table id="{name}"><thead><tr>{head}</tr></thead>'
+        f"<tbody>{rows}</tbody></table></div>"
+    )

@@ -1,0 +1,284 @@
+"""The one description of a picture: two bodies, six constraints, and the poses to show.
+
+Everything is in the frame and the length unit of the base, except the outlines of the platform,
+which are in its own frame and move with the pose. The page and the drawings for papers show the
+same scenes; neither computes any geometry of its own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli import __version__
+from gspcli.catalogue.kinds import Kind, Primitive
+
+Array = NDArray[np.float64]
+SCHEMA = "gsp.scene/1"
+
+#: Coordinates in a page are rounded to this fraction of `Scene.size`: far below a pixel.
+_RESOLUTION = 1e-4
+
+
+class Style(Enum):
+    """What a stroke of a constraint means."""
+
+    LEG = "leg"
+    """The distance itself: between two points."""
+    PERPENDICULAR = "perpendicular"
+    """The distance itself: at right angles to a line or plane, or to two lines."""
+    ARC = "arc"
+    """The angle itself."""
+    RAY = "ray"
+    """A direction moved to where the angle is drawn."""
+    SQUARE = "square"
+    """The mark of a right angle."""
+    GUIDE = "guide"
+    """The way from the drawn part of a line or plane to a point of it outside."""
+
+
+@dataclass(frozen=True, eq=False)
+class Element:
+    """A primitive of a body as it is drawn.
+
+    Attributes
+    ----------
+    name, primitive
+        Its name and sort.
+    outline
+        The point (1, 3), the ends of the part of the line that is drawn (2, 3), or the corners
+        of that part of the plane (4, 3).
+    direction
+        Unit direction of the line or normal of the plane, shape (3,); None for a point.
+    """
+
+    name: str
+    primitive: Primitive
+    outline: Array
+    direction: Array | None
+
+    @property
+    def centre(self) -> Array:
+        """The middle of what is drawn, shape (3,)."""
+        return np.asarray(self.outline.mean(axis=0))
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """The base or the platform.
+
+    Attributes
+    ----------
+    name
+        ``base`` or ``platform``.
+    elements
+        Its primitives.
+    faces
+        The convex hull of the middles of its points and lines: polygons, each of shape (k, 3).
+        One polygon if they are in a plane, one of two corners if they are on a line, none if
+        they are in one point.
+    """
+
+    name: str
+    elements: tuple[Element, ...]
+    faces: tuple[Array, ...]
+
+
+@dataclass(frozen=True)
+class Bond:
+    """A constraint as the labels name it.
+
+    Attributes
+    ----------
+    number
+        From 1.
+    kind
+        What is measured.
+    platform_name, base_name
+        Between which primitives.
+    value
+        The value asked for, in the units of the scene.
+    """
+
+    number: int
+    kind: Kind
+    platform_name: str
+    base_name: str
+    value: float
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the constraint as plain data."""
+        return {
+            "number": self.number,
+            "kind": self.kind.name,
+            "platform": self.platform_name,
+            "base": self.base_name,
+            "value": self.value,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Stroke:
+    """A line drawn for a constraint at each of n poses: points of shape (n, k, 3)."""
+
+    style: Style
+    points: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """Poses to look at one after the other: the assembly modes, or a motion.
+
+    Attributes
+    ----------
+    title
+        What the poses are, such as ``Assembly modes``.
+    item
+        What one of them is called, such as ``mode``.
+    R, T, quaternions
+        The poses, shapes (n, 3, 3), (n, 3), (n, 4).
+    measured
+        What each constraint measures, in the units of the scene, shape (n, 6).
+    conditions
+        Condition number of each pose, shape (n,).
+    strokes
+        For each constraint what is drawn for it.
+    labels
+        Where the number of each constraint is written, shape (n, 6, 3).
+    facts
+        Further numbers or words about each pose, by their name: lists of length n.
+    parameter
+        The name and the values, shape (n,), of what moves the platform; None for modes.
+    note
+        What should be known about the series, or empty.
+    """
+
+    title: str
+    item: str
+    R: Array
+    T: Array
+    quaternions: Array
+    measured: Array
+    conditions: Array
+    strokes: tuple[tuple[Stroke, ...], ...]
+    labels: Array
+    facts: Mapping[str, list[Any]]
+    parameter: tuple[str, Array] | None = None
+    note: str = ""
+
+    def __len__(self) -> int:
+        return len(self.R)
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A platform to look at.
+
+    Attributes
+    ----------
+    title, type_id
+        The name of the instance (or its type), and its type.
+    summary
+        What was found, in a sentence or two.
+    length_unit, angle_unit
+        The units of all numbers; angles of `Bond.value` and `Series.measured` only.
+    size
+        The radius of base and platform together at a typical pose: the unit of all marks.
+    platform, base
+        The bodies.
+    bonds
+        The constraints.
+    series
+        What there is to show; the assembly modes come first.
+    """
+
+    title: str
+    type_id: str
+    summary: str
+    length_unit: str
+    angle_unit: str
+    size: float
+    platform: Body
+    base: Body
+    bonds: tuple[Bond, ...]
+    series: tuple[Series, ...]
+
+    @cached_property
+    def decimals(self) -> int:
+        """Decimals of drawn coordinates."""
+        return max(0, -math.floor(math.log10(self.size * _RESOLUTION)))
+
+    def unit(self, bond: Bond) -> str:
+        """Return the unit in which a constraint is measured."""
+        return self.length_unit if bond.kind.is_distance else self.angle_unit
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the scene as plain data of schema ``gsp.scene/1``."""
+        return {
+            "schema": SCHEMA,
+            "version": __version__,
+            "title": self.title,
+            "type": self.type_id,
+            "units": {"length": self.length_unit, "angle": self.angle_unit},
+            "size": self.size,
+            "platform": self._body(self.platform),
+            "base": self._body(self.base),
+            "constraints": [bond.to_json() for bond in self.bonds],
+            "series": [self._series(series) for series in self.series],
+        }
+
+    def _drawn(self, points: Array) -> Any:
+        # Adding zero turns -0.0 into 0.0.
+        return (points.round(self.decimals) + 0.0).tolist()
+
+    def _body(self, body: Body) -> dict[str, Any]:
+        return {
+            "elements": [
+                {
+                    "name": element.name,
+                    "primitive": element.primitive.value,
+                    "outline": self._drawn(element.outline),
+                    "direction": None
+                    if element.direction is None
+                    else element.direction.round(9).tolist(),
+                }
+                for element in body.elements
+            ],
+            "faces": [self._drawn(face) for face in body.faces],
+        }
+
+    def _series(self, series: Series) -> dict[str, Any]:
+        parameter = None
+        if series.parameter is not None:
+            name, values = series.parameter
+            parameter = {"name": name, "values": _numbers(values)}
+        return {
+            "title": series.title,
+            "item": series.item,
+            "note": series.note,
+            "T": series.T.tolist(),
+            "q": series.quaternions.tolist(),
+            "measured": _numbers(series.measured),
+            "condition": _numbers(series.conditions),
+            "strokes": [
+                [{"style": s.style.value, "points": self._drawn(s.points)} for s in strokes]
+                for strokes in series.strokes
+            ],
+            "labels": self._drawn(series.labels),
+            "facts": dict(series.facts),
+            "parameter": parameter,
+        }
+
+
+def _numbers(values: Array) -> Any:
+    """Return numbers that JSON can say: twelve digits, null for what is not finite."""
+    if values.ndim > 1:
+        return [_numbers(row) for row in values]
+    return [float(f"{value:.12g}") if math.isfinite(value) else None for value in values]

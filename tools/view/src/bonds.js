@@ -1,0 +1,75 @@
+// A constraint: its strokes at the pose that is shown.
+import { Group, Vector3 } from "three";
+import { flat, rodCapacity, setRods, solid } from "./solids.js";
+
+const RADII = { leg: 0.006, perpendicular: 0.0065, arc: 0.006, ray: 0.0028, square: 0.0028, guide: 0.0028 };
+const DASHED = new Set(["ray", "guide"]);
+const DASH = 0.035;
+const MOST_DASHES = 80;
+/** The cylinder of a leg, from the base, and how much thicker it is than the rod. */
+const CYLINDER = 0.5;
+const THICKER = 1.75;
+
+export class Bond {
+  constructor(constraint, colours) {
+    this.isAngle = constraint.kind.startsWith("A");
+    this.group = new Group();
+    this.main = solid(colours.main);
+    this.mark = flat(colours.mark);
+    this.meshes = new Map();
+    this.pickable = [];
+  }
+
+  /** Show the strokes of a series; their points come with `move`. */
+  use(strokes, userData) {
+    this.strokes = strokes;
+    for (const mesh of this.meshes.values()) mesh.removeFromParent();
+    this.meshes.clear();
+    this.pickable.length = 0;
+    strokes.forEach((stroke, k) => {
+      const segments = stroke.style === "leg" ? 2 : (stroke.points[0]?.length ?? 2) - 1;
+      const room = DASHED.has(stroke.style) ? MOST_DASHES : segments;
+      const isMain = ["leg", "perpendicular", "arc"].includes(stroke.style);
+      const mesh = rodCapacity(room, isMain ? this.main : this.mark);
+      if (isMain) {
+        mesh.userData = userData;
+        this.pickable.push(mesh);
+      }
+      this.meshes.set(k, mesh);
+      this.group.add(mesh);
+    });
+  }
+
+  move(index, toScene) {
+    this.strokes.forEach((stroke, k) => {
+      const points = stroke.points[index].map(toScene);
+      const radius = RADII[stroke.style];
+      const mesh = this.meshes.get(k);
+      if (DASHED.has(stroke.style)) setRods(mesh, dashes(points[0], points[1]), radius);
+      else if (stroke.style === "leg") setRods(mesh, telescope(points[0], points[1], radius), radius);
+      else setRods(mesh, pairs(points), radius);
+    });
+  }
+
+  recolour(main, mark) {
+    this.main.color.copy(main);
+    this.mark.color.copy(mark);
+  }
+}
+
+function pairs(points) {
+  return points.slice(1).map((b, k) => [points[k], b]);
+}
+
+function telescope(platform, base, radius) {
+  const joint = base.clone().lerp(platform, CYLINDER);
+  return [[base, joint, radius * THICKER], [joint, platform, radius]];
+}
+
+function dashes(a, b) {
+  const length = a.distanceTo(b);
+  if (length < 1e-6) return [];
+  const count = Math.min(Math.max(Math.round(length / DASH / 2), 1), MOST_DASHES);
+  const at = (t) => new Vector3().lerpVectors(a, b, t);
+  return Array.from({ length: count }, (_, k) => [at(k / count), at((k + 0.55) / count)]);
+}

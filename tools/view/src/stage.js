@@ -1,0 +1,311 @@
+// The picture: bodies, constraints, light, camera.
+import {
+  AmbientLight,
+  Color,
+  DirectionalLight,
+  Group,
+  PerspectiveCamera,
+  Quaternion,
+  Raycaster,
+  Scene,
+  Sphere,
+  SRGBColorSpace,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { buildBody, buildGhost } from "./bodies.js";
+import { Bond } from "./bonds.js";
+import { Labels } from "./labels.js";
+import { arrowHead, flat, rods } from "./solids.js";
+import { colour, isDark } from "./theme.js";
+
+const VIEWS = {
+  reset: new Vector3(0.5, -1, 0.42),
+  top: new Vector3(0, -0.0001, 1),
+  front: new Vector3(0, -1, 0.0001),
+  side: new Vector3(1, -0.0001, 0.0001),
+};
+const AXES = [["x", "#c8503c"], ["y", "#3c8f50"], ["z", "#3c6fc8"]];
+const MOST_GHOSTS = 64;
+/** Poses that need a wider view than this are not for looking at together with the others. */
+const NEAR = 2.5;
+/** A pose that needs less than this part of the view gets one of its own. */
+const TOO_SMALL = 0.45;
+
+export class Stage {
+  constructor(canvas, labelHome, scene) {
+    this.canvas = canvas;
+    this.data = scene;
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: false });
+    this.renderer.outputColorSpace = SRGBColorSpace;
+    this.scene = new Scene();
+    this.camera = new PerspectiveCamera(28, 1, 0.01, 100);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.addEventListener("change", () => this.draw());
+    this.labels = new Labels(labelHome);
+    this.raycaster = new Raycaster();
+    this.bonds = [];
+    this.ghosts = new Group();
+    this.frames = new Group();
+    this.platformColour = null;
+    this.build();
+  }
+
+  // The scene is drawn in units of its size, about the middle of the base.
+  build() {
+    const { size, base, platform } = this.data;
+    const points = base.elements.flatMap((element) => element.outline);
+    const middle = points
+      .reduce((sum, p) => sum.add(new Vector3(...p)), new Vector3())
+      .divideScalar(points.length);
+    this.middle = middle;
+    this.toScene = (p) => new Vector3((p[0] - middle.x) / size, (p[1] - middle.y) / size, (p[2] - middle.z) / size);
+    const inBody = (p) => new Vector3(p[0] / size, p[1] / size, p[2] / size);
+
+    this.light = new AmbientLight(0xffffff, 1.5);
+    this.lamp = new DirectionalLight(0xffffff, 1.9);
+    this.scene.add(this.light, this.lamp);
+
+    this.base = buildBody("base", base, this.toScene, { body: colour("base") });
+    this.platform = buildBody("platform", platform, inBody, { body: colour("platform") });
+    this.scene.add(this.base.group, this.platform.group, this.ghosts);
+    this.inBody = inBody;
+
+    this.bonds = this.data.constraints.map((constraint) => {
+      const bond = new Bond(constraint, { main: colour("distance"), mark: colour("mark") });
+      this.scene.add(bond.group);
+      return bond;
+    });
+    this.buildFrames();
+    this.buildLabels();
+  }
+
+  buildFrames() {
+    const size = 0.25;
+    for (const [home, origin] of [[this.scene, this.toScene([0, 0, 0])], [this.platform.group, new Vector3()]]) {
+      const frame = new Group();
+      frame.position.copy(origin);
+      AXES.forEach(([, hex], k) => {
+        const direction = new Vector3().setComponent(k, 1);
+        const paint = flat(new Color(hex));
+        const tip = direction.clone().multiplyScalar(size);
+        frame.add(rods([[new Vector3(), tip]], 0.005, paint), arrowHead(tip, direction, 0.05, paint));
+      });
+      frame.visible = false;
+      home.add(frame);
+      AXES.forEach(([name], k) => {
+        const tip = new Vector3().setComponent(k, size * 1.12);
+        this.labels.add(name, "axis", () => (frame.visible ? frame.localToWorld(tip.clone()) : null), "beside");
+      });
+      this.frames[home === this.scene ? "base" : "platform"] = frame;
+    }
+  }
+
+  buildLabels() {
+    for (const body of [this.base, this.platform]) {
+      for (const { text, at, className } of body.labels) {
+        this.labels.add(text, className, () => (body.group.visible ? body.group.localToWorld(at.clone()) : null));
+      }
+    }
+    this.numbers = this.data.constraints.map((constraint, k) =>
+      this.labels.add(
+        String(constraint.number),
+        `bond${constraint.kind.startsWith("A") ? " angle" : ""}`,
+        () => (this.series?.T.length ? this.toScene(this.series.labels[this.index][k]) : null),
+        "on",
+      ),
+    );
+  }
+
+  show(series, index) {
+    if (series !== this.series) {
+      this.series = series;
+      this.data.constraints.forEach((_, k) => this.bonds[k].use(series.strokes[k], { bond: k }));
+      this.buildGhosts();
+      this.seen = null;
+    }
+    this.index = index;
+    const exists = index < series.T.length;
+    this.platform.group.visible = exists;
+    for (const bond of this.bonds) bond.group.visible = exists;
+    if (exists) {
+      this.placeAt(this.platform.group, index);
+      for (const bond of this.bonds) bond.move(index, this.toScene);
+    }
+    this.keepInSight();
+    this.draw();
+  }
+
+  placeAt(group, index) {
+    const { T, q } = this.series;
+    const [w, x, y, z] = q[index];
+    group.position.copy(this.toScene(T[index]));
+    group.quaternion.copy(new Quaternion(x, y, z, w));
+    group.updateMatrixWorld(true);
+  }
+
+  buildGhosts() {
+    this.ghosts.clear();
+    const count = this.series.T.length;
+    const step = Math.max(1, Math.ceil(count / MOST_GHOSTS));
+    for (let k = 0; k < count; k += step) {
+      const ghost = buildGhost(this.data.platform, this.inBody, colour("platform"), count / step);
+      ghost.userData.index = k;
+      this.placeAt(ghost, k);
+      this.ghosts.add(ghost);
+    }
+  }
+
+  /** The sphere around the base and the platform at some poses. */
+  sphere(indices) {
+    const points = this.data.base.elements.flatMap((element) => element.outline.map(this.toScene));
+    const corners = this.data.platform.elements.flatMap((element) => element.outline.map(this.inBody));
+    for (const k of indices) {
+      const [w, x, y, z] = this.series.q[k];
+      const turn = new Quaternion(x, y, z, w);
+      const at = this.toScene(this.series.T[k]);
+      for (const corner of corners) points.push(corner.clone().applyQuaternion(turn).add(at));
+    }
+    return new Sphere().setFromPoints(points);
+  }
+
+  /** What should be in the view: a motion as a whole, of modes the one that is shown. */
+  wanted() {
+    if (!this.series.T.length) return this.sphere([]);
+    if (!this.series.parameter && !this.ghosts.visible) return this.sphere([this.index]);
+    const near = this.series.T.map((_, k) => k).filter((k) => this.sphere([k]).radius <= NEAR);
+    return this.sphere([...near, this.index]);
+  }
+
+  look(view) {
+    this.aim(this.wanted(), VIEWS[view]);
+  }
+
+  /** Change the view if the platform is not in it, or is lost in it. */
+  keepInSight() {
+    const wanted = this.wanted();
+    if (this.seen === null) this.aim(wanted, VIEWS.reset);
+    const gap = wanted.center.distanceTo(this.seen.center) + wanted.radius;
+    if (gap > 1.1 * this.seen.radius || wanted.radius < TOO_SMALL * this.seen.radius) {
+      this.aim(wanted, this.direction());
+    }
+  }
+
+  direction() {
+    return this.camera.position.clone().sub(this.controls.target);
+  }
+
+  aim(sphere, direction) {
+    this.seen = sphere;
+    const vertical = Math.tan((this.camera.fov * Math.PI) / 360);
+    const half = Math.atan(Math.min(vertical, vertical * this.camera.aspect));
+    const distance = (0.93 * sphere.radius) / Math.sin(half);
+    this.controls.target.copy(sphere.center);
+    this.camera.position.copy(sphere.center).addScaledVector(direction.clone().normalize(), distance);
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Turn by angles about the vertical and up, and come nearer by a factor. */
+  turn(sideways, upwards, nearer = 1) {
+    const offset = this.direction();
+    const length = offset.length() / nearer;
+    const azimuth = Math.atan2(offset.y, offset.x) + sideways;
+    const height = Math.asin(offset.z / offset.length()) + upwards;
+    const limited = Math.min(Math.max(height, -1.57), 1.57);
+    offset.set(Math.cos(limited) * Math.cos(azimuth), Math.cos(limited) * Math.sin(azimuth), Math.sin(limited));
+    this.camera.position.copy(this.controls.target).addScaledVector(offset, length);
+    this.controls.update();
+    this.draw();
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    this.renderer.setPixelRatio(devicePixelRatio);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / Math.max(height, 1);
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  recolour(platformColour, chosen) {
+    this.scene.background = colour("paper");
+    this.light.intensity = isDark() ? 1.1 : 1.6;
+    this.base.recolour(colour("base"));
+    this.platform.recolour(platformColour(this.index) ?? colour("platform"));
+    this.bonds.forEach((bond, k) => {
+      const main = k === chosen ? "chosen-part" : bond.isAngle ? "angle" : "distance";
+      bond.recolour(colour(main), colour("mark"));
+      this.numbers[k].span.classList.toggle("chosen", k === chosen);
+    });
+    for (const ghost of this.ghosts.children) {
+      ghost.userData.recolour(platformColour(ghost.userData.index) ?? colour("platform"));
+    }
+    this.draw();
+  }
+
+  setFrames(visible) {
+    this.frames.base.visible = this.frames.platform.visible = visible;
+    this.draw();
+  }
+
+  setGhosts(visible) {
+    this.ghosts.visible = visible;
+    if (this.series) this.keepInSight();
+    this.draw();
+  }
+
+  setNames(visible) {
+    this.labels.visible = visible;
+    this.draw();
+  }
+
+  /** What is under a point of the page: `{bond}` or `{body, element}`, and where in the scene. */
+  under(clientX, clientY) {
+    const box = this.canvas.getBoundingClientRect();
+    const at = new Vector2(((clientX - box.left) / box.width) * 2 - 1, 1 - ((clientY - box.top) / box.height) * 2);
+    this.raycaster.setFromCamera(at, this.camera);
+    const parts = [...this.base.pickable];
+    if (this.platform.group.visible) {
+      parts.push(...this.platform.pickable, ...this.bonds.flatMap((bond) => bond.pickable));
+    }
+    const hits = this.raycaster.intersectObjects(parts, false);
+    // A sheet of glass does not hide what is behind it.
+    const hit = hits.find(({ object }) => !object.material.transparent) ?? hits[0];
+    return hit ? { ...hit.object.userData, point: hit.point } : null;
+  }
+
+  draw() {
+    if (!this.series) return;
+    const distance = this.direction().length();
+    this.camera.near = distance / 200;
+    this.camera.far = distance * 50;
+    this.camera.updateProjectionMatrix();
+    this.camera.updateMatrixWorld();
+    this.lamp.position.copy(this.camera.position).add(new Vector3(0.4, 0.2, 1).multiplyScalar(distance));
+    this.lamp.target.position.copy(this.controls.target);
+    this.lamp.target.updateMatrixWorld();
+    this.renderer.render(this.scene, this.camera);
+    this.labels.place(this.camera, this.canvas.clientWidth, this.canvas.clientHeight);
+  }
+
+  /** The picture with its labels as a PNG, of at least twice the pixels of the page. */
+  picture() {
+    const ratio = Math.max(2, devicePixelRatio);
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+    this.draw();
+    const copy = document.createElement("canvas");
+    copy.width = this.canvas.width;
+    copy.height = this.canvas.height;
+    const context = copy.getContext("2d");
+    context.drawImage(this.canvas, 0, 0);
+    this.labels.draw(context, copy.width / width);
+    this.resize();
+    return new Promise((resolve) => copy.toBlob(resolve, "image/png"));
+  }
+}
