@@ -22,10 +22,13 @@ $(STAMP): pyproject.toml $(NATIVE)
 
 install: $(STAMP) ## virtual environment with gsp and all development tools
 
-demo: $(STAMP) ## the paper's tables checked, its platform and Dietmaier's solved
+demo: $(STAMP) ## the paper's tables checked, its platform and Dietmaier's solved, a page to look at
 	$(BIN)/gsp table all --check
 	$(BIN)/gsp solve data/examples/example-6.8.yaml
 	$(BIN)/gsp solve data/examples/dietmaier.yaml
+	@mkdir -p build
+	$(BIN)/gsp view data/examples/example-6.8.yaml -o build/example-6.8.html
+	@echo "look at it: open $(CURDIR)/build/example-6.8.html in a browser"
 
 test: $(STAMP) ## the test suite (under five minutes on two cores)
 	$(BIN)/python -m pytest -q -n auto -m 'not slow'

@@ -79,9 +79,11 @@ def _named(path: Path, part: str) -> Path:
     return path.with_name(f"{path.stem}-{part}{path.suffix}")
 
 
-def write(output: Output, text: str) -> None:
-    """Write finished text to standard output or, whole or not at all, to the file."""
-    if output.path is None:
-        sys.stdout.write(text)
+def write(output: Output, content: str | bytes) -> None:
+    """Write finished text or data to standard output or, whole or not at all, to the file."""
+    if output.path is not None:
+        write_whole(output.path, content)
+    elif isinstance(content, bytes):
+        sys.stdout.buffer.write(content)
     else:
-        write_whole(output.path, text)
+        sys.stdout.write(content)

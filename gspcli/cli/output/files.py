@@ -36,7 +36,7 @@ def _is_special(path: Path) -> bool:
     return path.exists() and not path.is_file() and not path.is_dir()
 
 
-def write_whole(path: Path, text: str) -> None:
+def write_whole(path: Path, content: str | bytes) -> None:
     """Write a file so that it is never seen half-written; write to a device or a pipe as it is.
 
     Raises
@@ -44,9 +44,10 @@ def write_whole(path: Path, text: str) -> None:
     GspError
         If the file cannot be written.
     """
+    data = content.encode() if isinstance(content, str) else content
     if _is_special(path):
-        with path.open("w", encoding="utf-8", newline="\n") as device:
-            device.write(text)
+        with path.open("wb") as device:
+            device.write(data)
         return
     # A link stays one.
     path = path.resolve()
@@ -56,8 +57,8 @@ def write_whole(path: Path, text: str) -> None:
         message = f"{path}: cannot be written: {error.strerror}"
         raise GspError(message) from error
     try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
         mask = os.umask(0)
         os.umask(mask)
         Path(temporary).chmod(0o666 & ~mask)

@@ -19,6 +19,9 @@ _SUFFIXES = {
     ".tex": "latex",
     ".txt": "table",
     ".svg": "svg",
+    ".png": "png",
+    ".pdf": "pdf",
+    ".html": "html",
     ".yaml": "yaml",
 }
 

@@ -1,0 +1,128 @@
+"""`gsp view`: a platform and its assembly modes to look at."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from gspcli.cli.names import load_instance
+from gspcli.cli.output import Output, check_writable, output_options, write
+from gspcli.cli.poses import text_of
+from gspcli.errors import GspError
+
+if TYPE_CHECKING:
+    from gspcli.pictures.scene import Scene
+    from gspcli.solver import SolveResult
+
+_PAGE = "html"
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@click.option(
+    "--set",
+    "settings",
+    metavar="N=VALUE",
+    multiple=True,
+    help="Give constraint N (from 1) another value; may be repeated.",
+)
+@click.option(
+    "--mode",
+    type=click.IntRange(min=1),
+    metavar="K",
+    help="The mode that is shown first, as gsp solve numbers them.  [default: the best "
+    "conditioned]",
+)
+@click.option(
+    "--track",
+    "track",
+    metavar="FILE",
+    help="Also show the trajectories in FILE, as gsp track writes them (CSV), or - for "
+    "standard input.",
+)
+@click.option("--open", "opened", is_flag=True, help="Open the page in the browser.")
+@output_options(formats=(_PAGE,), default=_PAGE)
+def command(
+    spec: str,
+    settings: tuple[str, ...],
+    mode: int | None,
+    track: str | None,
+    opened: bool,
+    output: Output,
+) -> None:
+    """Show a platform, all its assembly modes and how it moves.
+
+    SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`). The
+    page is one file that needs neither a network nor gsp: the bodies with their points, lines and
+    planes, the six constraints as what they are, every real pose with its numbers, a slider
+    through them or through a trajectory. Without -o it goes to standard output or, on a terminal,
+    to a file in the current folder, named as SPEC.
+
+    FILE needs the columns x, y, z, qw, qx, qy, qz; t, mode, condition, clearance are read if
+    there are any. Rows without a pose are skipped.
+
+    \b
+    Examples:
+      gsp view @example-6.8
+      gsp view platform.yaml --set 1=5.2 -o platform.html
+      gsp track platform.yaml moves.csv | gsp view platform.yaml --track - --open
+    """
+    if spec == track == "-":
+        message = "SPEC and --track cannot both be standard input"
+        raise click.UsageError(message)
+    from gspcli.pictures.page import page
+    from gspcli.pictures.staging import scene_of
+    from gspcli.pictures.tracks import read_tracks
+    from gspcli.solver import solve
+    from gspcli.spec import set_values
+
+    instance = set_values(load_instance(spec), settings)
+    tracks = read_tracks(*text_of(track)) if track is not None else []
+    if output.path is None and (opened or sys.stdout.isatty()):
+        path = Path(f"{_stem(spec)}.{output.format}")
+        check_writable(path)
+        output = replace(output, path=path)
+    result = solve(instance)
+    scene = scene_of(result, tracks)
+    text = page(scene, start=_start(result, mode), series=1 if tracks else 0)
+    write(output, text)
+    if output.path is not None:
+        _say(output.path, scene, len(text.encode()))
+        if opened:
+            click.launch(output.path.resolve().as_uri())
+
+
+def _stem(spec: str) -> str:
+    """Return the name of a file after a SPEC."""
+    if spec.startswith("@"):
+        return spec[1:]
+    return "platform" if spec == "-" else Path(spec).stem
+
+
+def _start(result: SolveResult, mode: int | None) -> int:
+    """Return the index of the mode that is asked for."""
+    real = result.counts.real
+    if mode is None:
+        # The best conditioned, and of several the highest: most likely the one that is meant.
+        modes = result.conditions[:real], result.T[:real, 2].real
+        return min(
+            range(real), key=lambda k: (float(f"{modes[0][k]:.6g}"), -modes[1][k]), default=0
+        )
+    if mode > real:
+        message = f"--mode {mode}: the platform has {real or 'no'} real poses"
+        raise GspError(message)
+    return mode - 1
+
+
+def _say(path: Path, scene: Scene, size: int) -> None:
+    """Say on standard error where the page is and what is in it."""
+    parts = ", ".join(
+        f"{len(series)} {series.item}{'s' if len(series) != 1 else ''} ({series.title.lower()})"
+        for series in scene.series
+        if len(series)
+    )
+    click.echo(f"{path}: {parts or 'no real pose'}, {size / 1000:.0f} kB", err=True)

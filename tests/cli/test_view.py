@@ -1,0 +1,51 @@
+"""`gsp view`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+TRACK = "t,mode,x,y,z,qw,qx,qy,qz\n0,1,0,0,1,1,0,0,0\n1,1,0,0,2,1,0,0,0\n"
+
+
+def test_a_page_to_a_file(gsp: Callable, tmp_path: Path) -> None:
+    target = tmp_path / "platform.html"
+    outcome = gsp("view", "@octahedral-3-3", "-o", target)
+    assert (outcome.code, outcome.out) == (0, "")
+    assert outcome.err.startswith(f"{target}: 4 modes (assembly modes), ")
+    assert target.read_text(encoding="utf-8").startswith("<!doctype html>")
+
+
+def test_a_page_to_standard_output(gsp: Callable) -> None:
+    outcome = gsp("view", "@no-real-pose")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert outcome.out.rstrip().endswith("</html>")
+
+
+def test_a_track(gsp: Callable, tmp_path: Path) -> None:
+    track, target = tmp_path / "track.csv", tmp_path / "view.html"
+    track.write_text(TRACK, encoding="utf-8")
+    outcome = gsp("view", "@octahedral-3-3", "--track", track, "-o", target)
+    assert outcome.code == 0
+    assert "2 poses (trajectory of mode 1)" in outcome.err
+
+
+def test_values_can_be_set(gsp: Callable) -> None:
+    assert '"value":1.45}' in gsp("view", "@octahedral-3-3", "--set", "1=1.45").out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("@octahedral-3-3", "--mode", "5"), "--mode 5: the platform has 4 real poses"),
+        (("@octahedral-3-3", "-o", "view.docx"), "no format known from 'view.docx'"),
+        (("@octahedral-3-3", "--track", "no.csv"), "no.csv: cannot be read"),
+        (("-", "--track", "-"), "SPEC and --track cannot both be standard input"),
+    ],
+)
+def test_what_is_wrong_is_said(gsp: Callable, arguments: tuple[str, ...], message: str) -> None:
+    outcome = gsp("view", *arguments)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert message in outcome.err
