@@ -22,8 +22,9 @@ from collections.abc import Iterator
 import numpy as np
 import singular
 import sympy
-from build_example_counts import FIRST_PRIME, count
+from quaternion_counts import count
 from recording import ROOT, parser, save
+from residues import FIRST_PRIME, Residues
 
 sys.path.insert(0, str(ROOT))
 
@@ -53,7 +54,7 @@ def platforms() -> Iterator[tuple[Sharing, bool, Instance]]:
 
 def record(sharing: Sharing, planar: bool, instance: Instance) -> dict[str, object]:
     """Return the row of an instance: the same modulo two primes."""
-    first, second = (count(instance, sympy.nextprime(FIRST_PRIME, k)) for k in (1, 2))
+    first, second = (count(instance, Residues(sympy.nextprime(FIRST_PRIME, k))) for k in (1, 2))
     if first != second:
         message = f"{sharing.id}: the primes disagree: {first}, {second}"
         raise SystemExit(message)

@@ -2,16 +2,12 @@
 
     python tools/build_example_counts.py [--check [--sample N]] [NAME ...]
 
-The complex counts are independent of the package's solvers and of its statements of the
-constraints (`gspcli.geometry.polynomials`). The poses are the unit dual quaternions
-e + f (N = e.e = 1, e.f = 0), two for each pose, and the constraints polynomials in them. Singular
-(Debian: ``apt-get install singular``) gives the dimension of the solution set over a prime field,
-the number of solutions with multiplicity, and of distinct ones from the minimal polynomial of a
-random linear form; two primes must agree. Square roots, sines and cosines in an instance exist
-modulo the chosen primes and are kept consistent (`residues`). Of the real platforms the same is
-also counted with random values: the count of the geometry. The cosine of an angle that is no
-multiple of 30 degrees is replaced by a random residue, so such a count is that of the instance's
-geometry with generic angles.
+The complex counts (`quaternion_counts`) are independent of the package's solvers and of its
+statements of the constraints (`gspcli.geometry.polynomials`); two primes must agree. Square roots,
+sines and cosines in an instance exist modulo the chosen primes and are kept consistent
+(`residues`). Of the real platforms the same is also counted with random values: the count of the
+geometry. The cosine of an angle that is no multiple of 30 degrees is replaced by a random residue,
+so such a count is that of the instance's geometry with generic angles.
 
 The real poses are those that the package's solver finds; `certified` says how many of the distinct
 solutions are proved, with whether they are real, by interval arithmetic. That the list is complete
@@ -24,23 +20,20 @@ from __future__ import annotations
 import hashlib
 import json
 import platform
-import random
 import sys
-from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import singular
 import sympy
+from quaternion_counts import count
 from recording import ROOT, parser, sampled, save
-from residues import NoRootError, Residues, direction, primes
+from residues import NoRootError, Residues, primes
 
 sys.path.insert(0, str(ROOT))
 
-from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.cli.progress import progress
-from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
-from gspcli.geometry.numbers import Number
+from gspcli.geometry.instance import Instance
 from gspcli.resources import INSTANCE_FOLDERS
 from gspcli.solver.api import solve
 from gspcli.spec import load
@@ -59,140 +52,6 @@ KNOWN: dict[str, tuple[int, str]] = {
     "fixture-3-2-1": (4, "2 real normals, 2 real turns, one position"),
 }
 
-#: Names of the variables: the quaternion e and the quaternion f.
-VARIABLES = "e0,e1,e2,e3,f0,f1,f2,f3"
-#: Products of quaternions and vectors as Singular procedures on lists of four or three polynomials.
-PROCEDURES = """
-proc qm(list a, list b) { return(list(
-  a[1]*b[1]-a[2]*b[2]-a[3]*b[3]-a[4]*b[4], a[1]*b[2]+a[2]*b[1]+a[3]*b[4]-a[4]*b[3],
-  a[1]*b[3]-a[2]*b[4]+a[3]*b[1]+a[4]*b[2], a[1]*b[4]+a[2]*b[3]-a[3]*b[2]+a[4]*b[1])); }
-proc cj(list a) { return(list(a[1],-a[2],-a[3],-a[4])); }
-proc vec(list a) { return(list(a[2],a[3],a[4])); }
-proc pure(list a) { return(list(poly(0),a[1],a[2],a[3])); }
-proc dt(list a, list b) { return(a[1]*b[1]+a[2]*b[2]+a[3]*b[3]); }
-proc add(list a, list b, poly s) { return(list(a[1]+s*b[1],a[2]+s*b[2],a[3]+s*b[3])); }
-proc turn(list e, list a) { return(vec(qm(qm(e,pure(a)),cj(e)))); }
-"""
-POSES = """
-list e=e0,e1,e2,e3; list f=f0,f1,f2,f3; list g=cj(e); poly two=2;
-list T=vec(qm(f,g)); T=list(two*T[1],two*T[2],two*T[3]);
-list U=vec(qm(g,f)); U=list(two*U[1],two*U[2],two*U[3]);
-poly rho=4*(f0^2+f1^2+f2^2+f3^2);
-ideal i=e0^2+e1^2+e2^2+e3^2-1,e0*f0+e1*f1+e2*f2+e3*f3;
-list y,x,u,v; poly Q,F,G;
-"""
-
-
-def _list(name: str, values: list[int]) -> str:
-    return f"{name}=list(" + ",".join(f"poly({value})" for value in values) + ");"
-
-
-def equation(
-    constraint: Constraint, unit: AngleUnit, field: Residues, *, value: int | None = None
-) -> str:
-    """Return Singular statements that add a constraint to the ideal i.
-
-    Parameters
-    ----------
-    constraint, unit
-        The constraint and the unit of angles.
-    field
-        The numbers modulo a prime.
-    value
-        A residue that stands for the distance or the cosine; None for those of the constraint.
-    """
-    kind = constraint.kind
-    u, v = direction(constraint.platform), direction(constraint.base)
-    text = " ".join(
-        _list(name, [field.number(number) for number in vector])
-        for name, vector in (
-            ("y", constraint.platform.position),
-            ("x", constraint.base.position),
-            ("u", u),
-            ("v", v),
-        )
-    )
-    # As polynomials: products of Singular's integers overflow.
-    d, square = _distance(constraint, field, value) if kind.is_distance else ("", "")
-    # The square of r = R y + T - x, and the products of r with v and R u, are quadrics.
-    text += " Q=rho+dt(y,y)+dt(x,x)+2*dt(y,U)-2*dt(x,T)-2*dt(turn(e,y),x);"
-    if kind is DPP:
-        return text + f" i=i,Q-{square};"
-    if kind in (DPL, DPH):
-        text += " F=dt(add(add(turn(e,y),T,1),x,-1),v); G=dt(v,v);"
-    elif kind in (DLP, DHP):
-        text += " F=dt(add(add(turn(g,x),U,-1),y,-1),u); G=dt(u,u);"
-    if kind in (DPL, DLP):
-        return text + f" i=i,Q*G-F^2-{square}*G;"
-    if kind in (DPH, DHP):
-        if constraint.side is Side.BOTH:
-            return text + f" i=i,F^2-{square}*G;"
-        sign = "-" if constraint.side is Side.POSITIVE else "+"
-        return text + f" i=i,F{sign}{d}*({field.norm(v if kind is DPH else u)});"
-    text += " G=dt(turn(e,u),v);"
-    if kind is DLL:
-        # r . (Ru x v) = (r x Ru) . v, and T x Ru is the vector part of 2 f u e*.
-        text += (
-            " F=dt(turn(e,vec(qm(pure(y),pure(u)))),v)+2*dt(vec(qm(qm(f,pure(u)),g)),v)"
-            "-dt(vec(qm(pure(x),pure(turn(e,u)))),v);"
-            f" i=i,F^2-{square}*(dt(u,u)*dt(v,v)-G^2);"
-        )
-        return text
-    if kind not in (ALL, ALH, AHL, AHH):
-        raise ValueError(kind)
-    angle = constraint.value
-    if kind in (ALH, AHL):
-        angle = Number.of(90 - (angle.fraction or Fraction(0)))
-    cosine = field.cosine(angle, unit) if value is None else value
-    cosine *= field.norm(u) * field.norm(v)
-    return text + f" i=i,G{'+' if kind is AHH else '-'}({cosine % field.prime});"
-
-
-def _distance(constraint: Constraint, field: Residues, value: int | None) -> tuple[str, str]:
-    """Return a distance, needed where a side is stated, and its square."""
-    if value is not None:
-        return f"poly({value})", f"poly({value * value % field.prime})"
-    sided = constraint.kind.has_sides and constraint.side is not Side.BOTH
-    d = f"poly({field.number(constraint.value)})" if sided else ""
-    return d, f"poly({field.square(constraint.value)})"
-
-
-def count(instance: Instance, prime: int, *, generic: bool = False) -> dict[str, int]:
-    """Return dimension and counts of the complex solutions modulo a prime.
-
-    With `generic` the values of the constraints are random: the count of the geometry.
-
-    Raises
-    ------
-    NoRootError
-        If another prime is needed.
-    """
-    field = Residues(prime)
-    unit = instance.units.angle
-    names = VARIABLES.split(",")
-    chosen = random.Random(prime)
-    values = [chosen.randrange(1, prime) if generic else None for _ in instance.constraints]
-    pairs = zip(instance.constraints, values, strict=True)
-    equations = "\n".join(equation(c, unit, field, value=value) for c, value in pairs)
-    # The values of a generic linear form t separate the points.
-    form = "+".join(f"{chosen.randrange(prime)}*{name}" for name in names)
-    program = (
-        f"option(redSB);\nring r={prime},({VARIABLES},t),dp;\n{PROCEDURES}{POSES}{equations}\n"
-        f"ideal s=std(i+ideal(t-({form}))); print(dim(s));\n"
-        "if (dim(s)==0) { print(vdim(s)); poly m=finduni(s)[9];"
-        " print(deg(m)-deg(gcd(m,diff(m,t)))); } quit;\n"
-    )
-    printed = singular.run(program)
-    words = [word for word in printed.split("\n") if word.strip().lstrip("-").isdigit()]
-    numbers = [int(word) for word in words]
-    if len(numbers) not in (1, 3):
-        message = f"Singular printed {printed!r}"
-        raise SystemExit(message)
-    if len(numbers) == 1:
-        return {"dimension": numbers[0]}
-    # A pose is two unit quaternions.
-    return {"dimension": 0, "complex": numbers[1] // 2, "distinct": numbers[2] // 2}
-
 
 def counts(path: Path) -> dict[str, Any]:
     """Return the record of one file: the same modulo two primes."""
@@ -201,11 +60,11 @@ def counts(path: Path) -> dict[str, Any]:
     geometry: dict[int, dict[str, int]] = {}
     for prime in primes(instance):
         try:
-            results[prime] = count(instance, prime)
+            results[prime] = count(instance, Residues(prime))
         except NoRootError:
             continue
         if path.parent == PLATFORMS:
-            geometry[prime] = count(instance, prime, generic=True)
+            geometry[prime] = count(instance, Residues(prime), generic=True)
         if len(results) == 2:
             break
     first = _agreeing(path, results)

@@ -10,7 +10,8 @@ from functools import cached_property
 
 import sympy
 
-from gspcli.geometry.instance import AngleUnit, Instance
+from gspcli.catalogue.kinds import AHL, ALH
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Point, Vector
 
@@ -141,8 +142,14 @@ class Residues:
         """Return the length of a vector whose square is rational."""
         return self.root(sum((_exact_square(x) for x in vector), Fraction(0)))
 
-    def cosine(self, angle: Number, unit: AngleUnit) -> int:
-        """Return the cosine, of a generic angle if it is no multiple of 30 degrees."""
+    def cosine(self, constraint: Constraint, unit: AngleUnit) -> int:
+        """Return the cosine, of a generic angle if it is no multiple of 30 degrees.
+
+        Of ALH and AHL the sine, which is the cosine of the rest to a right angle.
+        """
+        angle = constraint.value
+        if constraint.kind in (ALH, AHL):
+            angle = Number.of(90 - (angle.fraction or Fraction(0)))
         degrees = angle.fraction
         if unit is AngleUnit.DEGREE and degrees is not None and degrees % 30 == 0:
             exact = sympy.cos(sympy.pi * int(degrees) / 180)
