@@ -92,6 +92,12 @@ STEPS = (
         "tools/build_coincident_counts.py --check",
     ),
     Step(
+        "special-platforms",
+        ("data/verification/special-platforms.csv", "data/verification/published-hexapods.json"),
+        "tools/verify_special.py count --check --jobs {jobs}",
+        sample="--sample 12 --without-real",
+    ),
+    Step(
         "tracking",
         ("data/counts/*",),
         "gsp atlas verify --method tracking --jobs {jobs}",
