@@ -25,27 +25,43 @@ if TYPE_CHECKING:
     from gspcli.catalogue.parsing import parse_class, parse_kind, parse_kind_set, parse_type
     from gspcli.catalogue.types import Family, GspType, all_types
     from gspcli.certification import certify
-    from gspcli.errors import GspError
-    from gspcli.geometry.instance import Instance
+    from gspcli.errors import ArgumentError, GspError, SpecError
+    from gspcli.geometry.building import angle, distance, hexapod, instance
+    from gspcli.geometry.instance import Constraint, Instance, Units
+    from gspcli.geometry.numbers import Number
+    from gspcli.geometry.primitives import Line, Plane, Point
     from gspcli.motion import measure
     from gspcli.solver import solve, solve_values
-    from gspcli.spec import dumps, load, loads, set_values
+    from gspcli.spec import dump, dumps, load, loads, read, set_values
 
 __version__ = "0.1.0"
 
 #: Where each public name lives; nothing is imported before it is used.
 _HOMES = {
+    "ArgumentError": "gspcli.errors",
+    "Constraint": "gspcli.geometry.instance",
     "Family": "gspcli.catalogue.types",
     "GspError": "gspcli.errors",
     "GspType": "gspcli.catalogue.types",
     "Instance": "gspcli.geometry.instance",
+    "Line": "gspcli.geometry.primitives",
+    "Number": "gspcli.geometry.numbers",
+    "Plane": "gspcli.geometry.primitives",
+    "Point": "gspcli.geometry.primitives",
+    "SpecError": "gspcli.errors",
     "TypeList": "gspcli.catalogue.listing",
+    "Units": "gspcli.geometry.instance",
     "all_types": "gspcli.catalogue.types",
+    "angle": "gspcli.geometry.building",
     "certify": "gspcli.certification",
     "coincident_types": "gspcli.catalogue.coincidence",
     "constraint_facts": "gspcli.catalogue.constraints",
+    "distance": "gspcli.geometry.building",
+    "dump": "gspcli.spec",
     "dumps": "gspcli.spec",
     "family_bounds": "gspcli.catalogue.bounds",
+    "hexapod": "gspcli.geometry.building",
+    "instance": "gspcli.geometry.building",
     "load": "gspcli.spec",
     "loads": "gspcli.spec",
     "measure": "gspcli.motion",
@@ -54,6 +70,7 @@ _HOMES = {
     "parse_kind": "gspcli.catalogue.parsing",
     "parse_kind_set": "gspcli.catalogue.parsing",
     "parse_type": "gspcli.catalogue.parsing",
+    "read": "gspcli.spec",
     "set_values": "gspcli.spec",
     "solve": "gspcli.solver",
     "solve_values": "gspcli.solver",
@@ -61,18 +78,31 @@ _HOMES = {
 }
 
 __all__ = [
+    "ArgumentError",
+    "Constraint",
     "Family",
     "GspError",
     "GspType",
     "Instance",
+    "Line",
+    "Number",
+    "Plane",
+    "Point",
+    "SpecError",
     "TypeList",
+    "Units",
     "__version__",
     "all_types",
+    "angle",
     "certify",
     "coincident_types",
     "constraint_facts",
+    "distance",
+    "dump",
     "dumps",
     "family_bounds",
+    "hexapod",
+    "instance",
     "load",
     "loads",
     "measure",
@@ -81,6 +111,7 @@ __all__ = [
     "parse_kind",
     "parse_kind_set",
     "parse_type",
+    "read",
     "set_values",
     "solve",
     "solve_values",

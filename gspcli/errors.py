@@ -65,6 +65,27 @@ class SpecError(GspError):
         super().__init__("\n".join(str(problem) for problem in problems))
 
 
+class ArgumentError(GspError, ValueError):
+    """A wrong argument of a function; the text begins with its name and index.
+
+    Parameters
+    ----------
+    message
+        What was found and what was expected.
+    where
+        The argument, as ``lengths[3]``.
+    """
+
+    def __init__(self, message: str, where: str = "") -> None:
+        self.message, self.where = message, where
+        super().__init__(f"{where}: {message}" if where else message)
+
+    def within(self, where: str) -> ArgumentError:
+        """Return the error of a part as one of the whole: ``[2]`` in ``base`` is ``base[2]``."""
+        joint = "." if self.where and not self.where.startswith("[") and where else ""
+        return ArgumentError(self.message, f"{where}{joint}{self.where}")
+
+
 class DataError(GspError):
     """Shipped data is missing or does not have the recorded content."""
 

@@ -11,7 +11,8 @@ from typing import Any
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import GspType
-from gspcli.geometry.numbers import Number
+from gspcli.errors import ArgumentError
+from gspcli.geometry.numbers import Number, Real
 from gspcli.geometry.primitives import Geometry
 
 
@@ -62,7 +63,8 @@ class Constraint:
     platform, base
         The primitives, each in the frame of its body.
     value
-        The distance in length units or the angle in angle units of the instance.
+        The distance in length units or the angle in angle units of the instance; a number of any
+        kind is made exact (`Number.of`).
     side
         For DPH and DHP: where the point lies; `Side.BOTH` for all other kinds.
     platform_name, base_name
@@ -80,6 +82,17 @@ class Constraint:
     platform_name: str = ""
     base_name: str = ""
     limits: tuple[Number, Number] | None = None
+
+    def __post_init__(self) -> None:
+        if type(self.value) is not Number:
+            object.__setattr__(self, "value", _number(self.value, "value"))
+
+
+def _number(value: Real, where: str) -> Number:
+    try:
+        return Number.of(value)
+    except ArgumentError as error:
+        raise error.within(where) from None
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,15 @@ same tree in ball arithmetic, so that what is proved is about the number that wa
 from __future__ import annotations
 
 import math
+import numbers
 from collections.abc import Callable
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, SupportsFloat, TypeAlias, TypeVar
+
+from gspcli.errors import ArgumentError
 
 Element = TypeVar("Element")
 
@@ -44,6 +48,48 @@ FUNCTIONS: dict[str, Callable[[float], float]] = {
 }
 
 
+#: A number is zero or of a magnitude in this range: its fourth power is still a finite float.
+SMALLEST, LARGEST = 1e-60, 1e60
+#: What a caller may give for a number; NumPy's scalars are registered with `numbers.Real`.
+Real: TypeAlias = "int | float | str | Fraction | Decimal | SupportsFloat | Number"
+
+
+def _fraction(value: object) -> Fraction:
+    """Return the fraction that a value stands for; see `Number.of`."""
+    ratio: tuple[int, int] | None = None
+    if isinstance(value, bool):
+        pass
+    elif isinstance(value, float):
+        # Not repr: a float of NumPy shows its type there.
+        ratio = _decimal_ratio(float.__repr__(value))
+    elif isinstance(value, numbers.Rational):
+        ratio = int(value.numerator), int(value.denominator)
+    elif isinstance(value, numbers.Real | Decimal):
+        ratio = _decimal_ratio(str(value))
+    if ratio is None:
+        message = f"found {_quoted(value)}, expected a finite number"
+        raise ArgumentError(message)
+    numerator, denominator = ratio
+    try:
+        magnitude = abs(numerator / denominator)
+    except OverflowError:
+        magnitude = math.inf
+    if numerator and not SMALLEST <= magnitude <= LARGEST:
+        expected = f"expected 0 or a magnitude from {SMALLEST:g} to {LARGEST:g}"
+        message = f"found {value}, {expected}"
+        raise ArgumentError(message)
+    return Fraction(numerator, denominator)
+
+
+def _decimal_ratio(text: str) -> tuple[int, int] | None:
+    decimal = Decimal(text)
+    return decimal.as_integer_ratio() if decimal.is_finite() else None
+
+
+def _quoted(value: object) -> str:
+    return str(value) if isinstance(value, numbers.Number) else f"a {type(value).__name__}"
+
+
 class _FloatField:
     def rational(self, value: Fraction) -> float:
         return value.numerator / value.denominator
@@ -71,11 +117,32 @@ class Number:
     arguments: tuple[Any, ...] = ()
 
     @classmethod
-    def of(cls, value: int | float | str | Fraction | Number) -> Number:
-        """Return a number exactly: a float by its binary value, a string by its decimals."""
+    def of(cls, value: Real) -> Number:
+        """Return what a value stands for, exactly.
+
+        A float is the shortest decimal that denotes it, as if it had been written in a file:
+        0.1 is a tenth. A text may be an expression such as ``sqrt(3)/2``
+        (`gspcli.geometry.expressions`). Scalars of NumPy are numbers like any other.
+
+        Raises
+        ------
+        ArgumentError
+            If the value is no finite number, or its magnitude is out of range.
+        """
+        if type(value) is float and (SMALLEST <= abs(value) <= LARGEST or not value):
+            # As below, without the many questions: arrays of floats are the usual case.
+            return cls("rational", (Fraction(*Decimal(repr(value)).as_integer_ratio()),))
         if isinstance(value, Number):
             return value
-        return cls("rational", (Fraction(value),))
+        if isinstance(value, str):
+            # That module reads expressions of the class defined here.
+            from gspcli.geometry.expressions import parse_number
+
+            try:
+                return parse_number(value)
+            except ValueError as error:
+                raise ArgumentError(str(error)) from None
+        return cls("rational", (_fraction(value),))
 
     @cached_property
     def fraction(self) -> Fraction | None:
@@ -92,7 +159,7 @@ class Number:
     @cached_property
     def value(self) -> float:
         """The number rounded to a float."""
-        exact = self.fraction
+        exact = self.arguments[0] if self.operation == "rational" else self.fraction
         if exact is not None:
             return exact.numerator / exact.denominator
         return self.evaluate(_FloatField())
@@ -111,6 +178,12 @@ class Number:
 
     def __float__(self) -> float:
         return self.value
+
+    def __hash__(self) -> int:
+        # A fraction is slow to hash: it must agree with floats.
+        if self.operation == "rational":
+            return hash((self.arguments[0].numerator, self.arguments[0].denominator))
+        return hash((self.operation, self.arguments))
 
     def __str__(self) -> str:
         return _text(self, 0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,15 +10,61 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import Primitive
-from gspcli.geometry.numbers import Number
+from gspcli.errors import ArgumentError
+from gspcli.geometry.numbers import Number, Real
+from gspcli.wording import shown
 
 Vector = tuple[Number, Number, Number]
+_EXACT = [Number, Number, Number]
 Array = NDArray[np.float64]
 
 
-def vector(x: object, y: object, z: object) -> Vector:
-    """Return an exact vector from three numbers of any accepted kind."""
-    return (Number.of(x), Number.of(y), Number.of(z))  # type: ignore[arg-type]
+def vector(x: Real, y: Real, z: Real) -> Vector:
+    """Return an exact vector from three numbers of any accepted kind (`Number.of`)."""
+    return (Number.of(x), Number.of(y), Number.of(z))
+
+
+def exact_vector(components: Sequence[Real] | Array, where: str = "") -> Vector:
+    """Return an exact vector from a sequence of three numbers.
+
+    Parameters
+    ----------
+    components
+        A list, a tuple or an array of shape (3,), of what `Number.of` takes.
+    where
+        What errors call it.
+
+    Raises
+    ------
+    ArgumentError
+        If it is no such sequence.
+    """
+    if type(components) is tuple and [type(part) for part in components] == _EXACT:
+        return components
+    values = components.tolist() if isinstance(components, np.ndarray) else components
+    if not isinstance(values, Sequence) or isinstance(values, str):
+        found = shown(values) if isinstance(values, str) else f"a {type(components).__name__}"
+        message = f"found {found}, expected three numbers [x, y, z]"
+        raise ArgumentError(message, where)
+    if len(values) != 3:
+        message = f"found {len(values)} entries, expected three numbers [x, y, z]"
+        raise ArgumentError(message, where)
+    found_so_far: list[Number] = []
+    for value in values:
+        try:
+            found_so_far.append(Number.of(value))
+        except ArgumentError as error:
+            raise error.within(f"[{len(found_so_far)}]").within(where) from None
+    return (found_so_far[0], found_so_far[1], found_so_far[2])
+
+
+def exact_direction(components: Sequence[Real] | Array, where: str = "") -> Vector:
+    """Return an exact vector that is not zero; as `exact_vector`."""
+    exact = exact_vector(components, where)
+    if not any(number.value for number in exact):
+        message = "found the zero vector, expected a direction: any nonzero vector"
+        raise ArgumentError(message, where)
+    return exact
 
 
 def as_array(exact: Vector) -> Array:
@@ -39,11 +86,19 @@ class Point:
     Attributes
     ----------
     position
-        Coordinates in the frame of the body.
+        Coordinates in the frame of the body; three numbers of any kind are made exact.
+
+    Examples
+    --------
+    >>> Point([0, 0.1, "sqrt(3)/2"]).position[1].fraction
+    Fraction(1, 10)
     """
 
     position: Vector
     primitive = Primitive.POINT
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "position", exact_vector(self.position, "position"))
 
     @cached_property
     def point(self) -> Array:
@@ -66,6 +121,10 @@ class Line:
     position: Vector
     direction: Vector
     primitive = Primitive.LINE
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "position", exact_vector(self.position, "position"))
+        object.__setattr__(self, "direction", exact_direction(self.direction, "direction"))
 
     @cached_property
     def point(self) -> Array:
@@ -93,6 +152,10 @@ class Plane:
     position: Vector
     normal: Vector
     primitive = Primitive.PLANE
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "position", exact_vector(self.position, "position"))
+        object.__setattr__(self, "normal", exact_direction(self.normal, "normal"))
 
     @cached_property
     def point(self) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import Location, Problem, SpecError
-from gspcli.spec.wording import listed, shown, suggestion
+from gspcli.wording import listed, shown, suggestion
 
 Array = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from gspcli.errors import Location, Problem, SpecError
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.poses import apply, rotation_from_quaternion
 from gspcli.motion.number_tables import NumberTable, check, wrong_number
-from gspcli.spec.wording import shown
+from gspcli.wording import shown
 
 Array = NDArray[np.float64]
 

@@ -28,7 +28,7 @@ from yaml.events import (
 from yaml.reader import ReaderError
 
 from gspcli.errors import Location, Problem, SpecError
-from gspcli.spec.wording import shown
+from gspcli.wording import shown
 
 MAX_BYTES = 100_000
 MAX_DEPTH = 12

@@ -24,10 +24,10 @@ from pydantic import (
 from pydantic.json_schema import SkipJsonSchema
 
 from gspcli.errors import Problem
+from gspcli.geometry.expressions import parse_number
 from gspcli.geometry.numbers import Number
 from gspcli.spec.document import Mapping, Missing, Scalar, Sequence, Value, locate
-from gspcli.spec.expressions import parse_number
-from gspcli.spec.wording import listed, nearest, shown, suggestion
+from gspcli.wording import listed, nearest, shown, suggestion
 
 FORMAT_VERSION = 1
 MAX_TEXT = 1000

@@ -13,14 +13,15 @@ from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, KINDS_BY_NAME, K
 from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES
 from gspcli.errors import Problem, SpecError, TypeNameError
+from gspcli.geometry.expressions import parse_number
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
+from gspcli.geometry.ranges import wrong_value
 from gspcli.spec.document import Mapping, Scalar, Sequence, Value, decode, parse, parse_correct
-from gspcli.spec.expressions import parse_number
-from gspcli.spec.meaning import remarks, wrong_value
+from gspcli.spec.meaning import remarks
 from gspcli.spec.models import ConstraintModel, InstanceModel, PrimitiveModel
-from gspcli.spec.wording import listed, shown, suggestion
+from gspcli.wording import listed, shown, suggestion
 
 _SORTS = {Point: "point", Line: "line", Plane: "plane"}
 

@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 
 from gspcli.catalogue.kinds import KINDS_BY_NAME
 from gspcli.errors import SpecError
+from gspcli.geometry.expressions import parse_number
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane, Point
 from gspcli.resources import data_directory
 from gspcli.spec import dumps, loads, read_text
-from gspcli.spec.expressions import parse_number
 
 EXAMPLES = sorted((data_directory() / "examples").glob("*.yaml"))
 TEXT = (data_directory() / "examples" / "example-6.8.yaml").read_text(encoding="utf-8")

@@ -17,13 +17,11 @@ import re
 from difflib import get_close_matches
 from fractions import Fraction
 
-from gspcli.geometry.numbers import FUNCTIONS, Number
-from gspcli.spec.wording import shown
+from gspcli.geometry.numbers import FUNCTIONS, LARGEST, SMALLEST, Number
+from gspcli.wording import shown
 
 MAX_LENGTH = 400
 MAX_NESTING = 20
-#: A number is zero or of a magnitude in this range: its fourth power is still a finite float.
-SMALLEST, LARGEST = 1e-60, 1e60
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<decimal>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"

@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import pytest
 
-from gspcli.spec.expressions import parse_number
+from gspcli.geometry.expressions import parse_number
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,44 @@
+"""Which values the constraints of each kind can have."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+from gspcli.catalogue.kinds import Kind
+from gspcli.geometry.instance import AngleUnit
+from gspcli.geometry.numbers import Number
+
+#: A quarter turn in each unit; the one in radians is only rounded.
+_QUARTER = {AngleUnit.DEGREE: 90, AngleUnit.RADIAN: math.pi / 2}
+_QUARTER_TEXT = {AngleUnit.DEGREE: ("90", "180"), AngleUnit.RADIAN: ("pi/2", "pi")}
+
+
+def turns(value: Number, unit: AngleUnit) -> Fraction | float:
+    """Return an angle in quarter turns, exactly if it is a rational number of degrees."""
+    exact = value.fraction
+    if exact is not None and unit is AngleUnit.DEGREE:
+        return exact / 90
+    quarters = value.value / _QUARTER[unit]
+    # acos(-1) and pi are the same number however it is rounded.
+    near = round(quarters)
+    return near if math.isclose(quarters, near, rel_tol=4e-16) else quarters
+
+
+def wrong_value(kind: Kind, value: Number, unit: AngleUnit) -> str:
+    """Return what is wrong with the value of a constraint, or nothing.
+
+    A distance is at least zero. The angle of two lines or two planes (of their directions or
+    normals) is between 0 and 180 degrees, that of a line and a plane between -90 and 90: positive
+    if the line's direction points to the side of the plane's normal (Section 4).
+    """
+    if kind.is_distance:
+        return "expected a distance of at least 0" if value.value < 0 else ""
+    quarter, half = _QUARTER_TEXT[unit]
+    quarters = turns(value, unit)
+    if kind.platform is kind.base:
+        if not 0 <= quarters <= 2:
+            return f"expected an angle of {kind.short} from 0 to {half} ({unit.value})"
+    elif not -1 <= quarters <= 1:
+        return f"expected an angle of {kind.short} from -{quarter} to {quarter} ({unit.value})"
+    return ""
