@@ -9,10 +9,10 @@ from gspcli.certification.counting import (
     exact_count,
     geometry_count,
 )
+from gspcli.geometry.expressions import parse_number
 from gspcli.geometry.numbers import Number
 from gspcli.resources import data_directory, data_json
 from gspcli.spec import load
-from gspcli.spec.expressions import parse_number
 
 EXPECTED = data_json("examples", "expected.json")["examples"]
 

@@ -3,9 +3,9 @@ from fractions import Fraction
 import pytest
 
 from gspcli.certification.counting.exact_numbers import Element, NoElementError, element, in_radians
+from gspcli.geometry.expressions import parse_number
 from gspcli.geometry.instance import AngleUnit
 from gspcli.geometry.numbers import Number
-from gspcli.spec.expressions import parse_number
 
 
 def of(text: str) -> Element:

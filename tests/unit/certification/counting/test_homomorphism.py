@@ -6,7 +6,7 @@ import pytest
 
 from gspcli.certification.counting.exact_numbers import NoElementError, element
 from gspcli.certification.counting.homomorphism import Requirements, homomorphisms
-from gspcli.spec.expressions import parse_number
+from gspcli.geometry.expressions import parse_number
 
 
 def images(*texts: str, primes: int = 3):
