@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.digits import DECIMALS, decimals, digit_table, digits_option, refined
+from gspcli.cli.digits import decimals, digit_table, digits_option, refined
 from gspcli.cli.names import load_instance
-from gspcli.cli.output import Column, Output, Table, emit, output_options
+from gspcli.cli.output import Output, emit, output_options
 from gspcli.defaults import SEED
-from gspcli.errors import IncompleteError, NotFiniteError
+from gspcli.errors import GspError, IncompleteError, NotFiniteError
 
 if TYPE_CHECKING:
-    from gspcli.solver import Solution, SolveResult
+    from gspcli.cli.pose_tables import Shown
+    from gspcli.solver import SolveResult
 
-#: Formats for people, in which rounding errors about zero are shown as zero.
+#: Formats for people.
 _READABLE = ("table", "markdown", "latex")
-_ZERO = 1e-12
-_AXES = ("Tx", "Ty", "Tz")
-_QUATERNION = ("qw", "qx", "qy", "qz")
 
 
 @click.command()
@@ -49,6 +49,28 @@ _QUATERNION = ("qw", "qx", "qy", "qz")
     metavar="N",
     help="Threads; the answer does not depend on them.",
 )
+@click.option(
+    "--rotation",
+    default="quaternion",
+    show_default=True,
+    metavar="FORM",
+    help="Write rotations as quaternion, matrix, rotvec, or angles about axes: ZYX and the like "
+    "about those of the platform, xyz about those of the base.",
+)
+@click.option(
+    "--decimals",
+    "places",
+    type=click.IntRange(0, 17),
+    metavar="N",
+    help="Show positions and rotations with N decimals, whatever the width.",
+)
+@click.option(
+    "--near",
+    metavar="POSE",
+    help="Sort by the distance from a pose: x,y,z,qw,qx,qy,qz, or x,y,z,rx,ry,rz with --rotation, "
+    "or a file with one pose as gsp measure reads it.",
+)
+@click.option("--legend", is_flag=True, help="Explain the columns.")
 @digits_option
 @output_options()
 def command(
@@ -58,15 +80,22 @@ def command(
     no_certify: bool,
     seed: int,
     jobs: int,
+    rotation: str,
+    places: int | None,
+    near: str | None,
+    legend: bool,
     digits: int | None,
     output: Output,
 ) -> None:
     """Find every pose of a platform and account for every path.
 
-    SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`). Each
-    real pose is one line: its translation T and the unit quaternion of its rotation
-    (x_base = R x_platform + T), the largest residual in the units of the file, and the condition
-    number. The last line compares what was found with the generic count of the type.
+    SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`). What
+    came out is said first: how many poses are real, what is proved, whether these are all. Then
+    each real pose is one line: the position T of the platform's origin and its rotation R
+    (x_base = R x_platform + T), the condition number, and what is not as usual. Three angles fix
+    the orientation: then the orientations are listed, and the positions in each. If no pose is
+    real, the constraints that contradict each other are named. JSON has all of this in full
+    precision, R and quaternion whatever --rotation says.
 
     Exit codes: 0 done (no real pose is an answer, too); 2 bad input; 3 the poses are infinitely
     many; 4 something could not be found or certified.
@@ -76,115 +105,135 @@ def command(
       gsp solve @example-6.8
       gsp solve platform.yaml --set 1=5.2 --set 4=60 --format csv
       gsp solve @dietmaier --digits 50 -o poses.json
+      gsp solve platform.yaml --rotation ZYX --near 0,0,250,0,0,0
       gsp new "DPL DPL DLP ALL ALL ALH" | gsp solve - --all -o poses.json
     """
+    from gspcli.cli.pose_tables import LEGEND, Shown, data_table, pose_tables
+    from gspcli.cli.summary import remarks, summary
     from gspcli.solver import solve
+    from gspcli.solver.columns import ROTATIONS, rotation_columns
     from gspcli.spec import set_values
 
+    columns = rotation_columns(rotation)
+    if everything and rotation not in ("quaternion", "matrix"):
+        message = f"--rotation {rotation} says nothing of poses that are not real: leave out --all"
+        raise click.UsageError(message)
     instance = set_values(load_instance(spec), settings)
-    result = solve(
-        instance,
-        seed=seed,
-        jobs=jobs,
-        certify=not no_certify,
-    )
-    shown = result.solutions if everything else result.real_solutions
+    euler = None if rotation in ROTATIONS else rotation
+    goal = _pose(near, euler, instance.units.angle.in_radians) if near is not None else None
+    result = solve(instance, seed=seed, jobs=jobs, certify=not no_certify)
+    indices = range(len(result.R) if everything else result.counts.real)
+    shown = Shown(indices, columns, places)
+    if goal is not None:
+        shown = _sorted(result, shown, *goal)
     proved = _refined(result, shown, digits) if digits is not None else []
-    document = None
-    if output.format == "json":
-        document = result.to_json(everything=everything)
-        for entry, pose in zip(document["solutions"], proved, strict=False):
-            entry["refined"] = pose
-    emit(output, _tables(result, everything, proved, output.format), document=document)
+    contradicting = _contradicting(result)
+    lines = summary(result, certify=not no_certify, contradicting=contradicting)
+    if output.format in _READABLE:
+        notes = remarks(result, shown.numbers)
+        if not everything and (others := len(result.R) - len(shown.indices)):
+            notes.append(f"{others} more are not real: --all shows them")
+        if shown.distances is not None:
+            notes.append("nearest: by the translation and the turn times the platform's size")
+        notes += LEGEND if legend else ()
+        tables = pose_tables(result, shown, certify=not no_certify, summary=lines, notes=notes)
+        if any(proved):
+            rows = [
+                {"number": number, **decimals(pose or {})}
+                for number, pose in zip(shown.numbers, proved, strict=True)
+            ]
+            tables.append(digit_table(rows))
+        emit(output, tables)
+    else:
+        flat = [decimals(pose or {}) for pose in proved]
+        table = data_table(result, shown, flat, imaginary=everything, summary=lines)
+        document = None
+        if output.format == "json":
+            document = _document(result, shown, proved, contradicting, everything=everything)
+        emit(output, table, document=document)
     _complain(result, certified=not no_certify)
 
 
-def _refined(
-    result: SolveResult, shown: Sequence[Solution], digits: int
-) -> list[dict[str, Any] | None]:
-    """Return each pose with proved digits; None for those that cannot be certified."""
+def _pose(near: str, euler: str | None, in_radians: float) -> tuple[Any, Any]:
+    """Read the pose that others are compared with."""
+    from gspcli.cli.poses import text_of
+    from gspcli.motion import PoseFormat, read_pose, read_poses
+
+    form = PoseFormat(euler, in_radians=in_radians)
+    if near == "-" or Path(near).is_file():
+        table = read_poses(*text_of(near), form)
+    else:
+        if euler is None and len(re.split(r"[,;\s]+", near.strip())) == 6:
+            message = "--near with three angles needs the order of their axes: --rotation ZYX, say"
+            raise click.UsageError(message)
+        table = read_pose(near, form, "--near")
+    if len(table.R) != 1:
+        message = f"--near {near}: found {len(table.R)} poses, expected one"
+        raise GspError(message)
+    return table.R[0], table.T[0]
+
+
+def _sorted(result: SolveResult, shown: Shown, R: Any, T: Any) -> Shown:
+    """Return the poses by their distance from one, and the distances."""
+    from dataclasses import replace
+
     import numpy as np
 
+    from gspcli.geometry.poses import vector_from_rotation
+
+    chosen = np.array([k for k in shown.indices if result.real[k]], dtype=int)
+    moved = np.linalg.norm(result.T[chosen].real - T, axis=1)
+    turned = np.linalg.norm(vector_from_rotation(result.R[chosen].real @ R.T), axis=1)
+    order = np.argsort(np.hypot(moved, result.arrangement.length * turned), kind="stable")
+    pairs = np.stack((moved, turned / result.arrangement.in_radians), axis=1)[order]
+    return replace(
+        shown,
+        indices=chosen[order].tolist(),
+        distances=[(length, angle) for length, angle in pairs.tolist()],
+    )
+
+
+def _contradicting(result: SolveResult) -> list[int]:
+    """Return the numbers of constraints that contradict each other, if that is why none is real."""
+    if result.counts.real or result.verdict != "complete":
+        return []
+    from gspcli.solver.contradiction import contradiction
+
+    return [k + 1 for k in contradiction(result.arrangement)]
+
+
+def _document(
+    result: SolveResult,
+    shown: Shown,
+    proved: Sequence[dict[str, Any] | None],
+    contradicting: Sequence[int],
+    *,
+    everything: bool,
+) -> dict[str, Any]:
+    """Return the result for JSON, with what was asked for besides."""
+    document = result.to_json(everything=everything)
+    entries = [document["solutions"][k] for k in shown.indices]
+    for entry, pose in zip(entries, proved, strict=False):
+        entry["refined"] = pose
+    for entry, (length, angle) in zip(entries, shown.distances or (), strict=False):
+        entry["distance"] = {"translation": length, "turn": angle}
+    document["solutions"] = entries
+    if contradicting:
+        document["contradicting"] = list(contradicting)
+    return document
+
+
+def _refined(result: SolveResult, shown: Shown, digits: int) -> list[dict[str, Any] | None]:
+    """Return each pose with proved digits; None for those that cannot be certified."""
     from gspcli.certification import certify
 
-    if not shown:
+    indices = list(shown.indices)
+    if not indices:
         return []
-    poses = (np.stack([solution.R for solution in shown]), np.stack([s.T for s in shown]))
     return [
         refined(result.instance, certificate, digits) if certificate.certified else None
-        for certificate in certify(result.instance, *poses)
+        for certificate in certify(result.instance, result.R[indices], result.T[indices])
     ]
-
-
-def _tables(
-    result: SolveResult, everything: bool, proved: list[dict[str, Any] | None], fmt: str
-) -> list[Table]:
-    readable = fmt in _READABLE
-    shown = result.solutions if everything else result.real_solutions
-    rows = [_row(number, solution, readable) for number, solution in enumerate(shown, start=1)]
-    for row, pose in zip(rows, proved, strict=False):
-        row |= decimals(pose or {})
-    imaginary = [f"{key}_imag" for key in (*_AXES, *_QUATERNION)] if everything else []
-    optional = {
-        "real": everything,
-        "sides": any(solution.sides for solution in shown),
-        "multiplicity": any(solution.multiplicity > 1 for solution in shown),
-    }
-    digits = [Column(key) for key in DECIMALS if any(key in row for row in rows)]
-    columns = [
-        Column("number", "no.", align="right", essential=True),
-        *(Column(key, align="right", essential=True) for key in (*_AXES, *_QUATERNION)),
-        *(Column(key) for key, present in optional.items() if present or not readable),
-        Column("residual", align="right"),
-        Column("condition", align="right"),
-        Column("certified"),
-        *(Column(key, align="right") for key in imaginary),
-        *([] if readable else digits),
-    ]
-    title = ": ".join(part for part in (result.instance.name, result.instance.type.id) if part)
-    table = Table(columns, rows, title=title, notes=[account(result)])
-    return [table, digit_table(rows)] if readable and digits else [table]
-
-
-def _row(number: int, solution: Solution, readable: bool) -> dict[str, Any]:
-    values = dict(zip(_AXES, solution.T.tolist(), strict=True))
-    values |= zip(_QUATERNION, solution.quaternion.tolist(), strict=True)
-    residual = solution.residual
-    row = {key: value.real for key, value in values.items()}
-    if not solution.real:
-        row |= {f"{key}_imag": value.imag for key, value in values.items()}
-    if readable:
-        row = {key: value if abs(value) > _ZERO else 0.0 for key, value in row.items()}
-        residual = float(f"{residual:.1e}")
-    sides = [f"{constraint}:{side}" for constraint, side in solution.sides.items()]
-    return {
-        "number": number,
-        **row,
-        "residual": residual,
-        "condition": solution.condition,
-        "sides": sides,
-        "real": solution.real,
-        "multiplicity": solution.multiplicity,
-        "certified": solution.certified,
-    }
-
-
-def account(result: SolveResult) -> str:
-    """Return the line that says what became of every path."""
-    counts, ends = result.counts, result.account
-    found = counts.found
-    parts = [f"{found} of {result.expected} expected found", f"{counts.real} real"]
-    if counts.certified:
-        parts.append(f"{counts.certified} certified")
-    if counts.singular:
-        parts.append(f"{counts.singular} multiple ({ends.found} paths end at found ones)")
-    parts.append(f"{ends.at_infinity} at infinity")
-    if ends.on_curves:
-        parts.append(f"{ends.on_curves} on curves")
-    if ends.spurious:
-        parts.append(f"{ends.spurious} where parallel lines have another distance")
-    parts.append(f"{ends.lost} lost")
-    return f"{', '.join(parts)}; {result.verdict}"
 
 
 def _complain(result: SolveResult, *, certified: bool) -> None:

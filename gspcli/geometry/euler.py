@@ -13,6 +13,8 @@ from gspcli.errors import GspError
 Array = NDArray[np.float64]
 
 _AXES = "xyz"
+#: Cosines of the middle angle below this leave the two other angles undetermined.
+_LOCKED = 1e-9
 
 
 def check_sequence(sequence: str) -> str:
@@ -72,3 +74,43 @@ def _about(axis: int, angles: Array) -> Array:
     turn[..., j, j] = turn[..., k, k] = cosine
     turn[..., k, j], turn[..., j, k] = sine, -sine
     return turn
+
+
+def euler_from_rotation(sequence: str, R: Any) -> Array:
+    """Return the angles about three axes that make a rotation; see `rotation_from_euler`.
+
+    Parameters
+    ----------
+    sequence
+        The order of the axes.
+    R
+        Rotations, shape (..., 3, 3).
+
+    Returns
+    -------
+    Array
+        The angles about x, y and z, in radians, shape (..., 3): the middle one of the sequence
+        between -pi/2 and pi/2, the others between -pi and pi. Where the middle one is at an end
+        of its range only a sum or difference of the others is determined; the last turn about
+        an axis of the platform is zero then.
+
+    Raises
+    ------
+    GspError
+        If the sequence does not name three different axes in one case.
+    """
+    check_sequence(sequence)
+    R = np.asarray(R, float)
+    # Turns about fixed axes are those about moving ones in the opposite order.
+    order = sequence if sequence.isupper() else sequence[::-1]
+    i, j, k = (_AXES.index(letter) for letter in order.lower())
+    sign = 1.0 if (j - i) % 3 == 1 else -1.0
+    angles = np.empty(R.shape[:-1])
+    sine = sign * R[..., i, k]
+    # The cosine is better known than the sine where that is near one.
+    angles[..., j] = np.arctan2(sine, np.hypot(R[..., i, i], R[..., i, j]))
+    locked = np.hypot(R[..., i, i], R[..., i, j]) < _LOCKED
+    first = np.arctan2(-sign * R[..., j, k], R[..., k, k])
+    angles[..., i] = np.where(locked, np.arctan2(sign * R[..., k, j], R[..., j, j]), first)
+    angles[..., k] = np.where(locked, 0.0, np.arctan2(-sign * R[..., i, j], R[..., i, i]))
+    return angles

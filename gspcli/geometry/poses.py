@@ -174,3 +174,13 @@ def rotation_from_vector(omega: NDArray[np.float64]) -> NDArray[np.float64]:
     half = np.linalg.norm(omega, axis=-1, keepdims=True) / 2
     e = np.concatenate((np.cos(half), np.sinc(half / np.pi) * omega / 2), axis=-1)
     return rotation_from_quaternion(e)
+
+
+def vector_from_rotation(R: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rotation vector (axis times angle, 0 to pi) of real rotations, (..., 3)."""
+    e = unit_quaternion(quaternion_from_rotation(R))
+    e = np.where(e[..., :1] < 0, -e, e)
+    sine = np.linalg.norm(e[..., 1:], axis=-1, keepdims=True)
+    # The angle over the sine of its half tends to two.
+    factor = np.where(sine > 0, 2 * np.arctan2(sine, e[..., :1]) / np.where(sine > 0, sine, 1), 2)
+    return np.asarray(factor * e[..., 1:])

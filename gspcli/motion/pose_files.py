@@ -115,8 +115,17 @@ def read_poses(text: str, name: str, form: PoseFormat) -> PoseTable:
     return PoseTable(t, R, points - apply(R, np.array(form.pivot)))
 
 
-def read_pose(text: str, form: PoseFormat) -> PoseTable:
+def read_pose(text: str, form: PoseFormat, name: str = "--pose") -> PoseTable:
     """Read one pose: x,y,z and a quaternion, three angles or nine entries, between commas.
+
+    Parameters
+    ----------
+    text
+        The numbers.
+    form
+        What they do not say.
+    name
+        The option that they were given with.
 
     Raises
     ------
@@ -130,16 +139,16 @@ def read_pose(text: str, form: PoseFormat) -> PoseTable:
             f"found {len(cells)} numbers in {shown(text)}, expected x,y,z and qw,qx,qy,qz; or "
             "rx,ry,rz (with --euler); or the nine entries of R"
         )
-        raise SpecError([Problem(None, "--pose", message)])
+        raise SpecError([Problem(None, name, message)])
     check(
         [
-            Problem(None, f"--pose: {name}", message)
-            for name, cell in zip((*_POSITION, *names), cells, strict=True)
+            Problem(None, f"{name}: {key}", message)
+            for key, cell in zip((*_POSITION, *names), cells, strict=True)
             if (message := wrong_number(cell))
         ]
     )
     heading = ",".join((*_POSITION, *names))
-    return read_poses(f"{heading}\n{','.join(cells)}", "--pose", form)
+    return read_poses(f"{heading}\n{','.join(cells)}", name, form)
 
 
 def _rotations(numbers: Array, form: PoseFormat) -> tuple[Array, list[tuple[int, str]]]:

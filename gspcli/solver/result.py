@@ -258,27 +258,19 @@ class SolveResult:
     def to_frame(self, *, everything: bool = False) -> pd.DataFrame:
         """Return the poses as a table with a row for each (pandas is imported now).
 
-        Columns: real, certified, multiplicity, qw qx qy qz, Tx Ty Tz, residual, condition.
-        With ``everything`` the quaternions and translations are complex.
+        The columns are those of `gspcli.solver.columns`, as in the CSV of `gsp solve`. With
+        ``everything`` the quaternions and translations are complex.
         """
         import pandas as pd
 
+        from gspcli.solver.columns import COLUMNS
+
         count = len(self.R) if everything else self.counts.real
-        q: Field = self.quaternions[:count]
-        T: Field = self.T[:count]
-        if not everything:
-            q, T = q.real, T.real
-        return pd.DataFrame(
-            {
-                "real": self.real[:count],
-                "certified": self.certified[:count],
-                "multiplicity": self.multiplicity[:count],
-                **{f"q{axis}": q[:, k] for k, axis in enumerate("wxyz")},
-                **{f"T{axis}": T[:, k] for k, axis in enumerate("xyz")},
-                "residual": self.residuals[:count].max(axis=1, initial=0.0),
-                "condition": self.conditions[:count],
-            }
-        )
+        data: dict[str, Any] = {}
+        for column in COLUMNS:
+            values = column.read(self)[:count]
+            data[column.key] = np.real(values) if column.of_pose and not everything else values
+        return pd.DataFrame(data)
 
 
 def _motion_json(motion: Motion) -> dict[str, Any]:

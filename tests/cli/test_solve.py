@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from scipy.spatial.transform import Rotation
 
 EXAMPLE = str(Path(__file__).parents[2] / "data" / "examples" / "example-6.8.yaml")
 
@@ -51,37 +52,36 @@ def test_example_6_8_prints_all_64_poses(gsp):
     assert run.code == 0
     assert run.err == ""
     lines = run.out.splitlines()
-    assert lines[0] == "Example 6.8: DPL DPL DPL ALL ALL ALL"
-    assert lines[-1] == (
-        "64 of 64 expected found, 64 real, 64 certified, 0 at infinity, 0 lost; complete"
-    )
-    assert [line.split()[0] for line in lines[4:-2]] == [str(n) for n in range(1, 65)]
+    assert lines[:3] == [
+        "Example 6.8: DPL DPL DPL ALL ALL ALL",
+        "",
+        "64 real poses, all proved different; complete: all 64 of the type, real or not",
+    ]
+    # The orientations, eight, and the positions in each.
+    assert lines[4].split() == ["orientation", "qw", "qx", "qy", "qz", "positions"]
+    assert [line.split()[0] for line in lines[6:14]] == list("ABCDEFGH")
+    assert {line.split()[-1] for line in lines[6:14]} == {"8"}
+    assert [line.split()[:2] for line in lines[17:-2]] == [
+        [str(n), "ABCDEFGH"[(n - 1) // 8]] for n in range(1, 65)
+    ]
+    assert lines[-1].endswith("; every pose has condition 4.09")
 
 
 def test_table_of_a_small_platform(gsp, spec):
     run = gsp("solve", spec(), "--no-certify")
     lines = [" ".join(line.split()) for line in run.out.splitlines()]
-    assert lines[2].split() == (
-        [
-            "no.",
-            "Tx",
-            "Ty",
-            "Tz",
-            "qw",
-            "qx",
-            "qy",
-            "qz",
-            "sides",
-            "residual",
-            "condition",
-            "certified",
-        ]
-    )
-    row = lines[4].split()
-    assert row[:8] == ["1", "1", "-2", "3", "0.790569", "-0.353553", "-0.353553", "-0.353553"]
-    assert row[8:11] == ["1:positive", "2:negative", "3:positive"]
-    assert row[-1] == "no"
-    assert lines[-1] == "8 of 8 expected found, 8 real, 0 at infinity, 0 lost; complete"
+    assert lines[2] == "8 real poses; complete: all 8 of the type, real or not"
+    assert lines[4] == "no. Tx [m] Ty [m] Tz [m] qw qx qy qz condition"
+    row = lines[6].split()
+    assert row[:4] == ["1", "1.00000", "-2.00000", "3.00000"]
+    assert row[4:8] == ["0.790569", "-0.353553", "-0.353553", "-0.353553"]
+
+
+def test_sides_that_are_left_open_are_shown_as_signs(gsp, spec):
+    lines = gsp("solve", spec(side="both"), "--no-certify").out.splitlines()
+    assert "sides 1,2,3" in lines[2 + 2 + 2 + 8 + 1]
+    shown = {line.split()[5] for line in lines[17:] if line[:3].strip().isdigit()}
+    assert shown == {"+-+", "+--"}
 
 
 def test_csv_has_full_precision(gsp):
@@ -130,7 +130,7 @@ def test_standard_input(gsp, spec, monkeypatch):
 def test_an_infinite_set_has_exit_code_3(gsp, spec):
     run = gsp("solve", spec(normal="1, 0, 0").replace("value: 3", "value: 1"), "--set", "3=1")
     assert run.code == 3
-    assert run.out.splitlines()[-1].endswith("; infinite")
+    assert "; infinite: infinitely many poses" in run.out
     assert run.err.startswith("error: the poses are infinitely many: the platform can move")
 
 
@@ -145,9 +145,10 @@ def test_json_of_an_infinite_set_has_sample_motions(gsp, spec):
 def test_parallel_planes_without_a_pose_are_an_answer(gsp, spec):
     run = gsp("solve", spec(normal="1, 0, 0"))
     assert run.code == 0
-    assert run.out.splitlines()[-1] == (
-        "0 of 8 expected found, 0 real, 8 at infinity, 0 lost; complete"
-    )
+    assert run.out.splitlines()[2:] == [
+        "no real pose; complete: 0 poses, real or not, 8 at infinity, of the type's 8",
+        "distances 1 and 3 contradict each other: no pose was found for them without the others",
+    ]
 
 
 def test_multiple_poses_cannot_be_certified(gsp, spec):
@@ -192,3 +193,76 @@ def test_output_file(gsp, tmp_path):
 def test_the_same_command_gives_the_same_bytes(gsp):
     first, second = (gsp("solve", EXAMPLE, "--format", "json", "--seed", s).out for s in "12")
     assert first.replace('"seed": 1', '"seed": 2') == second
+
+
+def test_the_constraints_that_contradict_each_other_are_named(gsp):
+    run = gsp("solve", EXAMPLE, "--set", "4=sqrt(50)", "--set", "5=1")
+    assert "distances 4, 5 and 6 contradict each other" in run.out
+    assert "64 more are not real: --all shows them" in run.out
+    document = json.loads(
+        gsp("solve", EXAMPLE, "--set", "4=sqrt(50)", "--set", "5=1", "--format", "json").out
+    )
+    assert document["contradicting"] == [4, 5, 6]
+
+
+def test_the_verdict_of_a_csv_goes_to_stderr(gsp):
+    run = gsp("solve", EXAMPLE, "--format", "csv")
+    assert run.err == (
+        "64 real poses, all proved different; complete: all 64 of the type, real or not\n"
+    )
+
+
+@pytest.mark.parametrize("form", ["matrix", "rotvec", "ZYX", "xyz", "yxz"])
+def test_rotations_in_other_forms_are_those_of_the_quaternions(gsp, form):
+    quaternions = csv.DictReader(io.StringIO(gsp("solve", "@dietmaier", "--format", "csv").out))
+    run = gsp("solve", "@dietmaier", "--rotation", form, "--format", "csv")
+    for row, other in zip(csv.DictReader(io.StringIO(run.out)), quaternions, strict=True):
+        q = [float(other[key]) for key in ("qw", "qx", "qy", "qz")]
+        expected = Rotation.from_quat(q, scalar_first=True)
+        if form == "matrix":
+            R = [[float(row[f"r{i}{j}"]) for j in "123"] for i in "123"]
+            found = Rotation.from_matrix(R)
+        elif form == "rotvec":
+            vector = [float(row[f"rotvec_{axis}"]) for axis in "xyz"]
+            found = Rotation.from_rotvec(vector, degrees=True)
+        else:
+            angles = [float(row[f"r{axis}"]) for axis in form.lower()]
+            found = Rotation.from_euler(form, angles, degrees=True)
+        assert (found * expected.inv()).magnitude() < 1e-9
+
+
+def test_near_sorts_by_distance_and_marks_the_nearest(gsp, tmp_path):
+    rows = list(csv.DictReader(io.StringIO(gsp("solve", "@dietmaier", "--format", "csv").out)))
+    keys = ("Tx", "Ty", "Tz", "qw", "qx", "qy", "qz")
+    goal = ",".join(rows[6][key] for key in keys)
+    run = gsp("solve", "@dietmaier", "--near", goal, "--format", "csv")
+    near = list(csv.DictReader(io.StringIO(run.out)))
+    assert near[0]["number"] == "7"
+    assert float(near[0]["distance"]) == pytest.approx(0, abs=1e-12)
+    assert float(near[0]["turn"]) == pytest.approx(0, abs=1e-6)
+    assert len(near) == 40
+    file = tmp_path / "pose.csv"
+    file.write_text(",".join(keys) + "\n" + goal + "\n")
+    lines = gsp("solve", "@dietmaier", "--near", str(file)).out.splitlines()
+    assert [line.split()[0] for line in lines if line.endswith("nearest")] == ["7"]
+
+
+def test_decimals_and_legend(gsp):
+    out = gsp("solve", "@dietmaier", "--decimals", "3", "--legend").out
+    assert "sides: + where the point" in out
+    assert all(len(word.partition(".")[2]) == 3 for word in out.splitlines()[6].split()[1:8])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--rotation", "zzz"], "expected three different axes"),
+        (["--rotation", "ZYX", "--all"], "leave out --all"),
+        (["--near", "0,0,0,0,0,0"], "--rotation ZYX, say"),
+        (["--near", "0,0"], "--near: found 2 numbers"),
+    ],
+)
+def test_rotations_and_poses_that_cannot_be_read(gsp, arguments, message):
+    run = gsp("solve", EXAMPLE, *arguments)
+    assert (run.code, run.out) == (2, "")
+    assert message in run.err

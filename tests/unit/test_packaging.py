@@ -41,5 +41,5 @@ def test_an_installed_wheel_is_complete(tmp_path: Path) -> None:
         check=False,
     )
     assert run.returncode == 0, run.stderr
-    assert "64 of 64 expected found" in run.stdout
-    assert "40 of 40 expected found" in run.stdout
+    assert "complete: all 64 of the type" in run.stdout
+    assert "complete: all 40 of the type" in run.stdout

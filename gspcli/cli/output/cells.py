@@ -45,6 +45,8 @@ def cell_text(value: object, digits: int = DIGITS) -> str:
         return "yes" if value else "no"
     if isinstance(value, float):
         return f"{value:.{digits}g}"
+    if isinstance(value, complex):
+        return f"{value.real:.{digits}g}{value.imag:+.{digits}g}i"
     if isinstance(value, (list, tuple)):
         return " ".join(cell_text(item, digits) for item in value)
     return printable(str(value).replace("\n", " "))
@@ -58,12 +60,17 @@ def column_texts(table: Table, column: Column, digits: int = DIGITS) -> list[str
         decimals = _decimals([v for v in values if isinstance(v, float)], digits)
     if decimals is None:
         return [cell_text(value, digits) for value in values]
-    return [
-        _without_negative_zero(f"{value:.{decimals}f}")
-        if isinstance(value, float) and math.isfinite(value)
-        else cell_text(value, digits)
-        for value in values
-    ]
+    return [_fixed(value, decimals, digits) for value in values]
+
+
+def _fixed(value: object, decimals: int, digits: int) -> str:
+    """Return a number with so many decimals, and what is none as it is."""
+    if isinstance(value, float) and math.isfinite(value):
+        return _without_negative_zero(f"{value:.{decimals}f}")
+    if isinstance(value, complex):
+        real = _without_negative_zero(f"{value.real:.{decimals}f}")
+        return f"{real}{value.imag:+.{decimals}f}i"
+    return cell_text(value, digits)
 
 
 def _decimals(values: Sequence[float], digits: int) -> int | None:

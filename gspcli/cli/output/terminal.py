@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import zip_longest
 
 import click
@@ -42,24 +42,29 @@ def _lines(table: Table, grid: Grid | None, width: int | None, *, bold: bool) ->
     def emphasized(text: str) -> str:
         return click.style(text, bold=True) if bold else text
 
-    if table.title:
-        yield from map(emphasized, _prose(table.title, width))
-        yield ""
-    for line in table.summary:
-        yield from _prose(line, width)
-    if table.columns:
-        if table.summary:
+    groups = [
+        map(emphasized, _prose(table.title, width) if table.title else ()),
+        (part for line in table.summary for part in _prose(line, width)),
+        _body(table, grid, width, emphasized) if table.columns else (),
+        (part for note in table.notes for part in _prose(note, width)),
+    ]
+    between = False
+    for lines in filter(None, map(list, groups)):
+        if between:
             yield ""
-        if grid is None:
-            yield from _records(table, width or 0)
-        else:
-            heading, *others = _drawn(grid)
-            yield from map(emphasized, heading.split("\n"))
-            yield from others
-        if table.notes:
-            yield ""
-    for note in table.notes:
-        yield from _prose(note, width)
+        yield from lines
+        between = True
+
+
+def _body(
+    table: Table, grid: Grid | None, width: int | None, emphasized: Callable[[str], str]
+) -> Iterator[str]:
+    if grid is None:
+        yield from _records(table, width or 0)
+        return
+    heading, *others = _drawn(grid)
+    yield from map(emphasized, heading.split("\n"))
+    yield from others
 
 
 def _prose(text: str, width: int | None) -> list[str]:

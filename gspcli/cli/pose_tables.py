@@ -1,0 +1,232 @@
+"""The tables of `gsp solve`: one of poses, or orientations and the positions in each."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gspcli.catalogue.types import MAX_ANGLES
+from gspcli.cli.digits import DECIMALS
+from gspcli.cli.output import Column, Table
+from gspcli.solver.columns import FACTS, TRANSLATION, PoseColumn
+
+if TYPE_CHECKING:
+    from gspcli.solver import SolveResult
+
+#: Parts of a pose smaller than this are shown as zero, lengths by the platform's.
+_ZERO = 1e-12
+#: Components of quaternions that differ by less are of one orientation.
+_SAME = 1e-9
+_NUMBER = PoseColumn("number", lambda result: range(1, len(result.R) + 1))
+LEGEND = (
+    "Tx Ty Tz: the origin of the platform in the base, x_base = R x_platform + T",
+    "qw qx qy qz: the unit quaternion of R, scalar first; rx ry rz: the angles about these axes",
+    "condition: how much more a pose changes one way than another for equal changes of the values; "
+    "infinite if it is singular",
+    "sides: + where the point is on the side to which the normal points, - on the other",
+    "remarks: what a pose is other than real, simple and proved",
+)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """Which poses are shown, and how.
+
+    Attributes
+    ----------
+    indices
+        The poses in the order of the table.
+    rotation
+        The columns of the rotations.
+    decimals
+        So many decimals of positions and rotations; None for what fits.
+    distances
+        For each pose of the table how far it is from the one asked for: the translation and the
+        angle, in the units of the instance; None if none was asked for.
+    """
+
+    indices: Sequence[int]
+    rotation: Sequence[PoseColumn]
+    decimals: int | None = None
+    distances: Sequence[tuple[float, float]] | None = None
+
+    @property
+    def numbers(self) -> list[int]:
+        """The numbers of the poses, from 1."""
+        return [index + 1 for index in self.indices]
+
+
+def data_table(
+    result: SolveResult,
+    shown: Shown,
+    proved: Sequence[Mapping[str, str]],
+    *,
+    imaginary: bool,
+    summary: Sequence[str],
+) -> Table:
+    """Return every column of the poses, for programs."""
+    columns = [_NUMBER, *TRANSLATION, *shown.rotation, *FACTS]
+    read = {column.key: column.read(result) for column in columns}
+    rows: list[dict[str, Any]] = []
+    for index in shown.indices:
+        row = {key: _plain(values[index]) for key, values in read.items()}
+        rows.append({key: _real(value) for key, value in row.items()})
+        if not result.real[index]:
+            rows[-1] |= {
+                f"{key}_imag": value.imag
+                for key, value in row.items()
+                if isinstance(value, complex)
+            }
+    for row, (length, angle) in zip(rows, shown.distances or (), strict=False):
+        row |= {"distance": length, "turn": angle}
+    for row, digits in zip(rows, proved, strict=False):
+        row |= digits
+    keys = [column.key for column in columns]
+    if shown.distances is not None:
+        keys += ["distance", "turn"]
+    if imaginary:
+        keys += [f"{c.key}_imag" for c in columns if c.of_pose]
+    keys += [key for key in DECIMALS if any(key in row for row in rows)]
+    return Table([Column(key) for key in keys], rows, summary=summary, part="poses")
+
+
+def pose_tables(
+    result: SolveResult,
+    shown: Shown,
+    *,
+    certify: bool,
+    summary: Sequence[str],
+    notes: Sequence[str],
+) -> list[Table]:
+    """Return the poses for people: units in the headings, exceptions marked."""
+    instance = result.instance
+    title = ": ".join(part for part in (instance.name, instance.type.id) if part)
+    if not shown.indices:
+        return [Table([], [], title, notes=notes, summary=summary)]
+    rows = _rows(result, shown, certify=certify)
+    number = Column("number", "no.", align="right", essential=True)
+    translation = [_column(result, column, shown) for column in TRANSLATION]
+    rotation = [_column(result, column, shown) for column in shown.rotation]
+    units = instance.units
+    last = [
+        Column("distance", f"distance [{units.length}]", "right", minor=1, aligned=True),
+        Column("turn", f"turn [{units.angle.value}]", "right", minor=1, aligned=True),
+        Column("sides", _sided(result), minor=1),
+        Column("residual", align="right", minor=3),
+        Column("condition", align="right", minor=2),
+        Column("remarks", fold=", "),
+    ]
+    last = [column for column in last if any(row.get(column.key) is not None for row in rows)]
+    orientations = _orientations(result, shown)
+    if not orientations:
+        columns = [number, *translation, *rotation, *last]
+        return [Table(columns, rows, title, notes=notes, summary=summary, part="poses")]
+    named = {k: letter for letter, group in orientations.items() for k in group}
+    for row in rows:
+        row["orientation"] = named[row["number"] - 1]
+    leaders = [
+        {
+            **next(row for row in rows if row["number"] == group[0] + 1),
+            "orientation": letter,
+            "positions": len(group),
+        }
+        for letter, group in orientations.items()
+    ]
+    orientation = Column("orientation", essential=True)
+    positions = Column("positions", align="right", essential=True)
+    return [
+        Table([orientation, *rotation, positions], leaders, title, (), summary, "orientations"),
+        Table([number, orientation, *translation, *last], rows, notes=notes, part="poses"),
+    ]
+
+
+def _rows(result: SolveResult, shown: Shown, *, certify: bool) -> list[dict[str, Any]]:
+    pose = {column.key: column.read(result) for column in (*TRANSLATION, *shown.rotation)}
+    smallest = {column.key: _ZERO * result.arrangement.length for column in TRANSLATION}
+    constant = len({tuple(s.sides.items()) for s in result.solutions}) == 1
+    rows = []
+    for place, index in enumerate(shown.indices):
+        solution = result.solutions[index]
+        row: dict[str, Any] = {
+            key: _rounded(_plain(values[index]), smallest.get(key, _ZERO))
+            for key, values in pose.items()
+        }
+        row["number"] = index + 1
+        row["condition"] = float(f"{solution.condition:.3g}")
+        if solution.sides and (not constant or not _fixed_sides(result)):
+            row["sides"] = "".join("+" if s == "positive" else "-" for s in solution.sides.values())
+        if certify and not solution.certified:
+            row["residual"] = float(f"{solution.residual:.1e}")
+        remarks = ["nearest"] if shown.distances is not None and place == 0 else []
+        remarks += [] if solution.real else ["not real"]
+        if solution.multiplicity > 1:
+            many = solution.multiplicity
+            remarks.append("double" if many == 2 else f"multiplicity {many}")
+        if certify and not solution.certified and result.certified.any():
+            remarks.append("not proved")
+        row["remarks"] = ", ".join(remarks) or None
+        if shown.distances is not None:
+            row["distance"], row["turn"] = shown.distances[place]
+        rows.append(row)
+    return rows
+
+
+def _fixed_sides(result: SolveResult) -> bool:
+    """Return whether the file says all sides, so that the poses cannot differ in them."""
+    return bool((result.arrangement.signs != 0)[result.arrangement.sided].all())
+
+
+def _sided(result: SolveResult) -> str:
+    sided = np.flatnonzero(result.arrangement.sided) + 1
+    return f"sides {','.join(map(str, sided))}"
+
+
+def _column(result: SolveResult, column: PoseColumn, shown: Shown) -> Column:
+    units = result.instance.units
+    unit = {"length": units.length, "angle": units.angle.value, "": ""}[column.unit]
+    heading = f"{column.key} [{unit}]" if unit else column.key
+    return Column(
+        column.key, heading, "right", essential=True, aligned=True, decimals=shown.decimals
+    )
+
+
+def _orientations(result: SolveResult, shown: Shown) -> dict[str, list[int]]:
+    """Return the poses by orientation, as three angles determine it; empty if it is no help."""
+    if len(result.arrangement.angles) != MAX_ANGLES or shown.distances is not None:
+        return {}
+    if not result.real[list(shown.indices)].all():
+        return {}
+    groups: list[list[int]] = []
+    for index in shown.indices:
+        q = result.quaternions[index]
+        if groups and np.abs(q - result.quaternions[groups[-1][0]]).max() < _SAME:
+            groups[-1].append(index)
+        else:
+            groups.append([index])
+    if len(groups) == len(shown.indices):
+        return {}
+    return dict(zip(_letters(), groups, strict=False))
+
+
+def _letters() -> itertools.chain[str]:
+    alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
+    return itertools.chain(alphabet, map("".join, itertools.product(alphabet, repeat=2)))
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _real(value: Any) -> Any:
+    return value.real if isinstance(value, complex) else value
+
+
+def _rounded(value: Any, smallest: float) -> float | complex:
+    """Return a number with rounding errors about zero taken away, real if it is."""
+    number = complex(value)
+    parts = [part if abs(part) > smallest else 0.0 for part in (number.real, number.imag)]
+    return parts[0] if parts[1] == 0 else complex(*parts)

@@ -1,0 +1,101 @@
+"""What `gsp solve` says first, in a sentence, and last, in notes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from gspcli.solver import SolveResult
+
+_DIGITS = 3
+
+
+def summary(result: SolveResult, *, certify: bool, contradicting: Sequence[int] = ()) -> list[str]:
+    """Return what came out: the real poses, what is proved of them, whether that is all.
+
+    Parameters
+    ----------
+    result
+        The poses.
+    certify
+        Whether certificates were asked for.
+    contradicting
+        Numbers from 1 of constraints that contradict each other, where there is no real pose.
+    """
+    lines = [f"{_real(result, certify=certify)}; {_completeness(result)}"]
+    if contradicting:
+        lines.append(_reason(result, contradicting))
+    return lines
+
+
+def _real(result: SolveResult, *, certify: bool) -> str:
+    real = result.counts.real
+    text = f"{real or 'no'} real pose{'s' * (real > 1)}"
+    if not result.counts.found or not certify:
+        return text
+    # Where there is no real pose it is the others whose certificates say so.
+    certified = result.certified[:real] if real else result.certified
+    if certified.all():
+        return text + (", all proved different" if real > 1 else ", proved")
+    if real == 0:
+        return text
+    return text + (f", {certified.sum()} of them proved" if certified.any() else ", not proved")
+
+
+def _completeness(result: SolveResult) -> str:
+    """Return the verdict, and what became of every path if not every one is a pose."""
+    ends, found = result.account, result.counts.found
+    if result.verdict == "complete" and found == result.expected:
+        return f"complete: all {found} of the type, real or not"
+    poses = f"{found} pose{'s' * (found != 1)}, real or not"
+    if result.verdict == "infinite":
+        poses = f"infinitely many poses and {found or 'no'} isolated one{'s' * (found != 1)}"
+    if ends.found != found:
+        poses += f", {ends.found} with multiplicities"
+    named = {
+        "at infinity": ends.at_infinity,
+        "on curves": ends.on_curves,
+        "where parallel lines have another distance": ends.spurious,
+        "lost": ends.lost,
+    }
+    others = [f"{count} {where}" for where, count in named.items() if count]
+    where = "".join(f", {other}" for other in others)
+    return f"{result.verdict}: {poses}{where}, of the type's {result.expected}"
+
+
+def _reason(result: SolveResult, contradicting: Sequence[int]) -> str:
+    constraints = result.instance.constraints
+    kinds = {constraints[k - 1].kind.is_distance for k in contradicting}
+    what = "constraint" if len(kinds) > 1 else "distance" if kinds == {True} else "angle"
+    if len(contradicting) == 1:
+        return f"no pose was found for {what} {contradicting[0]} alone"
+    if len(contradicting) == len(constraints):
+        return "any five of the constraints have common poses, all six have none"
+    *first, last = map(str, contradicting)
+    return (
+        f"{what}s {', '.join(first)} and {last} contradict each other: "
+        "no pose was found for them without the others"
+    )
+
+
+def remarks(result: SolveResult, numbers: Sequence[int]) -> list[str]:
+    """Return notes on the poses shown, which have these numbers from 1: what is best and worst."""
+    if not numbers:
+        return []
+    shown = [number - 1 for number in numbers]
+    residual = result.residuals[shown].max()
+    notes = [f"residuals at most {residual:.1e}"]
+    condition = result.conditions[shown]
+    best, worst = int(np.argmin(condition)), int(np.argmax(condition))
+    lowest, highest = (f"{condition[k]:.{_DIGITS}g}" for k in (best, worst))
+    if len(numbers) > 1 and lowest != highest:
+        notes.append(
+            f"best conditioned: pose {numbers[best]} ({lowest}); "
+            f"worst: pose {numbers[worst]} ({highest})"
+        )
+    if len(numbers) > 1 and lowest == highest:
+        notes.append(f"every pose has condition {lowest}")
+    return ["; ".join(notes)]

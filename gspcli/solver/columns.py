@@ -1,0 +1,134 @@
+"""What is said of every pose of a result: each column is one line, for tables, CSV and frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.errors import GspError
+from gspcli.geometry.euler import check_sequence, euler_from_rotation
+from gspcli.geometry.poses import vector_from_rotation
+
+if TYPE_CHECKING:
+    from gspcli.solver.result import SolveResult
+
+Reader = Callable[["SolveResult"], Sequence[Any] | NDArray[Any]]
+#: How rotations can be written besides as Euler angles, which are named by their axes.
+ROTATIONS = ("quaternion", "matrix", "rotvec")
+
+
+@dataclass(frozen=True)
+class PoseColumn:
+    """Something said of every pose.
+
+    Attributes
+    ----------
+    key
+        The name of the column in every format.
+    read
+        Takes the values from a result, one for each pose.
+    unit
+        Which unit of the instance the values are in.
+    of_pose
+        Whether it is a part of the pose itself, complex where the pose is not real.
+    """
+
+    key: str
+    read: Reader
+    unit: Literal["", "length", "angle"] = ""
+    of_pose: bool = False
+
+
+def _part(read: Callable[[SolveResult], NDArray[Any]], entry: int) -> Reader:
+    """Read one of the entries that there are for each pose."""
+    return lambda result: read(result)[:, entry]
+
+
+def _sides(result: SolveResult) -> list[list[str]]:
+    return [
+        [f"{constraint}:{side}" for constraint, side in solution.sides.items()]
+        for solution in result.solutions
+    ]
+
+
+#: The position of the platform's origin in the base.
+TRANSLATION = tuple(
+    PoseColumn(f"T{axis}", _part(lambda r: r.T, k), "length", of_pose=True)
+    for k, axis in enumerate("xyz")
+)
+QUATERNION = tuple(
+    PoseColumn(f"q{axis}", _part(lambda r: r.quaternions, k), of_pose=True)
+    for k, axis in enumerate("wxyz")
+)
+_MATRIX = tuple(
+    PoseColumn(f"r{i + 1}{j + 1}", _part(lambda r: r.R.reshape(-1, 9), 3 * i + j), of_pose=True)
+    for i in range(3)
+    for j in range(3)
+)
+#: What is known of the pose.
+FACTS = (
+    PoseColumn("real", lambda r: r.real),
+    PoseColumn("sides", _sides),
+    PoseColumn("multiplicity", lambda r: r.multiplicity),
+    PoseColumn("residual", lambda r: r.residuals.max(axis=1, initial=0.0)),
+    PoseColumn("condition", lambda r: r.conditions),
+    PoseColumn("certified", lambda r: r.certified),
+)
+#: The order is that of the CSV, after the number, and of the frame.
+COLUMNS = (*TRANSLATION, *QUATERNION, *FACTS)
+
+
+def rotation_columns(form: str) -> tuple[PoseColumn, ...]:
+    """Return the columns of rotations written in a form.
+
+    Parameters
+    ----------
+    form
+        One of `ROTATIONS`, or three axes as `gspcli.geometry.euler` takes them: ``ZYX`` for
+        turns about the axes of the platform, ``xyz`` about those of the base. Vectors and
+        angles are in the angle unit of the instance, and say nothing of poses that are not real.
+
+    Raises
+    ------
+    GspError
+        If it is no such form.
+    """
+    known = {"quaternion": QUATERNION, "matrix": _MATRIX}
+    if form in known:
+        return known[form]
+    if form == "rotvec":
+        return tuple(
+            PoseColumn(f"rotvec_{axis}", _part(_vectors, k), "angle", of_pose=True)
+            for k, axis in enumerate("xyz")
+        )
+    try:
+        sequence = check_sequence(form)
+    except GspError as error:
+        message = f"{error}\nor one of {', '.join(ROTATIONS)}"
+        raise GspError(message) from error
+    return tuple(
+        PoseColumn(f"r{axis}", _part(partial(_angles, sequence), k), "angle", of_pose=True)
+        for k, axis in enumerate("xyz")
+    )
+
+
+def _vectors(result: SolveResult) -> NDArray[np.float64]:
+    return _of_real(result, vector_from_rotation)
+
+
+def _angles(sequence: str, result: SolveResult) -> NDArray[np.float64]:
+    return _of_real(result, partial(euler_from_rotation, sequence))
+
+
+def _of_real(
+    result: SolveResult, written: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+) -> NDArray[np.float64]:
+    """Return angles of the real poses in the unit of the instance, others are not numbers."""
+    values = np.full((len(result.R), 3), np.nan)
+    values[result.real] = written(result.R[result.real].real) / result.arrangement.in_radians
+    return values
