@@ -1,3 +1,5 @@
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -74,5 +76,6 @@ def count(
     find_distinct: bool,
     max_work: int,
     max_entries: int,
+    trace: bool = False,
     build: str = "",
-) -> tuple[int, int, int, int, bool, int, list[int]]: ...
+) -> tuple[int, int, int, int, bool, int, tuple[Any, ...] | None]: ...

@@ -62,12 +62,13 @@ class BorderBasis {
   using Vector = std::vector<Residue>;
 
   BorderBasis(const F& field, int variables, std::vector<Polynomial<F>> generators,
-              std::uint64_t seed, Budget& budget)
+              std::uint64_t seed, Budget& budget, std::vector<EliminationStep>* trace = nullptr)
       : field_(field),
         variables_(variables),
         generators_(std::move(generators)),
         random_(seed),
         budget_(budget),
+        trace_(trace),
         monomials_(variables) {}
 
   // Finds the basis; returns false if the solutions are not finite in number.
@@ -76,9 +77,6 @@ class BorderBasis {
   int dimension() const { return static_cast<int>(normal_.size()); }
   int falls() const { return falls_; }
   bool all_commutators() const { return all_commutators_; }
-  // The number of normal monomials of each degree.
-  const std::vector<int>& hilbert() const { return hilbert_; }
-  Monomial normal(int k) const { return monomials_[normal_[k]]; }
   // A variable times a normal monomial, over the normal monomials in their order.
   Vector image(int k, int i) {
     Vector result = product(normal_[k], i);
@@ -173,10 +171,18 @@ class BorderBasis {
   std::vector<int> columns_of(int d);
   void add_generators(Echelon<F>& matrix, int d);
   void add_commutators(Echelon<F>& matrix, int d);
-  bool push(Echelon<F>& matrix) {
-    const std::uint64_t before = matrix.work();
+  void spend(const Echelon<F>& matrix) {
+    budget_.spend(matrix.work() - std::exchange(seen_work_, matrix.work()) + matrix.columns() +
+                  std::exchange(spent_, 0));
+  }
+  template <class Source>
+  bool push(Echelon<F>& matrix, const Source& source) {
     const bool grown = matrix.push();
-    budget_.spend(matrix.work() - before + matrix.columns() + std::exchange(spent_, 0));
+    spend(matrix);
+    if (grown && trace_ != nullptr) {
+      trace_->back().sources.push_back(source());
+      trace_->back().pivots.push_back(matrix.pivot(matrix.rank() - 1));
+    }
     return grown;
   }
   bool push_commutator(Echelon<F>& matrix, const Commutator& row, int d) {
@@ -184,9 +190,14 @@ class BorderBasis {
     add_multiple(matrix.accumulator, product(row.monomial, row.i), row.j, 1, d, top_);
     add_multiple(matrix.accumulator, product(row.monomial, row.j), row.i, field_.negative(1), d,
                  top_);
-    return push(matrix);
+    return push(matrix, [&] {
+      std::vector<int> source{row.i, row.j};
+      for (int i = 0; i < variables_; ++i)
+        source.push_back(exponent(monomials_[row.monomial], i));
+      return source;
+    });
   }
-  bool push_random_commutator(Echelon<F>& matrix, int d);
+  bool has_new_commutator(Echelon<F>& matrix, int d);
   Vector times_form(const Vector& form, const Vector& vector, int d);
   bool take_falls(const Echelon<F>& matrix, int& d);
   void commit(const Echelon<F>& matrix, const std::vector<int>& columns, int d);
@@ -200,23 +211,27 @@ class BorderBasis {
   std::vector<Polynomial<F>> generators_;
   std::mt19937_64 random_;
   Budget& budget_;
+  std::vector<EliminationStep>* trace_;
   Monomials monomials_;
   std::vector<int> position_;             // of each monomial among the normal ones, or -1
   std::vector<Vector> form_;              // of each border monomial its normal form
-  std::vector<int> normal_, start_, hilbert_;
+  std::vector<int> normal_, start_;
+  std::vector<int> hilbert_;              // normal monomials of each degree
   std::vector<std::pair<Monomial, int>> leading_;  // minimal leading monomials, their degrees
   std::vector<int> column_;               // of each monomial of the present degree
   int top_ = 0;                           // columns of the present degree
   int falls_ = 0;
   bool all_commutators_ = true;
-  std::uint64_t spent_ = 0;
+  std::uint64_t spent_ = 0, seen_work_ = 0;
 };
 
 template <class F>
 bool BorderBasis<F>::compute() {
   grow();
-  for (const Polynomial<F>& generator : generators_)
+  for (const Polynomial<F>& generator : generators_) {
+    if (generator.degree < 2) ++falls_;  // it was a quadric
     if (generator.degree == 0) return true;  // no solution
+  }
   normal_ = {0};
   position_[0] = 0;
   start_ = {0};
@@ -225,11 +240,12 @@ bool BorderBasis<F>::compute() {
     if (d > kMaxDegree - 1) throw WorkLimit();
     const std::vector<int> columns = columns_of(d);
     Echelon<F> matrix(field_, top_ + dimension());
+    seen_work_ = 0;
+    if (trace_ != nullptr) trace_->push_back({d, {}, {}});
     add_generators(matrix, d);
     if (d >= 2) add_commutators(matrix, d);
-    const std::uint64_t before = matrix.work();
     matrix.back_substitute();
-    budget_.spend(matrix.work() - before);
+    spend(matrix);
     if (take_falls(matrix, d)) {
       if (d == 0) {
         forget_from(0);
@@ -265,7 +281,8 @@ std::vector<int> BorderBasis<F>::columns_of(int d) {
 
 template <class F>
 void BorderBasis<F>::add_generators(Echelon<F>& matrix, int d) {
-  for (const Polynomial<F>& generator : generators_) {
+  for (std::size_t g = 0; g < generators_.size(); ++g) {
+    const Polynomial<F>& generator = generators_[g];
     if (generator.degree != d) continue;
     matrix.accumulator.clear();
     for (const auto& [m, value] : generator.terms) {
@@ -279,7 +296,7 @@ void BorderBasis<F>::add_generators(Echelon<F>& matrix, int d) {
       add_multiple(matrix.accumulator, normal_form(m - variable(i), degree - 1), i, value, d,
                    top_);
     }
-    push(matrix);
+    push(matrix, [&] { return std::vector<int>{static_cast<int>(g)}; });
   }
 }
 
@@ -316,7 +333,7 @@ void BorderBasis<F>::add_commutators(Echelon<F>& matrix, int d) {
   while (next < rest.size()) {
     if (streak >= kStreak) {
       streak = 0;
-      if (!push_random_commutator(matrix, d)) {
+      if (!has_new_commutator(matrix, d)) {
         all_commutators_ = false;
         return;
       }
@@ -336,9 +353,9 @@ typename BorderBasis<F>::Vector BorderBasis<F>::times_form(const Vector& form,
   return result;
 }
 
-// a (b u) - b (a u) for random linear forms a, b and a random combination u.
+// Whether a (b u) - b (a u), for random linear forms a, b and a random combination u, is new.
 template <class F>
-bool BorderBasis<F>::push_random_commutator(Echelon<F>& matrix, int d) {
+bool BorderBasis<F>::has_new_commutator(Echelon<F>& matrix, int d) {
   Vector a(variables_), b(variables_), u(start_[d - 1], 0);
   for (Residue& x : a) x = random();
   for (Residue& x : b) x = random();
@@ -349,7 +366,9 @@ bool BorderBasis<F>::push_random_commutator(Echelon<F>& matrix, int d) {
     add_multiple(matrix.accumulator, bu, i, a[i], d, top_);
     add_multiple(matrix.accumulator, au, i, field_.negative(b[i]), d, top_);
   }
-  return push(matrix);
+  const bool is_new = matrix.reduce() >= 0;
+  spend(matrix);
+  return is_new;
 }
 
 // Makes generators of the rows without a monomial of degree d; d becomes the least of their degrees.

@@ -13,18 +13,19 @@ template <class F>
 CountingResult count(const CountingProblem& problem) {
   const F field(problem.prime);
   Budget budget(problem.max_work, problem.max_entries, problem.check);
-  CountingResult result{CountingOutcome::kFinite, 0, 0, 0, true, 0, {}};
+  CountingResult result{CountingOutcome::kFinite, 0, 0, 0, true, 0};
   MotionRing<F> ring(field, problem);
   if (ring.is_inconsistent()) {
     result.falls = 1;
     return result;
   }
-  BorderBasis<F> basis(field, ring.variables(), ring.generators(), problem.seed, budget);
+  Elimination* const elimination = problem.elimination;
+  BorderBasis<F> basis(field, ring.variables(), ring.generators(elimination), problem.seed, budget,
+                       elimination == nullptr ? nullptr : &elimination->steps);
   result.distinct = -1;
   try {
     if (basis.compute()) {
       result.solutions = basis.dimension();
-      result.hilbert = basis.hilbert();
     } else {
       result.outcome = CountingOutcome::kInfinite;
     }

@@ -14,6 +14,27 @@ constexpr int kFunctions = 26;
 // Blocks of coordinates besides R and the moments.
 enum Blocks : unsigned { kTranslation = 1, kBody = 2, kDistance = 4 };
 
+// A step of the elimination: which rows were independent, and the column where each one leads.
+// Columns: the products of normal monomials of degree d - 1 and variables, then the normal ones,
+// both the greatest first. A source is the number of a generator, or a commutator: two variables
+// and the exponents of the normal monomial.
+struct EliminationStep {
+  int degree;
+  std::vector<std::vector<int>> sources;
+  std::vector<int> pivots;
+};
+
+// What arithmetic in other numbers needs to follow a computation.
+struct Elimination {
+  std::vector<int> variables;  // which functions of the motion they are
+  std::vector<int> coordinates;  // those in use, with 1
+  // The generators: first quadrics that vanish on the motions, over the products x_i x_j, j <= i, of
+  // coordinates, row by row; then equations that are not linear, by their numbers.
+  std::vector<std::vector<std::uint64_t>> relations;
+  std::vector<int> quadrics;
+  std::vector<EliminationStep> steps;
+};
+
 struct CountingProblem {
   std::uint64_t prime;
   std::uint64_t seed;  // of random linear forms
@@ -32,6 +53,7 @@ struct CountingProblem {
   std::uint64_t max_work;     // multiplications
   std::uint64_t max_entries;  // residues kept
   std::function<void()> check;  // called now and then; may throw
+  Elimination* elimination;     // filled in unless null
 };
 
 enum class CountingOutcome : std::int32_t { kFinite = 0, kInfinite = 1, kStopped = 2 };
@@ -43,7 +65,6 @@ struct CountingResult {
   int falls;                 // equations of lower degree that came up
   bool all_commutators;      // whether none was left to a random combination
   std::uint64_t work;
-  std::vector<int> hilbert;  // normal monomials of each degree
 };
 
 using Count = CountingResult(const CountingProblem&);

@@ -73,6 +73,16 @@ class Echelon {
 
   // Reduces the accumulator by all rows; if something remains it becomes a row: returns whether.
   bool push() {
+    const int lead = reduce();
+    if (lead < 0) return false;
+    row_of_[lead] = rank();
+    pivots_.push_back(lead);
+    rows_.push_back(taken(lead, field_.inverse(accumulator.at(lead))));
+    return true;
+  }
+
+  // Reduces the accumulator by all rows; returns its first column that is not zero, or -1.
+  int reduce() {
     int lead = -1;
     for (int column = 0; column < columns(); ++column) {
       if (accumulator.is_untouched(column)) continue;
@@ -84,11 +94,7 @@ class Echelon {
         lead = column;
       }
     }
-    if (lead < 0) return false;
-    row_of_[lead] = rank();
-    pivots_.push_back(lead);
-    rows_.push_back(taken(lead, field_.inverse(accumulator.at(lead))));
-    return true;
+    return lead;
   }
 
   // Makes every pivot the only entry of its column.

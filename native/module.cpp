@@ -330,7 +330,8 @@ nb::tuple count(std::uint64_t prime, std::uint64_t seed, unsigned blocks,
                 Array<std::int64_t, 3> hessians, Array<std::uint64_t, 2> moments,
                 Array<std::uint64_t, 2> functions, Array<std::uint64_t, 2> squares,
                 Array<std::uint64_t, 1> weights, Array<std::int64_t, 1> owners, bool find_distinct,
-                std::uint64_t max_work, std::uint64_t max_entries, const std::string& build) {
+                std::uint64_t max_work, std::uint64_t max_entries, bool trace,
+                const std::string& build) {
   const std::size_t width = kFunctions + moments.shape(0);
   require(prime % 2 == 1 && (prime < (1u << 31) || prime >> 60 == 1),
           "the prime must be odd and below 2^31 or between 2^60 and 2^61");
@@ -357,6 +358,7 @@ nb::tuple count(std::uint64_t prime, std::uint64_t seed, unsigned blocks,
     nb::gil_scoped_acquire acquire;
     if (PyErr_CheckSignals() != 0) throw nb::python_error();
   };
+  Elimination elimination;
   const CountingProblem problem{prime,
                                 seed,
                                 blocks,
@@ -372,14 +374,23 @@ nb::tuple count(std::uint64_t prime, std::uint64_t seed, unsigned blocks,
                                 find_distinct,
                                 max_work,
                                 max_entries,
-                                interrupted};
+                                interrupted,
+                                trace ? &elimination : nullptr};
   CountingResult result;
   {
     nb::gil_scoped_release release;
     result = build_named(build).count(problem);
   }
+  nb::object followed = nb::none();
+  if (trace) {
+    nb::list steps;
+    for (const EliminationStep& step : elimination.steps)
+      steps.append(nb::make_tuple(step.degree, step.sources, step.pivots));
+    followed = nb::make_tuple(elimination.variables, elimination.coordinates,
+                              elimination.relations, elimination.quadrics, steps);
+  }
   return nb::make_tuple(static_cast<int>(result.outcome), result.solutions, result.distinct,
-                        result.falls, result.all_commutators, result.work, result.hilbert);
+                        result.falls, result.all_commutators, result.work, followed);
 }
 
 }  // namespace
@@ -402,7 +413,7 @@ NB_MODULE(_kernel, m) {
         "Track every point from the start system to each target; see gspcli.continuation.tracker.");
   m.def("count", &gsp::count, "prime"_a, nb::kw_only(), "seed"_a, "blocks"_a, "hessians"_a,
         "moments"_a, "functions"_a, "squares"_a, "weights"_a, "owners"_a, "find_distinct"_a,
-        "max_work"_a, "max_entries"_a, "build"_a = "",
+        "max_work"_a, "max_entries"_a, "trace"_a = false, "build"_a = "",
         "Count solutions modulo a prime; see gspcli.certification.counting.residue_counts.");
   m.def("build", [] { return gsp::choose_build().name; },
         "Name of the build that this processor runs: avx512, avx2 or portable.");

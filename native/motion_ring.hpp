@@ -48,14 +48,20 @@ class MotionRing {
   // Whether the linear equations alone contradict each other.
   bool is_inconsistent() const { return inconsistent_; }
   int variables() const { return static_cast<int>(free_.size()); }
-  // For each coordinate (1, R, T, U, rho, T x R, further ones) an affine form in the variables,
-  // the constant last; empty for those that are no coordinates here.
-  const std::vector<std::vector<Residue>>& forms() const { return forms_; }
 
-  std::vector<Polynomial<F>> generators() {
+  // The generators of the ideal; says what they are if asked to.
+  std::vector<Polynomial<F>> generators(Elimination* elimination = nullptr) const {
     std::vector<Polynomial<F>> result;
-    for (const Quadric& quadric : relations()) keep(quadric, result);
-    for (const Quadric& quadric : quadrics_) keep(quadric, result);
+    for (const Quadric& quadric : relations())
+      if (keep(quadric, result) && elimination != nullptr)
+        elimination->relations.emplace_back(quadric.begin(), quadric.end());
+    for (const auto& [equation, quadric] : quadrics_)
+      if (keep(quadric, result) && elimination != nullptr)
+        elimination->quadrics.push_back(equation);
+    if (elimination != nullptr) {
+      elimination->coordinates = coordinates_;
+      for (const int k : free_) elimination->variables.push_back(coordinates_[k]);
+    }
     return result;
   }
 
@@ -131,29 +137,26 @@ class MotionRing {
                      field_.multiply(weight, field_.multiply(static_cast<Residue>(form[i]),
                                                              static_cast<Residue>(form[j]))));
       }
-      quadrics_.push_back(std::move(quadric));
+      quadrics_.emplace_back(equation, std::move(quadric));
     }
     linear.back_substitute();
     inconsistent_ = linear.row_of(m) >= 0;
     for (int k = 1; k <= m; ++k)
       if (linear.row_of(m - k) < 0) free_.push_back(k);
     const int n = variables();
-    local_forms_.assign(m + 1, std::vector<Residue>(n + 1, 0));
-    local_forms_[0][n] = 1;
-    for (int i = 0; i < n; ++i) local_forms_[free_[i]][i] = 1;
+    forms_.assign(m + 1, std::vector<Residue>(n + 1, 0));
+    forms_[0][n] = 1;
+    for (int i = 0; i < n; ++i) forms_[free_[i]][i] = 1;
     for (int row = 0; row < linear.rank(); ++row) {
-      std::vector<Residue>& form = local_forms_[m - linear.pivot(row)];
+      std::vector<Residue>& form = forms_[m - linear.pivot(row)];
       if (linear.pivot(row) == m) continue;
       for (int i = 0; i < n; ++i) form[i] = field_.negative(linear.entry(row, m - free_[i]));
       form[n] = field_.negative(linear.entry(row, m));
     }
-    forms_.resize(width);
-    for (int k = 0; k < width; ++k)
-      if (local_[k] >= 0) forms_[k] = local_forms_[local_[k]];
   }
 
-  // Appends a quadric in the coordinates as a polynomial in the variables, unless it is zero.
-  void keep(const Quadric& quadric, std::vector<Polynomial<F>>& result) const {
+  // Appends a quadric in the coordinates as a polynomial in the variables; false if it is zero.
+  bool keep(const Quadric& quadric, std::vector<Polynomial<F>>& result) const {
     const int n = variables();
     std::vector<Residue> sums((n + 1) * (n + 1), 0);
     for (int i = 0; i < count(); ++i)
@@ -161,12 +164,12 @@ class MotionRing {
         const Residue c = quadric[pair(i, j)];
         if (c == 0) continue;
         for (int x = 0; x <= n; ++x) {
-          if (local_forms_[i][x] == 0) continue;
-          const Residue cx = field_.multiply(c, local_forms_[i][x]);
+          if (forms_[i][x] == 0) continue;
+          const Residue cx = field_.multiply(c, forms_[i][x]);
           for (int y = 0; y <= n; ++y) {
-            if (local_forms_[j][y] == 0) continue;
+            if (forms_[j][y] == 0) continue;
             Residue& sum = sums[std::min(x, y) * (n + 1) + std::max(x, y)];
-            sum = field_.add(sum, field_.multiply(cx, local_forms_[j][y]));
+            sum = field_.add(sum, field_.multiply(cx, forms_[j][y]));
           }
         }
       }
@@ -178,7 +181,9 @@ class MotionRing {
         polynomial.terms.emplace_back(m, sums[x * (n + 1) + y]);
         polynomial.degree = std::max(polynomial.degree, (x < n) + (y < n));
       }
-    if (!polynomial.terms.empty()) result.push_back(std::move(polynomial));
+    if (polynomial.terms.empty()) return false;
+    result.push_back(std::move(polynomial));
+    return true;
   }
 
   // --- the quadrics that vanish on the motions
@@ -274,8 +279,8 @@ class MotionRing {
   std::vector<int> coordinates_;
   std::vector<int> local_ = std::vector<int>(kFunctions + problem_.moments, -1);
   std::vector<int> free_;
-  std::vector<std::vector<Residue>> local_forms_, forms_;
-  std::vector<Quadric> quadrics_;
+  std::vector<std::vector<Residue>> forms_;
+  std::vector<std::pair<int, Quadric>> quadrics_;  // with the numbers of their equations
   bool inconsistent_ = false;
 };
 

@@ -3,16 +3,18 @@
 from gspcli.certification.counting.counts import (
     DEFAULT_LIMIT,
     ExactCount,
-    NotCountedError,
     SideCount,
     count_exactly,
     count_geometry,
     exact_count,
     geometry_count,
 )
+from gspcli.certification.counting.eigenposes import ApproximatePose, poses_by_elimination
+from gspcli.certification.counting.modular_platform import NotCountedError
 
 __all__ = [
     "DEFAULT_LIMIT",
+    "ApproximatePose",
     "ExactCount",
     "NotCountedError",
     "SideCount",
@@ -20,4 +22,5 @@ __all__ = [
     "count_geometry",
     "exact_count",
     "geometry_count",
+    "poses_by_elimination",
 ]

@@ -2,42 +2,24 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-
-from flint import nmod
+from dataclasses import dataclass
 
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import GspType
-from gspcli.certification.counting.coordinates import DEGREES, Blocks, choose, quadrics
-from gspcli.certification.counting.equations import equations
+from gspcli.certification.counting.coordinates import DEGREES, quadrics
 from gspcli.certification.counting.error_bounds import COMMUTATOR_TESTS, error_bounds, total
-from gspcli.certification.counting.exact_numbers import NoElementError
-from gspcli.certification.counting.exact_platform import (
-    EvaluatedConstraint,
-    ExactConstraint,
-    evaluated,
-    exact_constraints,
-)
-from gspcli.certification.counting.homomorphism import Randomness, Requirements, homomorphisms
+from gspcli.certification.counting.modular_platform import ModularPlatform, NotCountedError
 from gspcli.certification.counting.residue_counts import Outcome, ResidueCount, count
-from gspcli.errors import GspError
+from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
 
-DEFAULT_SEED = 20031
 #: Billions of multiplications after which a count is given up, by default: each takes a second
 #: or two.
 DEFAULT_LIMIT = 5.0
 _BILLION = 10**9
 _UNLIMITED = 2**62
-
-
-class NotCountedError(GspError):
-    """The solutions of an instance could not be counted; says why."""
-
-    exit_code = 4
 
 
 @dataclass(frozen=True)
@@ -96,7 +78,7 @@ class ExactCount:
 
 
 def exact_count(
-    instance: Instance, *, seed: int = DEFAULT_SEED, limit: float | None = DEFAULT_LIMIT
+    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
 ) -> ExactCount | None:
     """Return how many solutions an instance has, or None if that could not be computed.
 
@@ -122,7 +104,7 @@ def exact_count(
 
 
 def geometry_count(
-    instance: Instance, *, seed: int = DEFAULT_SEED, limit: float | None = DEFAULT_LIMIT
+    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
 ) -> ExactCount | None:
     """Return how many solutions an instance's geometry has with generic values, or None.
 
@@ -135,7 +117,7 @@ def geometry_count(
 
 
 def count_exactly(
-    instance: Instance, *, seed: int = DEFAULT_SEED, limit: float | None = DEFAULT_LIMIT
+    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
 ) -> ExactCount:
     """Return how many solutions an instance has.
 
@@ -151,7 +133,7 @@ def count_exactly(
 
 
 def count_geometry(
-    instance: Instance, *, seed: int = DEFAULT_SEED, limit: float | None = DEFAULT_LIMIT
+    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
 ) -> ExactCount:
     """Return how many solutions an instance's geometry has with generic values.
 
@@ -162,67 +144,45 @@ def count_geometry(
 
 
 def _count(instance: Instance, seed: int, limit: float | None, *, values_free: bool) -> ExactCount:
-    text = f"{seed} {values_free} {_identity(instance)}"
-    max_work = _UNLIMITED if limit is None else int(limit * _BILLION)
-    try:
-        exact = exact_constraints(instance, values_free=values_free)
-        requirements = Requirements(number for row in exact for number in row.numbers)
-    except NoElementError as error:
-        message = f"the solutions cannot be counted exactly: no exact arithmetic for {error}"
-        raise NotCountedError(message) from None
-    for homomorphism in homomorphisms(requirements, text):
-        try:
-            rows = [evaluated(row, homomorphism) for row in exact]
-        except ZeroDivisionError:
-            continue
-        break
-    prime = homomorphism.prime
-    randomness = Randomness(f"{text} forms")
-    choices = list(itertools.product(*(row.sides for row in exact)))
-    if values_free:
-        rows = [replace(row, value=nmod(randomness.below(prime), prime)) for row in rows]
-    blocks = choose([row.kind for row in rows])
+    platform = ModularPlatform(instance, seed, values_free=values_free)
+    max_work = work_limit(limit)
     results: list[ResidueCount] = []
-    for signs in choices:
+    for signs in platform.choices:
         if values_free and results:
             # Generic values have no sign: all sides are alike.
             results.append(results[0])
             continue
-        chosen = [row.on_side(sign) for row, sign in zip(rows, signs, strict=True)]
         result = count(
-            equations(chosen),
-            blocks,
-            prime,
-            seed=randomness.below(2**63),
+            platform.equations(signs),
+            platform.blocks,
+            platform.prime,
+            seed=platform.randomness.below(2**63),
             max_work=max_work,
         )
         if result.outcome is Outcome.STOPPED:
             message = (
                 "the solutions cannot be counted exactly within the limit of "
-                f"{max_work / _BILLION:g} billion multiplications"
+                f"{limit:g} billion multiplications"
             )
             raise NotCountedError(message)
         max_work -= result.work
         results.append(result)
-    return _assembled(exact, requirements, rows, blocks, choices, results, prime)
+    return _assembled(platform, results)
 
 
-def _assembled(
-    exact: Sequence[ExactConstraint],
-    requirements: Requirements,
-    rows: Sequence[EvaluatedConstraint],
-    blocks: Blocks,
-    choices: Sequence[tuple[int, ...]],
-    results: Sequence[ResidueCount],
-    prime: int,
-) -> ExactCount:
+def work_limit(limit: float | None) -> int:
+    """Return a limit in multiplications."""
+    return _UNLIMITED if limit is None else int(limit * _BILLION)
+
+
+def _assembled(platform: ModularPlatform, results: Sequence[ResidueCount]) -> ExactCount:
     finite = all(result.outcome is Outcome.FINITE for result in results)
     isolated = [r for r in results if r.outcome is Outcome.FINITE]
     points = max((result.solutions for result in isolated), default=0)
-    bounds = error_bounds(exact, requirements, points)
-    errors = [_error(result, rows, blocks, bounds[0]) for result in results]
-    simple = [result.distinct == result.solutions for result in results]
-    error = total(errors)
+    bounds = error_bounds(platform.exact, platform.requirements, points)
+    error = total(_error(result, platform, bounds[0]) for result in results)
+    # As many distinct values as solutions prove the solutions distinct.
+    doubtful = [result for result in results if result.distinct != result.solutions]
     distinct: int | None = None
     if finite and all(result.distinct is not None for result in results):
         distinct = sum(result.distinct or 0 for result in results)
@@ -231,8 +191,7 @@ def _assembled(
         solutions=sum(result.solutions for result in results) if finite else None,
         distinct=distinct,
         error=error,
-        # As many distinct values as solutions prove the solutions distinct.
-        distinct_error=total([error, *(0.0 if done else bounds[1] for done in simple)]),
+        distinct_error=total([error, *(bounds[1] for _ in doubtful)]),
         proved_lower=sum(result.solutions for result in isolated),
         proved_distinct=sum(result.distinct or 0 for result in isolated),
         sides=tuple(
@@ -241,15 +200,13 @@ def _assembled(
                 result.solutions if result.outcome is Outcome.FINITE else None,
                 result.distinct if result.outcome is Outcome.FINITE else None,
             )
-            for signs, result in zip(choices, results, strict=True)
+            for signs, result in zip(platform.choices, results, strict=True)
         ),
-        prime=prime,
+        prime=platform.prime,
     )
 
 
-def _error(
-    result: ResidueCount, rows: Sequence[EvaluatedConstraint], blocks: Blocks, bound: float
-) -> float:
+def _error(result: ResidueCount, platform: ModularPlatform, bound: float) -> float:
     """Return 0 if one prime proves that there are just so many solutions, else a bound.
 
     If no solution is at infinity modulo the prime, none is, and the theorem of Bezout applies: the
@@ -257,24 +214,13 @@ def _error(
     solutions modulo the prime come from solutions; if they are as many as the generic count, these
     are all (docs/counts.md), and only the random tests of the border basis may have misled.
     """
-    kinds = [row.kind for row in rows]
+    blocks, kinds = platform.blocks, platform.kinds
     if result.outcome is not Outcome.FINITE:
         return bound
     if not result.has_falls and result.solutions == DEGREES[blocks] << quadrics(blocks, kinds):
         return 0.0
     # The equation of a DLL of distance zero is the root of the generic one.
-    halved = sum(row.kind is DLL and row.is_zero for row in rows)
+    halved = sum(row.kind is DLL and row.is_zero for row in platform.rows)
     if result.solutions << halved == generic_counts(GspType.of(kinds)).one_sided:
         return 0.0 if result.all_commutators else COMMUTATOR_TESTS
     return bound
-
-
-def _identity(instance: Instance) -> str:
-    """Return a text that says all numbers of an instance."""
-    parts = [instance.units.angle.value]
-    for row in instance.constraints:
-        parts += [row.kind.name, row.side.value, str(row.value)]
-        for geometry in (row.platform, row.base):
-            for name in ("position", "direction", "normal"):
-                parts += map(str, getattr(geometry, name, ()))
-    return " ".join(parts)

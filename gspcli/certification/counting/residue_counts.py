@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +57,54 @@ class ResidueCount:
     work: int
 
 
+@dataclass(frozen=True)
+class Step:
+    """A step of an elimination: independent rows and where each one leads.
+
+    Attributes
+    ----------
+    degree
+        The degree d. Columns are the products of normal monomials of degree d - 1 and variables,
+        then the normal monomials below, both in degree reverse lexicographic order.
+    sources
+        For each row the number of a generator, or two variables and the exponents of the normal
+        monomial whose commutator it is.
+    pivots
+        For each row the column where it leads after elimination.
+    """
+
+    degree: int
+    sources: list[list[int]]
+    pivots: list[int]
+
+
+@dataclass(frozen=True)
+class EliminationTrace:
+    """What arithmetic in other numbers needs to follow a computation modulo a prime.
+
+    Attributes
+    ----------
+    prime
+        The prime.
+    variables, coordinates
+        Functions of a motion: the variables, and all coordinates in use with 1.
+    relations
+        The first generators: quadrics that vanish on the motions, coefficients of the products
+        ``x_i x_j``, j <= i, of the coordinates, row by row.
+    quadrics
+        The generators behind them: numbers of the equations that are not linear.
+    steps
+        The steps, a fall of degree after each whose pivots are not all in its degree.
+    """
+
+    prime: int
+    variables: list[int]
+    coordinates: list[int]
+    relations: list[list[int]]
+    quadrics: list[int]
+    steps: list[Step]
+
+
 @cache
 def _hessians() -> NDArray[np.int64]:
     entries = [int(entry) for entry in study.hessians().entries()]
@@ -104,11 +153,40 @@ def count(
     ResidueCount
         The counts.
     """
-    width = FUNCTIONS + len(equations.moments)
-    squares = [(k, *square) for k, e in enumerate(equations.equations) for square in e.squares]
-    outcome, solutions, distinct, falls, all_commutators, work, _ = _kernel.count(
+    result, _ = _run(
+        equations,
+        blocks,
         prime,
         seed=seed,
+        max_work=max_work,
+        find_distinct=find_distinct,
+        build=build,
+    )
+    return result
+
+
+def trace(
+    equations: Equations, blocks: Blocks, prime: int, *, seed: int, max_work: int
+) -> tuple[ResidueCount, EliminationTrace]:
+    """Count solutions, and return how the elimination went; parameters are those of `count`."""
+    result, followed = _run(
+        equations, blocks, prime, seed=seed, max_work=max_work, find_distinct=False, trace=True
+    )
+    assert followed is not None
+    variables, coordinates, relations, quadrics, steps = followed
+    followed_steps = [Step(*step) for step in steps]
+    return result, EliminationTrace(
+        prime, variables, coordinates, relations, quadrics, followed_steps
+    )
+
+
+def _run(
+    equations: Equations, blocks: Blocks, prime: int, **options: Any
+) -> tuple[ResidueCount, tuple[Any, ...] | None]:
+    width = FUNCTIONS + len(equations.moments)
+    squares = [(k, *square) for k, e in enumerate(equations.equations) for square in e.squares]
+    outcome, solutions, distinct, falls, all_commutators, work, followed = _kernel.count(
+        prime,
         blocks=int(blocks),
         hessians=_hessians(),
         moments=_matrix(equations.moments, FUNCTIONS, prime),
@@ -116,12 +194,10 @@ def count(
         squares=_matrix([function for _, _, function in squares], width, prime),
         weights=np.array([int(weight) % prime for _, weight, _ in squares], dtype=np.uint64),
         owners=np.array([owner for owner, _, _ in squares], dtype=np.int64),
-        find_distinct=find_distinct,
-        max_work=max_work,
         max_entries=MAX_ENTRIES,
-        build=build,
+        **options,
     )
-    return ResidueCount(
+    result = ResidueCount(
         Outcome(outcome),
         solutions,
         None if distinct < 0 else distinct,
@@ -129,3 +205,4 @@ def count(
         all_commutators,
         work,
     )
+    return result, followed

@@ -1,0 +1,333 @@
+"""The elimination that a prime has shown, in real numbers of any precision.
+
+Which rows are independent, where they lead, and what vanishes exactly is known from the prime; so
+only linear systems with invertible matrices are left to solve. The results are approximate: no
+error is bounded here, because what is found with them is certified afterwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from flint import acb, arb, arb_mat, fmpq
+
+from gspcli.certification import study
+from gspcli.certification.counting.equations import Equations, Function
+from gspcli.certification.counting.residue_counts import EliminationTrace, Step
+
+#: A polynomial, by packed exponents; and a vector over normal monomials, by their positions.
+Polynomial = dict[int, arb]
+Vector = dict[int, arb]
+
+_BITS = 5
+_MASK = 2**_BITS - 1
+_ONE = arb(1)
+#: The relations of the coordinates have fractions with denominators and numerators below these.
+_MAX_DENOMINATOR, _MAX_NUMERATOR = 64, 2**20
+
+
+class NotFollowedError(ValueError):
+    """An elimination that cannot be followed; says why."""
+
+
+def _degree(monomial: int) -> int:
+    total = 0
+    while monomial:
+        total += monomial & _MASK
+        monomial >>= _BITS
+    return total
+
+
+class FollowedElimination:
+    """The algebra of solutions: normal monomials and how variables multiply them.
+
+    Parameters
+    ----------
+    equations
+        The equations with balls as coefficients.
+    trace
+        How the elimination went modulo a prime.
+    """
+
+    def __init__(self, equations: Equations, trace: EliminationTrace) -> None:
+        self.variables = len(trace.variables)
+        self._units = [1 << (_BITS * i) for i in range(self.variables)]
+        #: For each function of the motion that is a coordinate, an affine form in the variables.
+        self.forms = _affine_forms(equations, trace, self._units)
+        self.normal: list[int] = [0]
+        self._start = [0]
+        self._position = {0: 0}
+        self._known: dict[int, Vector] = {}
+        self._generators = self._first_generators(equations, trace)
+        for step in trace.steps:
+            self._follow(step)
+
+    @property
+    def dimension(self) -> int:
+        """How many solutions there are."""
+        return len(self.normal)
+
+    def multiplication(self, form: Sequence[int]) -> arb_mat:
+        """Return the matrix by which a linear form multiplies the normal monomials.
+
+        Its right eigenvectors are the normal monomials' values at the solutions, and its
+        eigenvalues the form's.
+        """
+        size = self.dimension
+        rows = [[arb(0)] * size for _ in range(size)]
+        for row, monomial in zip(rows, self.normal, strict=True):
+            for factor, unit in zip(form, self._units, strict=True):
+                for position, value in self._vector(monomial + unit).items():
+                    row[position] += factor * value
+        return arb_mat(rows)
+
+    def coordinates(self) -> list[Vector]:
+        """Return each variable as a vector over the normal monomials."""
+        return [self._vector(unit) for unit in self._units]
+
+    def functions(self, variables: Sequence[acb]) -> dict[int, acb]:
+        """Return the values of all coordinates in use, from those of the variables."""
+        at = dict(zip(self._units, variables, strict=True)) | {0: acb(1)}
+        return {
+            function: sum((at[monomial] * x for monomial, x in form.items()), acb(0))
+            for function, form in self.forms.items()
+        }
+
+    # --- generators
+
+    def _first_generators(self, equations: Equations, trace: EliminationTrace) -> list[Polynomial]:
+        forms = [self.forms[k] for k in trace.coordinates]
+        result = []
+        for relation in trace.relations:
+            polynomial: Polynomial = {}
+            entries = iter(relation)
+            for i, first in enumerate(forms):
+                for second in forms[: i + 1]:
+                    residue = next(entries)
+                    if residue:
+                        value = _small_fraction(residue, trace.prime)
+                        _add_product(polynomial, first, second, value)
+            result.append(polynomial)
+        for number in trace.quadrics:
+            equation = equations.equations[number]
+            polynomial = self._quadric(equation.linear)
+            for weight, function in equation.squares:
+                form = self._combined(function)
+                _add_product(polynomial, form, form, arb(weight))
+            result.append(polynomial)
+        return result
+
+    def _combined(self, function: Function) -> Polynomial:
+        result: Polynomial = {}
+        for position, coefficient in function.items():
+            _add_multiple(result, self.forms[position], arb(coefficient))
+        return result
+
+    def _quadric(self, function: Function) -> Polynomial:
+        """Return a function of the motion; those that are no coordinates are products of them."""
+        result: Polynomial = {}
+        for position, coefficient in function.items():
+            value = arb(coefficient)
+            if position in self.forms:
+                _add_multiple(result, self.forms[position], value)
+                continue
+            for first, second in _products(position, study.TRANSLATION[0] in self.forms):
+                _add_product(result, self.forms[first], self.forms[second], value)
+        return result
+
+    # --- one step
+
+    def _follow(self, step: Step) -> None:
+        self._forget_from(step.degree)
+        below = self.dimension
+        columns = sorted(
+            {m + unit for m in self.normal[self._start[step.degree - 1] :] for unit in self._units}
+        )
+        top = len(columns)
+        column_of = {monomial: c for c, monomial in enumerate(columns)}
+        width = top + below
+        rows = [self._row(source, step.degree, column_of, width) for source in step.sources]
+        others = sorted(set(range(width)) - set(step.pivots))
+        solved = _solved(rows, step.pivots, others)
+        if any(pivot >= top for pivot in step.pivots):
+            for row, pivot in enumerate(step.pivots):
+                if pivot >= top:
+                    self._add_fall(pivot, others, solved[row], width, top)
+            return
+        self._start.append(below)
+        for column in reversed(others):
+            if column < top:
+                self._position[columns[column]] = self.dimension
+                self.normal.append(columns[column])
+        positions = [self._position[columns[c]] if c < top else width - 1 - c for c in others]
+        for row, pivot in enumerate(step.pivots):
+            self._known[columns[pivot]] = {
+                position: -value
+                for position, value in zip(positions, solved[row], strict=True)
+                if not value.is_zero()
+            }
+
+    def _add_fall(
+        self, pivot: int, others: Sequence[int], row: Sequence[arb], width: int, top: int
+    ) -> None:
+        leading = self.normal[width - 1 - pivot]
+        polynomial = {leading: _ONE}
+        for column, value in zip(others, row, strict=True):
+            # Before the pivot there is exactly zero.
+            if column > pivot and column >= top:
+                polynomial[self.normal[width - 1 - column]] = value
+        self._generators.append(polynomial)
+
+    def _forget_from(self, degree: int) -> None:
+        if len(self._start) <= degree:
+            return
+        del self.normal[self._start[degree] :]
+        del self._start[degree:]
+        self._position = {monomial: k for k, monomial in enumerate(self.normal)}
+        self._known = {m: v for m, v in self._known.items() if _degree(m) < degree}
+
+    def _row(
+        self, source: Sequence[int], degree: int, column_of: dict[int, int], width: int
+    ) -> Vector:
+        row: Vector = {}
+        if len(source) == 1:
+            for monomial, value in self._generators[source[0]].items():
+                if _degree(monomial) > degree:
+                    continue  # exactly zero
+                if monomial == 0:
+                    _add(row, width - 1, value)
+                    continue
+                i = self._divisor(monomial)
+                rest = self._normal_form(monomial - self._units[i])
+                self._add_multiplied(row, rest, i, value, degree, column_of, width)
+            return row
+        i, j, *exponents = source
+        monomial = sum(e << (_BITS * k) for k, e in enumerate(exponents))
+        for first, second, sign in ((i, j, _ONE), (j, i, -_ONE)):
+            vector = self._vector(monomial + self._units[first])
+            self._add_multiplied(row, vector, second, sign, degree, column_of, width)
+        return row
+
+    def _add_multiplied(
+        self,
+        row: Vector,
+        vector: Vector,
+        i: int,
+        factor: arb,
+        degree: int,
+        column_of: dict[int, int],
+        width: int,
+    ) -> None:
+        """Add a multiple of a variable times a vector to a row."""
+        last = self._start[degree - 1]
+        unit = self._units[i]
+        for position, value in vector.items():
+            monomial, product = self.normal[position] + unit, value * factor
+            if position >= last:
+                _add(row, column_of[monomial], product)
+            elif monomial in self._position:
+                _add(row, width - 1 - self._position[monomial], product)
+            else:
+                for at, x in self._known[monomial].items():
+                    _add(row, width - 1 - at, product * x)
+
+    def _vector(self, monomial: int) -> Vector:
+        position = self._position.get(monomial)
+        return self._known[monomial] if position is None else {position: _ONE}
+
+    def _divisor(self, monomial: int) -> int:
+        """Return a variable that divides, the first one whose quotient is known; as the kernel."""
+        dividing = [i for i in range(self.variables) if monomial >> (_BITS * i) & _MASK]
+        for i in dividing:
+            rest = monomial - self._units[i]
+            if rest in self._position or rest in self._known:
+                return i
+        return dividing[-1]
+
+    def _normal_form(self, monomial: int) -> Vector:
+        if monomial in self._position or monomial in self._known:
+            return self._vector(monomial)
+        i = self._divisor(monomial)
+        result: Vector = {}
+        for position, value in self._normal_form(monomial - self._units[i]).items():
+            for at, x in self._vector(self.normal[position] + self._units[i]).items():
+                _add(result, at, value * x)
+        return result
+
+
+def _add(vector: dict[int, arb], at: int, value: arb) -> None:
+    present = vector.get(at)
+    vector[at] = value if present is None else present + value
+
+
+def _add_multiple(polynomial: Polynomial, other: Polynomial, factor: arb) -> None:
+    for monomial, value in other.items():
+        _add(polynomial, monomial, value * factor)
+
+
+def _add_product(
+    polynomial: Polynomial, first: Polynomial, second: Polynomial, factor: arb
+) -> None:
+    for a, x in first.items():
+        scaled = x * factor
+        for b, y in second.items():
+            _add(polynomial, a + b, scaled * y)
+
+
+def _small_fraction(residue: int, prime: int) -> arb:
+    """Return the fraction of small numbers that a residue stands for."""
+    for denominator in range(1, _MAX_DENOMINATOR):
+        numerator = residue * denominator % prime
+        numerator -= prime if numerator > prime // 2 else 0
+        if abs(numerator) < _MAX_NUMERATOR:
+            return arb(fmpq(numerator, denominator))
+    message = "the coordinates' relations depend on the lines of a DLL"
+    raise NotFollowedError(message)
+
+
+def _products(position: int, has_translation: bool) -> list[tuple[int, int]]:
+    """Return the products of coordinates that add up to a function without a coordinate."""
+    rotation = study.ROTATION
+    if position == study.RHO:
+        vector = study.TRANSLATION if has_translation else study.BODY
+        return [(k, k) for k in vector]
+    if position in study.BODY:
+        j = study.BODY.index(position)
+        return [(rotation[i][j], study.TRANSLATION[i]) for i in range(3)]
+    i = study.TRANSLATION.index(position)
+    return [(rotation[i][j], study.BODY[j]) for j in range(3)]
+
+
+def _solved(
+    rows: Sequence[Vector], pivots: Sequence[int], others: Sequence[int]
+) -> list[list[arb]]:
+    """Return rows in which each pivot is one and alone in its column, at the other columns."""
+    if not rows:
+        return []
+    zero = arb(0)
+    matrix = arb_mat([[row.get(c, zero) for c in pivots] for row in rows])
+    right = arb_mat([[row.get(c, zero) for c in others] for row in rows])
+    entries = matrix.solve(right, algorithm="approx").entries() if others else []
+    width = len(others)
+    return [entries[k * width : (k + 1) * width] for k in range(len(pivots))]
+
+
+def _affine_forms(
+    equations: Equations, trace: EliminationTrace, units: Sequence[int]
+) -> dict[int, Polynomial]:
+    """Return the coordinates in use as affine forms, by the linear equations."""
+    forms: dict[int, Polynomial] = {study.NORM: {0: _ONE}}
+    forms |= {k: {unit: _ONE} for k, unit in zip(trace.variables, units, strict=True)}
+    pivots = [k for k in trace.coordinates if k not in forms]
+    if pivots:
+        others = [study.NORM, *trace.variables]
+        rows = [
+            {k: arb(value) for k, value in equation.linear.items()}
+            for number, equation in enumerate(equations.equations)
+            if number not in trace.quadrics
+        ]
+        for pivot, row in zip(pivots, _solved(rows, pivots, others), strict=True):
+            forms[pivot] = {
+                monomial: -value for monomial, value in zip([0, *units], row, strict=True)
+            }
+    return forms

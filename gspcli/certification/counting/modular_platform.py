@@ -1,0 +1,122 @@
+"""An instance modulo a random prime that is derived from it."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from flint import nmod
+
+from gspcli.catalogue.kinds import Kind
+from gspcli.certification.counting.coordinates import choose
+from gspcli.certification.counting.equations import Equations, equations
+from gspcli.certification.counting.exact_numbers import NoElementError
+from gspcli.certification.counting.exact_platform import (
+    EvaluatedConstraint,
+    evaluated,
+    exact_constraints,
+)
+from gspcli.certification.counting.homomorphism import (
+    Homomorphism,
+    Randomness,
+    Requirements,
+    homomorphisms,
+)
+from gspcli.errors import GspError
+from gspcli.geometry.instance import Instance
+
+
+class NotCountedError(GspError):
+    """The solutions of an instance could not be counted; says why."""
+
+    exit_code = 4
+
+
+class ModularPlatform:
+    """The constraints of an instance modulo a prime.
+
+    Parameters
+    ----------
+    instance
+        The instance.
+    seed
+        The prime and everything random is derived from it and the instance.
+    values_free
+        Whether the values are random instead of those of the instance.
+
+    Raises
+    ------
+    NotCountedError
+        If the numbers have no homomorphism to a prime field that is known to be one.
+
+    Attributes
+    ----------
+    exact
+        The constraints with exact numbers.
+    requirements
+        What primes must have.
+    choices
+        Choices of sides: for each constraint 1 or -1.
+    blocks
+        The coordinates that suit the constraints.
+    prime
+        The prime.
+    rows
+        The constraints modulo the prime.
+    randomness
+        The source of further random numbers.
+    """
+
+    def __init__(self, instance: Instance, seed: int, *, values_free: bool = False) -> None:
+        try:
+            self.exact = exact_constraints(instance, values_free=values_free)
+            self.requirements = Requirements(x for row in self.exact for x in row.numbers)
+        except NoElementError as error:
+            message = f"the solutions cannot be counted exactly: no exact arithmetic for {error}"
+            raise NotCountedError(message) from None
+        text = f"{seed} {values_free} {_identity(instance)}"
+        self.choices = tuple(itertools.product(*(row.sides for row in self.exact)))
+        self.blocks = choose(self.kinds)
+        self.randomness = Randomness(f"{text} forms")
+        self.prime, self.rows = self._images(homomorphisms(self.requirements, text))
+        if values_free:
+            self.rows = [
+                replace(row, value=nmod(self.randomness.below(self.prime), self.prime))
+                for row in self.rows
+            ]
+
+    @property
+    def kinds(self) -> tuple[Kind, ...]:
+        """The kinds of the constraints."""
+        return tuple(row.kind for row in self.exact)
+
+    def equations(self, signs: Sequence[int]) -> Equations:
+        """Return the equations modulo the prime for a choice of sides."""
+        return equations(on_sides(self.rows, signs))
+
+    def _images(self, candidates: Iterator[Homomorphism]) -> tuple[int, list[EvaluatedConstraint]]:
+        for homomorphism in candidates:
+            try:
+                return homomorphism.prime, [evaluated(row, homomorphism) for row in self.exact]
+            except ZeroDivisionError:
+                continue
+        raise AssertionError
+
+
+def on_sides(
+    rows: Sequence[EvaluatedConstraint], signs: Sequence[int]
+) -> list[EvaluatedConstraint]:
+    """Return constraints on one choice of sides."""
+    return [row.on_side(sign) for row, sign in zip(rows, signs, strict=True)]
+
+
+def _identity(instance: Instance) -> str:
+    """Return a text that says all numbers of an instance."""
+    parts = [instance.units.angle.value]
+    for row in instance.constraints:
+        parts += [row.kind.name, row.side.value, str(row.value)]
+        for geometry in (row.platform, row.base):
+            for name in ("position", "direction", "normal"):
+                parts += map(str, getattr(geometry, name, ()))
+    return " ".join(parts)
