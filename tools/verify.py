@@ -147,6 +147,7 @@ STEPS = (
         ("docs/images/bound.svg", "docs/images/enumerate.svg", "docs/images/solve.svg"),
         "tools/build_pictures.py --check",
     ),
+    Step("drawings", ("docs/images/example-6.8.svg",), "tools/build_drawings.py --check"),
 )
 
 

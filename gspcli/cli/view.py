@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -15,10 +16,13 @@ from gspcli.cli.poses import text_of
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
+    from gspcli.pictures.projection import View
     from gspcli.pictures.scene import Scene
     from gspcli.solver import SolveResult
 
-_PAGE = "html"
+#: From the zenith, in degrees.
+_UPRIGHT = 90
+_PAGE, _DRAWINGS = "html", ("svg", "png", "pdf")
 
 
 @click.command()
@@ -45,13 +49,26 @@ _PAGE = "html"
     "standard input.",
 )
 @click.option("--open", "opened", is_flag=True, help="Open the page in the browser.")
-@output_options(formats=(_PAGE,), default=_PAGE)
+@click.option(
+    "--all-modes", is_flag=True, help="Of a drawing (svg, png, pdf): a panel for every mode."
+)
+@click.option(
+    "--from",
+    "seen_from",
+    metavar="AZIMUTH,ELEVATION",
+    help="From where it is seen, in degrees.  [default: -62,20]",
+)
+@click.option("--no-names", is_flag=True, help="Without names and numbers in the picture.")
+@output_options(formats=(_PAGE, *_DRAWINGS), default=_PAGE)
 def command(
     spec: str,
     settings: tuple[str, ...],
     mode: int | None,
     track: str | None,
     opened: bool,
+    all_modes: bool,
+    seen_from: str | None,
+    no_names: bool,
     output: Output,
 ) -> None:
     """Show a platform, all its assembly modes and how it moves.
@@ -60,7 +77,8 @@ def command(
     page is one file that needs neither a network nor gsp: the bodies with their points, lines and
     planes, the six constraints as what they are, every real pose with its numbers, a slider
     through them or through a trajectory. Without -o it goes to standard output or, on a terminal,
-    to a file in the current folder, named as SPEC.
+    to a file in the current folder, named as SPEC. With the suffix svg, png or pdf it is a line
+    drawing for a paper, of one mode or of all (needs matplotlib).
 
     FILE needs the columns x, y, z, qw, qx, qy, qz; t, mode, condition, clearance are read if
     there are any. Rows without a pose are skipped.
@@ -69,17 +87,20 @@ def command(
     Examples:
       gsp view @example-6.8
       gsp view platform.yaml --set 1=5.2 -o platform.html
+      gsp view platform.yaml --mode 3 --from=-40,25 -o figure.pdf
       gsp track platform.yaml moves.csv | gsp view platform.yaml --track - --open
     """
     if spec == track == "-":
         message = "SPEC and --track cannot both be standard input"
         raise click.UsageError(message)
+    from gspcli.pictures.drawing import drawing
     from gspcli.pictures.page import page
     from gspcli.pictures.staging import scene_of
     from gspcli.pictures.tracks import read_tracks
     from gspcli.solver import solve
     from gspcli.spec import set_values
 
+    view = _view(seen_from)
     instance = set_values(load_instance(spec), settings)
     tracks = read_tracks(*text_of(track)) if track is not None else []
     if output.path is None and (opened or sys.stdout.isatty()):
@@ -88,12 +109,39 @@ def command(
         output = replace(output, path=path)
     result = solve(instance)
     scene = scene_of(result, tracks)
-    text = page(scene, start=_start(result, mode), series=1 if tracks else 0)
-    write(output, text)
+    start = _start(result, mode)
+    content: str | bytes
+    if output.format == _PAGE:
+        first = 1 if tracks else None
+        content = page(scene, start, first, view, names=not no_names)
+    else:
+        count = len(scene.series[0])
+        modes = range(count) if all_modes else range(count)[start : start + 1]
+        content = drawing(scene, output.format, modes, view, names=not no_names)
+    write(output, content)
     if output.path is not None:
-        _say(output.path, scene, len(text.encode()))
+        _say(output.path, scene, len(content.encode() if isinstance(content, str) else content))
         if opened:
             click.launch(output.path.resolve().as_uri())
+
+
+def _view(text: str | None) -> View | None:
+    """Return the direction that --from names."""
+    from gspcli.pictures.projection import View
+
+    if text is None:
+        return None
+    try:
+        azimuth, elevation = map(float, text.split(","))
+    except ValueError:
+        azimuth = elevation = math.nan
+    if not (math.isfinite(azimuth) and abs(elevation) <= _UPRIGHT):
+        message = (
+            f"--from {text}: expected two angles in degrees, azimuth,elevation, the second "
+            f"between -{_UPRIGHT} and {_UPRIGHT}"
+        )
+        raise GspError(message)
+    return View(azimuth, elevation)
 
 
 def _stem(spec: str) -> str:

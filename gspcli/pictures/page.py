@@ -12,6 +12,7 @@ import re
 from html import escape
 
 from gspcli import __version__
+from gspcli.pictures.projection import View
 from gspcli.pictures.scene import Scene, Series
 from gspcli.resources import data_path
 
@@ -20,7 +21,14 @@ _DIGITS = 4
 _BLANK = re.compile(r"@@(\w+)@@")
 
 
-def page(scene: Scene, start: int = 0, series: int | None = None) -> str:
+def page(
+    scene: Scene,
+    start: int = 0,
+    series: int | None = None,
+    view: View | None = None,
+    *,
+    names: bool = True,
+) -> str:
     """Return the page of a scene, a whole HTML document.
 
     Parameters
@@ -31,13 +39,24 @@ def page(scene: Scene, start: int = 0, series: int | None = None) -> str:
         The assembly mode that is shown first, from 0.
     series
         The series that is shown first; if None, the first that has poses.
+    view
+        From where it is seen first; a usual one if None.
+    names
+        Whether primitives and constraints are named at first.
     """
     modes = scene.series[0]
     if series is None:
         series = next((k for k, each in enumerate(scene.series) if len(each)), 0)
+    eye = (view or View()).axes[2].round(6).tolist()
     # A script element ends at the first "</", wherever it stands.
     data = json.dumps(
-        {**scene.to_json(), "first": series, "start": 0 if series else start},
+        {
+            **scene.to_json(),
+            "first": series,
+            "start": 0 if series else start,
+            "eye": eye,
+            "names": names,
+        },
         ensure_ascii=False,
         separators=(",", ":"),
     ).replace("</", "<\\/")

@@ -49,3 +49,24 @@ def test_what_is_wrong_is_said(gsp: Callable, arguments: tuple[str, ...], messag
     outcome = gsp("view", *arguments)
     assert (outcome.code, outcome.out) == (2, "")
     assert message in outcome.err
+
+
+@pytest.mark.parametrize("suffix", ["svg", "png", "pdf"])
+def test_drawings(gsp: Callable, tmp_path: Path, suffix: str) -> None:
+    target = tmp_path / f"figure.{suffix}"
+    outcome = gsp("view", "@octahedral-3-3", "--from=-40,25", "--mode", "2", "-o", target)
+    assert (outcome.code, outcome.out) == (0, "")
+    assert target.read_bytes()[:5] in (b"<?xml", b"\x89PNG\r", b"%PDF-")
+
+
+def test_all_modes_are_more_than_one(gsp: Callable, tmp_path: Path) -> None:
+    one, every = tmp_path / "one.svg", tmp_path / "all.svg"
+    gsp("view", "@octahedral-3-3", "--no-names", "-o", one)
+    gsp("view", "@octahedral-3-3", "--no-names", "--all-modes", "-o", every)
+    assert every.stat().st_size > 3 * one.stat().st_size
+
+
+def test_a_direction_is_two_angles(gsp: Callable) -> None:
+    outcome = gsp("view", "@octahedral-3-3", "--from", "up")
+    assert outcome.code == 2
+    assert "--from up: expected two angles in degrees" in outcome.err

@@ -150,6 +150,8 @@ if (stage) {
     button.addEventListener("click", () => stage.look(button.dataset.view));
   }
   stage.setGhosts(false);
+  byId("names").checked = scene.names;
+  stage.setNames(scene.names);
   new ResizeObserver(() => stage.resize()).observe(byId("canvas"));
 } else {
   byId("display").hidden = true;

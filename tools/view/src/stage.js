@@ -22,7 +22,6 @@ import { arrowHead, flat, rods } from "./solids.js";
 import { colour, isDark } from "./theme.js";
 
 const VIEWS = {
-  reset: new Vector3(0.5, -1, 0.42),
   top: new Vector3(0, -0.0001, 1),
   front: new Vector3(0, -1, 0.0001),
   side: new Vector3(1, -0.0001, 0.0001),
@@ -51,6 +50,7 @@ export class Stage {
     this.ghosts = new Group();
     this.frames = new Group();
     this.platformColour = null;
+    this.usual = new Vector3(...scene.eye);
     this.build();
   }
 
@@ -181,13 +181,13 @@ export class Stage {
   }
 
   look(view) {
-    this.aim(this.wanted(), VIEWS[view]);
+    this.aim(this.wanted(), VIEWS[view] ?? this.usual);
   }
 
   /** Change the view if the platform is not in it, or is lost in it. */
   keepInSight() {
     const wanted = this.wanted();
-    if (this.seen === null) this.aim(wanted, VIEWS.reset);
+    if (this.seen === null) this.aim(wanted, this.usual);
     const gap = wanted.center.distanceTo(this.seen.center) + wanted.radius;
     if (gap > 1.1 * this.seen.radius || wanted.radius < TOO_SMALL * this.seen.radius) {
       this.aim(wanted, this.direction());

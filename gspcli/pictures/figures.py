@@ -1,0 +1,76 @@
+"""Figures by matplotlib: one look for drawings and charts, and the same bytes every time."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from gspcli.errors import GspError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+#: Formats in which figures are written.
+FORMATS = ("svg", "png", "pdf")
+
+INK, SOFT, RULE = "#1d2530", "#5d6876", "#dde1e7"
+BASE, PLATFORM, DISTANCE, ANGLE = "#5a6572", "#1f66b0", "#2b323c", "#b4570a"
+
+# matplotlib lists its hundreds of names as a type, which a dict of some of them is not.
+_STYLE: Any = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9,
+    "text.color": INK,
+    "axes.edgecolor": SOFT,
+    "axes.labelcolor": INK,
+    "axes.titlesize": 10,
+    "axes.linewidth": 0.8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "grid.color": RULE,
+    "grid.linewidth": 0.8,
+    "xtick.color": SOFT,
+    "ytick.color": SOFT,
+    "legend.frameon": False,
+    "svg.hashsalt": "gsp",
+    "svg.fonttype": "path",
+    "path.simplify": False,
+}
+_DPI = 200
+#: What would name the day or the program that wrote a file.
+_NO_METADATA = {
+    "svg": {"Date": None, "Creator": None},
+    "png": {"Software": None},
+    "pdf": {"CreationDate": None, "Producer": None, "Creator": None},
+}
+
+
+@contextmanager
+def styled() -> Iterator[None]:
+    """Draw and write figures in the common look inside this context.
+
+    Raises
+    ------
+    GspError
+        If matplotlib is not installed.
+    """
+    try:
+        from matplotlib import rc_context
+    except ImportError as error:
+        message = "pictures of this kind need matplotlib: pip install 'gspcli[plot]'"
+        raise GspError(message) from error
+    with rc_context(_STYLE):
+        yield
+
+
+def written(figure: Figure, fmt: str) -> bytes:
+    """Return a figure as the content of a file of one of `FORMATS`."""
+    buffer = io.BytesIO()
+    figure.savefig(
+        buffer, format=fmt, dpi=_DPI, bbox_inches="tight", pad_inches=0.06,
+        metadata=_NO_METADATA[fmt],
+    )  # fmt: skip
+    return buffer.getvalue()

@@ -1,0 +1,140 @@
+"""Orthographic projection onto paper: what is nearer is drawn later."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+#: Depths become layers of this many steps.
+_LAYERS = 10.0
+#: Of the panel beside what is drawn, as a fraction of its extent: room for names.
+_MARGIN = 0.05
+
+
+@dataclass(frozen=True)
+class View:
+    """From where a scene is drawn.
+
+    Attributes
+    ----------
+    azimuth
+        Direction of the eye about the vertical, degrees from the x axis.
+    elevation
+        Height of the eye over the horizon, degrees.
+    """
+
+    azimuth: float = -62.0
+    elevation: float = 20.0
+
+    @property
+    def axes(self) -> Array:
+        """The directions to the right, up, and to the eye, rows of shape (3, 3)."""
+        a, e = math.radians(self.azimuth), math.radians(self.elevation)
+        right = [-math.sin(a), math.cos(a), 0.0]
+        eye = [math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)]
+        return np.array([right, np.cross(eye, right), eye])
+
+
+@dataclass
+class Paper:
+    """A panel on which things in space are drawn.
+
+    Attributes
+    ----------
+    axes
+        The panel.
+    view
+        From where.
+    size
+        The length in space that corresponds to the whole range of layers.
+    extent
+        The smallest and the largest coordinates drawn so far, shape (2, 2).
+    """
+
+    axes: Axes
+    view: View
+    size: float
+    extent: Array = field(default_factory=lambda: np.array([[math.inf] * 2, [-math.inf] * 2]))
+
+    def project(self, points: Array) -> tuple[Array, float]:
+        """Return points (n, 3) on paper, (n, 2), and the layer of their middle."""
+        seen = points @ self.view.axes.T
+        return seen[:, :2], 10 + float(seen[:, 2].mean()) / self.size * _LAYERS
+
+    def _include(self, flat: Array) -> None:
+        self.extent[0] = np.minimum(self.extent[0], flat.min(axis=0))
+        self.extent[1] = np.maximum(self.extent[1], flat.max(axis=0))
+
+    def line(
+        self, points: Array, color: str, width: float, *, above: float = 0, **more: Any
+    ) -> None:
+        """Draw a polyline, width in points."""
+        flat, layer = self.project(points)
+        self._include(flat)
+        self.axes.plot(
+            *flat.T, color=color, linewidth=width, zorder=layer + above,
+            solid_capstyle="round", solid_joinstyle="round", **more,
+        )  # fmt: skip
+
+    def polygon(self, corners: Array, color: str, alpha: float, edge: float = 0.0) -> None:
+        """Fill a polygon, with an edge of a width in points."""
+        flat, layer = self.project(corners)
+        self._include(flat)
+        self.axes.fill(*flat.T, facecolor=color, alpha=alpha, linewidth=0, zorder=layer - 0.05)
+        if edge:
+            self.axes.fill(*flat.T, fill=False, edgecolor=color, linewidth=edge, zorder=layer)
+
+    def dot(self, point: Array, color: str, size: float, *, hollow: bool = False) -> None:
+        """Draw a point as a disc of a diameter in points."""
+        flat, layer = self.project(point[None])
+        self._include(flat)
+        self.axes.plot(
+            *flat.T, "o", markersize=size, color=color, zorder=layer + 0.1,
+            markerfacecolor="white" if hollow else color, markeredgewidth=max(0.8, size / 6),
+        )  # fmt: skip
+
+    def arrow(self, start: Array, end: Array, color: str, width: float) -> None:
+        """Draw an arrow; its head is at the end."""
+        flat, layer = self.project(np.stack((start, end)))
+        self._include(flat)
+        self.axes.annotate(
+            "", xy=flat[1], xytext=flat[0], zorder=layer + 0.2, annotation_clip=False,
+            arrowprops={
+                "arrowstyle": "-|>", "color": color, "linewidth": width, "shrinkA": 0,
+                "shrinkB": 0, "mutation_scale": 7 + 2 * width,
+            },
+        )  # fmt: skip
+
+    def text(
+        self, point: Array, words: str, color: str, shift: Array | None = None, **more: Any
+    ) -> None:
+        """Write beside a point; `shift` is the way there in points, shape (2,)."""
+        from matplotlib.patheffects import withStroke
+
+        flat, _ = self.project(point[None])
+        self._include(flat)
+        halo = [] if "bbox" in more else [withStroke(linewidth=2, foreground="white")]
+        self.axes.annotate(
+            words, xy=flat[0], xytext=(0, 0) if shift is None else tuple(shift), color=color,
+            textcoords="offset points", ha="center", va="center", annotation_clip=False,
+            zorder=100 + len(self.axes.texts) / 1000,
+            path_effects=halo, **more,
+        )  # fmt: skip
+
+    def finish(self) -> None:
+        """Fit the panel to what was drawn, true to scale and without axes."""
+        self.axes.set_axis_off()
+        margin = _MARGIN * (self.extent[1] - self.extent[0]).max()
+        low, high = self.extent[0] - margin, self.extent[1] + margin
+        self.axes.set_xlim(low[0], high[0])
+        self.axes.set_ylim(low[1], high[1])
+        self.axes.set_aspect("equal", adjustable="box")
