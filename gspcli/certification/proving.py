@@ -19,6 +19,8 @@ from gspcli.certification.poses import PoseBall, pose_of_floats, pose_of_point
 from gspcli.certification.statement import length_scale
 from gspcli.certification.system import System
 from gspcli.defaults import MAX_PRECISION, TOLERANCE
+from gspcli.errors import ArgumentError
+from gspcli.geometry.building import checked
 from gspcli.geometry.instance import Instance, Side
 
 #: Bits of the first attempt: candidates are floats, and a limb of FLINT has 64 bits.
@@ -112,6 +114,20 @@ def _side(measurement: Measurement) -> Side | None:
     return Side.POSITIVE if height > 0 else Side.NEGATIVE
 
 
+def _array(values: ArrayLike, where: str, shape: tuple[int, ...]) -> NDArray[np.complex128]:
+    """Return rotations or translations, one or many, as an array with a leading axis."""
+    try:
+        array = np.asarray(values, dtype=np.complex128)
+    except (TypeError, ValueError) as error:
+        message = f"found what is no array of numbers ({error})"
+        raise ArgumentError(message, where) from None
+    if array.shape[array.ndim - len(shape) :] != shape or array.ndim > len(shape) + 1:
+        expected = ", ".join(map(str, ("n", *shape)))
+        message = f"found shape {array.shape}, expected ({expected})"
+        raise ArgumentError(message, where)
+    return array.reshape(-1, *shape)
+
+
 def certify(
     instance: Instance,
     R: ArrayLike,
@@ -145,9 +161,18 @@ def certify(
     -------
     Certificates
         One certificate for each candidate, and how many different solutions they prove.
+
+    Raises
+    ------
+    ArgumentError
+        If an argument is of another sort or shape. Candidates that are not finite are only not
+        certified.
     """
-    rotations = np.asarray(R, dtype=np.complex128).reshape(-1, 3, 3)
-    translations = np.asarray(T, dtype=np.complex128).reshape(-1, 3)
+    checked(instance)
+    rotations, translations = _array(R, "R", (3, 3)), _array(T, "T", (3,))
+    if len(rotations) != len(translations):
+        message = f"found {len(translations)} translations for {len(rotations)} rotations"
+        raise ArgumentError(message, "T")
     scale = length_scale(instance)
     with np.errstate(all="ignore"):
         points, patches = study.study_points(rotations, translations / scale)

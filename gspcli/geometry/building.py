@@ -295,7 +295,11 @@ def checked(instance: Instance) -> Instance:
         raise ArgumentError(message, "instance")
     rows = instance.constraints
     for index, row in enumerate(rows):
-        if wrong := wrong_value(row.kind, row.value, instance.units.angle):
+        try:
+            wrong = wrong_value(row.kind, row.value, instance.units.angle)
+        except (ValueError, ArithmeticError):
+            wrong = "which is no real number"
+        if wrong:
             message = f"found {row.value}, {wrong}"
             raise ArgumentError(message, f"constraints[{index}].value")
         low, high = row.limits or (row.value, row.value)

@@ -5,14 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.building import checked
 from gspcli.geometry.instance import Instance
+from gspcli.solver.arguments import problems_of, value_rows, whole
 from gspcli.solver.poses import PoseSet
 from gspcli.solver.result import SolveResult, stable_order
+
+Array = NDArray[np.float64]
 
 
 def solve(
@@ -33,7 +37,14 @@ def solve(
         Threads for path tracking. The answer does not depend on them.
     certify
         Whether to prove each pose, and whether it is real.
+
+    Raises
+    ------
+    ArgumentError
+        If an argument is wrong: not an instance, not six constraints, a value out of range.
     """
+    checked(instance)
+    seed, jobs = whole(seed, "seed", least=0), whole(jobs, "jobs", least=1)
     arrangement = Arrangement.of(instance)
     poses = _poses(arrangement, seed, jobs)
     if certify and len(poses.R):
@@ -63,13 +74,23 @@ def solve_values(
 
     Raises
     ------
-    ValueError
-        If the values have another shape.
+    ArgumentError
+        If an argument is of another sort or shape. A set of values that is wrong (not a number,
+        a negative distance) only spoils its own `PoseSet`, whose `problem` says so.
     """
-    rows = np.asarray(values, dtype=np.float64)
-    if rows.ndim != 2 or rows.shape[1] != len(instance.constraints):
-        message = f"values must have shape (batch, {len(instance.constraints)}), not {rows.shape}"
-        raise ValueError(message)
+    checked(instance)
+    seed, jobs = whole(seed, "seed", least=0), whole(jobs, "jobs", least=1)
+    rows = value_rows(values)
+    problems = problems_of(instance, rows)
+    right = [problem is None for problem in problems]
+    solved = _solve_rows(instance, rows if all(right) else rows[right], seed, jobs)
+    return (
+        next(solved) if problem is None else PoseSet.unsolved(instance.expected, problem)
+        for problem in problems
+    )
+
+
+def _solve_rows(instance: Instance, rows: Array, seed: int, jobs: int) -> Iterator[PoseSet]:
     arrangement = Arrangement.of(instance)
     if len(arrangement.angles) == MAX_ANGLES:
         from gspcli.solver.closed_form import solve_closed_forms

@@ -37,6 +37,8 @@ class PoseSet:
         Positive-dimensional sets of poses that were found.
     account
         What became of every path, for all sides asked for.
+    problem
+        What is wrong with the numbers, if they were not solved for that.
     """
 
     quaternions: Complex
@@ -47,6 +49,22 @@ class PoseSet:
     multiplicity: NDArray[np.int64]
     motions: tuple[Motion, ...]
     account: PathAccount
+    problem: str | None = None
+
+    @classmethod
+    def unsolved(cls, expected: int, problem: str) -> PoseSet:
+        """Return the set of a platform that cannot be solved, all its paths lost."""
+        return cls(
+            quaternions=np.zeros((0, 4), complex),
+            R=np.zeros((0, 3, 3), complex),
+            T=np.zeros((0, 3), complex),
+            real=np.zeros(0, bool),
+            certified=np.zeros(0, bool),
+            multiplicity=np.zeros(0, int),
+            motions=(),
+            account=PathAccount(expected=expected, lost=expected),
+            problem=problem,
+        )
 
     def decided(self, certified: NDArray[np.bool_], real: NDArray[np.bool_]) -> PoseSet:
         """Return the poses with some of them certified, and proved to be real or not."""

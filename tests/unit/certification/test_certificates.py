@@ -9,16 +9,19 @@ import pytest
 from flint import acb, arb, ctx, fmpq
 
 from gspcli.catalogue.kinds import DISTANCE_KINDS
+from gspcli.catalogue.parsing import parse_type
 from gspcli.certification import Certificate, Certificates, Outcome, certify
 from gspcli.certification.isolation import Isolation, refine_point
 from gspcli.certification.poses import pose_of_point
 from gspcli.certification.system import System
+from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.poses import pose_from_study
 from gspcli.geometry.primitives import vector
 from gspcli.geometry.residuals import residuals, sides_of
+from gspcli.solver.generate import random_instance
 
 SHIFT = np.array([1, -1, 1])
 SIGNATURES = [
@@ -200,12 +203,15 @@ def test_the_precision_of_others_is_left_alone(known: Callable) -> None:
     assert ctx.prec == before
 
 
-def test_an_instance_without_finite_numbers_proves_nothing(known: Callable) -> None:
+def test_an_instance_with_a_number_that_does_not_exist_is_refused(known: Callable) -> None:
     platform = known("DPP DPP DPP DPP DPP ALL", 2)
     impossible = Number("acos", (Number.of(2),))
     R, T = platform.floats
-    result = certify(platform.instance.with_values({5: impossible}), [R], [T])
-    assert result[0].outcome is Outcome.NOT_A_NUMBER
+    wrong = platform.instance.with_values({5: impossible})
+    with pytest.raises(GspError, match=r"^constraints\[5\]\.value: found acos\(2\), which is no"):
+        certify(wrong, [R], [T])
+    with ctx.workprec(64):
+        assert not System(wrong, 64).is_finite
 
 
 def test_lines_that_meet_are_certified(known: Callable) -> None:
@@ -238,3 +244,19 @@ def test_no_candidates_are_no_solutions(known: Callable) -> None:
     instance = known("DPP DPP DPP DPP DPP ALL", 2).instance
     result = certify(instance, np.empty((0, 3, 3)), np.empty((0, 3)))
     assert len(result) == result.distinct == 0
+
+
+@pytest.mark.parametrize(
+    ("R", "T", "message"),
+    [
+        (np.ones((2, 3)), np.ones((2, 3)), "R: found shape (2, 3), expected (n, 3, 3)"),
+        (np.ones((2, 3, 3)), np.ones((2, 4)), "T: found shape (2, 4), expected (n, 3)"),
+        (np.ones((2, 3, 3)), np.ones((3, 3)), "T: found 3 translations for 2 rotations"),
+        ([["a"]], np.ones(3), "R: found what is no array of numbers"),
+    ],
+)
+def test_wrong_arguments_are_named(R, T, message):
+    instance, _ = random_instance(parse_type("6PP"), np.random.default_rng(0))
+    with pytest.raises(GspError) as caught:
+        certify(instance, R, T)
+    assert str(caught.value).startswith(message)

@@ -1,0 +1,90 @@
+"""What callers give to the solver: checked before any work, each mistake named with its place."""
+
+from __future__ import annotations
+
+import operator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.catalogue.types import CONSTRAINTS
+from gspcli.errors import ArgumentError
+from gspcli.geometry.instance import AngleUnit, Instance
+from gspcli.geometry.numbers import LARGEST, SMALLEST, Number
+from gspcli.geometry.ranges import wrong_value
+
+Array = NDArray[np.float64]
+
+#: Angles beyond the end of their range by no more than this (relatively) are at the end.
+_ROUNDING = 4e-16
+
+
+def whole(value: Any, where: str, *, least: int) -> int:
+    """Return an argument that is a whole number.
+
+    Raises
+    ------
+    ArgumentError
+        If it is none, or below the least one.
+    """
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = least - 1
+    if number < least or isinstance(value, bool):
+        message = f"found {value!r}, expected a whole number of at least {least}"
+        raise ArgumentError(message, where)
+    return number
+
+
+def value_rows(values: Any) -> Array:
+    """Return sets of values as an array of shape (batch, 6).
+
+    Raises
+    ------
+    ArgumentError
+        If they have another shape, or are not numbers.
+    """
+    try:
+        rows = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        message = f"found what is no array of numbers ({error}), expected shape (batch, 6)"
+        raise ArgumentError(message, "values") from None
+    if rows.ndim != 2 or rows.shape[1] != CONSTRAINTS:
+        message = f"found shape {rows.shape}, expected (batch, {CONSTRAINTS})"
+        raise ArgumentError(message, "values")
+    return rows
+
+
+def problems_of(instance: Instance, rows: Array) -> list[str | None]:
+    """Return for each set of values what is wrong with it, or None.
+
+    Parameters
+    ----------
+    instance
+        Says which values are distances and which angles, and in which unit.
+    rows
+        Shape (batch, 6).
+    """
+    kinds = [row.kind for row in instance.constraints]
+    half = 180.0 if instance.units.angle is AngleUnit.DEGREE else np.pi
+    inward = [kind.platform is kind.base for kind in kinds]
+    low = np.where(inward, 0.0, -half / 2)
+    high = np.where(inward, half, half / 2)
+    distance = np.array([kind.is_distance for kind in kinds])
+    low, high = np.where(distance, 0.0, low), np.where(distance, LARGEST, high)
+    slack = _ROUNDING * np.where(distance, 0.0, half)
+    with np.errstate(invalid="ignore"):
+        right = (rows >= low - slack) & (rows <= high + slack)
+        right &= (rows == 0) | (np.abs(rows) >= SMALLEST)
+    problems: list[str | None] = [None] * len(rows)
+    for k in np.flatnonzero(~right.all(axis=1)).tolist():
+        i = int(np.flatnonzero(~right[k])[0])
+        try:
+            number = Number.of(float(rows[k, i]))
+            wrong = f"found {number}, {wrong_value(kinds[i], number, instance.units.angle)}"
+        except ArgumentError as error:
+            wrong = error.message
+        problems[k] = f"values[{k}][{i}]: {wrong}"
+    return problems
