@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.types import GspType, all_types
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.poses import rotation_from_quaternion
-from gspcli.motion import measure
+from gspcli.geometry.poses import rotation_from_quaternion, rotation_from_vector
+from gspcli.motion import FollowOptions, MovingPlatform, measure
 from gspcli.solver.generate import random_instance
+from gspcli.spec import loads
+
+Array = NDArray[np.float64]
 
 SEED = 2003
 POSES = 100_000
@@ -37,15 +42,101 @@ def measured_a_second(gsp_type: GspType) -> float:
     return POSES / seconds(lambda: measure(instance, R, T), repeat=3)
 
 
+@dataclass(frozen=True)
+class Speed:
+    """Microseconds a row and branch."""
+
+    certified: float
+    uncertified: float
+
+
+def cycle(branches: int, rows: int) -> tuple[Instance, Array, Array, Array]:
+    """Return a usual hexapod and smooth closed trajectories: R, T and the values."""
+    angles = np.radians([[55, 65, 175, 185, 295, 305], [10, 110, 130, 230, 250, 350]])
+    sizes = np.array([0.5, 1.0])[:, None]
+    corners = np.stack((sizes * np.cos(angles), sizes * np.sin(angles)), axis=-1).round(6)
+    instance = loads(_HEXAPOD.format(*corners.reshape(-1).tolist()))
+    rng = np.random.default_rng(SEED)
+    phases = rng.uniform(-np.pi, np.pi, (branches, 1, 6))
+    t = np.linspace(0, 2 * np.pi, rows)[None, :, None]
+    c = np.sin(t * (1 + np.arange(6) % 3) + phases)
+    R = rotation_from_quaternion(
+        np.concatenate((np.ones((branches, rows, 1)), 0.17 * c[..., :3]), axis=-1)
+    )
+    T = np.stack((0.25 * c[..., 3], 0.25 * c[..., 4], 1 + 0.15 * c[..., 5]), axis=-1)
+    return instance, R, T, measure(instance, R, T)
+
+
+_HEXAPOD = (
+    "gsp: 1\nunits: {{length: m, angle: deg}}\nplatform:\n"
+    + "".join(f"  P{k}: {{{{point: [{{}}, {{}}, 0]}}}}\n" for k in range(6))
+    + "base:\n"
+    + "".join(f"  B{k}: {{{{point: [{{}}, {{}}, 0]}}}}\n" for k in range(6))
+    + "constraints:\n"
+    + "".join(f"  - {{{{distance: [P{k}, B{k}], value: 1}}}}\n" for k in range(6))
+)
+
+
+def small_moves(
+    gsp_type: GspType, branches: int, rows: int
+) -> tuple[Instance, Array, Array, Array]:
+    """Return a random platform of a type and short smooth trajectories from its pose."""
+    rng = np.random.default_rng(SEED)
+    instance, (R, T) = random_instance(gsp_type, rng)
+    t = np.linspace(0, 1, rows)[None, :, None]
+    turn, move = rng.normal(size=(2, branches, 1, 3)) * 0.01
+    R, T = rotation_from_vector(t * turn) @ R, T + t * move
+    return instance, R, T, measure(instance, R, T)
+
+
+def followed(instance: Instance, R: Array, T: Array, values: Array) -> Speed:
+    """Return the time of a proved segment, and of a pose that is only followed."""
+    platform = MovingPlatform(instance)
+    inner, start = platform.internal(values), platform.points(R[:, 0], T[:, 0])
+    branches = np.arange(len(R))
+
+    def run(certify: bool) -> float:
+        options = FollowOptions(certify=certify)
+        found = platform.follow(inner, branches, start, options)
+        took = seconds(lambda: platform.follow(inner, branches, start, options))
+        return took / float(found.segments.sum()) * 1e6
+
+    return Speed(run(True), run(False))
+
+
+def alone(instance: Instance, R: Array, T: Array, values: Array) -> float:
+    """Return the time of a row of one branch, from an array of values to arrays R and T."""
+    platform = MovingPlatform(instance)
+    branch = np.zeros(1, int)
+
+    def run() -> None:
+        start = platform.points(R[:1, 0], T[:1, 0])
+        platform.poses(platform.follow(platform.internal(values[:1]), branch, start).points)
+
+    return seconds(run) / (values.shape[1] - 1) * 1e6
+
+
 def main() -> None:
     """Print the figures and their bars."""
     hexapod = measured_a_second(parse_type("6PP"))
     print(f"measure, 6PP: {hexapod:,.0f} poses a second (bar 1,000,000)")
-    speeds = {gsp_type: measured_a_second(gsp_type) for gsp_type in all_types()[::77]}
+    types = all_types()[::77]
+    speeds = {gsp_type: measured_a_second(gsp_type) for gsp_type in types}
     slowest = min(speeds, key=speeds.__getitem__)
     print(
         f"measure, slowest of {len(speeds)} types, {slowest}: {speeds[slowest]:,.0f} poses a "
         "second (bar 300,000)"
+    )
+    trajectories = cycle(64, 1001)
+    speed = followed(*trajectories)
+    print(f"track, 6PP: {1e6 / speed.certified:,.0f} proved segments a second (bar 1,000,000)")
+    print(f"track, 6PP: {1e6 / speed.uncertified:,.0f} poses a second unproved (bar 3,000,000)")
+    print(f"track, 6PP, one branch alone: {alone(*trajectories):.2f} us a proved row (bar 2)")
+    tracked = {gsp_type: followed(*small_moves(gsp_type, 64, 101)) for gsp_type in types}
+    slowest = max(tracked, key=lambda gsp_type: tracked[gsp_type].certified)
+    print(
+        f"track, slowest of {len(tracked)} types, {slowest}: "
+        f"{1e6 / tracked[slowest].certified:,.0f} proved segments a second (bar 100,000)"
     )
 
 

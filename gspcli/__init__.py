@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.instance import Constraint, Instance, Units
     from gspcli.geometry.numbers import Number
     from gspcli.geometry.primitives import Line, Plane, Point
-    from gspcli.motion import measure
+    from gspcli.motion import measure, track
     from gspcli.solver import solve, solve_values
     from gspcli.spec import dump, dumps, load, loads, read, set_values
 
@@ -74,6 +74,7 @@ _HOMES = {
     "set_values": "gspcli.spec",
     "solve": "gspcli.solver",
     "solve_values": "gspcli.solver",
+    "track": "gspcli.motion",
     "type_bounds": "gspcli.catalogue.bounds",
 }
 
@@ -115,6 +116,7 @@ __all__ = [
     "set_values",
     "solve",
     "solve_values",
+    "track",
     "type_bounds",
 ]
 

@@ -17,11 +17,13 @@
 #include <thread>
 #include <vector>
 
+#include "bindings.hpp"
 #include "conjugates.hpp"
 #include "counting.hpp"
 #include "intersection.hpp"
 #include "surfaces.hpp"
 #include "tracker.hpp"
+#include "tubes_module.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -43,15 +45,16 @@ struct Build {
   Track* track_extended;
   Intersect* intersect;
   Count* count;
+  Follow* follow;
 };
 
 constexpr Build kPortable{"portable", track_portable, track_portable_extended, intersect_portable,
-                        count_portable};
+                          count_portable, follow_portable};
 #if defined(GSP_X86)
-constexpr Build kAvx2{"avx2", track_avx2, track_avx2_extended, intersect_avx2,
-                        count_avx2};
+constexpr Build kAvx2{"avx2", track_avx2, track_avx2_extended, intersect_avx2, count_avx2,
+                      follow_avx2};
 constexpr Build kAvx512{"avx512", track_avx512, track_avx512_extended, intersect_avx512,
-                        count_avx512};
+                        count_avx512, follow_avx512};
 
 bool has_avx2() { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
 #endif
@@ -147,18 +150,6 @@ void make_homotopy(const bool* products, const Side& start, const Side& target, 
   }
 }
 
-template <class T>
-nb::ndarray<nb::numpy, T> owned(std::unique_ptr<T[]> data,
-                                std::initializer_list<std::size_t> shape) {
-  T* raw = data.release();
-  nb::capsule owner(raw, [](void* p) noexcept { delete[] static_cast<T*>(p); });
-  return nb::ndarray<nb::numpy, T>(raw, shape, owner);
-}
-
-void require(bool condition, const char* message) {
-  if (!condition) throw std::invalid_argument(message);
-}
-
 nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu> products,
                 Matrix start_g, Matrix start_h, Vector start_tau, Matrices target_g,
                 Matrices target_h, Matrix target_tau, Points points, double predictor_tolerance,
@@ -240,9 +231,6 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
                         owned(std::move(residual), {targets, paths}),
                         owned(std::move(correction), {targets, paths}));
 }
-
-template <class T, int dimensions>
-using Array = nb::ndarray<const T, nb::ndim<dimensions>, nb::c_contig, nb::device::cpu>;
 
 nb::tuple real_points(Array<std::complex<double>, 2> points) {
   const std::size_t count = points.shape(0), size = points.shape(1);
@@ -415,6 +403,7 @@ NB_MODULE(_kernel, m) {
         "moments"_a, "functions"_a, "squares"_a, "weights"_a, "owners"_a, "find_distinct"_a,
         "max_work"_a, "max_entries"_a, "trace"_a = false, "build"_a = "",
         "Count solutions modulo a prime; see gspcli.certification.counting.residue_counts.");
+  gsp::bind_tubes(m, [](const std::string& name) { return gsp::build_named(name).follow; });
   m.def("build", [] { return gsp::choose_build().name; },
         "Name of the build that this processor runs: avx512, avx2 or portable.");
 }

@@ -82,24 +82,24 @@ class System:
     def _equations(self, given: Statement) -> tuple[Equation, ...]:
         kind, a, b, u, v = given.kind, given.a, given.b, given.u, given.v
         if not kind.is_distance:
-            form = _rotation_form(v, u)
+            form = rotation_form(v, u)
             form[study.NORM] = -given.cosine * norm(u) * norm(v)
             return (Equation(self._add(form)),)
         if kind is DPP:
-            return (Equation(self._add(_square_distance(a, b, given.value))),)
+            return (Equation(self._add(square_distance(a, b, given.value))),)
         if kind is DLL:
             return (self._distance_of_lines(given),)
         # Of the other four, the point's height over the line's foot or over the plane.
-        height = _base_height(a, b, v) if v else _platform_height(a, b, u)
+        height = base_height(a, b, v) if v else platform_height(a, b, u)
         if kind in (DPL, DLP):
-            square = _square_distance(a, b, given.value)
+            square = square_distance(a, b, given.value)
             axis = u or v
-            main = self._add(_scaled(square, dot(axis, axis)))
+            main = self._add(scaled(square, dot(axis, axis)))
             return (Equation(main, (self._add(height),)),)
         if kind not in (DPH, DHP):
             raise ValueError(kind)
         if kind is DHP:
-            height = _scaled(height, arb(-1))
+            height = scaled(height, arb(-1))
         value = given.value * norm(u or v)
         return tuple(
             Equation(self._add({**height, study.NORM: height[study.NORM] - sign * value}))
@@ -108,17 +108,11 @@ class System:
 
     def _distance_of_lines(self, given: Statement) -> Equation:
         a, b, u, v, d = given.a, given.b, given.u, given.v, given.value
-        # (R a + T - b) . (R u x v) = v . R (a x u) + v . (T x R u) - (v x b) . R u
-        moment = _rotation_form(v, cross(a, u))
-        for index, coefficient in _rotation_form(cross(v, b), u).items():
-            moment[index] -= coefficient
-        for i in range(3):
-            for j in range(3):
-                moment[study.MOMENT[i][j]] = v[i] * u[j]
+        moment = mutual_moment(a, b, u, v)
         if given.is_zero:
             return Equation(self._add(moment))
         main: Form = {study.NORM: d * d * dot(u, u) * dot(v, v)}
-        cosine = _scaled(_rotation_form(v, u), d)
+        cosine = scaled(rotation_form(v, u), d)
         return Equation(self._add(main), (self._add(moment), self._add(cosine)))
 
     def _add(self, form: Form) -> int:
@@ -226,18 +220,19 @@ def _value(equation: Equation, quadrics: Sequence[acb]) -> acb:
     return value
 
 
-def _scaled(form: Form, factor: arb) -> Form:
+def scaled(form: Form, factor: arb) -> Form:
+    """Return a multiple of a form."""
     return {index: coefficient * factor for index, coefficient in form.items()}
 
 
-def _rotation_form(left: Sequence[arb], right: Sequence[arb]) -> Form:
+def rotation_form(left: Sequence[arb], right: Sequence[arb]) -> Form:
     """Return N ``left . R right``."""
     return {study.ROTATION[i][j]: left[i] * right[j] for i in range(3) for j in range(3)}
 
 
-def _square_distance(a: list[arb], b: list[arb], d: arb) -> Form:
+def square_distance(a: list[arb], b: list[arb], d: arb) -> Form:
     """Return N times ``|R a + T - b|^2 - d^2``, the paper's equation (6)."""
-    form = _scaled(_rotation_form(b, a), arb(-2))
+    form = scaled(rotation_form(b, a), arb(-2))
     form[study.NORM] = dot(a, a) + dot(b, b) - d * d
     form[study.RHO] = arb(1)
     for k in range(3):
@@ -246,19 +241,31 @@ def _square_distance(a: list[arb], b: list[arb], d: arb) -> Form:
     return form
 
 
-def _base_height(a: list[arb], b: list[arb], u: list[arb]) -> Form:
+def base_height(a: list[arb], b: list[arb], u: list[arb]) -> Form:
     """Return N times ``u . (R a + T - b)`` with u fixed in the base."""
-    form = _rotation_form(u, a)
+    form = rotation_form(u, a)
     form[study.NORM] = -dot(u, b)
     for k in range(3):
         form[study.TRANSLATION[k]] = u[k]
     return form
 
 
-def _platform_height(a: list[arb], b: list[arb], u: list[arb]) -> Form:
+def platform_height(a: list[arb], b: list[arb], u: list[arb]) -> Form:
     """Return N times ``R u . (R a + T - b)`` with u fixed in the platform."""
-    form = _scaled(_rotation_form(b, u), arb(-1))
+    form = scaled(rotation_form(b, u), arb(-1))
     form[study.NORM] = dot(u, a)
     for k in range(3):
         form[study.BODY[k]] = u[k]
+    return form
+
+
+def mutual_moment(a: list[arb], b: list[arb], u: list[arb], v: list[arb]) -> Form:
+    """Return N times ``(R a + T - b) . (R u x v)``."""
+    # It is v . R (a x u) + v . (T x R u) - (v x b) . R u.
+    form = rotation_form(v, cross(a, u))
+    for index, coefficient in rotation_form(cross(v, b), u).items():
+        form[index] -= coefficient
+    for i in range(3):
+        for j in range(3):
+            form[study.MOMENT[i][j]] = v[i] * u[j]
     return form

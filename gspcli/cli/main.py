@@ -37,6 +37,7 @@ COMMANDS = {
     "sample": _REAL,
     "maximize-real": _REAL,
     "measure": _MOVING,
+    "track": _MOVING,
     "view": _ALONG,
     "export": _ALONG,
 }

@@ -1,6 +1,22 @@
 """Platforms that move: what poses measure, and what poses do when the values change."""
 
+from gspcli.motion.following import FollowOptions, MovingPlatform
 from gspcli.motion.measuring import measure
 from gspcli.motion.pose_files import PoseFormat, PoseTable, read_pose, read_poses
+from gspcli.motion.tracking import Event, Track, track
+from gspcli.motion.value_files import ValueTable, read_values
 
-__all__ = ["PoseFormat", "PoseTable", "measure", "read_pose", "read_poses"]
+__all__ = [
+    "Event",
+    "FollowOptions",
+    "MovingPlatform",
+    "PoseFormat",
+    "PoseTable",
+    "Track",
+    "ValueTable",
+    "measure",
+    "read_pose",
+    "read_poses",
+    "read_values",
+    "track",
+]

@@ -1,0 +1,275 @@
+"""Proof of a fold: where two branches of solutions meet while the values move, and both end.
+
+With z a Study point, u a direction and t the time, a fold is a zero of the seventeen equations
+
+    F(z, t) = 0,  p.z = 1,  F'(z, t) u = 0,  p.u = 0,  c.u = 1
+
+(G. Moore and A. Spence, SIAM J. Numer. Anal. 17, 1980), and a simple zero of these is a quadratic
+turning point: t has an extremum along the curve of solutions, which passes through it in the
+direction u. Krawczyk's test in balls proves exactly one zero in a box.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import flint
+import numpy as np
+from flint import arb, arb_mat
+from numpy.typing import NDArray
+
+from gspcli.certification import study
+from gspcli.certification.balls import ball, float_above, float_ends
+from gspcli.certification.moving import Law, Shape, ball_equations
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.numbers import Number
+
+Array = NDArray[np.float64]
+
+_PRECISION = 160
+_STEPS = 12
+#: Newton's method has converged when a step is below this.
+_CONVERGED = 2.0**-100
+_UNKNOWNS = 17
+
+
+@dataclass(frozen=True, eq=False)
+class Fold:
+    """A proved fold.
+
+    Attributes
+    ----------
+    low, high
+        Floats between which the part of the step at which it is lies.
+    point, direction
+        The Study point there, and the direction u of the two branches, shape (8,); rounded.
+    bends
+        The sign of the second derivative of t along the branches: -1 if both end at the fold, 1
+        if both begin there.
+    """
+
+    low: float
+    high: float
+    point: Array
+    direction: Array
+    bends: int
+
+
+def prove_fold(
+    instance: Instance, first: Array, last: Array, part: float, point: Array, direction: Array
+) -> Fold | None:
+    """Prove a fold near a point of a branch; None if there is no proof.
+
+    Parameters
+    ----------
+    instance
+        The geometry and units.
+    first, last
+        The values at both ends of a step between rows, in the units of the instance, shape (6,);
+        they are taken as exact.
+    part
+        About where between them, from 0 to 1.
+    point, direction
+        A Study point near the fold, in units of `length_scale`, and about the direction in which
+        the branch moves there, shape (8,).
+    """
+    with flint.ctx.workprec(_PRECISION):
+        system = _FoldSystem(instance, first, last, point)
+        x = [*map(arb, point.tolist()), *map(arb, direction.tolist()), arb(part)]
+        scale = sum((a * b for a, b in zip(system.patch, x[:8], strict=True)), arb(0))
+        x[:8] = [(value / scale).mid() for value in x[:8]]
+        system.gauge = _unit(direction)
+        x[8:16] = list(system.gauge)
+        for _ in range(_STEPS):
+            values, jacobian = system.at(x)
+            try:
+                step = jacobian.mid().solve(arb_mat(_UNKNOWNS, 1, values).mid()).entries()
+            except ZeroDivisionError:
+                return None
+            x = [(a - b).mid() for a, b in zip(x, step, strict=True)]
+            size = max(float_above(s) for s in step)
+            if not size < 10:
+                return None
+            if size < _CONVERGED:
+                return _krawczyk(system, x)
+    return None
+
+
+def _unit(direction: Array) -> list[arb]:
+    return [arb(value) for value in (direction / np.linalg.norm(direction)).tolist()]
+
+
+def _krawczyk(system: _FoldSystem, x: list[arb]) -> Fold | None:
+    values, jacobian = system.at(x)
+    try:
+        inverse = jacobian.mid().inv().mid()
+    except ZeroDivisionError:
+        return None
+    step = (inverse * arb_mat(_UNKNOWNS, 1, values)).entries()
+    radius = arb(2.0**-80)
+    box = [arb(value, radius) for value in x]
+    _, spread = system.at(box)
+    defect = inverse * spread - 1
+    for row, delta in zip(defect.tolist(), step, strict=True):
+        moved = sum((entry.abs_upper() for entry in row), arb(0)) * radius + delta.abs_upper()
+        if not moved < radius:
+            return None
+    low, high = float_ends(box[16])
+    bends = system.bends(box)
+    if bends == 0:
+        return None
+    middle = np.array([float(value) for value in x])
+    return Fold(low, high, middle[:8], middle[8:16], bends)
+
+
+class _FoldSystem:
+    """The seventeen equations with balls for coefficients."""
+
+    def __init__(self, instance: Instance, first: Array, last: Array, point: Array) -> None:
+        equations, units = ball_equations(instance)
+        terms = [[int(x) for x in row] for row in study.hessians().tolist()]
+        self.shapes = [shape for shape, _, _, _ in equations]
+        self.laws = [(law, sign) for _, law, sign, _ in equations]
+        self.quadrics = [[_hessian(form, terms) for form in forms] for _, _, _, forms in equations]
+        self.first = [
+            ball(Number.of(a)) * unit for a, unit in zip(first.tolist(), units, strict=True)
+        ]
+        self.change = [
+            ball(Number.of(b)) * unit - a
+            for a, b, unit in zip(self.first, last.tolist(), units, strict=True)
+        ]
+        self.patch = _unit(point)
+        self.gauge: list[arb] = []
+        self.norm = _hessian({study.NORM: arb(1)}, terms)
+        self.study = _hessian({study.STUDY: arb(1)}, terms)
+
+    def coefficient(self, k: int, t: arb) -> tuple[arb, arb]:
+        """Return c of an equation at a time, and its derivative."""
+        law, sign = self.laws[k]
+        change, value = self.change[k], self.first[k] + t * self.change[k]
+        if law is Law.SQUARE:
+            return value * value, 2 * value * change
+        if law is Law.LINEAR:
+            return value, change
+        if law is Law.COSINE:
+            return sign * value.cos(), -sign * value.sin() * change
+        return sign * value.sin(), sign * value.cos() * change
+
+    def at(self, x: Sequence[arb]) -> tuple[list[arb], arb_mat]:
+        """Return the values (17) and the Jacobian matrix (17, 17) at (z, u, t)."""
+        z, u, t = arb_mat(8, 1, list(x[:8])), arb_mat(8, 1, list(x[8:16])), x[16]
+        rows = [self._equation(k, z, u, t) for k in range(-1, 6)]
+        zeros = [arb(0)] * 8
+        patch, gauge = self.patch, self.gauge
+        values = [value for value, *_ in rows] + [_dot(patch, x[:8]) - 1]
+        values += [along for _, _, along, _, _, _ in rows]
+        values += [_dot(patch, x[8:16]), _dot(gauge, x[8:16]) - 1]
+        matrix = [[*gradient, *zeros, by_t] for _, gradient, _, _, by_t, _ in rows]
+        matrix.append([*patch, *zeros, arb(0)])
+        matrix += [[*bent, *gradient, along_t] for _, gradient, _, bent, _, along_t in rows]
+        matrix += [[*zeros, *patch, arb(0)], [*zeros, *gauge, arb(0)]]
+        return values, arb_mat(matrix)
+
+    def _equation(
+        self, k: int, z: arb_mat, u: arb_mat, t: arb
+    ) -> tuple[arb, list[arb], arb, list[arb], arb, arb]:
+        """Return F, F', F'u, F''u, dF/dt and dF'u/dt of one equation; -1 is the Study condition."""
+        if k < 0:
+            a = _Quadric(self.study, z, u)
+            return a.value, a.gradient, a.along, a.bent, arb(0), arb(0)
+        c, moving = self.coefficient(k, t)
+        n = _Quadric(self.norm, z, u)
+        a = _Quadric(self.quadrics[k][0], z, u)
+        if self.shapes[k] is Shape.LINES:
+            b = _Quadric(self.quadrics[k][1], z, u)
+            square, gap = a.squared(), n.squared().plus(b.squared(), arb(-1))
+            f = square.plus(gap, -c)
+            return (*f.parts, -moving * gap.value, -moving * gap.along)
+        f = a.plus(n, -c)
+        if self.shapes[k] is Shape.PLAIN:
+            return (*f.parts, -moving * n.value, -moving * n.along)
+        b = _Quadric(self.quadrics[k][1], z, u)
+        f, square = n.times(f).plus(b.squared(), arb(-1)), n.squared()
+        return (*f.parts, -moving * square.value, -moving * square.along)
+
+    def bends(self, x: Sequence[arb]) -> int:
+        """Return the sign of the second derivative of t along the branches, 0 if not decided.
+
+        With w the derivative of u along the curve, F' w + F''(u, u) + dF/dt t'' = 0 and p.w = 0: a
+        linear system for w and t''.
+        """
+        z, u, t = arb_mat(8, 1, list(x[:8])), arb_mat(8, 1, list(x[8:16])), x[16]
+        rows = [self._equation(k, z, u, t) for k in range(-1, 6)]
+        matrix = [[*gradient, by_t] for _, gradient, _, _, by_t, _ in rows]
+        right = [-_dot(bent, x[8:16]) for _, _, _, bent, _, _ in rows]
+        matrix += [[*self.patch, arb(0)], [*self.gauge, arb(0)]]
+        try:
+            solved = arb_mat(matrix).solve(arb_mat(9, 1, [*right, arb(0), arb(0)]))
+        except ZeroDivisionError:
+            return 0
+        second = solved.entries()[8]
+        return 1 if second > 0 else -1 if second < 0 else 0
+
+
+@dataclass(frozen=True)
+class _Jet:
+    """A function at z: value, gradient, their derivatives along u."""
+
+    value: arb
+    gradient: list[arb]
+    along: arb
+    bent: list[arb]
+
+    @property
+    def parts(self) -> tuple[arb, list[arb], arb, list[arb]]:
+        return self.value, self.gradient, self.along, self.bent
+
+    def plus(self, other: _Jet, factor: arb) -> _Jet:
+        """Return the function plus a multiple of another."""
+        return _Jet(
+            self.value + factor * other.value,
+            [a + factor * b for a, b in zip(self.gradient, other.gradient, strict=True)],
+            self.along + factor * other.along,
+            [a + factor * b for a, b in zip(self.bent, other.bent, strict=True)],
+        )
+
+    def times(self, other: _Jet) -> _Jet:
+        """Return the product with another function."""
+        pairs = list(zip(self.gradient, other.gradient, strict=True))
+        return _Jet(
+            self.value * other.value,
+            [self.value * b + other.value * a for a, b in pairs],
+            self.value * other.along + other.value * self.along,
+            [
+                self.along * b + self.value * bb + other.along * a + other.value * aa
+                for (a, b), aa, bb in zip(pairs, self.bent, other.bent, strict=True)
+            ],
+        )
+
+    def squared(self) -> _Jet:
+        """Return the square of the function."""
+        return self.times(self)
+
+
+class _Quadric(_Jet):
+    """The jet of a quadric with a given Hessian matrix."""
+
+    def __init__(self, hessian: arb_mat, z: arb_mat, u: arb_mat) -> None:
+        gradient, bent = (hessian * z).entries(), (hessian * u).entries()
+        super().__init__(
+            _dot(gradient, z.entries()) / 2, gradient, _dot(gradient, u.entries()), bent
+        )
+
+
+def _hessian(form: dict[int, arb], terms: list[list[int]]) -> arb_mat:
+    entries = [arb(0)] * 64
+    for index, coefficient in form.items():
+        for k, factor in enumerate(terms[index]):
+            if factor:
+                entries[k] += factor * coefficient
+    return arb_mat(8, 8, entries)
+
+
+def _dot(a: Sequence[arb], b: Sequence[arb]) -> arb:
+    return sum((p * q for p, q in zip(a, b, strict=True)), arb(0))

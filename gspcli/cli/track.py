@@ -1,0 +1,200 @@
+"""`gsp track`: where the assembly modes go while the values change."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.names import load_instance
+from gspcli.cli.output import Column, Output, Table, emit, output_options
+from gspcli.cli.poses import pose_format, pose_options, text_of
+from gspcli.errors import IncompleteError
+
+if TYPE_CHECKING:
+    from gspcli.motion import Event, Track
+
+_POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@click.argument("values", metavar="VALUES")
+@click.option("--mode", type=click.IntRange(min=1), metavar="K", help="Follow only mode K.")
+@click.option(
+    "--near", metavar="NUMBERS", help="Follow only the mode nearest to x,y,z,qw,qx,qy,qz."
+)
+@click.option("--delta", is_flag=True, help="VALUES are added to those of SPEC.")
+@click.option(
+    "--all",
+    "everything",
+    is_flag=True,
+    help="Compare with all poses at the last row; follow those born on the way, too.",
+)
+@click.option("--allow-loss", is_flag=True, help="Exit with 0 though a mode ends on the way.")
+@click.option("--no-certify", is_flag=True, help="Do not prove that no branch is changed.")
+@pose_options
+@click.option(
+    "--jobs", type=click.IntRange(min=1), default=1, show_default=True, metavar="N", help="Threads."
+)
+@output_options()
+def command(
+    spec: str,
+    values: str,
+    mode: int | None,
+    near: str | None,
+    delta: bool,
+    everything: bool,
+    allow_loss: bool,
+    no_certify: bool,
+    euler: str | None,
+    pivot: str | None,
+    jobs: int,
+    output: Output,
+) -> None:
+    """Follow assembly modes while the values change, and prove that none jumps.
+
+    SPEC is an instance file, VALUES a CSV file with a heading: columns 1 to 6 (those left out keep
+    the value of SPEC), and perhaps t; or a file of poses as `gsp measure` takes it, which is
+    measured. One of them may be - for standard input. The values change linearly between rows;
+    distances to planes (DPH, DHP) are signed.
+
+    All real poses at the first row are followed, numbered as `gsp solve` orders them. Each row of
+    the output is one mode at one row of VALUES: position and unit quaternion of the platform
+    (x_base = R x_platform + T) and the condition number. It is proved for every part between the
+    rows that the mode is the only one near, so that it cannot be mistaken for another. Where
+    a mode meets another and both vanish (a fold), t is proved to ten digits or more. What happens
+    between rows is told on standard error, or under events in JSON.
+
+    The exit code is 4 if a mode ends before the last row, unless with --allow-loss.
+
+    \b
+    Examples:
+      gsp track platform.yaml values.csv -o poses.csv
+      gsp track platform.yaml path.csv --euler ZYX --mode 1 --format json
+      gsp track platform.yaml values.csv --all --allow-loss
+    """
+    if mode is not None and near is not None:
+        message = "give either --mode or --near"
+        raise click.UsageError(message)
+    if spec == values == "-":
+        message = "SPEC and VALUES cannot both be standard input"
+        raise click.UsageError(message)
+    from gspcli.motion import read_pose, read_values, track
+
+    instance = load_instance(spec)
+    form = pose_format(instance, euler, pivot)
+    table = read_values(*text_of(values), instance, form, delta=delta)
+    pose = None
+    if near is not None:
+        given = read_pose(near, form)
+        pose = given.R[0], given.T[0]
+    result = track(
+        instance,
+        table.values,
+        t=table.t,
+        modes=None if mode is None else [mode],
+        near=pose,
+        everything=everything,
+        certify=not no_certify,
+        jobs=jobs,
+    )
+    rows = _rows(result)
+    emit(output, _table(result, rows), document=_document(result, rows))
+    if output.format != "json":
+        for event in result.events:
+            click.echo(_sentence(event), err=True)
+    if result.complete is False:
+        message = (
+            "the modes followed and the poses at the last row do not account for each other\n"
+            "give more rows, or try --jobs 1 with a smaller step"
+        )
+        raise IncompleteError(message)
+    if result.ends and not allow_loss:
+        names = ", ".join(str(event.mode) for event in result.ends)
+        many = len(result.ends) > 1
+        message = (
+            f"mode{'s' if many else ''} {names} end{'' if many else 's'} before the last row\n"
+            "use --allow-loss if that is expected"
+        )
+        raise IncompleteError(message)
+
+
+def _rows(result: Track) -> list[dict[str, Any]]:
+    rows = []
+    for k, t in enumerate(result.t.tolist()):
+        for m, mode in enumerate(result.modes.tolist()):
+            T = result.T[m, k]
+            if T[0] != T[0]:
+                continue
+            pose = [*T.tolist(), *result.quaternions[m, k].tolist()]
+            condition = float(result.conditions[m, k])
+            rows.append(
+                {
+                    "t": t,
+                    "mode": mode,
+                    **dict(zip(_POSE, pose, strict=True)),
+                    "condition": condition,
+                }
+            )
+    return rows
+
+
+def _table(result: Track, rows: list[dict[str, Any]]) -> Table:
+    columns = [Column(key, align="right", essential=True) for key in ("t", "mode", *_POSE)]
+    columns.append(Column("condition", align="right"))
+    instance = result.instance
+    title = ": ".join(part for part in (instance.name, instance.type.id) if part)
+    kept = len(result.modes) - len(result.events)
+    how = "proved" if result.certified else "not proved"
+    note = (
+        f"{len(result.modes)} modes, {kept} of them from the first row to the last; "
+        f"{result.segments} parts, {how}"
+    )
+    if result.complete:
+        note += "; every real pose at the last row is accounted for"
+    return Table(columns, rows, title=title, notes=[note])
+
+
+def _document(result: Track, rows: list[dict[str, Any]]) -> dict[str, Any]:
+    instance = result.instance
+    kind = instance.type
+    return {
+        "schema": "gsp.track/1",
+        "name": instance.name,
+        "type": {"id": kind.id, "number": kind.number, "class": kind.platform_class.id},
+        "units": {"length": instance.units.length, "angle": instance.units.angle.value},
+        "certified": result.certified,
+        "complete": result.complete,
+        "modes": result.modes.tolist(),
+        "parts": result.segments,
+        "poses": rows,
+        "events": [_plain(event) for event in result.events],
+    }
+
+
+def _plain(event: Event) -> dict[str, Any]:
+    return {
+        "kind": event.kind,
+        "reason": event.reason,
+        "begins": event.begins,
+        "mode": event.mode,
+        "partner": event.partner,
+        "row": event.row + 1,
+        "t": [event.low, event.high],
+        "R": event.R.tolist(),
+        "T": event.T.tolist(),
+        "partner_R": None if event.partner_R is None else event.partner_R.tolist(),
+        "partner_T": None if event.partner_T is None else event.partner_T.tolist(),
+    }
+
+
+def _sentence(event: Event) -> str:
+    if event.kind == "undecided":
+        what = "cannot be followed back before" if event.begins else "cannot be followed beyond"
+        t = event.high if event.begins else event.low
+        return f"mode {event.mode} {what} t = {t:.10g}: {event.reason} (undecided)"
+    partner = "another" if event.partner is None else f"mode {event.partner}"
+    if event.begins:
+        return f"mode {event.mode} begins with {partner} in a fold at t = {event.low:.12g}, proved"
+    return f"mode {event.mode} meets {partner} in a fold at t = {event.low:.12g} and ends, proved"

@@ -1,0 +1,111 @@
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).parents[2] / "data" / "examples"
+HEXAPOD = str(EXAMPLES / "platform-6-6.yaml")
+#: The two modes of the example meet and vanish between the first rows.
+LOSS = "t,1,2,3,4\n0,2.53,2.08,0.93,1.97\n1,2.6,2.0,1.0,1.9\n"
+SAFE = "t,1,2\n0,2.53,2.08\n1,2.54,2.07\n2,2.53,2.08\n"
+FOLD = (
+    "mode 1 meets mode 2 in a fold at t = 0.718860610004 and ends, proved\n"
+    "mode 2 meets mode 1 in a fold at t = 0.718860610004 and ends, proved\n"
+)
+
+
+@pytest.fixture
+def values(tmp_path):
+    def write(text):
+        path = tmp_path / "values.csv"
+        path.write_text(text, encoding="utf-8")
+        return str(path)
+
+    return write
+
+
+def test_rows_of_all_modes(gsp, values):
+    run = gsp("track", HEXAPOD, values(SAFE), "--format", "csv")
+    assert (run.code, run.err) == (0, "")
+    assert run.out.splitlines()[0] == "t,mode,x,y,z,qw,qx,qy,qz,condition"
+    rows = list(csv.DictReader(io.StringIO(run.out)))
+    assert [(row["t"], row["mode"]) for row in rows] == [
+        (t, mode) for t in ("0.0", "1.0", "2.0") for mode in "12"
+    ]
+    # The last row has the values of the first, and no mode has become another.
+    for first, last in zip(rows[:2], rows[-2:], strict=True):
+        for key in ("x", "y", "z", "qw", "qx", "qy", "qz"):
+            assert float(first[key]) == pytest.approx(float(last[key]), abs=1e-12)
+
+
+def test_what_track_writes_measure_reads(gsp, values, tmp_path):
+    given = values(SAFE)
+    path = tmp_path / "poses.csv"
+    assert gsp("track", HEXAPOD, given, "--mode", "2", "-o", path).code == 0
+    run = gsp("measure", HEXAPOD, path, "--format", "csv")
+    rows = [[float(x) for x in line.split(",")] for line in run.out.splitlines()[1:]]
+    assert [row[0] for row in rows] == [0, 1, 2]
+    assert rows[1][1:] == pytest.approx([2.54, 2.07, 0.93, 1.97, 1.46, 1.73], abs=1e-12)
+    # And what measure writes, track reads.
+    back = tmp_path / "values.csv"
+    assert gsp("measure", HEXAPOD, path, "-o", back).code == 0
+    near = gsp("track", HEXAPOD, back, "--near", "0.5,0.9,0.46,0.19,0.25,-0.86,-0.4")
+    assert near.code == 0
+    assert [line.split()[1] for line in near.out.splitlines()[4:7]] == ["2", "2", "2"]
+
+
+def test_a_loss_is_told_and_changes_the_exit_code(gsp, values):
+    run = gsp("track", HEXAPOD, values(LOSS))
+    assert run.code == 4
+    assert run.err == (
+        FOLD + "error: modes 1, 2 end before the last row\nuse --allow-loss if that is expected\n"
+    )
+    assert "2 modes, 0 of them from the first row to the last" in run.out
+    allowed = gsp("track", HEXAPOD, values(LOSS), "--allow-loss")
+    assert (allowed.code, allowed.err) == (0, FOLD)
+    assert allowed.out == run.out
+
+
+def test_json_has_the_events(gsp, values):
+    run = gsp("track", HEXAPOD, values(LOSS), "--allow-loss", "--format", "json")
+    assert (run.code, run.err) == (0, "")
+    document = json.loads(run.out)
+    assert document["schema"] == "gsp.track/1"
+    assert document["certified"] is True
+    assert document["modes"] == [1, 2]
+    event = document["events"][0]
+    low, high = event["t"]
+    assert low <= high < low + 1e-14
+    assert (event["kind"], event["partner"], event["begins"]) == ("fold", 2, False)
+
+
+def test_born_modes(gsp, values):
+    backwards = "t,1,2,3,4\n0,2.6,2.0,1.0,1.9\n1,2.53,2.08,0.93,1.97\n"
+    run = gsp("track", HEXAPOD, values(backwards), "--all")
+    assert run.code == 0
+    assert "mode 1 begins with mode 2 in a fold at t = 0.281139389996, proved" in run.err
+    assert "every real pose at the last row is accounted for" in run.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("-", "-"), "SPEC and VALUES cannot both be standard input"),
+        ((HEXAPOD, "no.csv"), "error: no.csv: cannot be read: No such file or directory\n"),
+        (
+            (HEXAPOD, "VALUES", "--mode", "5"),
+            "error: found mode 5, expected one of the 2 at the first row\n",
+        ),
+        ((HEXAPOD, "VALUES", "--mode", "1", "--near", "1"), "give either --mode or --near"),
+    ],
+)
+def test_mistakes(gsp, values, arguments, message):
+    path = values(SAFE)
+    run = gsp("track", *(path if word == "VALUES" else word for word in arguments))
+    assert run.code == 2
+    assert run.out == ""
+    assert message in run.err
