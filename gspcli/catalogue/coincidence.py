@@ -23,6 +23,7 @@ from dataclasses import dataclass
 from itertools import count
 from typing import Protocol
 
+from gspcli.catalogue.aliases import find_alias
 from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind
 from gspcli.catalogue.types import GspType
 from gspcli.errors import TypeNameError
@@ -157,14 +158,17 @@ def coincident_types(gsp_type: GspType) -> Iterator[Sharing]:
 def parse_sharing(text: str) -> Sharing:
     """Return the pattern that a notation such as ``P1-p1 P1-p2 …`` denotes.
 
-    The constraints may stand in any order, and the primitives may have any numbers.
+    The constraints may stand in any order, and the primitives may have any numbers. Names of
+    hexapods that say which legs share a joint (``3-3``) denote patterns, too.
 
     Raises
     ------
     TypeNameError
         If a word is no constraint, a pair carries a kind twice, or the six constraints are no type.
     """
-    given = [_parse_bond(word) for word in re.split(r"[\s,;]+", text.strip())]
+    alias = find_alias(text)
+    pattern = alias.pattern if alias else text.strip()
+    given = [_parse_bond(word) for word in re.split(r"[\s,;]+", pattern)]
     gsp_type = GspType.of(bond.kind for bond in given)
     bonds = canonical_bonds(given)
     return next(pattern for pattern in coincident_types(gsp_type) if pattern.bonds == bonds)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import NoReturn
 
+from gspcli.catalogue.aliases import find_alias
 from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, KINDS, Kind
 from gspcli.catalogue.types import (
     CLASSES,
@@ -21,6 +22,8 @@ from gspcli.errors import TypeNameError
 _CLASSES_BY_ID = {platform_class.id: platform_class for platform_class in CLASSES}
 _SEPARATORS = re.compile(r"[\s,;+]+")
 _NUMBER_DIGITS = 9
+#: A count apart from its kind, as in 6 PP.
+_APART = re.compile(r"(?<!\S)([1-6]) +(?=[A-Z]{2,3}(?!\S))")
 _REPEATED = re.compile(r"(\d{1,3})[*x]?([A-Z]{2,3})|([A-Z]{2,3})[*^](\d{1,3})")
 
 
@@ -93,7 +96,7 @@ def _names(kinds: Sequence[Kind]) -> str:
 def _words(text: str | Sequence[str]) -> list[str]:
     joined = text if isinstance(text, str) else " ".join(text)
     words: list[str] = []
-    for word in _SEPARATORS.split(joined.strip().upper()):
+    for word in _SEPARATORS.split(_APART.sub(r"\1", joined.strip().upper())):
         repeated = _REPEATED.fullmatch(word)
         if repeated and word not in _CLASSES_BY_ID:
             count, name = (repeated[1], repeated[2]) if repeated[1] else (repeated[4], repeated[3])
@@ -111,15 +114,17 @@ def parse_name(text: str | Sequence[str]) -> GspType | Family:
 
     Accepted are a stable number (``17``), six kinds in any order, separated by blanks or commas,
     with or without leading letters where they are unambiguous (``DPL pl LP all alh AHH``),
-    repetitions (``6PP``, ``PL^2``), and families: a class with its distances
-    (``3D3A PL PL LP``). A family without angles is a type.
+    repetitions (``6PP``, ``6 PP``, ``PL^2``), families: a class with its distances
+    (``3D3A PL PL LP``), and the names in `ALIASES` (``hexapod``, ``6-3``). A family without angles
+    is a type.
 
     Raises
     ------
     TypeNameError
         With what is wrong, what is near and how to write it.
     """
-    words = _words(text)
+    alias = find_alias(text if isinstance(text, str) else " ".join(text))
+    words = _words(text if alias is None else alias.type_name)
     if not words:
         message = "no type given: write six kinds, a number, or a family as 3D3A PL PL LP"
         raise TypeNameError(message)

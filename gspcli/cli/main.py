@@ -56,12 +56,15 @@ class CommandGroup(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Import one subcommand; None if there is no such."""
-        del ctx
         if cmd_name not in COMMANDS:
             return None
         command: click.Command = importlib.import_module(
             f"gspcli.cli.{cmd_name.replace('-', '_')}"
         ).command
+        if ctx.resilient_parsing:
+            from gspcli.cli.completion import add_completion
+
+            add_completion(command)
         return command
 
     def resolve_command(

@@ -105,11 +105,13 @@ def command(
 
 
 def _pattern(words: tuple[str, ...]) -> GspType | Sequence[Bond]:
+    from gspcli.catalogue.aliases import find_alias
     from gspcli.catalogue.coincidence import parse_sharing
     from gspcli.catalogue.parsing import parse_type
 
     joined = " ".join(words)
-    if any(_PATTERN_WORD.fullmatch(word) for word in joined.split()):
+    alias = find_alias(joined)
+    if (alias and alias.pattern) or any(_PATTERN_WORD.fullmatch(word) for word in joined.split()):
         return parse_sharing(joined).bonds
     return parse_type(joined)
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from gspcli.catalogue.aliases import find_alias
 from gspcli.catalogue.coincidence import Connection, coincident_types, parse_sharing
 from gspcli.catalogue.mechanism import Mechanism, MountedChain, mechanism
 from gspcli.catalogue.overconstraint import over_constraint
@@ -94,7 +95,8 @@ def _platform(names: Sequence[str]) -> tuple[str, GspType, Sequence[Connection]]
         title = f"{instance.name}: {instance.type}" if instance.name else str(instance.type)
         return title, instance.type, instance.constraints
     text = " ".join(names)
-    if _BOND.match(text):
+    alias = find_alias(text)
+    if _BOND.match(text) or (alias and alias.pattern):
         pattern = parse_sharing(text)
         return f"{pattern.type} ({pattern.id})", pattern.type, pattern.bonds
     gsp_type = parse_type(names)

@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from gspcli.catalogue.aliases import Alias, find_alias
 from gspcli.catalogue.bounds import type_bounds
 from gspcli.catalogue.coincidence_counts import count_coincident
 from gspcli.catalogue.constraints import constraint_facts
@@ -34,11 +35,13 @@ def command(names: tuple[str, ...], output: Output) -> None:
     Examples:
       gsp show 6PP
       gsp show 421 --format json
+      gsp show 3-3
       gsp show PL PL LP ALL ALH AHH
     """
     single = len(names) == 1 and is_file(names[0])
     gsp_type = load_instance(names[0]).type if single else parse_type(names)
     built = mechanism_of_type(gsp_type)
+    alias = find_alias(" ".join(names))
     emit(
         output,
         [
@@ -46,7 +49,7 @@ def command(names: tuple[str, ...], output: Output) -> None:
             _meanings(gsp_type),
             bound_table(type_bounds(gsp_type), generic_counts(gsp_type), best_real(gsp_type)),
             _chains(gsp_type, built),
-            _facts(gsp_type),
+            _facts(gsp_type, alias),
         ],
         document=_document(gsp_type, built),
     )
@@ -101,7 +104,7 @@ def _chains(gsp_type: GspType, built: Mechanism) -> Table:
     )
 
 
-def _facts(gsp_type: GspType) -> Table:
+def _facts(gsp_type: GspType, alias: Alias | None) -> Table:
     mirrored = gsp_type.mirrored
     notes = [
         f"solved by: {_method(gsp_type)}",
@@ -111,6 +114,10 @@ def _facts(gsp_type: GspType) -> Table:
         f"  (gsp enumerate --coincident {gsp_type.number})",
         f"an instance to start from: gsp new {gsp_type.number}",
     ]
+    if alias:
+        notes.insert(0, f"{alias.name}: {alias.meaning}")
+    if alias and alias.pattern:
+        notes.insert(1, f"this pattern of shared joints: {alias.pattern}  (gsp new {alias.name})")
     return Table(columns=[], rows=[], notes=notes)
 
 

@@ -6,6 +6,8 @@ import random
 
 import pytest
 
+from gspcli.catalogue.aliases import ALIASES
+from gspcli.catalogue.coincidence import parse_sharing
 from gspcli.catalogue.parsing import parse_kind, parse_name, parse_type
 from gspcli.catalogue.types import CLASSES, all_types, families
 from gspcli.errors import TypeNameError
@@ -85,3 +87,22 @@ def test_a_kind_needs_its_letter_only_where_it_is_ambiguous() -> None:
     assert parse_kind("LH").name == "ALH"
     with pytest.raises(TypeNameError, match="DLL or ALL"):
         parse_kind("LL")
+
+
+@pytest.mark.parametrize(
+    "name", ["hexapod", "Hexapod", "6-6", "6-3", "3–6", "3-3", "6 PP", "6 dpp"]
+)
+def test_hexapods_have_names_of_their_own(name: str) -> None:
+    assert parse_type(name) == parse_type("6DPP")
+
+
+def test_a_count_may_stand_apart_from_its_kind() -> None:
+    assert parse_type("3 PL 3 ALL") == parse_type("3PL 3ALL")
+    assert parse_type(["3D3A", "2", "PL", "LP", "3", "ALL"]) == parse_type("PL PL LP 3ALL")
+
+
+@pytest.mark.parametrize(("name", "points"), [("6-3", (6, 3)), ("3-6", (3, 6)), ("3-3", (3, 3))])
+def test_the_patterns_of_names_have_so_many_points(name: str, points: tuple[int, int]) -> None:
+    pattern = parse_sharing(name)
+    assert (len(pattern.base_primitives), len(pattern.platform_primitives)) == points
+    assert pattern == parse_sharing(ALIASES[name].pattern)
