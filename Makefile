@@ -7,7 +7,7 @@ STAMP  := $(VENV)/.installed
 NATIVE := $(wildcard native/*) CMakeLists.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test lint types docs bench verify verify-fast verify-solve msolve clean
+.PHONY: help install demo test lint types docs bench verify verify-fast verify-solve count-families msolve clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
@@ -49,6 +49,9 @@ verify: $(STAMP) msolve ## all data derived again and compared (hours; taken up 
 
 verify-solve: $(STAMP) ## random platforms of every family solved completely, recorded (40 minutes)
 	$(BIN)/python tools/verify_solve.py all --jobs $(JOBS)
+
+count-families: $(STAMP) ## a random platform of each of 626 families counted exactly (minutes)
+	$(BIN)/python tools/count_families.py --check
 
 bench: $(STAMP) msolve ## gsp against msolve, PHCpack and Macaulay2; writes docs/benchmarks.md (15 minutes)
 	$(BIN)/python -m bench --output docs

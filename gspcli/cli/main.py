@@ -32,6 +32,7 @@ COMMANDS = {
     "new": _PLATFORM,
     "example": _PLATFORM,
     "check": _PLATFORM,
+    "count": _PLATFORM,
     "solve": _PLATFORM,
     "certify": _PLATFORM,
     "sample": _REAL,

@@ -262,6 +262,29 @@ def element(number: Number) -> Element:
     return number.evaluate(_FIELD)
 
 
+def squared(number: Number) -> Element:
+    """Return the square of a number; there is one of any square root of an element.
+
+    Raises
+    ------
+    NoElementError
+        If it has none.
+    """
+    if number.fraction is None:
+        parts = number.arguments
+        match number.operation:
+            case "sqrt":
+                return element(parts[0])
+            case "neg":
+                return squared(parts[0])
+            case "*":
+                return squared(parts[0]) * squared(parts[1])
+            case "/":
+                return squared(parts[0]) / squared(parts[1])
+    value = element(number)
+    return value * value
+
+
 def in_radians(angle: Number, unit: AngleUnit) -> Element:
     """Return an angle of an instance in radians."""
     value = element(angle)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, Kind
-from gspcli.certification.counting.exact_numbers import Element, element, in_radians
+from gspcli.certification.counting.exact_numbers import Element, element, in_radians, squared
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.primitives import Line, Plane, Point, Vector
 
@@ -133,9 +133,9 @@ def _value(
     if not kind.is_distance:
         cosine = _cosine(kind, in_radians(constraint.value, unit))
         return cosine if cosine.is_zero else cosine * (_square(u) * _square(v)).sqrt()
-    value = element(constraint.value)
     if not kind.has_sides:
-        return value * value
+        return squared(constraint.value)
+    value = element(constraint.value)
     return value if value.is_zero else value * _square(v or u).sqrt()
 
 

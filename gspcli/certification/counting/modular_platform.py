@@ -23,14 +23,12 @@ from gspcli.certification.counting.homomorphism import (
     Requirements,
     homomorphisms,
 )
-from gspcli.errors import GspError
+from gspcli.errors import IncompleteError
 from gspcli.geometry.instance import Instance
 
 
-class NotCountedError(GspError):
+class NotCountedError(IncompleteError):
     """The solutions of an instance could not be counted; says why."""
-
-    exit_code = 4
 
 
 class ModularPlatform:

@@ -1,0 +1,230 @@
+"""`gsp count`: how many solutions a platform has, exactly."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli import __version__
+from gspcli.cli.names import load_instance, read_type
+from gspcli.cli.output import Column, Output, Table, emit, output_options
+from gspcli.cli.progress import progress
+from gspcli.defaults import SEED
+from gspcli.errors import NotFiniteError
+
+if TYPE_CHECKING:
+    from gspcli.catalogue.types import GspType
+    from gspcli.certification.counting import ExactCount
+    from gspcli.geometry.instance import Instance
+
+_COLUMNS = (
+    Column("spec", essential=True),
+    Column("type_count", "type", align="right", essential=True),
+    Column("geometry_count", "geometry", align="right", essential=True),
+    Column("exact_count", "exact", align="right", essential=True),
+    Column("distinct", align="right", essential=True),
+    Column("finite", essential=True),
+    Column("proof", "proof of the exact count", fold=" "),
+    Column("geometry_proof", "of the geometry's", fold=" ", minor=1),
+)
+_GEOMETRY_COLUMNS = (
+    Column("geometry", essential=True),
+    Column("count", align="right", essential=True),
+    Column("distinct", align="right", essential=True),
+    Column("meaning", "what is special", fold=" ", essential=True),
+    Column("proof", fold=" "),
+)
+_LEGEND = (
+    "type: what almost every platform of the type has; geometry: with this geometry, whatever the "
+    "values; exact: this platform, with multiplicities; all for the sides asked for"
+)
+
+
+@click.command()
+@click.argument("specs", metavar="[SPEC]...", nargs=-1)
+@click.option("--type", "type_name", metavar="TYPE", help="Count random platforms of a type.")
+@click.option(
+    "--geometry",
+    "geometries",
+    metavar="CLASS,...",
+    default="generic",
+    show_default=True,
+    help="With --type: the classes of geometry to count, or all.",
+)
+@click.option(
+    "--limit",
+    default=60.0,
+    show_default=True,
+    type=click.FloatRange(0, min_open=True),
+    metavar="BILLIONS",
+    help="Multiplications after which to give up; a billion takes a second or two.",
+)
+@click.option(
+    "--seed",
+    default=SEED,
+    show_default=True,
+    type=click.IntRange(min=0),
+    help="Seed of the prime and of random platforms.",
+)
+@output_options()
+def command(
+    specs: tuple[str, ...],
+    type_name: str | None,
+    geometries: str,
+    limit: float,
+    seed: int,
+    output: Output,
+) -> None:
+    """Count the complex solutions of a platform exactly, without finding them.
+
+    SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`); its
+    numbers are taken as written. Three counts: of the type (what almost every platform of it
+    has), of the geometry (this one, with almost all values), and of this very platform, with
+    multiplicity and distinct, and whether the solutions are finitely many. They are found by
+    linear algebra modulo a random prime; each says whether that proves it, or how probably the
+    prime could have misled.
+
+    With --type it counts random platforms with special geometries instead: planar, hexagons,
+    3-3, 6-4, congruent and others (--geometry all). Those of joints are for 6PP only.
+
+    The exit code is 3 if the solutions of a SPEC are infinitely many, and 4 if they could not be
+    counted.
+
+    \b
+    Examples:
+      gsp count platform.yaml
+      gsp count @planar-hexagons @dietmaier --format json
+      gsp count --type 6PP --geometry planar,hexagons,3-3
+      gsp count --type "6D PP PP PH PH PH PL" --geometry generic,planar
+    """
+    if (type_name is None) == (not specs):
+        message = "give either SPEC or --type"
+        raise click.UsageError(message)
+    if type_name is not None:
+        _count_geometries(read_type([type_name]), geometries, limit, seed, output)
+    else:
+        _count_specs(specs, limit, seed, output)
+
+
+def _count_specs(specs: tuple[str, ...], limit: float, seed: int, output: Output) -> None:
+    from gspcli.certification.counting import NotCountedError, count_exactly, count_geometry
+
+    instances = [load_instance(spec) for spec in specs]
+    rows, documents, refusals, infinite = [], [], [], []
+    for spec, instance in progress(
+        list(zip(specs, instances, strict=True)), total=len(specs), label="counting solutions"
+    ):
+        exact = geometry = None
+        try:
+            geometry = count_geometry(instance, seed=seed, limit=limit)
+            exact = count_exactly(instance, seed=seed, limit=limit)
+        except NotCountedError as error:
+            refusals.append(f"{spec}: {error}")
+        if exact is not None and not exact.finite:
+            infinite.append(spec)
+        documents.append(_document(instance, exact, geometry, seed))
+        rows.append(_row(spec, instance, exact, geometry))
+    document: Any = documents[0] if len(documents) == 1 else documents
+    emit(output, Table(_COLUMNS, rows, notes=[_LEGEND]), document=document)
+    if refusals:
+        raise NotCountedError("\n".join(refusals))
+    if infinite:
+        message = f"infinitely many complex solutions: {', '.join(infinite)}"
+        raise NotFiniteError(message)
+
+
+def _document(
+    instance: Instance, exact: ExactCount | None, geometry: ExactCount | None, seed: int
+) -> dict[str, Any]:
+    return {
+        "schema": "gsp.count/1",
+        **instance.to_json(),
+        "type_count": instance.expected,
+        "geometry_count": geometry.solutions if geometry else None,
+        "exact_count": exact.solutions if exact else None,
+        "distinct": exact.distinct if exact else None,
+        "finite": exact.finite if exact else None,
+        "at_least": exact.proved_lower if exact else None,
+        "proof": {
+            "type_count": {"modulo_random_prime": False},
+            "geometry_count": _proof(geometry.error if geometry else None),
+            "exact_count": _proof(exact.error if exact else None),
+            "distinct": _proof(exact.distinct_error if exact else None),
+        },
+        "sides": [
+            {"signs": list(side.signs), "exact_count": side.solutions, "distinct": side.distinct}
+            for side in (exact.sides if exact else ())
+        ],
+        "prime": exact.prime if exact else None,
+        "seed": seed,
+        "version": __version__,
+    }
+
+
+def _proof(error: float | None) -> dict[str, Any] | None:
+    return None if error is None else {"modulo_random_prime": error or False}
+
+
+def _row(
+    spec: str, instance: Instance, exact: ExactCount | None, geometry: ExactCount | None
+) -> dict[str, Any]:
+    row: dict[str, Any] = {"spec": spec, "type_count": instance.expected}
+    if geometry is not None:
+        row |= {"geometry_count": geometry.solutions, "geometry_proof": _words(geometry.error)}
+    if exact is not None:
+        row |= {
+            "exact_count": exact.solutions,
+            "distinct": exact.distinct,
+            "finite": exact.finite,
+            "proof": _words(exact.error),
+        }
+    return row
+
+
+def _words(error: float) -> str:
+    return "proved" if error == 0 else f"random prime, error below {_rounded_up(error)}"
+
+
+def _rounded_up(error: float) -> str:
+    """Return a power of ten that is not less."""
+    power = next(k for k in range(-17, 1) if error <= float(f"1e{k}"))
+    return f"1e{power}"
+
+
+def _count_geometries(
+    gsp_type: GspType, names: str, limit: float, seed: int, output: Output
+) -> None:
+    from gspcli.atlas.geometries import CLASSES, random_geometry
+    from gspcli.catalogue.kinds import DPP
+    from gspcli.certification.counting import count_geometry
+
+    six_legs = set(gsp_type.kinds) == {DPP}
+    possible = [name for name, c in CLASSES.items() if c.points is None or six_legs]
+    chosen = possible if names == "all" else [name.strip() for name in names.split(",")]
+    for name in chosen:
+        if name not in possible:
+            message = f"found --geometry {name}, expected of {gsp_type.id}: {', '.join(possible)}"
+            raise click.BadParameter(message)
+    rows = []
+    for name in progress(chosen, total=len(chosen), label="counting solutions"):
+        instance = random_geometry(gsp_type, CLASSES[name], seed)
+        count = count_geometry(instance, seed=seed, limit=limit)
+        rows.append(
+            {
+                "geometry": name,
+                "count": count.solutions,
+                "distinct": count.distinct,
+                "meaning": CLASSES[name].meaning,
+                "proof": _words(count.error),
+                "modulo_random_prime": count.error or False,
+            }
+        )
+    document = {
+        "schema": "gsp.count-geometries/1",
+        "type": gsp_type.to_json(),
+        "geometries": rows,
+        "seed": seed,
+        "version": __version__,
+    }
+    emit(output, Table(_GEOMETRY_COLUMNS, rows, title=gsp_type.id), document=document)
