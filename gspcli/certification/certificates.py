@@ -116,6 +116,12 @@ class Certificates(Sequence[Certificate]):
         """Return one certificate, or several by a slice."""
         return self.items[index]
 
+    def __repr__(self) -> str:
+        return (
+            f"<Certificates: {self.certified} of {len(self)} certified, {self.distinct} of them "
+            f"proved different, {self.real} of these real>"
+        )
+
     def __len__(self) -> int:
         """Return the number of candidates."""
         return len(self.items)

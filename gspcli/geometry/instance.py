@@ -114,6 +114,11 @@ class Instance:
     name: str | None = None
     source: str | None = None
 
+    def __repr__(self) -> str:
+        kinds = " ".join(row.kind.name for row in self.constraints)
+        units = f"{self.units.length}, {self.units.angle.value}"
+        return f"<Instance{f' {self.name!r}' if self.name else ''}: {kinds} ({units})>"
+
     @cached_property
     def type(self) -> GspType:
         """The type of the platform.

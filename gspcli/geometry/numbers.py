@@ -188,6 +188,9 @@ class Number:
     def __str__(self) -> str:
         return _text(self, 0)
 
+    def __repr__(self) -> str:
+        return f"Number.of({str(self)!r})"
+
 
 _RATIONAL_OPERATIONS: dict[str, Callable[..., Any]] = {
     "+": lambda a, b: a + b,

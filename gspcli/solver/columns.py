@@ -132,3 +132,32 @@ def _of_real(
     values = np.full((len(result.R), 3), np.nan)
     values[result.real] = written(result.R[result.real].real) / result.arrangement.in_radians
     return values
+
+
+def plain_table(result: SolveResult) -> str:
+    """Return the real poses as a table of plain text, and what became of every path."""
+    units = {
+        "length": f" [{result.instance.units.length}]",
+        "angle": f" [{result.instance.units.angle.value}]",
+        "": "",
+    }
+    count = result.counts.real
+    columns: list[list[str]] = [["no.", *(str(k + 1) for k in range(count))]]
+    for column in COLUMNS:
+        values = [_text(value) for value in column.read(result)[:count]]
+        # What is as usual for all poses is not worth a column.
+        if not set(values) <= {"True", "1", ""}:
+            columns.append([column.key + units[column.unit], *values])
+    widths = [max(map(len, cells)) for cells in columns]
+    rows = [
+        "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True))
+        for row in zip(*columns, strict=True)
+    ]
+    name = ": ".join(part for part in (result.instance.name, result.instance.type.id) if part)
+    return "\n".join([name, *(rows if count else ()), result.poses.account_text])
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, list):
+        return " ".join(value)
+    return f"{np.real(value):.6g}" if isinstance(value, float | complex) else str(value)

@@ -13,6 +13,10 @@ from gspcli.solver.self_motion import Motion
 Complex = NDArray[np.complex128]
 
 
+#: Ends of paths that are no isolated poses.
+_NO_POSES = ("at_infinity", "on_curves", "spurious", "lost")
+
+
 @dataclass(frozen=True, eq=False)
 class PoseSet:
     """Poses, in the frames of the arrangement.
@@ -50,6 +54,19 @@ class PoseSet:
     motions: tuple[Motion, ...]
     account: PathAccount
     problem: str | None = None
+
+    @property
+    def account_text(self) -> str:
+        """How many poses there are of which sort, and the verdict, on one line."""
+        parts = [f"{int(self.real.sum())} real of {len(self.R)} poses"]
+        if self.certified.any():
+            parts.append(f"{int(self.certified.sum())} certified")
+        ends = ((name, getattr(self.account, name)) for name in _NO_POSES)
+        parts += [f"{number} {name.replace('_', ' ')}" for name, number in ends if number]
+        return ", ".join([*parts, self.problem or self.account.verdict])
+
+    def __repr__(self) -> str:
+        return f"<PoseSet: {self.account_text}>"
 
     @classmethod
     def unsolved(cls, expected: int, problem: str) -> PoseSet:

@@ -78,6 +78,11 @@ class Solution:
     condition: float
     sides: Mapping[int, str]
 
+    def __repr__(self) -> str:
+        sort = ("real" if self.real else "complex") + ", certified" * self.certified
+        size = f"residual {self.residual:.1e}, condition {self.condition:.4g}"
+        return f"<Solution: {sort}, {size}, T {np.array2string(self.T, precision=6)}>"
+
     def to_json(self) -> dict[str, Any]:
         """Return the pose as plain data (see `SolveResult.to_json`)."""
         document: dict[str, Any] = {
@@ -121,6 +126,15 @@ class SolveResult:
     arrangement: Arrangement
     poses: PoseSet
     seed: int
+
+    def __repr__(self) -> str:
+        name = self.instance.name or self.instance.type.id
+        return f"<SolveResult of {name}: {self.poses.account_text}>"
+
+    def __str__(self) -> str:
+        from gspcli.solver.columns import plain_table
+
+        return plain_table(self)
 
     @property
     def R(self) -> Field:

@@ -8,8 +8,10 @@ import pytest
 from gspcli.catalogue.types import type_by_number
 from gspcli.defaults import SEED
 from gspcli.geometry.poses import quaternion_from_rotation
+from gspcli.resources import data_path
 from gspcli.solver import solve
 from gspcli.solver.generate import random_instance
+from gspcli.spec import load
 
 
 @pytest.fixture(scope="module")
@@ -96,3 +98,17 @@ def test_order_is_by_quaternion_then_translation(result):
     assert poses == sorted(poses)
     for solution in result.real_solutions:
         assert next(q for q in np.round(solution.quaternion, 9) if q) > 0
+
+
+def test_a_result_is_one_line_and_prints_as_a_table():
+    result = solve(load(data_path("examples", "example-6.8.yaml")))
+    line = "64 real of 64 poses, 64 certified, complete"
+    assert repr(result) == f"<SolveResult of Example 6.8: {line}>"
+    assert repr(result.poses) == f"<PoseSet: {line}>"
+    assert repr(result.instance) == "<Instance 'Example 6.8': ALL ALL ALL DPL DPL DPL (unit, deg)>"
+    table = str(result).splitlines()
+    assert len(table) == 1 + 1 + 64 + 1
+    assert table[1].split()[:7] == ["no.", "Tx", "[unit]", "Ty", "[unit]", "Tz", "[unit]"]
+    assert table[-1] == line
+    assert len({len(row) for row in table[1:-1]}) == 1
+    assert repr(result.solutions[0]).startswith("<Solution: real, certified, residual ")
