@@ -48,7 +48,7 @@ ROOMS = {
 #: Rooms that know less than their place allows: the engine knows no platform words.
 STRANGERS = {"continuation": {"geometry", "catalogue", "symbolic"}}
 #: Who talks to the native kernel; everybody else talks to them.
-OF_THE_KERNEL = {"certification", "continuation", "geometry"}
+OF_THE_KERNEL = {"certification", "continuation", "geometry", "motion"}
 STANDARD_LIBRARY_ONLY = {"catalogue", "errors", "resources", "progress", "defaults", "wording"}
 #: What a room may import from the package itself.
 _PUBLIC = set(gspcli.__all__)
