@@ -34,8 +34,8 @@ FEWEST_PARTS = 360
 FIRST_PRIME, LAST_PRIME = 2**29, 2**31
 
 
-class NoResidueError(Exception):
-    """The prime has no element that stands for a number of the instance."""
+#: Square roots beside any angle are sums of roots of unity of these orders.
+_OF_UNITY = {2: 8, 3: 12, 5: 5}
 
 
 class NoHomomorphismError(Exception):
@@ -43,17 +43,9 @@ class NoHomomorphismError(Exception):
 
 
 class Homomorphism:
-    """The homomorphism of one instance to one prime field.
+    """The homomorphism of one instance to one prime field, made by `fields`."""
 
-    Raises
-    ------
-    NoResidueError
-        If another prime is needed.
-    NoHomomorphismError
-        If no prime would do.
-    """
-
-    def __init__(self, instance: Instance, prime: int) -> None:
+    def __init__(self, instance: Instance, prime: int, base: Sequence[int]) -> None:
         self.prime = prime
         self.unit = instance.units.angle
         angles = [_turn(c, self.unit) for c in instance.constraints if not c.kind.is_distance]
@@ -63,22 +55,20 @@ class Homomorphism:
         self._leftover = lcm(*(_split(turn, self._parts)[1].denominator for turn, _, _ in angles))
         self._radian = lcm(*(radians.denominator for _, radians, _ in angles))
         self._generic = [self._random.randrange(2, prime) for _ in range(2)]
-        known = {2: 8, 3: 12, 5: 5} if angles else {}
         self._roots: dict[int, int] = {}
-        for factor in _coprime_base([*known, *_radicands(instance, angles)]):
-            if factor in known:
-                power = pow(self._zeta, self._parts // known[factor], prime)
+        for factor in base:
+            if angles and factor in _OF_UNITY:
+                power = pow(self._zeta, self._parts // _OF_UNITY[factor], prime)
                 both = power + pow(power, -1, prime)
                 self._roots[factor] = (1 + 2 * both if factor == 5 else both) % prime
                 continue
             root = sympy.sqrt_mod(factor, prime)
             if root is None:
-                raise NoResidueError
+                message = f"{factor} has no square root modulo {prime}"
+                raise ValueError(message)
             self._roots[factor] = root if self._random.random() < 0.5 else prime - root
 
     def _root_of_unity(self) -> int:
-        if (self.prime - 1) % self._parts:
-            raise NoResidueError
         factors = sympy.primefactors(self._parts)
         while True:
             base = self._random.randrange(2, self.prime)
@@ -88,8 +78,6 @@ class Homomorphism:
 
     def rational(self, value: Fraction) -> int:
         """Return the residue of a fraction."""
-        if value.denominator % self.prime == 0:
-            raise NoResidueError
         return value.numerator * pow(value.denominator, -1, self.prime) % self.prime
 
     def root(self, value: Fraction) -> int:
@@ -288,15 +276,15 @@ def fields(instance: Instance, *, start: int = FIRST_PRIME) -> Iterator[Homomorp
     unit = instance.units.angle
     angles = [_turn(c, unit) for c in instance.constraints if not c.kind.is_distance]
     step = _parts(angles) if angles else 2
+    base = _coprime_base([*(_OF_UNITY if angles else ()), *_radicands(instance, angles)])
+    from_root = _OF_UNITY if angles else {}
     candidate = start - start % step + 1
     while candidate < LAST_PRIME:
         candidate += step
-        if not sympy.isprime(candidate):
-            continue
-        try:
-            yield Homomorphism(instance, candidate)
-        except NoResidueError:
-            continue
+        squares = (f in from_root or pow(f, candidate // 2, candidate) == 1 for f in base)
+        # Of square roots the test is quicker than that of a prime.
+        if all(squares) and sympy.isprime(candidate):
+            yield Homomorphism(instance, candidate, base)
 
 
 def _sha256(instance: Instance) -> str:
