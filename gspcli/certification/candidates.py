@@ -65,6 +65,9 @@ def read_candidates(text: str, name: str) -> Candidates:
         With all mistakes in the list.
     """
     entries, where = _json(text, name) if text.lstrip()[:1] in ("[", "{") else _csv(text, name)
+    if not entries:
+        message = f"{name}: found no poses, expected at least one: {_EXPECTED}"
+        raise SpecError([Problem(None, "", message)])
     problems: list[Problem] = []
     poses = []
     for entry, (location, path) in zip(entries, where, strict=True):
@@ -135,9 +138,8 @@ def _named(heading: Sequence[str], row: Sequence[str]) -> dict[str, Any]:
                         values if key != "R" else [values[k : k + 3] for k in (0, 3, 6)]
                     )
                     break
-    claim = cells.get("real", "").lower()
-    if claim in ("true", "false"):
-        pose["real"] = claim == "true"
+    if claim := cells.get("real", ""):
+        pose["real"] = {"true": True, "false": False}.get(claim.lower(), claim)
     return pose
 
 
@@ -180,13 +182,15 @@ def _pose(entry: object) -> Pose:
         for key in (rotation, "T")
     )
     claim = entry.get("real")
-    R = R if rotation == "R" else _rotation(R)
-    return R, T, claim if isinstance(claim, bool) else None
+    if not (claim is None or isinstance(claim, bool)):
+        message = f"real: found {claim!r}, expected true or false, or nothing"
+        raise ValueError(message)
+    return R if rotation == "R" else _rotation(R), T, claim
 
 
 def _array(value: object, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:
     try:
-        array = np.array(value, dtype=float)
+        array = np.array(math.nan if _has_truth_values(value) else value, dtype=float)
     except (TypeError, ValueError):
         array = np.array(math.nan)
     if array.shape != shape or not np.isfinite(array).all():
@@ -194,6 +198,13 @@ def _array(value: object, shape: tuple[int, ...], name: str) -> NDArray[np.float
         message = f"{name} is not {size} finite numbers"
         raise ValueError(message)
     return array
+
+
+def _has_truth_values(value: object) -> bool:
+    """Whether there is a true or false among numbers, which NumPy takes for one and zero."""
+    if isinstance(value, list):
+        return any(map(_has_truth_values, value))
+    return isinstance(value, bool)
 
 
 def _rotation(quaternion: NDArray[Any]) -> NDArray[np.complex128]:

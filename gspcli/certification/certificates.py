@@ -30,7 +30,7 @@ class Outcome(Enum):
 _MEANINGS = {
     Outcome.CERTIFIED: "one simple solution is proved to be near, and alone there",
     Outcome.REFUTED: "it is proved that no solution is within the tolerance",
-    Outcome.TOO_FAR: "the solution found nearby is not proved to be within the tolerance",
+    Outcome.TOO_FAR: "no solution is proved to be within the tolerance, nor that there is none",
     Outcome.NOT_AS_STATED: "the solution nearby is not proved to meet the constraints as stated",
     Outcome.NOT_ISOLATED: "no simple, isolated solution could be proved nearby",
     Outcome.NOT_A_NUMBER: "a number of the pose or of the instance is not finite",

@@ -8,12 +8,19 @@ import numpy as np
 from flint import ctx
 from numpy.typing import ArrayLike, NDArray
 
+from gspcli.catalogue.kinds import DLL
+from gspcli.certification.centring import Centring
 from gspcli.certification.distinct import all_different
 from gspcli.certification.floating import prove
 from gspcli.certification.proving import FIRST_PRECISION, certify
 from gspcli.certification.system import System
 from gspcli.defaults import TOLERANCE
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.primitives import Line
+
+Complex = NDArray[np.complex128]
+#: Sine (squared, of complex lines the bilinear one) below which lines are no business of doubles.
+_PARALLEL = 1e-4
 
 
 class Decisions(NamedTuple):
@@ -45,6 +52,8 @@ def decide(instance: Instance, R: ArrayLike, T: ArrayLike) -> Decisions:
     """
     rotations = np.asarray(R, dtype=np.complex128).reshape(-1, 3, 3)
     translations = np.asarray(T, dtype=np.complex128).reshape(-1, 3)
+    if not Centring.of(instance).is_none:
+        return _by_balls(instance, rotations, translations)
     with ctx.workprec(FIRST_PRECISION):
         system = System(instance, FIRST_PRECISION)
         places = translations / system.scale
@@ -52,6 +61,7 @@ def decide(instance: Instance, R: ArrayLike, T: ArrayLike) -> Decisions:
     entries = np.concatenate((rotations.reshape(-1, 9), places), axis=1)
     tolerance = TOLERANCE * np.maximum(1, np.abs(entries).max(axis=1, initial=0))
     certified = proofs.isolated & (proofs.real | proofs.complex) & (proofs.deviation <= tolerance)
+    certified &= ~_nearly_parallel(instance, rotations)
     real, deviation = certified & proofs.real, proofs.deviation
     rest = np.flatnonzero(~certified)
     others = certify(instance, rotations[rest], translations[rest]) if len(rest) else ()
@@ -61,7 +71,26 @@ def decide(instance: Instance, R: ArrayLike, T: ArrayLike) -> Decisions:
         real[k], deviation[k] = bool(one.real), one.deviation or 0.0
     if all_different(entries[certified], deviation[certified]):
         return Decisions(certified, certified & real)
+    return _by_balls(instance, rotations, translations)
+
+
+def _by_balls(instance: Instance, rotations: Complex, translations: Complex) -> Decisions:
     every = certify(instance, rotations, translations)
     single = [c.certified and c.same_as is None and not c.unresolved for c in every]
     certified = np.array(single, bool) & np.array([c.real is not None for c in every], bool)
     return Decisions(certified, certified & np.array([bool(c.real) for c in every], bool))
+
+
+def _nearly_parallel(instance: Instance, R: Complex) -> NDArray[np.bool_]:
+    """Return at which poses the lines of a DLL are nearly parallel, shape (n,).
+
+    There its equation holds whatever their distance, so that the constraint is to be measured.
+    """
+    nearly = np.zeros(len(R), bool)
+    for constraint in instance.constraints:
+        line, other = constraint.platform, constraint.base
+        if constraint.kind is DLL and isinstance(line, Line) and isinstance(other, Line):
+            normal = np.cross(R @ line.unit, other.unit)
+            sizes = 1 + np.abs(R).max(axis=(1, 2)) ** 2
+            nearly |= np.abs((normal**2).sum(axis=1)) <= _PARALLEL * sizes
+    return nearly

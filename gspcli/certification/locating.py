@@ -17,11 +17,10 @@ import numpy as np
 from flint import acb, ctx
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import DLL
 from gspcli.certification import study
-from gspcli.certification.balls import cross, dot, largest, rotated
+from gspcli.certification.balls import largest
 from gspcli.certification.isolation import Isolation, refine_point
-from gspcli.certification.measures import measure
+from gspcli.certification.measures import as_stated
 from gspcli.certification.poses import PoseBall, pose_of_point
 from gspcli.certification.system import System
 from gspcli.geometry.instance import Instance
@@ -189,7 +188,12 @@ def _located(system: System, isolation: Isolation) -> Located | None:
     """Return the pose of a solution if it is proved to be one and known well enough."""
     real = isolation.real
     pose = pose_of_point(isolation.point)
-    if pose is None or real is None or not _is_known(pose) or not _as_stated(system, pose, real):
+    if (
+        pose is None
+        or real is None
+        or not _is_known(pose)
+        or not as_stated(system, pose, real=real)
+    ):
         return None
     return Located(isolation, pose, system.scale, real)
 
@@ -205,22 +209,4 @@ def _is_known(pose: PoseBall) -> bool:
             continue
         if not all(entry.real.rad() + entry.imag.rad() <= _KNOWN * size for entry in part):
             return False
-    return True
-
-
-def _as_stated(system: System, pose: PoseBall, real: bool) -> bool:
-    """Whether the constraints are proved to hold as they are stated.
-
-    Only for the distance of two lines does the equation hold elsewhere: where they are parallel,
-    whatever their distance.
-    """
-    if real and any(not m.value.overlaps(m.stated) for m in measure(system, pose)):
-        return False
-    for given in system.statements:
-        if given.kind is DLL:
-            normal = cross(
-                rotated(pose.rotation, [acb(x) for x in given.u]), list(map(acb, given.v))
-            )
-            if dot(normal, normal).contains(0):
-                return False
     return True

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from flint import arb
+from flint import acb, arb
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.certification.balls import cross, dot, largest, norm, rotated
@@ -81,3 +81,21 @@ def _angle(u: list[arb], v: list[arb]) -> arb:
 def residual(measurements: Sequence[Measurement]) -> arb:
     """Bound the largest difference between what is measured and what is stated."""
     return largest([m.value - m.stated for m in measurements])
+
+
+def as_stated(system: System, pose: PoseBall, *, real: bool) -> bool:
+    """Whether the constraints are proved to hold as they are stated.
+
+    Only for the distance of two lines does the equation hold elsewhere: where they are parallel,
+    whatever their distance.
+    """
+    if real and any(not m.value.overlaps(m.stated) for m in measure(system, pose)):
+        return False
+    for given in system.statements:
+        if given.kind is DLL:
+            normal = cross(
+                rotated(pose.rotation, [acb(x) for x in given.u]), list(map(acb, given.v))
+            )
+            if dot(normal, normal).contains(0):
+                return False
+    return True

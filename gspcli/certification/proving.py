@@ -11,10 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.certification import study
 from gspcli.certification.balls import float_above, largest
+from gspcli.certification.centring import Centring
 from gspcli.certification.certificates import Certificate, Certificates, Outcome
 from gspcli.certification.distinct import close_pairs, same
 from gspcli.certification.isolation import Isolation, refine_point
-from gspcli.certification.measures import Measurement, measure, residual
+from gspcli.certification.measures import Measurement, as_stated, measure, residual
 from gspcli.certification.poses import PoseBall, pose_of_floats, pose_of_point
 from gspcli.certification.statement import length_scale
 from gspcli.certification.system import System
@@ -31,7 +32,7 @@ class _Candidate:
     """A candidate on its way through the precisions."""
 
     def __init__(self, point: NDArray[np.complex128], patch: int, given: PoseBall) -> None:
-        self.point = [acb(x) for x in point.tolist()]
+        self.start = self.point = [acb(x) for x in point.tolist()]
         self.patch = patch
         self.given = given
         # Entries of complex rotations may be large, and are then only known relatively.
@@ -54,29 +55,33 @@ class _Candidate:
         result = refine_point(system, self.point, self.patch, self.sides)
         pose = pose_of_point(result.point) if isinstance(result, Isolation) else None
         if not isinstance(result, Isolation) or pose is None:
-            self.point = result if isinstance(result, list) else list(result.centre)
+            # With too few digits Newton's method leaves even a good start.
+            self.point = self.start
             if self.isolation is None and system.excludes(self.given.widened(tolerance)):
                 self.outcome, self.is_open = Outcome.REFUTED, False
             return
-        self.point = list(result.centre)
         self.isolation, self.pose = result, pose
         nearest, farthest = pose.deviation(self.given)
         self.deviation = float_above(farthest)
         real = result.real
         self.measurements = measure(system, pose) if real else []
         if self.deviation <= tolerance:
-            self.outcome, self.is_open = self._judge(real)
+            self.point = list(result.centre)
+            self.outcome, self.is_open = self._judge(system, real)
         elif system.excludes(self.given.widened(tolerance)):
             self.outcome, self.is_open = Outcome.REFUTED, False
         else:
-            # The error of the solution is part of the bound, and shrinks with the precision.
-            self.outcome, self.is_open = Outcome.TOO_FAR, not nearest > tolerance
+            # The error of the solution is part of the bound, and shrinks with the precision; and
+            # with more digits Newton's method may find another solution from the same start.
+            self.point = list(result.centre) if not nearest > tolerance else self.start
+            self.outcome = Outcome.TOO_FAR
 
-    def _judge(self, real: bool | None) -> tuple[Outcome, bool]:
+    def _judge(self, system: System, real: bool | None) -> tuple[Outcome, bool]:
         """Return the outcome of a solution nearby, and whether something is still open."""
+        assert self.pose is not None
         if any(not m.value.overlaps(m.stated) for m in self.measurements):
             return Outcome.NOT_AS_STATED, False
-        if not all(m.value.is_finite() for m in self.measurements):
+        if not as_stated(system, self.pose, real=bool(real)):
             return Outcome.NOT_AS_STATED, True
         side_unknown = any(
             m.height is not None and m.height.contains(0) and not m.stated.is_zero()
@@ -153,7 +158,9 @@ def certify(
         Translations in length units, real or complex, shape (n, 3).
     tolerance
         Largest difference of a candidate from its solution in any entry of R, and of T divided by
-        `Certificates.scale`; relative to the largest of them if that exceeds one.
+        `Certificates.scale`; relative to the largest of them if that exceeds one. If the
+        coordinates of a body are far from its origin, T is that of frames near the bodies
+        (`Centring`): the tolerance does not grow with the offset.
     max_precision
         Largest number of bits to work with.
 
@@ -173,16 +180,21 @@ def certify(
     if len(rotations) != len(translations):
         message = f"found {len(translations)} translations for {len(rotations)} rotations"
         raise ArgumentError(message, "T")
+    centring = Centring.of(instance)
+    instance = centring.applied(instance)
     scale = length_scale(instance)
-    with np.errstate(all="ignore"):
-        points, patches = study.study_points(rotations, translations / scale)
     with ctx.workprec(FIRST_PRECISION):
-        candidates = [
-            _Candidate(point, int(patch), pose_of_floats(rotation, translation, scale))
-            for point, patch, rotation, translation in zip(
-                points, patches, rotations, translations, strict=True
-            )
+        given = [
+            _in_frames(pose_of_floats(rotation, translation, 1.0), centring, scale)
+            for rotation, translation in zip(rotations, translations, strict=True)
         ]
+    places = np.array([[complex(x.mid()) for x in pose.translation] for pose in given])
+    with np.errstate(all="ignore"):
+        points, patches = study.study_points(rotations, places.reshape(-1, 3))
+    candidates = [
+        _Candidate(point, int(patch), pose)
+        for point, patch, pose in zip(points, patches, given, strict=True)
+    ]
     for candidate in candidates:
         if not all(entry.is_finite() for entry in [*candidate.point, *candidate.given.entries]):
             candidate.outcome, candidate.is_open = Outcome.NOT_A_NUMBER, False
@@ -197,6 +209,11 @@ def certify(
             if 2 * precision > max_precision or not any(c.is_open for c in candidates):
                 return _record(system, candidates, unknown, equal)
         precision *= 2
+
+
+def _in_frames(pose: PoseBall, centring: Centring, scale: float) -> PoseBall:
+    translation = centring.translation(pose.rotation, pose.translation)
+    return PoseBall(pose.rotation, [entry / scale for entry in translation])
 
 
 def _attempt_open(system: System, candidates: Sequence[_Candidate], tolerance: float) -> None:

@@ -10,6 +10,7 @@ from itertools import chain
 from flint import arb, ctx
 
 from gspcli.certification.balls import float_above
+from gspcli.certification.centring import Centring
 from gspcli.certification.certificates import Certificate
 from gspcli.certification.isolation import Isolation, refine_point
 from gspcli.certification.poses import pose_of_point
@@ -77,15 +78,16 @@ def refine(instance: Instance, certificate: Certificate, digits: int) -> Refined
     if not certificate.certified or isolation is None:
         message = f"there is nothing to refine: {certificate.outcome.meaning}"
         raise ValueError(message)
+    centring = Centring.of(instance)
     centre = list(isolation.centre)
     precision = isolation.precision
     while precision <= _BITS_A_DIGIT * (digits + 16) + 2 * isolation.precision:
         with ctx.workprec(precision):
-            system = System(instance, precision)
+            system = System(centring.applied(instance), precision)
             result = refine_point(system, centre, isolation.patch, isolation.sides)
             if isinstance(result, Isolation):
                 centre = list(result.centre)
-                refined = _printed(certificate, result, system.scale, digits)
+                refined = _printed(certificate, result, system.scale, centring, digits)
                 if refined is not None:
                     return refined
         precision *= 2
@@ -94,7 +96,7 @@ def refine(instance: Instance, certificate: Certificate, digits: int) -> Refined
 
 
 def _printed(
-    certificate: Certificate, result: Isolation, scale: float, digits: int
+    certificate: Certificate, result: Isolation, scale: float, centring: Centring, digits: int
 ) -> RefinedPose | None:
     """Return the decimals, or None if the precision does not give that many yet."""
     pose = pose_of_point(result.point)
@@ -102,7 +104,7 @@ def _printed(
     if pose is None or proved is None or not proved.contains(result):
         return None
     turn = list(chain(*pose.rotation))
-    shift = [entry * scale for entry in pose.translation]
+    shift = centring.back(pose.rotation, [entry * scale for entry in pose.translation])
     size = max(*(float_above(entry) for entry in shift), scale * 10.0**-digits)
     places = max(0, digits - math.floor(math.log10(size)) - 1)
     real = bool(certificate.real or result.real)

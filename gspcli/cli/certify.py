@@ -160,7 +160,7 @@ def _conclude(solutions: list[dict[str, Any]], proved: Certificates) -> None:
     """Raise if a pose is wrong, or else if one is not decided."""
     from gspcli.certification import Outcome
 
-    undecided_outcomes = (Outcome.NOT_ISOLATED, Outcome.NOT_A_NUMBER)
+    undecided_outcomes = (Outcome.NOT_ISOLATED, Outcome.TOO_FAR, Outcome.NOT_A_NUMBER)
     wrong: Counter[str] = Counter()
     open_: Counter[str] = Counter()
     for entry, item in zip(solutions, proved, strict=True):

@@ -59,10 +59,9 @@ def test_imaginary_parts_and_claims() -> None:
 
 
 @pytest.mark.parametrize("text", ["", "[]", '{"solutions": []}', "# nothing\n"])
-def test_an_empty_list_has_no_poses(text: str) -> None:
-    poses = read_candidates(text, "poses")
-    assert poses.R.shape == (0, 3, 3)
-    assert poses.T.shape == (0, 3)
+def test_an_empty_list_is_a_mistake(text: str) -> None:
+    with pytest.raises(SpecError, match="poses: found no poses, expected at least one: R"):
+        read_candidates(text, "poses")
 
 
 @pytest.mark.parametrize(
@@ -87,6 +86,21 @@ def test_an_empty_list_has_no_poses(text: str) -> None:
         (
             '[{"quaternion": [1, 0, 0, 0], "T": [1, 2, NaN]}]',
             ["poses: [0]: T is not 3 finite numbers"],
+        ),
+        (
+            '[{"quaternion": [true, 0, 0, 0], "T": [1, 2, 3]}, [1, 0, 0, 0, 1, 2, false]]',
+            [
+                "poses: [0]: quaternion is not 4 finite numbers",
+                "poses: [1]: the list is not 7 finite numbers",
+            ],
+        ),
+        (
+            '[{"quaternion": [1, 0, 0, 0], "T": [1, 2, 3], "real": "false"}]',
+            ["poses: [0]: real: found 'false', expected true or false, or nothing"],
+        ),
+        (
+            "qw,qx,qy,qz,tx,ty,tz,real\n1,0,0,0,1,2,3,no",
+            ["poses:2:1: real: found 'no', expected true or false, or nothing"],
         ),
         (
             "# heading\n0,0,0,0,1,1,1\n1,0,0,0,1,1,1\n1,0,0,x,1,1,1",

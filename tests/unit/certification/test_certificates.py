@@ -10,7 +10,7 @@ from flint import acb, arb, ctx, fmpq
 
 from gspcli.catalogue.kinds import DISTANCE_KINDS
 from gspcli.catalogue.parsing import parse_type
-from gspcli.certification import Certificate, Certificates, Outcome, certify
+from gspcli.certification import Certificate, Certificates, Outcome, certify, decide
 from gspcli.certification.isolation import Isolation, refine_point
 from gspcli.certification.poses import pose_of_point
 from gspcli.certification.system import System
@@ -260,3 +260,47 @@ def test_wrong_arguments_are_named(R, T, message):
     with pytest.raises(GspError) as caught:
         certify(instance, R, T)
     assert str(caught.value).startswith(message)
+
+
+def parallel_at_home(value: int) -> Instance:
+    """Return a platform at home whose first two lines are parallel there, sqrt(5) apart."""
+    from gspcli.catalogue.kinds import DLL, DPP
+    from gspcli.geometry.instance import AngleUnit, Constraint, Units
+    from gspcli.geometry.primitives import Line, Point
+
+    axis = vector(0, 0, 1)
+    lines = Constraint(
+        DLL, Line(vector(0, 0, 0), axis), Line(vector(1, 2, 0), axis), Number.of(value)
+    )
+    joints = [(1, 0, 0), (0, 1, 1), (-1, 2, 0), (2, -1, 1), (-1, -1, 3)]
+    legs = [(2, 1, -3), (-1, 4, 2), (3, -2, 1), (-2, 1, 4), (1, 3, -2)]
+    points = [
+        Constraint(
+            DPP,
+            Point(vector(*y)),
+            Point(vector(*(a + b for a, b in zip(y, leg, strict=True)))),
+            Number("sqrt", (Number.of(sum(b * b for b in leg)),)),
+        )
+        for y, leg in zip(joints, legs, strict=True)
+    ]
+    return Instance((lines, *points), Units("m", AngleUnit.DEGREE))
+
+
+def test_parallel_lines_are_measured_as_stated() -> None:
+    """The equation of a DLL of distance zero holds there, simply; the distance does not."""
+    instance = parallel_at_home(0)
+    system = System(instance, 64)
+    with ctx.workprec(64):
+        home = [acb(1), *[acb(0)] * 7]
+        assert isinstance(refine_point(system, home, 0, (0,) * 6), Isolation)
+    assert not decide(instance, [np.eye(3)], [np.zeros(3)]).certified.any()
+    assert certify(instance, [np.eye(3)], [np.zeros(3)])[0].outcome is Outcome.NOT_AS_STATED
+
+
+def test_a_start_is_kept_where_newtons_method_leaves_it(known: Callable) -> None:
+    """A pose that is not excluded, though the solution found is elsewhere, is not refuted."""
+    platform = known("DPP DPP DPP DPP DPP DPP", 11)
+    R, T = platform.floats
+    far = certify(platform.instance, [R], [T + 1e-9], tolerance=1e-12, max_precision=64)[0]
+    assert far.outcome in (Outcome.TOO_FAR, Outcome.REFUTED)
+    assert certify(platform.instance, [R], [T + 1e-9])[0].certified

@@ -1,0 +1,112 @@
+"""Frames that begin near the parts of a platform, in which it is certified.
+
+An instance may state its coordinates in the frame of a workshop, thousands of lengths away. Then T
+is of that size, and so is what any rounding or tolerance relative to it means. The same platform
+with its coordinates less some origin is the same problem, exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from flint import acb, arb, ctx, fmpq
+
+from gspcli.geometry.instance import Constraint, Instance
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Geometry, Vector, vector
+
+#: Frames are moved if an origin is farther than so many sizes of the platform.
+FAR = 8
+#: Bits in which the translation of a pose given by doubles is exact in other frames.
+_EXACT = 4096
+
+
+@dataclass(frozen=True)
+class Centring:
+    """Where the frames begin: ``T_centred = T + R platform - base``.
+
+    Attributes
+    ----------
+    platform, base
+        The origins in the frames of the instance, exact.
+    """
+
+    platform: tuple[Fraction, Fraction, Fraction]
+    base: tuple[Fraction, Fraction, Fraction]
+
+    @classmethod
+    def of(cls, instance: Instance) -> Centring:
+        """Return origins near the primitives of both bodies; zero unless that is far away."""
+        distances = [abs(c.value.value) for c in instance.constraints if c.kind.is_distance]
+        middles, extents = [], []
+        for body in ("platform", "base"):
+            points = [getattr(c, body).position for c in instance.constraints]
+            columns = [[number.value for number in column] for column in zip(*points, strict=True)]
+            middles.append([Fraction((min(column) + max(column)) / 2) for column in columns])
+            extents += [max(column) - min(column) for column in columns]
+        size = max(*distances, *extents)
+        platform, base = (
+            tuple(middle) if max(map(abs, middle)) > FAR * size else (Fraction(0),) * 3
+            for middle in middles
+        )
+        return cls(platform, base)  # type: ignore[arg-type]
+
+    @property
+    def is_none(self) -> bool:
+        """Whether the frames are those of the instance."""
+        return not any(self.platform) and not any(self.base)
+
+    def applied(self, instance: Instance) -> Instance:
+        """Return the same platform in these frames."""
+        if self.is_none:
+            return instance
+
+        def moved(constraint: Constraint) -> Constraint:
+            return replace(
+                constraint,
+                platform=_moved(constraint.platform, self.platform),
+                base=_moved(constraint.base, self.base),
+            )
+
+        return replace(instance, constraints=tuple(map(moved, instance.constraints)))
+
+    def translation(self, R: Sequence[Sequence[acb]], T: Sequence[acb]) -> list[acb]:
+        """Return the translation of a pose in these frames, lengths in those of the instance.
+
+        Exact numbers give exact ones.
+        """
+        return self._shifted(R, T, 1)
+
+    def back(self, R: Sequence[Sequence[acb]], T: Sequence[acb]) -> list[acb]:
+        """Return the translation in the frames of the instance of a pose in these."""
+        return self._shifted(R, T, -1)
+
+    def _shifted(self, R: Sequence[Sequence[acb]], T: Sequence[acb], sign: int) -> list[acb]:
+        if self.is_none:
+            return list(T)
+        with ctx.workprec(max(ctx.prec, _EXACT if sign > 0 else 0)):
+            platform, base = (
+                [_ball(sign * x) for x in part] for part in (self.platform, self.base)
+            )
+            return [
+                t + sum((r * y for r, y in zip(row, platform, strict=True)), acb(0)) - x
+                for t, row, x in zip(T, R, base, strict=True)
+            ]
+
+
+def _ball(value: Fraction) -> arb:
+    return arb(fmpq(value.numerator, value.denominator))
+
+
+def _moved(geometry: Geometry, origin: Sequence[Fraction]) -> Geometry:
+    components = (_less(x, o) for x, o in zip(geometry.position, origin, strict=True))
+    position: Vector = vector(*components)
+    return replace(geometry, position=position)
+
+
+def _less(number: Number, origin: Fraction) -> Number:
+    if number.fraction is not None:
+        return Number.of(number.fraction - origin)
+    return Number("-", (number, Number.of(origin))) if origin else number
