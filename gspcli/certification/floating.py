@@ -69,7 +69,7 @@ def _hessians() -> Array:
 
 # Whatever is not a number proves nothing.
 @np.errstate(all="ignore")
-def prove(system: System, R: Complex, T: Complex) -> Proofs:
+def prove(system: System, R: Complex, T: Complex, sides: tuple[int, ...] | None = None) -> Proofs:
     """Prove what double precision can about approximate poses.
 
     Parameters
@@ -78,14 +78,16 @@ def prove(system: System, R: Complex, T: Complex) -> Proofs:
         The equations; their coefficients should have a few bits more than doubles.
     R, T
         Rotations (n, 3, 3), and translations in units of the scale of the system (n, 3).
+    sides
+        For each constraint the index of its equation; for each pose the nearest if None.
     """
     equations = _Equations(system)
     points, patches = study.study_points(R, T)
-    sides = equations.sides(points)
+    chosen = equations.sides(points) if sides is None else np.tile(sides, (len(points), 1))
     free = np.array([[k for k in range(8) if k != patch] for patch in range(8)])[patches]
     rows = np.arange(len(points))[:, None]
     for step in range(_NEWTON_STEPS + 1):
-        values, jacobian, value_moduli, jacobian_moduli = equations.at(points, sides)
+        values, jacobian, value_moduli, jacobian_moduli = equations.at(points, chosen)
         square = np.take_along_axis(jacobian, free[:, None, :], axis=2)
         try:
             inverse = np.linalg.inv(square)

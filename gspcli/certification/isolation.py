@@ -20,6 +20,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from flint import acb, acb_mat, arb
 
 from gspcli.certification.balls import OUTWARD, floats_above, largest
@@ -162,8 +163,11 @@ def _prove(system: System, newton: _Newton, patch: int, sides: tuple[int, ...]) 
     a = float(floats_above(defect.entries()).reshape(7, 7).sum(axis=1).max() * OUTWARD)
     if not a < 1:
         return None
-    curvatures = system.curvatures((floats_above(newton.centre) + REACH) * OUTWARD)
-    b = float((floats_above(newton.inverse.entries()).reshape(7, 7) @ curvatures).max() * OUTWARD)
+    # Of points too far away for floats nothing is proved.
+    with np.errstate(over="ignore", invalid="ignore"):
+        curvatures = system.curvatures((floats_above(newton.centre) + REACH) * OUTWARD)
+        sizes = floats_above(newton.inverse.entries()).reshape(7, 7)
+    b = float((sizes @ curvatures).max() * OUTWARD)
     # Any radius may be tried; what counts is that q is rounded up and tested below.
     radius = min(REACH, (1 - a) / (2 * b))
     q = (a + b * radius) * OUTWARD

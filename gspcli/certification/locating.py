@@ -9,7 +9,7 @@ certificate is (`isolation`), N != 0 and the constraints as they are stated incl
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
 
@@ -28,10 +28,13 @@ from gspcli.geometry.instance import Instance
 Complex = NDArray[np.complex128]
 
 #: Bits of the attempts at a point that is known in doubles, and of the last attempt at any.
-FIRST_PRECISION, LAST_PRECISION = 64, 512
+FIRST_PRECISION, LAST_PRECISION = 64, 1024
 #: From this precision on a point that Newton's method still moves by more than the second number
 #: (coordinates are at most one) is given up: it is no approximation of a simple solution.
 _PATIENCE, _UNSETTLED = 256, 2.0**-12
+#: A solution with a smaller N is called infinite: decimals would need three hundred digits to
+#: make a platform so nearly special.
+_NULL = 2.0**-900
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,16 @@ class Located:
     scale: float
     real: bool
 
+    @property
+    def conjugate(self) -> Located:
+        """The conjugate pose, which the same numbers prove: the equations are real."""
+        centre = tuple(x.conjugate() for x in self.isolation.centre)
+        pose = PoseBall(
+            [[x.conjugate() for x in row] for row in self.pose.rotation],
+            [x.conjugate() for x in self.pose.translation],
+        )
+        return replace(self, isolation=replace(self.isolation, centre=centre), pose=pose)
+
     @cached_property
     def R(self) -> Complex:
         """The rotation rounded to doubles, shape (3, 3)."""
@@ -88,6 +101,13 @@ class Located:
         e = self.isolation.point[:4]
         root = dot4(e, e).sqrt()
         return _rounded([entry / root for entry in e], self.real)
+
+
+@dataclass(frozen=True)
+class AtInfinity:
+    """A simple solution of the equations with N = 0 to all digits of the last precision."""
+
+    isolation: Isolation
 
 
 def dot4(a: Sequence[acb], b: Sequence[acb]) -> acb:
@@ -124,7 +144,7 @@ class Locator:
 
     def locate(
         self, points: Complex, low: Complex | None, sides: tuple[int, ...]
-    ) -> list[Located | None]:
+    ) -> list[Located | AtInfinity | None]:
         """Return what is proved near each point, None where nothing is.
 
         Parameters
@@ -139,14 +159,17 @@ class Locator:
         precision = FIRST_PRECISION if low is None else 2 * FIRST_PRECISION
         with ctx.workprec(LAST_PRECISION):
             rest = np.zeros_like(points) if low is None else low
-            starts = [
-                self._in_frames(point, more) for point, more in zip(points, rest, strict=True)
-            ]
+            starts = [self.in_frames(point, more) for point, more in zip(points, rest, strict=True)]
         return [self.locate_exactly(start, sides, precision) for start in starts]
 
-    def _in_frames(self, point: Complex, low: Complex) -> list[acb]:
+    @staticmethod
+    def exactly(point: Complex) -> list[acb]:
+        """Return doubles as numbers of arbitrary precision."""
+        return [acb(x) for x in point.tolist()]
+
+    def in_frames(self, point: Complex, low: Complex) -> list[acb]:
         """Return a point in the frames of the instance, lengths in units of its scale."""
-        numbers = [acb(x) + acb(y) for x, y in zip(point.tolist(), low.tolist(), strict=True)]
+        numbers = [a + b for a, b in zip(self.exactly(point), self.exactly(low), strict=True)]
         e, f = numbers[:4], numbers[4:]
         base, platform = ([acb(0), *map(acb, x)] for x in (self.frames.base, self.frames.platform))
         ahead, behind = study.product(base, e), study.product(e, platform)
@@ -156,17 +179,43 @@ class Locator:
             for x, a, b in zip(f, ahead, behind, strict=True)
         ]
 
+    def point_of_pose(self, R: Sequence[Sequence[acb]], T: Sequence[acb], bits: int) -> list[acb]:
+        """Return the Study point of a pose in length units of the instance, shape (8,)."""
+        with ctx.workprec(bits):
+            # Proportional to e_k e for each k: the largest loses the fewest digits.
+            (a, b, c), (d, e, f), (g, h, i) = R
+            multiples = (
+                [1 + a + e + i, h - f, c - g, d - b],
+                [h - f, 1 + a - e - i, b + d, c + g],
+                [c - g, b + d, 1 - a + e - i, f + h],
+                [d - b, c + g, f + h, 1 - a - e + i],
+            )
+            quaternion = max(multiples, key=lambda x: float(largest(x)))
+            place = [acb(0), *(x / self.system(LAST_PRECISION).scale for x in T)]
+            return quaternion + [x / 2 for x in study.product(place, quaternion)]
+
     def locate_exactly(
-        self, start: Sequence[acb], sides: tuple[int, ...], precision: int = FIRST_PRECISION
-    ) -> Located | None:
-        """Return what is proved near a point in the frames of the instance and its length scale."""
+        self, start: Sequence[acb], sides: tuple[int, ...], bits: int = FIRST_PRECISION
+    ) -> Located | AtInfinity | None:
+        """Return what is proved near a point in the frames of the instance and its length scale.
+
+        Parameters
+        ----------
+        start
+            The point.
+        sides
+            For each constraint the index of its equation.
+        bits
+            To how many bits it is known: the first precision that is tried.
+        """
+        precision, last = bits, max(LAST_PRECISION, 4 * bits)
         patch = max(range(4), key=lambda k: float(abs(start[k]).mid()))
         if start[patch].contains(0):
             return None
-        with ctx.workprec(LAST_PRECISION):
+        with ctx.workprec(last):
             point = [(x / start[patch]).mid() for x in start]
         point[patch] = acb(1)
-        while precision <= LAST_PRECISION:
+        while precision <= last:
             with ctx.workprec(precision):
                 system = self.system(precision)
                 found = refine_point(system, point, patch, sides)
@@ -175,10 +224,12 @@ class Locator:
                     if located is not None:
                         return located
                     point = list(found.centre)
+                    if 2 * precision > last and dot4(point, point).abs_upper() < _NULL:
+                        return AtInfinity(found)
                 else:
                     # With too few digits Newton's method leaves even a good start: it is kept.
                     moved = float(largest([x - y for x, y in zip(found, point, strict=True)]))
-                    if not moved < _UNSETTLED and precision >= _PATIENCE:
+                    if not moved < _UNSETTLED and precision >= max(_PATIENCE, 2 * bits):
                         return None
             precision *= 2
         return None

@@ -39,7 +39,6 @@ COMMANDS = {
     "maximize-real": _REAL,
     "measure": _MOVING,
     "track": _MOVING,
-    "analyze": _MOVING,
     "view": _ALONG,
     "export": _ALONG,
 }

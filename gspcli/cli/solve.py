@@ -33,7 +33,13 @@ _READABLE = ("table", "markdown", "latex")
     help="Give constraint N (from 1) another value; may be repeated.",
 )
 @click.option("--all", "everything", is_flag=True, help="Also show poses that are not real.")
-@click.option("--no-certify", is_flag=True, help="Do not prove the poses.")
+@click.option("--no-certify", is_flag=True, help="Do not prove poses in general position.")
+@click.option(
+    "--prove/--no-prove",
+    default=None,
+    help="Count the poses of a special platform exactly, however long that takes, or never; by "
+    "default if it takes a few seconds at most.",
+)
 @click.option(
     "--seed",
     type=int,
@@ -78,6 +84,7 @@ def command(
     settings: tuple[str, ...],
     everything: bool,
     no_certify: bool,
+    prove: bool | None,
     seed: int,
     jobs: int,
     rotation: str,
@@ -121,7 +128,7 @@ def command(
     instance = set_values(load_instance(spec), settings)
     euler = None if rotation in ROTATIONS else rotation
     goal = _pose(near, euler, instance.units.angle.in_radians) if near is not None else None
-    result = solve(instance, seed=seed, jobs=jobs, certify=not no_certify)
+    result = solve(instance, seed=seed, jobs=jobs, certify=not no_certify, prove=prove)
     indices = range(len(result.R) if everything else result.counts.real)
     shown = Shown(indices, columns, places)
     if goal is not None:
@@ -239,29 +246,25 @@ def _refined(result: SolveResult, shown: Shown, digits: int) -> list[dict[str, A
 def _complain(result: SolveResult, *, certified: bool) -> None:
     """Raise what the exit code is to say."""
     counts = result.counts
-    if result.motions:
-        motion = result.motions[0]
-        how = "the platform can move" if motion.real else "over the complex numbers"
-        message = (
-            f"the poses are infinitely many: {how}, with local dimension {motion.dimension}\n"
-            "(numerical evidence; --format json has sample motions)"
-        )
+    if result.verdict == "infinite":
+        message = "the poses are infinitely many"
+        for motion in result.motions[:1]:
+            how = "the platform can move" if motion.real else "over the complex numbers"
+            message += (
+                f": {how}, with local dimension {motion.dimension}\n"
+                "(numerical evidence; --format json has sample motions)"
+            )
         raise NotFiniteError(message)
     if result.account.lost:
         message = (
             f"{result.account.lost} of {result.expected} expected solutions could not be made "
             "out: the platform is in or near a special position\n"
-            "try another --seed, or change a value a little with --set and compare"
+            "try --prove, another --seed, or change a value a little with --set and compare"
         )
         raise IncompleteError(message)
-    if certified and counts.certified < counts.found:
+    if certified and result.proof is None and counts.certified < counts.found:
         message = (
-            f"{counts.found - counts.certified} of {counts.found} poses could not be certified"
-            + (
-                f" ({counts.singular} are multiple, which no proof covers)"
-                if counts.singular
-                else ""
-            )
-            + "\nuse --no-certify to do without"
+            f"{counts.found - counts.certified} of {counts.found} poses could not be certified\n"
+            "use --no-certify to do without"
         )
         raise IncompleteError(message)

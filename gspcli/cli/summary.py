@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from gspcli.solver import SolveResult
 
 _DIGITS = 3
+#: Poses that are so many lengths away are called nearly infinite.
+_FAR = 1e5
 
 
 def summary(result: SolveResult, *, certify: bool, contradicting: Sequence[int] = ()) -> list[str]:
@@ -48,8 +50,9 @@ def _real(result: SolveResult, *, certify: bool) -> str:
 def _completeness(result: SolveResult) -> str:
     """Return the verdict, and what became of every path if not every one is a pose."""
     ends, found = result.account, result.counts.found
+    verdict = f"{result.verdict}, proved" if result.proof else result.verdict
     if result.verdict == "complete" and found == result.expected:
-        return f"complete: all {found} of the type, real or not"
+        return f"{verdict}: all {found} of the type, real or not"
     poses = f"{found} pose{'s' * (found != 1)}, real or not"
     if result.verdict == "infinite":
         poses = f"infinitely many poses and {found or 'no'} isolated one{'s' * (found != 1)}"
@@ -63,7 +66,11 @@ def _completeness(result: SolveResult) -> str:
     }
     others = [f"{count} {where}" for where, count in named.items() if count]
     where = "".join(f", {other}" for other in others)
-    return f"{result.verdict}: {poses}{where}, of the type's {result.expected}"
+    geometry = result.geometry_count
+    if geometry is None:
+        return f"{verdict}: {poses}{where}, of the type's {result.expected}"
+    whole = f"this geometry's {geometry}; the type can have {result.expected}"
+    return f"{verdict}: {poses}{where}, of {whole}"
 
 
 def _reason(result: SolveResult, contradicting: Sequence[int]) -> str:
@@ -84,7 +91,7 @@ def _reason(result: SolveResult, contradicting: Sequence[int]) -> str:
 def remarks(result: SolveResult, numbers: Sequence[int]) -> list[str]:
     """Return notes on the poses shown, which have these numbers from 1: what is best and worst."""
     if not numbers:
-        return []
+        return [*_far(result), *_ground(result)]
     shown = [number - 1 for number in numbers]
     residual = result.residuals[shown].max()
     notes = [f"residuals at most {residual:.1e}"]
@@ -98,4 +105,23 @@ def remarks(result: SolveResult, numbers: Sequence[int]) -> list[str]:
         )
     if len(numbers) > 1 and lowest == highest:
         notes.append(f"every pose has condition {lowest}")
-    return ["; ".join(notes)]
+    return ["; ".join(notes), *_far(result), *_ground(result)]
+
+
+def _far(result: SolveResult) -> list[str]:
+    """Say how many poses are nearly at infinity."""
+    far = int((np.abs(result.T).max(axis=1) > _FAR * result.arrangement.length).sum())
+    if not far:
+        return []
+    return [
+        f"{far} of the {result.counts.found} poses lie beyond {_FAR:.0e} lengths: the geometry is "
+        "nearly special"
+    ]
+
+
+def _ground(result: SolveResult) -> list[str]:
+    """Say what the verdict is proved by, if not by the type's own count."""
+    proof = result.proof
+    if proof is None or not proof.error:
+        return []
+    return [f"proved by the {proof.by} modulo a random prime: error below {proof.error:.0e}"]

@@ -48,7 +48,7 @@ class TrackerOptions:
     max_steps: int = 1000
     """Accepted and rejected steps after which a path fails."""
     extended: bool = False
-    """Whether to compute with 32 digits instead of 16, some sixteen times slower. Coefficients and
+    """Whether to compute with 32 digits instead of 16, some thirty times slower. Coefficients and
     points stay doubles, taken as exact."""
 
 
@@ -58,6 +58,8 @@ PARANOID = TrackerOptions(
     predictor_tolerance=1e-8, contraction=0.01, radius_fraction=0.2, max_steps=10_000
 )
 EXTENDED = replace(CAREFUL, extended=True)
+#: As near to the target as 32 digits can tell, for ends that are judged in more digits still.
+DEEP = replace(EXTENDED, nearest=1e-28, min_step=1e-30, max_steps=400)
 
 
 @dataclass(frozen=True, eq=False)

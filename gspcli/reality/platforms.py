@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import Kind, Primitive
-from gspcli.continuation.solve import SystemSolutions, solve_systems
+from gspcli.continuation.solutions import SystemSolutions
+from gspcli.continuation.solve import solve_systems
 from gspcli.continuation.systems import System
 from gspcli.geometry.arrangement import Bodies
 from gspcli.geometry.measurement import measured

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,31 +14,53 @@ from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.building import checked
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.numbers import Number
 from gspcli.solver.arguments import problems_of, value_rows, whole
 from gspcli.solver.poses import PoseSet
+from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.result import SolveResult, stable_order
+
+if TYPE_CHECKING:
+    from gspcli.continuation.pursuit import Pursuit
 
 Array = NDArray[np.float64]
 
+#: Work that an exact count may take unless somebody asks for it, in billions of multiplications
+#: modulo a prime: about as many seconds.
+PATIENCE = 2.0
+
 
 def solve(
-    instance: Instance, *, seed: int = SEED, jobs: int = 1, certify: bool = True
+    instance: Instance,
+    *,
+    seed: int = SEED,
+    jobs: int = 1,
+    certify: bool = True,
+    prove: bool | None = None,
 ) -> SolveResult:
-    """Return all poses of an instance, with an account of every path.
+    """Return all poses of an instance, proved, with an account of every path.
 
     Platforms with three angles are solved in closed form (Algorithm 6.6), all others by
-    tracking paths.
+    tracking paths. If that does not give as many distinct simple poses as the type has, the
+    platform is in special or nearly special position: its poses are counted exactly, modulo a
+    random prime, and located with as many digits as they need.
 
     Parameters
     ----------
     instance
-        The platform; the sides of its DPH and DHP distances say which solutions are asked for.
+        The platform, whose numbers are meant exactly as they are written; the sides of its DPH
+        and DHP distances say which solutions are asked for.
     seed
         Source of random choices. Another seed gives the same poses in the same order.
     jobs
         Threads for path tracking. The answer does not depend on them.
     certify
-        Whether to prove each pose, and whether it is real.
+        Whether to prove each pose of a platform in general position, and whether it is real.
+        In special position that is always done.
+    prove
+        Whether to count the poses of a special platform however long it takes (True), not at
+        all (False), or if it takes no longer than `PATIENCE` (None). Without a count only
+        as many certified poses as the type has prove that there are no others.
 
     Raises
     ------
@@ -46,22 +70,73 @@ def solve(
     checked(instance)
     seed, jobs = whole(seed, "seed", least=0), whole(jobs, "jobs", least=1)
     arrangement = Arrangement.of(instance)
-    poses = _poses(arrangement, seed, jobs)
-    if certify and len(poses.R):
-        from gspcli.certification import decide
+    pursuits: list[Pursuit] | None = None
+    # Each method is imported when it is needed: start-up is most of the time of one solve.
+    if len(arrangement.angles) == MAX_ANGLES:
+        from gspcli.solver.closed_form import solve_closed_form
 
-        poses = poses.decided(*decide(instance, poses.R, poses.T))
+        poses: PoseSet | None = solve_closed_form(arrangement)
+    else:
+        pursuits, poses = next(_each_tracked([arrangement], seed, jobs))
+    if poses is not None and certify and len(poses.R):
+        poses = _proved(instance, poses)
+    if poses is None or not _is_general(poses, certify):
+        limit = {True: None, False: 0.0, None: PATIENCE}[prove]
+        poses = _special(instance, arrangement, pursuits, seed, jobs, limit)
     poses = poses.reordered(stable_order(poses, arrangement.length))
     return SolveResult(instance, arrangement, poses, seed)
+
+
+def _each_tracked(
+    arrangements: Iterable[Arrangement], seed: int, jobs: int
+) -> Iterator[tuple[list[Pursuit], PoseSet | None]]:
+    """Yield the paths of each platform, and their ends if all are distinct simple poses."""
+    from gspcli.solver.tracking import poses_by_paths, pursue_each
+
+    for arrangement, pursuits in pursue_each(arrangements, seed=seed, jobs=jobs):
+        regular = all(pursuit.is_regular for pursuit in pursuits)
+        yield pursuits, poses_by_paths(arrangement, pursuits) if regular else None
+
+
+def _special(
+    instance: Instance,
+    arrangement: Arrangement,
+    pursuits: list[Pursuit] | None,
+    seed: int,
+    jobs: int,
+    limit: float | None,
+) -> PoseSet:
+    """Return the poses of a platform that is not in general position."""
+    from gspcli.solver.special import solve_special
+
+    if pursuits is None:
+        pursuits, _ = next(_each_tracked([arrangement], seed, jobs))
+    return solve_special(instance, arrangement, pursuits, seed=seed, limit=limit)
+
+
+def _proved(instance: Instance, poses: PoseSet) -> PoseSet:
+    """Return poses with certificates, and with a proof if they are as many as the type has."""
+    from gspcli.certification import decide
+
+    poses = poses.decided(*decide(instance, poses.R, poses.T))
+    complete = poses.certified.sum() == poses.account.expected
+    return replace(poses, proof=Proof(Ground.TYPE)) if complete else poses
+
+
+def _is_general(poses: PoseSet, certify: bool) -> bool:
+    """Whether there are as many distinct simple poses as the type has, as asked proved or not."""
+    simple = int((poses.multiplicity == 1).sum())
+    return poses.proof is not None if certify else simple == poses.account.expected
 
 
 def solve_values(
     instance: Instance, values: ArrayLike, *, seed: int = SEED, jobs: int = 1
 ) -> Iterator[PoseSet]:
-    """Yield all poses of an instance for each of many sets of values, in order, uncertified.
+    """Yield all poses of an instance for each of many sets of values, in order.
 
     This is the quick way to many poses of one geometry: systems are solved in batches, and the
-    results are arrays. The values of the instance itself are not used.
+    results are arrays. The values of the instance itself are not used. Poses in general position
+    are not certified, those in special or nearly special position are.
 
     Parameters
     ----------
@@ -91,29 +166,19 @@ def solve_values(
 
 
 def _solve_rows(instance: Instance, rows: Array, seed: int, jobs: int) -> Iterator[PoseSet]:
+    """Yield the poses for each set of values; those of special platforms are proved."""
     arrangement = Arrangement.of(instance)
+    general: Iterator[tuple[list[Pursuit] | None, PoseSet | None]]
     if len(arrangement.angles) == MAX_ANGLES:
         from gspcli.solver.closed_form import solve_closed_forms
 
-        return solve_closed_forms(arrangement, rows)
-    from gspcli.solver.tracking import solve_each_by_tracking
-
-    each = (arrangement.with_values(row) for row in rows)
-    return solve_each_by_tracking(each, seed=seed, jobs=jobs)
-
-
-def _poses(arrangement: Arrangement, seed: int, jobs: int) -> PoseSet:
-    """Return the poses by the method for the class of the platform."""
-    # Each method is imported when it is needed: start-up is most of the time of one solve.
-    poses = None
-    if len(arrangement.angles) == MAX_ANGLES:
-        from gspcli.solver.closed_form import solve_closed_form
-
-        poses = solve_closed_form(arrangement)
-        if not poses.account.lost:
-            return poses
-    from gspcli.solver.tracking import solve_by_tracking
-
-    # Paths may see through a special position that the closed form does not.
-    tracked = solve_by_tracking(arrangement, seed=seed, jobs=jobs)
-    return tracked if poses is None or tracked.account.lost < poses.account.lost else poses
+        general = ((None, poses) for poses in solve_closed_forms(arrangement, rows))
+    else:
+        general = _each_tracked((arrangement.with_values(row) for row in rows), seed, jobs)
+    for row, (pursuits, poses) in zip(rows, general, strict=True):
+        if poses is not None and _is_general(poses, certify=False):
+            yield poses
+            continue
+        values = {i: Number.of(value) for i, value in enumerate(row.tolist())}
+        special = arrangement.with_values(row)
+        yield _special(instance.with_values(values), special, pursuits, seed, jobs, PATIENCE)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.paths import PathAccount
+from gspcli.solver.proof import Proof
 from gspcli.solver.self_motion import Motion
 
 Complex = NDArray[np.complex128]
@@ -41,6 +43,12 @@ class PoseSet:
         Positive-dimensional sets of poses that were found.
     account
         What became of every path, for all sides asked for.
+    proof
+        What proves that there are no other poses, or that there are infinitely many; None if
+        nothing does.
+    exact_count
+        The number of poses of exactly this platform, with multiplicity, where it was needed:
+        None if it was not, or if there are infinitely many.
     problem
         What is wrong with the numbers, if they were not solved for that.
     """
@@ -53,6 +61,8 @@ class PoseSet:
     multiplicity: NDArray[np.int64]
     motions: tuple[Motion, ...]
     account: PathAccount
+    proof: Proof | None = None
+    exact_count: int | None = None
     problem: str | None = None
 
     @property
@@ -98,3 +108,17 @@ class PoseSet:
             certified=self.certified[order],
             multiplicity=self.multiplicity[order],
         )
+
+
+def joined(parts: Sequence[PoseSet]) -> PoseSet:
+    """Return the poses of several systems together, without a proof."""
+    return PoseSet(
+        quaternions=np.concatenate([part.quaternions for part in parts]),
+        R=np.concatenate([part.R for part in parts]),
+        T=np.concatenate([part.T for part in parts]),
+        real=np.concatenate([part.real for part in parts]),
+        certified=np.concatenate([part.certified for part in parts]),
+        multiplicity=np.concatenate([part.multiplicity for part in parts]),
+        motions=tuple(motion for part in parts for motion in part.motions),
+        account=sum((part.account for part in parts), PathAccount(expected=0)),
+    )

@@ -18,6 +18,7 @@ from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.poses import Field
 from gspcli.geometry.residuals import condition_numbers, residuals, sides_of
 from gspcli.solver.poses import PoseSet
+from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.self_motion import Motion
 
 if TYPE_CHECKING:
@@ -186,6 +187,31 @@ class SolveResult:
         """`infinite`, `incomplete` or `complete`, as the account says."""
         return self.account.verdict
 
+    @property
+    def proof(self) -> Proof | None:
+        """What proves that there are no other poses, or infinitely many; None if nothing does."""
+        return self.poses.proof
+
+    @property
+    def exact_count(self) -> int | None:
+        """How many poses exactly this platform has, with multiplicity, if that was computed."""
+        return self.poses.exact_count
+
+    @cached_property
+    def geometry_count(self) -> int | None:
+        """How many poses this geometry has for almost all values; None if nobody could count.
+
+        It is computed when it is asked for, except where the poses prove it to be the type's.
+        """
+        if self.proof is not None and self.proof.by is Ground.TYPE:
+            return self.expected
+        if self.exact_count is None and self.verdict != "infinite":
+            return None
+        from gspcli.certification.counting import geometry_count
+
+        count = geometry_count(self.instance, seed=self.seed)
+        return None if count is None else count.solutions
+
     @cached_property
     def counts(self) -> Counts:
         """How many poses there are of which sort."""
@@ -252,6 +278,9 @@ class SolveResult:
             **self.instance.to_json(),
             "expected": self.expected,
             "verdict": self.verdict,
+            "proof": self.proof.to_json() if self.proof else None,
+            "geometry_count": self.geometry_count,
+            "exact_count": self.exact_count,
             "counts": self._counts_json(),
             "solutions": [solution.to_json() for solution in chosen],
         }

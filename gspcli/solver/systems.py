@@ -33,15 +33,22 @@ def target_systems(arrangement: Arrangement) -> list[System]:
     The arrangement should be `Arrangement.normalised`: lengths of order one, points near the
     origins.
     """
-    kinds = arrangement.kinds
-    choices = [
-        (1, -1) if kind.has_sides and sign == 0 else (1 if sign >= 0 else -1,)
-        for kind, sign in zip(kinds, arrangement.signs.tolist(), strict=True)
-    ]
     values = arrangement.targets.copy()
     values[arrangement.angles] = arrangement.cosines(arrangement.values)
     geometry = (arrangement.y, arrangement.x, arrangement.u, arrangement.v)
-    return list(systems_of(kinds, *geometry, values * np.array(list(product(*choices)))))
+    return list(systems_of(arrangement.kinds, *geometry, values * side_choices(arrangement)))
+
+
+def side_choices(arrangement: Arrangement) -> Array:
+    """Return the sign of each value for each combination of sides asked for, shape (k, n).
+
+    The positive side of the first constraint that has both comes first.
+    """
+    choices = [
+        (1, -1) if kind.has_sides and sign == 0 else (1 if sign >= 0 else -1,)
+        for kind, sign in zip(arrangement.kinds, arrangement.signs.tolist(), strict=True)
+    ]
+    return np.array(list(product(*choices)))
 
 
 def systems_of(

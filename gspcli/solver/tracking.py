@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.paths import PathAccount
-from gspcli.continuation.solve import SystemSolutions, solve_systems
+from gspcli.continuation.pursuit import Pursuit, pursue
+from gspcli.continuation.solutions import SystemSolutions
 from gspcli.continuation.systems import System
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.conjugates import find_real_points, made_real
@@ -53,6 +54,20 @@ def solve_each_by_tracking(
     jobs
         Threads. The result does not depend on them.
     """
+    for arrangement, pursuits in pursue_each(arrangements, seed=seed, jobs=jobs):
+        yield poses_by_paths(arrangement, pursuits)
+
+
+def pursue_each(
+    arrangements: Iterable[Arrangement], *, seed: int, jobs: int = 1
+) -> Iterator[tuple[Arrangement, list[Pursuit]]]:
+    """Yield each platform with the paths to its poses: a pursuit for each choice of sides.
+
+    Parameters
+    ----------
+    arrangements, seed, jobs
+        As for `solve_each_by_tracking`.
+    """
     waiting: deque[tuple[Arrangement, int]] = deque()
 
     def systems() -> Iterator[System]:
@@ -61,14 +76,15 @@ def solve_each_by_tracking(
             waiting.append((arrangement, len(targets)))
             yield from targets
 
-    solutions = solve_systems(systems(), seed=seed, jobs=jobs)
-    for first in solutions:
+    pursuits = pursue(systems(), seed=seed, jobs=jobs)
+    for first in pursuits:
         arrangement, count = waiting.popleft()
-        yield _pose_set(arrangement, [first, *islice(solutions, count - 1)])
+        yield arrangement, [first, *islice(pursuits, count - 1)]
 
 
-def _pose_set(arrangement: Arrangement, results: list[SystemSolutions]) -> PoseSet:
-    """Return the poses for all sides together."""
+def poses_by_paths(arrangement: Arrangement, pursuits: list[Pursuit]) -> PoseSet:
+    """Return where the paths for all sides end, by numerical path tracking alone."""
+    results = [pursuit.solutions() for pursuit in pursuits]
     settled = [find_real_points(result.points) for result in results]
     points = np.concatenate([representatives for representatives, _ in settled])
     real = np.concatenate([real for _, real in settled])

@@ -111,6 +111,4 @@ def _constraint(constraint: Constraint, platform: str, base: str) -> str:
     side = "" if constraint.side is Side.BOTH else f", side: {constraint.side.value}"
     limits = constraint.limits
     span = "" if limits is None else f", range: [{limits[0]}, {limits[1]}]"
-    off = "" if constraint.tolerance is None else f", tolerance: {constraint.tolerance}"
-    value = f"value: {constraint.value}{span}{off}{side}"
-    return f"  - {{{quantity}: [{platform}, {base}], {value}}}"
+    return f"  - {{{quantity}: [{platform}, {base}], value: {constraint.value}{span}{side}}}"

@@ -55,7 +55,7 @@ def test_example_6_8_prints_all_64_poses(gsp):
     assert lines[:3] == [
         "Example 6.8: DPL DPL DPL ALL ALL ALL",
         "",
-        "64 real poses, all proved different; complete: all 64 of the type, real or not",
+        "64 real poses, all proved different; complete, proved: all 64 of the type, real or not",
     ]
     # The orientations, eight, and the positions in each.
     assert lines[4].split() == ["orientation", "qw", "qx", "qy", "qz", "positions"]
@@ -130,7 +130,7 @@ def test_standard_input(gsp, spec, monkeypatch):
 def test_an_infinite_set_has_exit_code_3(gsp, spec):
     run = gsp("solve", spec(normal="1, 0, 0").replace("value: 3", "value: 1"), "--set", "3=1")
     assert run.code == 3
-    assert "; infinite: infinitely many poses" in run.out
+    assert "; infinite, proved: infinitely many poses" in run.out
     assert run.err.startswith("error: the poses are infinitely many: the platform can move")
 
 
@@ -145,19 +145,23 @@ def test_json_of_an_infinite_set_has_sample_motions(gsp, spec):
 def test_parallel_planes_without_a_pose_are_an_answer(gsp, spec):
     run = gsp("solve", spec(normal="1, 0, 0"))
     assert run.code == 0
-    assert run.out.splitlines()[2:] == [
-        "no real pose; complete: 0 poses, real or not, 8 at infinity, of the type's 8",
+    assert run.out.splitlines()[2:4] == [
+        "no real pose; complete, proved: 0 poses, real or not, 8 at infinity, "
+        "of this geometry's 0; the type can have 8",
         "distances 1 and 3 contradict each other: no pose was found for them without the others",
     ]
 
 
-def test_multiple_poses_cannot_be_certified(gsp, spec):
+def test_multiple_poses_are_proved_by_their_counts(gsp, spec):
     path = spec(angle="0")
     settings = ("--set", "4=0", "--set", "5=0")
     run = gsp("solve", path, *settings)
+    assert run.code == 0
+    assert "1 pose, real or not, 8 with multiplicities" in run.out
+    assert "proved by the exact count modulo a random prime" in run.out
+    run = gsp("solve", path, *settings, "--no-prove")
     assert run.code == 4
-    assert "multiple" in run.err
-    assert gsp("solve", path, *settings, "--no-certify").code == 0
+    assert "try --prove" in run.err
 
 
 def test_both_sides_double_the_paths(gsp, spec):
@@ -208,7 +212,7 @@ def test_the_constraints_that_contradict_each_other_are_named(gsp):
 def test_the_verdict_of_a_csv_goes_to_stderr(gsp):
     run = gsp("solve", EXAMPLE, "--format", "csv")
     assert run.err == (
-        "64 real poses, all proved different; complete: all 64 of the type, real or not\n"
+        "64 real poses, all proved different; complete, proved: all 64 of the type, real or not\n"
     )
 
 

@@ -219,7 +219,8 @@ def test_parallel_lines_keep_their_distance_on_a_cylinder():
         ("ALL", Line(ORIGIN, Y), Line(ORIGIN, Y), 50),
         ("ALL", Line(ORIGIN, Y), Line(ORIGIN, X), 40),
     )
-    assert result.verdict == "complete"
+    # The equation of the DLL has infinitely many solutions that are no poses: nothing counts these.
+    assert result.verdict == "incomplete"
     assert result.counts.real > 0
     assert result.residuals[result.real].max() < 1e-10
     assert (result.multiplicity > 1).all()

@@ -1,0 +1,96 @@
+"""Every pose of a system whose solutions have been counted, or an account of what is missing.
+
+Poses are proved until there are as many as the exact count says. If some are multiple, which no
+certificate covers, the counts decide: so many distinct solutions, with so many paths together, must
+be those that the paths of the endgame lead to, if these are as many.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gspcli.certification.collecting import Collection
+from gspcli.certification.multiple import MultiplePose, multiple_poses
+from gspcli.continuation.paths import Basis, PathAccount
+from gspcli.geometry.poses import canonical_sign
+from gspcli.solver.poses import PoseSet
+from gspcli.solver.search import Search
+
+
+def complete(search: Search, solutions: int, distinct: int) -> PoseSet:
+    """Return all poses if the counts are reached; what is missing is lost.
+
+    Parameters
+    ----------
+    search
+        For the poses of the system.
+    solutions, distinct
+        How many solutions it has, with multiplicity and without.
+    """
+    multiple: list[MultiplePose] = []
+    for _ in search.steps():
+        if solutions > distinct and not multiple and len(search.found) < distinct:
+            multiple = _multiple(search)
+        if len(search.found) + len(multiple) >= distinct:
+            break
+    numbers = _multiplicities(search.found, multiple, solutions, distinct)
+    known = list(zip(multiple, numbers, strict=True)) if numbers else []
+    return _pose_set(search.found, known, search.pursuit.paths, solutions)
+
+
+def _multiple(search: Search) -> list[MultiplePose]:
+    """Return the multiple poses that the endgame leads to."""
+    ends = search.pursuit.solutions()
+    multiple = ends.multiplicity > 1
+    paths = ends.multiplicity[multiple].tolist()
+    return list(multiple_poses(search.locator, ends.points[multiple], paths, search.sides))
+
+
+def _multiplicities(
+    found: Collection, multiple: list[MultiplePose], solutions: int, distinct: int
+) -> list[int]:
+    """Return the multiplicities if the multiple poses are those that the counts leave.
+
+    Each is at least two, so that nothing is left to choose if they are two on average, or if
+    there is one pose; else the paths decide. Empty if something does not agree.
+    """
+    distinct, paths = distinct - len(found), solutions - len(found)
+    if len(multiple) != distinct:
+        return []
+    if paths == 2 * distinct:
+        return [2] * distinct
+    if distinct == 1:
+        return [paths]
+    numbers = [pose.multiplicity for pose in multiple]
+    return numbers if sum(numbers) == paths else []
+
+
+def _pose_set(
+    found: Collection, known: list[tuple[MultiplePose, int]], paths: int, solutions: int
+) -> PoseSet:
+    """Return the simple poses, and the multiple ones with their multiplicities."""
+    multiple = [pose for pose, _ in known if pose.is_pose]
+    numbers = [number for pose, number in known if pose.is_pose]
+    spurious = sum(number for pose, number in known if not pose.is_pose)
+    reached = len(found) + sum(numbers) + spurious
+    # More than were counted: the prime of the count is a bad one, or a proof is wrong.
+    excess = reached > solutions
+    return PoseSet(
+        quaternions=canonical_sign(
+            np.concatenate([found.quaternions, *(pose.quaternion[None] for pose in multiple)])
+        ),
+        R=np.concatenate([found.R, *(pose.R[None] for pose in multiple)]),
+        T=np.concatenate([found.T, *(pose.T[None] for pose in multiple)]),
+        real=np.array([*found.real.tolist(), *(pose.real for pose in multiple)], np.bool_),
+        certified=np.arange(len(found) + len(multiple)) < len(found),
+        multiplicity=np.array([1] * len(found) + numbers, np.int64),
+        motions=(),
+        account=PathAccount(
+            expected=paths,
+            found=reached - spurious,
+            at_infinity=0 if excess else paths - solutions,
+            spurious=spurious,
+            lost=paths - reached if excess else solutions - reached,
+            basis=Basis.COUNT,
+        ),
+    )

@@ -1,0 +1,89 @@
+"""Platforms whose equations have infinitely many solutions, as an exact count has said."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from gspcli.catalogue.kinds import DLL
+from gspcli.catalogue.types import MAX_ANGLES
+from gspcli.certification import decide
+from gspcli.continuation.paths import PathAccount
+from gspcli.continuation.pursuit import Pursuit
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.residuals import residuals
+from gspcli.solver.closed_form import solve_closed_form
+from gspcli.solver.poses import PoseSet
+from gspcli.solver.proof import Proof
+from gspcli.solver.self_motion import Motion
+from gspcli.solver.tracking import poses_by_paths, solve_by_tracking
+
+#: Samples of a motion meet the constraints up to this part of their size.
+_ON_MOTION = 1e-8
+
+
+def solve_infinite(
+    instance: Instance,
+    arrangement: Arrangement,
+    pursuits: Sequence[Pursuit],
+    proof: Proof,
+) -> PoseSet:
+    """Return sample motions and isolated poses of a platform.
+
+    The equation of a DLL holds wherever its lines are parallel, at any distance: then infinitely
+    many solutions need not be infinitely many poses. If no motion is found, the isolated poses
+    count if two different ways agree on them, without a proof.
+
+    Parameters
+    ----------
+    instance, arrangement
+        The platform, exactly and in floating point.
+    pursuits
+        The paths to its poses, for each choice of sides.
+    proof
+        What proves the set of solutions to be infinite.
+    """
+    answers = [_cleaned(arrangement, poses_by_paths(arrangement, list(pursuits)))]
+    if len(arrangement.angles) == MAX_ANGLES:
+        # The closed form sees real motions where paths see complex ones.
+        answers.insert(0, _cleaned(arrangement, solve_closed_form(arrangement)))
+    best = max(answers, key=lambda x: (any(motion.real for motion in x.motions), len(x.motions)))
+    best = best.decided(*decide(instance, best.R, best.T)) if len(best.R) else best
+    if best.motions:
+        return replace(best, proof=proof)
+    if DLL not in arrangement.kinds:
+        # No sample was found, but paths must end on the set: those that are lost or seemed to
+        # end at infinity.
+        rest = best.account.expected - best.account.found
+        reduced = replace(_lost(best.account), on_curves=rest, lost=0)
+        return replace(best, account=reduced, proof=proof)
+    if len(answers) == 1:
+        answers.append(solve_by_tracking(arrangement, seed=pursuits[0].seed + 1))
+    first, second = (answer.account for answer in answers)
+    agree = (first.found, len(answers[0].R)) == (second.found, len(answers[1].R))
+    return best if agree else replace(best, account=_lost(best.account))
+
+
+def _cleaned(arrangement: Arrangement, poses: PoseSet) -> PoseSet:
+    """Drop the motions whose samples do not meet the constraints as they are stated."""
+    kept = tuple(motion for motion in poses.motions if _holds(arrangement, motion))
+    if len(kept) == len(poses.motions):
+        return poses
+    account = poses.account
+    if not kept:
+        account = replace(account, on_curves=0, lost=account.lost + account.on_curves)
+    return replace(poses, motions=kept, account=account)
+
+
+def _holds(arrangement: Arrangement, motion: Motion) -> bool:
+    size = np.abs(motion.T).max(initial=arrangement.length)
+    return bool(np.abs(residuals(arrangement, motion.R, motion.T)).max() <= _ON_MOTION * size)
+
+
+def _lost(account: PathAccount) -> PathAccount:
+    """Return the account with everything lost that is no pose."""
+    rest = account.expected - account.found
+    return PathAccount(expected=account.expected, found=account.found, lost=rest)

@@ -1,0 +1,39 @@
+"""What proves that a list of poses is complete."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+
+class Ground(StrEnum):
+    """A count that certified poses can reach (docs/completeness.md)."""
+
+    TYPE = "type count"
+    """As many distinct simple poses as the type has: there can be no other solution at all."""
+    GEOMETRY = "geometry count"
+    """As many as this geometry has with values in general position."""
+    EXACT = "exact count"
+    """As many as the numbers as written have, with multiplicities."""
+
+
+@dataclass(frozen=True)
+class Proof:
+    """Why there are no other poses, or why there are infinitely many.
+
+    Attributes
+    ----------
+    by
+        The count that decides.
+    error
+        Bound of the probability that the random prime of the count is a bad one; 0 if the
+        count holds for every prime.
+    """
+
+    by: Ground
+    error: float = 0.0
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the proof as plain data: `modulo_random_prime` is false or the error bound."""
+        return {"by": self.by.value, "modulo_random_prime": self.error or False}

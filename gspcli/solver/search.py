@@ -1,0 +1,134 @@
+"""The search for the simple poses of one system, by means that cost more and more."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.certification.collecting import Collection
+from gspcli.certification.counting import poses_by_elimination
+from gspcli.certification.distinct import same
+from gspcli.certification.isolation import Isolation
+from gspcli.certification.locating import AtInfinity, Locator
+from gspcli.continuation.pursuit import Ends, Pursuit
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.poses import Field, pose_from_study, unit_quaternion
+
+#: Bits in which all poses are computed by elimination, and the largest number for which that is
+#: worth it: some seconds.
+_ELIMINATION = (512, 1024, 2048)
+_ELIMINABLE = 130
+#: Poses that agree to this part of their largest entry are not worth locating again.
+_KNOWN = 1e-13
+
+
+class Search:
+    """The simple poses of an instance with the sides of its planes chosen, as they are proved.
+
+    Parameters
+    ----------
+    arrangement
+        The platform in floating point.
+    locator
+        Of the exact instance, with points in the coordinates of ``arrangement.normalised``.
+    pursuit
+        The paths.
+    sides
+        For each constraint the index of its equation (`certification.system`).
+
+    Attributes
+    ----------
+    found
+        What is proved so far.
+    infinite
+        The simple solutions at infinity that were met, all different.
+    """
+
+    def __init__(
+        self,
+        arrangement: Arrangement,
+        locator: Locator,
+        pursuit: Pursuit,
+        sides: tuple[int, ...],
+    ) -> None:
+        self.arrangement = arrangement
+        self.locator = locator
+        self.pursuit = pursuit
+        self.sides = sides
+        self.found = Collection(locator, sides)
+        self.infinite: list[Isolation] = []
+
+    def steps(self) -> Iterator[None]:
+        """Add poses by one means after the other; whoever has enough stops asking."""
+        ends = self.pursuit.first()
+        proved = self._add_simple(ends)
+        yield
+        unproved = ends.simple & ~proved
+        if unproved.any():
+            self._locate(ends.take(unproved))
+            yield
+        ends = self.pursuit.deeply(np.flatnonzero(~proved & ~unproved))
+        self._locate(ends)
+        yield
+        for bits in _ELIMINATION if self.pursuit.paths <= _ELIMINABLE else ():
+            self._eliminate(bits)
+            yield
+        self._locate(self.pursuit.deeply(np.arange(self.pursuit.paths), attempt=1))
+        yield
+
+    def _add_simple(self, ends: Ends) -> NDArray[np.bool_]:
+        """Add the ends that floating point can prove; return which."""
+        R, T, quaternions = self._in_frames(ends.points)
+        finite = np.isfinite(T).all(axis=1)
+        proved = np.zeros(len(ends.points), np.bool_)
+        proved[finite] = self.found.add_doubles(R[finite], T[finite], quaternions[finite])
+        return proved
+
+    def _locate(self, ends: Ends) -> None:
+        """Add the poses near ends, and their conjugates."""
+        new = ~self._is_known(ends)
+        located = self.locator.locate(ends.points[new], ends.low[new], self.sides)
+        self.found.add(located)
+        self.found.add_conjugates()
+        for end in located:
+            if isinstance(end, AtInfinity):
+                isolation = end.isolation
+                if not any(same(isolation, other) for other in self.infinite):
+                    self.infinite.append(isolation)
+
+    def _eliminate(self, bits: int) -> None:
+        """Add the poses that eigenvectors give, paths or not."""
+        instance = self.locator.instance
+        for pose in poses_by_elimination(instance, bits, seed=self.pursuit.seed) or ():
+            if self._is_on_sides(pose.signs):
+                start = self.locator.point_of_pose(pose.R, pose.T, bits)
+                self.found.add([self.locator.locate_exactly(start, self.sides, bits // 2)])
+        self.found.add_conjugates()
+
+    def _is_on_sides(self, signs: tuple[int, ...]) -> bool:
+        """Whether signs of the distances mean the equations of this search."""
+        each = zip(signs, self.sides, self.arrangement.sides.tolist(), strict=True)
+        return all((sign < 0) == (side == 1) for sign, side, asked in each if asked == 0)
+
+    def _in_frames(self, points: Field) -> tuple[Field, Field, Field]:
+        """Return R, T and quaternions of Study points of the normalised arrangement."""
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            R, T = pose_from_study(points[:, :4], points[:, 4:])
+            return R, self.arrangement.restored(R, T), unit_quaternion(points[:, :4])
+
+    def _is_known(self, ends: Ends) -> NDArray[np.bool_]:
+        """Return which ends are proved poses as well as doubles tell, shape (k,)."""
+        R, T, _ = self._in_frames(ends.points)
+        here, known = (
+            np.concatenate((x.reshape(-1, 9), y / self.arrangement.length), axis=1)
+            for x, y in ((R, T), (self.found.R, self.found.T))
+        )
+        with np.errstate(invalid="ignore"):
+            size = np.abs(here).max(axis=1, initial=1.0)
+            near = [
+                (np.abs(known - pose).max(axis=1) < _KNOWN * unit).any()
+                for pose, unit in zip(here, size.tolist(), strict=True)
+            ]
+        return np.array(near, np.bool_).reshape(len(here))

@@ -1,0 +1,89 @@
+"""Platforms in special or nearly special position: each system of sides by what its count says."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from gspcli.certification.counting import ExactCount, exact_count
+from gspcli.certification.locating import Frames, Locator
+from gspcli.continuation.pursuit import Pursuit
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.instance import Instance
+from gspcli.solver.completion import complete
+from gspcli.solver.infinite import solve_infinite
+from gspcli.solver.poses import PoseSet, joined
+from gspcli.solver.proof import Ground, Proof
+from gspcli.solver.search import Search
+from gspcli.solver.systems import side_choices
+from gspcli.solver.uncounted import without_count
+
+
+def solve_special(
+    instance: Instance,
+    arrangement: Arrangement,
+    pursuits: Sequence[Pursuit],
+    *,
+    seed: int,
+    limit: float | None,
+) -> PoseSet:
+    """Return all poses of a platform whose paths do not all end at distinct simple poses.
+
+    Parameters
+    ----------
+    instance, arrangement
+        The platform, exactly and in floating point.
+    pursuits
+        The paths to its poses, for each choice of sides.
+    seed
+        Source of the random prime of the count.
+    limit
+        Work that the exact count may take (`certification.counting`), None for no limit;
+        if it is zero, nothing is counted.
+    """
+    count = exact_count(instance, seed=seed, limit=limit) if limit != 0 else None
+    frames = Frames(
+        arrangement.length,
+        tuple(arrangement.platform_centre.tolist()),
+        tuple(arrangement.base_centre.tolist()),
+    )
+    locator = Locator(instance, frames)
+    searches = [
+        Search(arrangement, locator, pursuit, sides)
+        for pursuit, sides in zip(pursuits, _equations(arrangement), strict=True)
+    ]
+    if count is None:
+        return _proved(joined([without_count(search) for search in searches]), None)
+    if not count.finite:
+        return solve_infinite(instance, arrangement, pursuits, Proof(Ground.EXACT, count.error))
+    parts = []
+    for search, side in zip(searches, count.sides, strict=True):
+        assert side.solutions is not None
+        # Where distinct solutions were not counted, only simple ones can be all.
+        distinct = side.solutions if side.distinct is None else side.distinct
+        parts.append(complete(search, side.solutions, distinct))
+    return _proved(joined(parts), count)
+
+
+def _proved(poses: PoseSet, count: ExactCount | None) -> PoseSet:
+    """Return poses with what proves that they are all, or infinitely many."""
+    proof = None
+    if poses.certified.sum() == poses.account.expected:
+        proof = Proof(Ground.TYPE)
+    elif count is not None and poses.account.verdict != "incomplete":
+        # Multiple poses need the count of the distinct ones, too.
+        multiple = (poses.multiplicity > 1).any()
+        proof = Proof(Ground.EXACT, count.distinct_error if multiple else count.error)
+    return replace(poses, proof=proof, exact_count=count.solutions if count else None)
+
+
+def _equations(arrangement: Arrangement) -> list[tuple[int, ...]]:
+    """Return for each choice of sides which equation of each constraint it means."""
+    both = [
+        kind.has_sides and side == 0
+        for kind, side in zip(arrangement.kinds, arrangement.sides.tolist(), strict=True)
+    ]
+    return [
+        tuple(int(free and sign < 0) for free, sign in zip(both, choice, strict=True))
+        for choice in side_choices(arrangement).tolist()
+    ]

@@ -1,0 +1,43 @@
+"""What can be said of a system in special position whose solutions nobody could count.
+
+Only proved poses count as found, and only proved simple solutions with N = 0 as being at infinity.
+Everything else is lost.
+"""
+
+from __future__ import annotations
+
+from itertools import islice
+
+import numpy as np
+
+from gspcli.continuation.paths import PathAccount
+from gspcli.geometry.poses import canonical_sign
+from gspcli.solver.poses import PoseSet
+from gspcli.solver.search import Search
+
+#: No count says whether more means would find more.
+_STEPS = 2
+
+
+def without_count(search: Search) -> PoseSet:
+    """Return the proved poses, and an account of all paths."""
+    found, paths = search.found, search.pursuit.paths
+    for _ in islice(search.steps(), _STEPS):
+        if len(found) + len(search.infinite) == paths:
+            break
+    at_infinity = len(search.infinite)
+    return PoseSet(
+        quaternions=canonical_sign(found.quaternions),
+        R=found.R,
+        T=found.T,
+        real=found.real,
+        certified=np.ones(len(found), np.bool_),
+        multiplicity=np.ones(len(found), np.int64),
+        motions=(),
+        account=PathAccount(
+            expected=paths,
+            found=len(found),
+            at_infinity=at_infinity,
+            lost=paths - len(found) - at_infinity,
+        ),
+    )

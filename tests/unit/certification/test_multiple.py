@@ -1,0 +1,49 @@
+"""Multiple poses: found to many digits, and never where a simple one is."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+
+from gspcli.certification.locating import Frames, Locator
+from gspcli.certification.multiple import multiple_poses
+from gspcli.geometry.poses import study_from_pose
+
+FRAMES = Frames(1.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+SIDES = (0,) * 6
+
+
+def start(T: list[float], error: float) -> np.ndarray:
+    exact = np.concatenate(study_from_pose(np.eye(3), np.array(T)))
+    shake = np.random.default_rng(5).standard_normal((2, 8))
+    return exact + error * (shake[0] + 1j * shake[1])
+
+
+def found(instance, error, T=(1, 0, 0)):
+    locator = Locator(instance, FRAMES)
+    return list(multiple_poses(locator, start(list(T), error)[None], [2], SIDES))
+
+
+def test_a_double_pose_is_found_to_all_digits_of_a_double(tangent):
+    for error in (1e-5, 1e-9):
+        [pose] = found(tangent(Fraction(1)), error)
+        assert pose.real
+        assert pose.multiplicity == 2
+        np.testing.assert_allclose(pose.R, np.eye(3), atol=1e-15)
+        np.testing.assert_allclose(pose.T, [1, 0, 0], atol=1e-15)
+
+
+def test_two_simple_poses_side_by_side_are_none(tangent):
+    assert found(tangent(1 + Fraction(1, 10**14)), 1e-9) == []
+    assert found(tangent(1 - Fraction(1, 10**14)), 1e-9) == []
+
+
+def test_a_limit_far_away_is_another_pose(tangent):
+    assert found(tangent(Fraction(1)), 1e-9, T=(1, 0, 0.5)) == []
+
+
+def test_one_pose_approached_twice_is_one(tangent):
+    locator = Locator(tangent(Fraction(1)), FRAMES)
+    starts = np.array([start([1, 0, 0], 1e-6), start([1, 0, 0], 1e-7)])
+    assert len(list(multiple_poses(locator, starts, [2, 2], SIDES))) == 1
