@@ -89,10 +89,14 @@ Places = list[tuple[Location | None, str]]
 
 def _json(text: str, name: str) -> tuple[list[Any], Places]:
     try:
-        document = json.loads(text)
+        # Integers of any length are read as what they are for us: numbers that may be too large.
+        document = json.loads(text, parse_int=float)
     except json.JSONDecodeError as error:
         location = Location(name, error.lineno, error.colno)
         raise SpecError([Problem(location, "", f"not JSON: {error.msg}")]) from error
+    except RecursionError:
+        message = f"{name}: found lists in lists without end, expected a list of poses"
+        raise SpecError([Problem(None, "", message)]) from None
     is_object = isinstance(document, dict)
     entries = document.get("solutions") if is_object else document
     if not isinstance(entries, list):

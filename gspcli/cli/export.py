@@ -33,7 +33,9 @@ _TARGETS = ("mjcf",)
     metavar="K",
     help="For mjcf: the real pose to build, in the order of `gsp solve`.  [default: 1]",
 )
-@click.option("-o", "--output", "path", metavar="FILE", help="Write to FILE instead of stdout.")
+@click.option(
+    "-o", "--output", "path", metavar="FILE", help="Write to FILE instead of stdout, replacing it."
+)
 def command(
     spec: str, target: str, settings: tuple[str, ...], mode: int | None, path: str | None
 ) -> None:

@@ -57,7 +57,9 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="Continue from FILE, and save what is found there.",
 )
-@click.option("-o", "--output", "path", metavar="FILE", help="Write to FILE instead of stdout.")
+@click.option(
+    "-o", "--output", "path", metavar="FILE", help="Write to FILE instead of stdout, replacing it."
+)
 def command(
     names: tuple[str, ...],
     show: bool,

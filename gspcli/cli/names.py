@@ -7,6 +7,8 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import click
+
 from gspcli.catalogue.parsing import parse_name
 from gspcli.catalogue.types import Family, GspType
 from gspcli.errors import GspError, TypeNameError
@@ -58,14 +60,20 @@ def shipped_file(name: str) -> Path:
 def load_instance(word: str) -> Instance:
     """Read the instance that a SPEC denotes; see `spec_source`.
 
+    What was perhaps not meant (radians in a file of degrees, lengths out of all proportion) is
+    pointed out on standard error: the answer would be about another platform.
+
     Raises
     ------
     SpecError
         With all mistakes of the file.
     """
-    from gspcli.spec import load
+    from gspcli.spec import read
 
-    return load(spec_source(word))
+    reading = read(spec_source(word))
+    for problem in reading.doubts:
+        click.echo(f"warning: {problem}", err=True)
+    return reading.instance
 
 
 def read_type(words: Sequence[str]) -> GspType:

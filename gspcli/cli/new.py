@@ -39,7 +39,7 @@ _TEMPLATE_HEAD = """\
 
 @click.command()
 @click.argument("type_words", metavar="TYPE...", nargs=-1, required=True)
-@click.option("--template", is_flag=True, help="Write comments that explain how to fill it in.")
+@click.option("--template", is_flag=True, help="Also write comments that say what to replace.")
 @click.option(
     "--seed",
     default=SEED,
@@ -56,8 +56,10 @@ _TEMPLATE_HEAD = """\
 )
 @click.option("--planar", is_flag=True, help="Put the points of each body in one plane.")
 @click.option("--one-sided", is_flag=True, help="State a side for each PH and HP distance.")
-@click.option("-o", "--output", "path", metavar="FILE", help="Write to FILE instead of stdout.")
-@click.option("--force", is_flag=True, help="Overwrite FILE.")
+@click.option(
+    "-o", "--output", "path", metavar="FILE", help="Write to FILE, a new one unless --force."
+)
+@click.option("--force", is_flag=True, help="Overwrite FILE, as -o of all other commands does.")
 def command(
     type_words: tuple[str, ...],
     template: bool,

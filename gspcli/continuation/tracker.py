@@ -53,6 +53,8 @@ class TrackerOptions:
 
 
 DEFAULT = TrackerOptions()
+#: No computer has a use for more.
+MOST_THREADS = 256
 CAREFUL = TrackerOptions(predictor_tolerance=1e-6, contraction=0.02, radius_fraction=0.4)
 PARANOID = TrackerOptions(
     predictor_tolerance=1e-8, contraction=0.01, radius_fraction=0.2, max_steps=10_000
@@ -115,7 +117,7 @@ def track(
     options
         Settings.
     jobs
-        Threads; the result does not depend on them.
+        Threads, of which no more are started than help; the result does not depend on them.
     build
         Name of a build of the kernel (``portable``, ``avx2``, ``avx512``); the quickest if empty.
 
@@ -140,7 +142,12 @@ def track(
             nearest=options.nearest,
             max_steps=options.max_steps,
             extended=options.extended,
-            jobs=jobs,
+            jobs=helpful(jobs, len(arrays[3]) * len(points)),
             build=build,
         )
     )
+
+
+def helpful(jobs: int, paths: int) -> int:
+    """Return how many of so many threads can be of help: no more than there are paths."""
+    return max(1, min(jobs, paths, MOST_THREADS))

@@ -7,12 +7,15 @@ The grammar, with any blanks between the tokens::
     signed  = { "+" | "-" } atom
     atom    = decimal | "pi" | function "(" sum ")" | "(" sum ")"
 
-The functions are those of `gspcli.geometry.numbers.FUNCTIONS`; the trigonometric ones take and
-give radians. Subexpressions that are rational are kept as one fraction.
+The functions are those of `gspcli.geometry.numbers.FUNCTIONS`, whose trigonometric ones take and
+give radians, and sind, cosd and tand of degrees: ``cosd(x)`` is ``cos(x*pi/180)``. Subexpressions
+that are rational are kept as one fraction; so are products with zero, roots of squares, and the
+functions of zero and of those multiples of pi whose values are rational.
 """
 
 from __future__ import annotations
 
+import math
 import re
 from difflib import get_close_matches
 from fractions import Fraction
@@ -28,6 +31,23 @@ _TOKEN = re.compile(
     r"|(?P<name>[A-Za-z][A-Za-z0-9]*)|(?P<symbol>[-+*/()]))"
 )
 _MAX_EXPONENT = 100
+#: Functions of degrees, by what they are in radians.
+_OF_DEGREES = {"sind": "sin", "cosd": "cos", "tand": "tan"}
+#: The rational values of the sine (by Niven's theorem there are no others), by the angle in turns.
+_SINES: dict[Fraction, Fraction | int] = {
+    Fraction(0): 0,
+    Fraction(1, 12): Fraction(1, 2),
+    Fraction(1, 4): 1,
+    Fraction(5, 12): Fraction(1, 2),
+    Fraction(1, 2): 0,
+    Fraction(7, 12): Fraction(-1, 2),
+    Fraction(3, 4): -1,
+    Fraction(11, 12): Fraction(-1, 2),
+}
+#: Those of the tangent, by the angle in half turns.
+_TANGENTS: dict[Fraction, int] = {Fraction(0): 0, Fraction(1, 4): 1, Fraction(3, 4): -1}
+_AT_ZERO: dict[str, int] = {"sin": 0, "tan": 0, "asin": 0, "atan": 0, "cos": 1}
+_HALF = Fraction(1, 2)
 _HINTS = {
     "−": "write the minus sign as -",
     "–": "write the minus sign as -",
@@ -154,15 +174,20 @@ class _Parser:
     def _named(self, name: str) -> Number:
         if name == "pi":
             return Number("pi")
-        known = ["pi", *FUNCTIONS]
-        if name not in FUNCTIONS:
+        known = ["pi", *FUNCTIONS, *_OF_DEGREES]
+        if name not in known:
             self.position -= 1
             near = get_close_matches(name.lower(), known, n=1)
             hint = f"did you mean {near[0]}?" if near else None
             raise self._unexpected(f"a number, {', '.join(known[:-1])} or {known[-1]}", hint)
         if not self._take("("):
             raise self._unexpected(f"( after {name}")
-        return self._apply(name, self._parenthesis())
+        argument = self._parenthesis()
+        if name in _OF_DEGREES:
+            turned = self._apply("*", argument, Number("pi"))
+            radians = self._apply("/", turned, Number("rational", (Fraction(180),)))
+            return self._apply(_OF_DEGREES[name], radians)
+        return self._apply(name, argument)
 
     def _parenthesis(self) -> Number:
         self.nesting += 1
@@ -179,9 +204,13 @@ class _Parser:
         number = Number(operation, arguments)
         try:
             exact = number.fraction
+            if exact is None:
+                exact = _rational_value(operation, arguments)
             # Evaluated at each step, so that no intermediate value can grow without limit.
             _ = number.value
         except ZeroDivisionError:
+            if operation == "tan":
+                raise self._error("the tangent of a right angle", "another angle") from None
             raise self._error("a division by zero", "a nonzero divisor") from None
         except OverflowError:
             raise self._error("a number that is too large", f"at most {LARGEST:g}") from None
@@ -190,3 +219,64 @@ class _Parser:
             domain = "an argument of at least 0" if operation == "sqrt" else "one from -1 to 1"
             raise self._error(f"{operation} of {argument:.6g}", domain) from None
         return number if exact is None else Number("rational", (exact,))
+
+
+def _rational_value(operation: str, arguments: tuple[Number, ...]) -> Fraction | None:
+    """Return the value of an operation on what is not all rational if it is known to be so.
+
+    Raises
+    ------
+    ZeroDivisionError
+        For the tangent of an odd multiple of a quarter turn.
+    """
+    fractions = [argument.fraction for argument in arguments]
+    value: Fraction | int | None = None
+    if (operation == "*" and 0 in fractions) or (operation == "/" and fractions[0] == 0):
+        return Fraction(0)
+    (first, *_) = arguments
+    if operation == "sqrt" and first.fraction is not None and first.fraction >= 0:
+        roots = math.isqrt(first.fraction.numerator), math.isqrt(first.fraction.denominator)
+        root = Fraction(*roots)
+        return root if root * root == first.fraction else None
+    if operation == "acos" and first.fraction == 1:
+        return Fraction(0)
+    if first.fraction == 0 and operation in _AT_ZERO:
+        return Fraction(_AT_ZERO[operation])
+    if operation not in ("sin", "cos", "tan"):
+        return None
+    halves = _multiple_of_pi(first)
+    if halves is None:
+        return None
+    if operation == "tan":
+        if halves % 1 == _HALF:
+            raise ZeroDivisionError
+        value = _TANGENTS.get(halves % 1)
+    else:
+        value = _SINES.get((halves + (_HALF if operation == "cos" else 0)) / 2 % 1)
+    return None if value is None else Fraction(value)
+
+
+def _multiple_of_pi(number: Number) -> Fraction | None:
+    """Return the rational factor if a number is a rational multiple of pi, as it is written."""
+    operation, arguments = number.operation, number.arguments
+    if operation == "pi":
+        return Fraction(1)
+    if operation == "rational":
+        return Fraction(0) if number.fraction == 0 else None
+    if operation == "neg":
+        factor = _multiple_of_pi(arguments[0])
+        return None if factor is None else -factor
+    if operation not in ("+", "-", "*", "/"):
+        return None
+    left, right = map(_multiple_of_pi, arguments)
+    if operation in ("+", "-"):
+        if left is None or right is None:
+            return None
+        return left + right if operation == "+" else left - right
+    before: Fraction | None = arguments[0].fraction
+    after: Fraction | None = arguments[1].fraction
+    if left is not None and after is not None:
+        return left * after if operation == "*" else left / after
+    if right is not None and before is not None and operation == "*":
+        return before * right
+    return None

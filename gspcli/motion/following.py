@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gspcli import _kernel
 from gspcli.certification.moving import Law, MovingEquations, Shape, moving_equations
+from gspcli.continuation.tracker import helpful
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.poses import pose_from_study, study_from_pose
 
@@ -187,7 +188,7 @@ class MovingPlatform:
                 np.ascontiguousarray(start),
                 certify=options.certify,
                 most_halvings=options.most_halvings,
-                jobs=options.jobs,
+                jobs=helpful(options.jobs, len(start)),
                 build=options.build,
             )
         )

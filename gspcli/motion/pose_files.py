@@ -182,12 +182,16 @@ def _rotations(numbers: Array, form: PoseFormat) -> tuple[Array, list[tuple[int,
 
 def _read_json(text: str, name: str, form: PoseFormat) -> PoseTable:
     try:
-        document = json.loads(text)
+        # Integers of any length are read as what they are for us: numbers that may be too large.
+        document = json.loads(text, parse_int=float)
     except json.JSONDecodeError as error:
         message = f"not JSON: {error.msg}"
         raise SpecError(
             [Problem(Location(name, error.lineno, error.colno), "", message)]
         ) from error
+    except RecursionError:
+        message = "found lists in lists without end, expected what gsp solve --format json prints"
+        raise SpecError([Problem(Location(name, 1, 1), "", message)]) from None
     entries = document.get("solutions") if isinstance(document, dict) else None
     if not isinstance(entries, list):
         message = "found no list of solutions, expected CSV or what gsp solve --format json prints"

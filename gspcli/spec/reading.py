@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -21,8 +22,11 @@ from gspcli.geometry.ranges import wrong_value
 from gspcli.spec.document import Mapping, Scalar, Sequence, Value, decode, parse, parse_correct
 from gspcli.spec.meaning import remarks
 from gspcli.spec.models import ConstraintModel, InstanceModel, PrimitiveModel
+from gspcli.spec.proportion import out_of_proportion
 from gspcli.wording import listed, shown, suggestion
 
+#: A function of an angle, which is in radians, of a plain number but zero.
+_OF_RADIANS = re.compile(r"\b(sin|cos|tan)\(\s*[-+]?\s*((?=[\d.]*[1-9])[\d.]+)\s*\)")
 _SORTS = {Point: "point", Line: "line", Plane: "plane"}
 
 
@@ -42,7 +46,27 @@ class Reading:
     @cached_property
     def warnings(self) -> tuple[Problem, ...]:
         """What is allowed, but perhaps not meant: unused primitives, values of more equations."""
-        return tuple(sorted(self._reader.warnings(self.instance), key=_place))
+        found = [*self.doubts, *self._reader.warnings(self.instance)]
+        return tuple(sorted(found, key=_place))
+
+    @cached_property
+    def doubts(self) -> tuple[Problem, ...]:
+        """Those of the warnings that say of another platform than was perhaps meant.
+
+        They are functions of plain numbers, which are radians, in a file of degrees, and lengths
+        out of all proportion.
+        """
+        root = self._reader.root
+        found = []
+        if self.instance.units.angle is AngleUnit.DEGREE:
+            found += [
+                Problem(text.location, text.path, _radians_message(match))
+                for text in _scalars(root)
+                if (match := _OF_RADIANS.search(text))
+            ]
+        if message := out_of_proportion(self.instance):
+            found.append(Problem(root.location, "", message))
+        return tuple(found)
 
 
 def read(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> Reading:
@@ -162,6 +186,20 @@ def set_values(instance: Instance, settings: Iterable[str]) -> Instance:
     if problems:
         raise SpecError(problems)
     return instance.with_values(values)
+
+
+def _scalars(value: Value) -> Iterator[Scalar]:
+    """Yield all texts of a document that are values."""
+    if isinstance(value, Scalar):
+        yield value
+    else:
+        for part in value.values() if isinstance(value, Mapping) else value:
+            yield from _scalars(part)
+
+
+def _radians_message(match: re.Match[str]) -> str:
+    name, number = match[1], match[2]
+    return f"{match[0]} is of {number} radians: for degrees write {name}d({number})"
 
 
 def _place(problem: Problem) -> tuple[int, int]:

@@ -161,3 +161,19 @@ def test_help_names_the_exit_codes(gsp: Callable) -> None:
     text = gsp("certify", "--help").out
     assert "Examples:" in text
     assert "gsp certify platform.yaml poses.csv --tolerance 1e-3" in text
+
+
+@pytest.mark.parametrize("digits", [400, 5000])
+def test_integers_of_any_length_are_numbers_that_are_too_large(
+    gsp: Callable, files: Files, digits: int
+) -> None:
+    text = json.dumps({"solutions": [pose(3, 4, 12)]}).replace("12", "9" * digits)
+    spec, result = files(text)
+    for run in (gsp("certify", spec, result), gsp("measure", spec, result)):
+        assert run.code == 2
+        assert "3 finite numbers" in run.err
+
+
+def test_lists_in_lists_without_end(gsp: Callable, files: Files) -> None:
+    spec, result = files("[" * 100_000)
+    assert gsp("certify", spec, result).code == 2

@@ -58,8 +58,8 @@ def test_expressions_have_their_value(text, value):
         ("2**3", "found '*' in '2**3', expected a number: write a power as a product, x*x"),
         (
             "sqr(2)",
-            "found 'sqr' in 'sqr(2)', expected a number, pi, sqrt, sin, cos, tan, asin, acos or "
-            "atan: did you mean sqrt?",
+            "found 'sqr' in 'sqr(2)', expected a number, pi, sqrt, sin, cos, tan, asin, acos, "
+            "atan, sind, cosd or tand: did you mean sqrt?",
         ),
         ("sin 1", "found '1' in 'sin 1', expected ( after sin"),
         ("(1", "found the end in '(1', expected )"),
@@ -86,3 +86,44 @@ def test_what_is_no_number_is_refused_with_a_reason(text, message):
         parse_number(text)
     if message is not None:
         assert str(caught.value) == message
+
+
+@pytest.mark.parametrize(
+    ("text", "exact"),
+    [
+        ("sin(0)", "0"),
+        ("150*sin(0*pi/180)", "0"),
+        ("0*sqrt(2)", "0"),
+        ("cosd(60)", "1/2"),
+        ("sind(-30)", "-1/2"),
+        ("tand(135)", "-1"),
+        ("cosd(90)", "0"),
+        ("sin(pi)", "0"),
+        ("cos(2*pi/3)", "-1/2"),
+        ("tan(pi/2 - pi/4)", "1"),
+        ("sin(-(pi/6))", "-1/2"),
+        ("sqrt(9/16)", "3/4"),
+        ("acos(1)", "0"),
+    ],
+)
+def test_what_is_rational_is_taken_so(text, exact):
+    assert parse_number(text).fraction == Fraction(exact)
+
+
+@pytest.mark.parametrize("degrees", [1, 41.37, 45, -720.5, 1e-3])
+def test_functions_of_degrees(degrees):
+    for name in ("sin", "cos", "tan"):
+        number = parse_number(f"{name}d({degrees})")
+        assert number.value == pytest.approx(getattr(math, name)(math.radians(degrees)), rel=1e-12)
+        assert parse_number(str(number)) == number
+
+
+def test_rational_values_are_right_at_every_multiple_of_15_degrees():
+    for degrees in range(-360, 375, 15):
+        for name in ("sin", "cos", "tan"):
+            if name == "tan" and degrees % 180 == 90:
+                with pytest.raises(ValueError, match="the tangent of a right angle"):
+                    parse_number(f"tand({degrees})")
+                continue
+            value = getattr(math, name)(math.radians(degrees))
+            assert parse_number(f"{name}d({degrees})").value == pytest.approx(value, abs=1e-12)

@@ -1,4 +1,4 @@
-"""docs/instance-file.md shows a correct file and the messages that mistakes in it really give."""
+"""What the pages show of instance files: correct ones with real poses, messages of mistakes."""
 
 import re
 from pathlib import Path
@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 from gspcli.errors import SpecError
+from gspcli.solver import solve
 from gspcli.spec import loads, read_text
 
-PAGE = (Path(__file__).resolve().parents[3] / "docs" / "instance-file.md").read_text(
-    encoding="utf-8"
-)
+ROOT = Path(__file__).resolve().parents[3]
+PAGE = (ROOT / "docs" / "instance-file.md").read_text(encoding="utf-8")
 FILE, MESSAGES = (
     re.search(rf"```{kind}\n(.*?)```", PAGE, re.DOTALL)[1] for kind in ("yaml", "text")
 )
@@ -18,6 +18,25 @@ FILE, MESSAGES = (
 
 def test_the_file_is_correct():
     assert read_text(FILE).warnings == ()
+
+
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+EXAMPLES = [
+    pytest.param(text, id=f"{page.name}-{number}")
+    for page in PAGES
+    for number, text in enumerate(
+        re.findall(r"```yaml\n(gsp: .*?)```", page.read_text(encoding="utf-8"), re.DOTALL), 1
+    )
+]
+
+
+@pytest.mark.parametrize("text", EXAMPLES)
+def test_every_instance_in_the_pages_has_real_poses(text):
+    reading = read_text(text)
+    assert reading.warnings == ()
+    result = solve(reading.instance)
+    assert result.verdict == "complete"
+    assert result.counts.real > 0
 
 
 def test_the_messages_are_those_of_its_mistakes():

@@ -1,0 +1,58 @@
+"""What was perhaps not meant is pointed out: radians among degrees, lengths out of proportion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from gspcli.resources import instance_files
+from gspcli.spec import read_text
+
+HEXAPOD = instance_files()["dietmaier"].read_text(encoding="utf-8")
+
+
+def _doubts(old: str = "", new: str = "") -> list[str]:
+    assert old in HEXAPOD
+    return [problem.message for problem in read_text(HEXAPOD.replace(old, new, 1)).doubts]
+
+
+def _first_point() -> str:
+    return HEXAPOD[HEXAPOD.index("point: [") :].partition("]")[0] + "]"
+
+
+@pytest.mark.parametrize(
+    ("number", "message"),
+    [
+        ("cos(60)", "cos(60) is of 60 radians: for degrees write cosd(60)"),
+        ("2*sin( -30.5 )", "sin( -30.5 ) is of 30.5 radians: for degrees write sind(30.5)"),
+        ("cosd(60)", None),
+        ("cos(pi/3)", None),
+        ("cos(60*pi/180)", None),
+        ("sin(0)", None),
+    ],
+)
+def test_radians_among_degrees(number: str, message: str | None) -> None:
+    assert _doubts(_first_point(), f"point: [{number}, 0.2, 0.1]") == ([message] if message else [])
+
+
+def test_radians_among_radians_are_meant() -> None:
+    text = HEXAPOD.replace(_first_point(), "point: [cos(60), 0.2, 0.1]").replace("deg", "rad")
+    assert read_text(text).doubts == ()
+
+
+def test_lengths_out_of_proportion() -> None:
+    (message,) = _doubts(_first_point(), "point: [3e9, 0, 0]")
+    assert message.startswith("lengths differ by a factor of ")
+    assert "of the base are apart by 3e+09" in message or "of the platform are apart" in message
+
+
+@pytest.mark.parametrize("path", instance_files().values(), ids=lambda path: path.stem)
+def test_shipped_files_leave_no_doubts(path: Path) -> None:
+    assert read_text(path.read_text(encoding="utf-8")).doubts == ()
+
+
+def test_solving_says_so_on_stderr(gsp, tmp_path: Path) -> None:
+    path = tmp_path / "spec.yaml"
+    path.write_text(HEXAPOD.replace(_first_point(), "point: [cos(60), 0.2, 0.1]"))
+    assert "warning: " in gsp("measure", path, "--pose", "0,0,0,1,0,0,0").err
