@@ -18,10 +18,21 @@ from recording import ROOT, parser, save
 
 sys.path.insert(0, str(ROOT))
 
+from gspcli.catalogue.kinds import ALL, DLL, KINDS, Kind
+from gspcli.catalogue.realization import REALIZATIONS
 from gspcli.cli.main import run
+from gspcli.pictures.chains import chain_drawing
 
 IMAGES = ROOT / "docs" / "images"
-DRAWINGS = {"example-6.8": ["view", "@example-6.8", "--mode", "57"]}
+DRAWINGS = {
+    "example-6.8": ["view", "@example-6.8", "--mode", "57"],
+    # The platforms of the paper's Figures 2 to 4 on their chains.
+    "figure-14": ["realize", "@figure-2"],
+    "figure-15": ["realize", "@figure-3"],
+    "figure-16": ["realize", "@figure-4"],
+}
+#: Each constraint in all its realizations; DLL and ALL of the same lines are one more.
+CHAINS = [*((kind,) for kind in KINDS), (DLL, ALL)]
 
 
 def drawn(words: list[str]) -> bytes:
@@ -35,12 +46,25 @@ def drawn(words: list[str]) -> bytes:
         return path.read_bytes()
 
 
+def chains(kinds: tuple[Kind, ...]) -> bytes:
+    """Return the drawing of all realizations of a constraint."""
+    names = " and ".join(kind.name for kind in kinds)
+    panels = []
+    for name, chosen in REALIZATIONS.items():
+        made = chosen(*kinds)
+        where = f"Figure {made.figure}" if made.figure else name.replace("figure", "inside")
+        panels.append((f"{names}, {where}", made))
+    return chain_drawing(panels, "svg")
+
+
 def main() -> int:
     """Write or compare every drawing; return the exit code."""
     arguments = parser(__doc__).parse_args()
     files: dict[Path, str | bytes] = {
         IMAGES / f"{name}.svg": drawn(words) for name, words in DRAWINGS.items()
     }
+    for kinds in CHAINS:
+        files[IMAGES / f"{'-'.join(kind.name for kind in kinds)}.svg"] = chains(kinds)
     return save(files, check=arguments.check, confirmed=f"{len(files)} drawings")
 
 

@@ -157,7 +157,15 @@ STEPS = (
         ("docs/images/bound.svg", "docs/images/enumerate.svg", "docs/images/solve.svg"),
         "tools/build_pictures.py --check",
     ),
-    Step("drawings", ("docs/images/example-6.8.svg",), "tools/build_drawings.py --check"),
+    Step(
+        "drawings",
+        (
+            "docs/images/example-6.8.svg",
+            "docs/images/figure-1*.svg",
+            "docs/images/[AD]??*.svg",
+        ),
+        "tools/build_drawings.py --check",
+    ),
 )
 
 

@@ -129,6 +129,11 @@ class Chain:
         return Chain(tuple(placed for placed in self.joints if not placed.driven))
 
     @property
+    def driven_outside(self) -> Chain:
+        """The chain with its driven joints moved to the base, beyond all others."""
+        return Chain(self.locked.joints + tuple(placed for placed in self.joints if placed.driven))
+
+    @property
     def mirrored(self) -> Chain:
         """The chain with platform and base exchanged."""
         return Chain(

@@ -7,7 +7,7 @@ joints, which then have one centre, axis or plane in common.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from gspcli.catalogue.coincidence import Connection, coincident_types
@@ -148,8 +148,17 @@ class Mechanism:
         )
 
 
-def mechanism(connections: Sequence[Connection]) -> Mechanism:
+def mechanism(
+    connections: Sequence[Connection], chosen: Callable[..., Realization] = realization
+) -> Mechanism:
     """Return the mechanism for constraints between named primitives.
+
+    Parameters
+    ----------
+    connections
+        The constraints.
+    chosen
+        The chain for the kinds of one or two constraints: one of `REALIZATIONS`.
 
     >>> from gspcli.catalogue.coincidence import parse_sharing
     >>> figure_14 = parse_sharing("L1-l3 L1^l3 L2-l4 L2^l4 L1^l4 L2-l3")
@@ -169,7 +178,10 @@ def mechanism(connections: Sequence[Connection]) -> Mechanism:
         if all(pair) and connection.kind in (DLL, ALL):
             open_groups[pair] = groups[-1]
     return Mechanism(
-        tuple(_mounted(connections, sorted(g, key=lambda i: connections[i].kind)) for g in groups)
+        tuple(
+            _mounted(connections, sorted(group, key=lambda i: connections[i].kind), chosen)
+            for group in groups
+        )
     )
 
 
@@ -178,10 +190,12 @@ def mechanism_of_type(gsp_type: GspType) -> Mechanism:
     return mechanism(next(coincident_types(gsp_type)).bonds)
 
 
-def _mounted(connections: Sequence[Connection], group: list[int]) -> MountedChain:
+def _mounted(
+    connections: Sequence[Connection], group: list[int], chosen: Callable[..., Realization]
+) -> MountedChain:
     first = connections[group[0]]
     return MountedChain(
-        realization(*(connections[index].kind for index in group)),
+        chosen(*(connections[index].kind for index in group)),
         tuple(group),
         first.platform_name,
         first.base_name,

@@ -9,7 +9,7 @@ chain but not the platform.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
 
@@ -67,16 +67,19 @@ class Realization:
 
     @property
     def idle_motion(self) -> str:
-        """What the link beside the driven joint can do with both bodies at rest, or empty."""
+        """What a link between the joints can do with both bodies at rest, or empty."""
         axes = sample_axes(self.kinds[0])
         found = dependencies(self.chain.screws(axes))
         if not found:
             return ""
         (coefficients,) = found
-        driven = next(i for i, placed in enumerate(self.chain.joints) if placed.driven)
-        to_the_leg = Chain(self.chain.joints[:driven]).screws(axes)
+        links = [
+            Chain(self.chain.joints[:count]).screws(axes)
+            for count in range(1, len(self.chain.joints))
+        ]
         turning = any(
-            sum(c * screw[i] for c, screw in zip(coefficients, to_the_leg, strict=False))
+            sum(c * screw[i] for c, screw in zip(coefficients, to_the_link, strict=False))
+            for to_the_link in links
             for i in range(3)
         )
         return "leg turns about its own axis" if turning else "leg slides along its own axis"
@@ -105,6 +108,10 @@ _FIGURES = {
         14,
     ),
 }
+
+#: The paper's figure of an outside driver.
+_OUTSIDE_DRIVER = 8
+_NOUNS = {Primitive.POINT: "point", Primitive.LINE: "line", Primitive.PLANE: "plane"}
 
 _THREE_HINGES = (
     "R:platform R*:leg R:base P:leg P:across P:across-too",
@@ -159,6 +166,37 @@ def realization(*kinds: Kind) -> Realization:
 def alternative(*kinds: Kind) -> Realization:
     """Return another chain for the same constraints, without idle freedoms."""
     return _from(_ALTERNATIVES, kinds)
+
+
+@cache
+def outside(*kinds: Kind) -> Realization:
+    """Return the chain of the paper's figures with outside drivers: Figure 8.
+
+    The driven joints are between the base and its primitive, which they move; the measure of the
+    constraint itself is built into the chain and stays. Where the driver is parallel to the
+    leg the chain has the same screws as the one with the driver inside, but not so after a
+    finite motion: the kinematic problem is another one.
+
+    >>> from gspcli.catalogue.kinds import DPL
+    >>> outside(DPL).chain.name
+    'S-C-P*'
+    """
+    inside = realization(*kinds)
+    moved = "driven joint moves" if len(kinds) == 1 else "driven joints move"
+    return Realization(
+        kinds,
+        inside.chain.driven_outside,
+        f"the {moved} the base's {_NOUNS[kinds[0].base]}; the rest is rigid or free",
+        _OUTSIDE_DRIVER if kinds == (DPL,) else 0,
+    )
+
+
+#: The ways to realize each constraint, by the names of `gsp realize --realization`.
+REALIZATIONS: Mapping[str, Callable[..., Realization]] = {
+    "figure": realization,
+    "alternative": alternative,
+    "outside": outside,
+}
 
 
 def _from(

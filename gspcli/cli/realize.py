@@ -13,10 +13,11 @@ from gspcli.catalogue.coincidence import Connection, coincident_types, parse_sha
 from gspcli.catalogue.mechanism import Mechanism, MountedChain, mechanism
 from gspcli.catalogue.overconstraint import over_constraint
 from gspcli.catalogue.parsing import parse_type
-from gspcli.catalogue.realization import Realization, alternative
+from gspcli.catalogue.realization import REALIZATIONS, Realization, alternative, outside
 from gspcli.catalogue.types import GspType
 from gspcli.cli.names import is_file, load_instance
-from gspcli.cli.output import Column, Output, Table, emit, output_options
+from gspcli.cli.output import DRAWINGS, FORMATS, Column, Output, Table, emit, output_options, write
+from gspcli.errors import GspError
 
 _BOND = re.compile(r"[PLH]\d+[-^]")
 
@@ -31,6 +32,7 @@ _COLUMNS = [
     Column("idle_freedoms", "idle", align="right"),
     Column("idle_motion", "idle motion", fold=" "),
     Column("alternative", minor=1),
+    Column("outside", minor=1),
     Column("held_freedoms", "held", align="right", minor=1),
     Column("figure", align="right", minor=2),
 ]
@@ -38,8 +40,17 @@ _COLUMNS = [
 
 @click.command()
 @click.argument("names", nargs=-1, required=True, metavar="TYPE|PATTERN|SPEC")
-@output_options()
-def command(names: tuple[str, ...], output: Output) -> None:
+@click.option(
+    "--realization",
+    "chosen",
+    type=click.Choice(list(REALIZATIONS)),
+    default=next(iter(REALIZATIONS)),
+    show_default=True,
+    help="Chains of the paper's figures; others without idle freedoms; or with drivers outside, "
+    "at the base (Figure 8).",
+)
+@output_options(formats=(*FORMATS, *DRAWINGS))
+def command(names: tuple[str, ...], chosen: str, output: Output) -> None:
     """Show a mechanism that realizes a platform: a chain of joints for each constraint.
 
     A TYPE has distinct primitives; a PATTERN names those that constraints share
@@ -51,15 +62,23 @@ def command(names: tuple[str, ...], output: Output) -> None:
     Σf is the sum of their freedoms; idle ones do not move the platform; held are those
     that a chain leaves the platform when its driven joints are held.
 
+    With the suffix svg, png or pdf a SPEC is drawn as a whole, at its best conditioned pose, of
+    all else the chains (needs matplotlib).
+
     \b
     Examples:
       gsp realize DPL DPL DPL ALL ALL ALL
       gsp realize 6PP --format markdown
       gsp realize "L1-l3 L1^l3 L2-l4 L2^l4 L1^l4 L2-l3"
-      gsp realize platform.yaml
+      gsp realize platform.yaml --realization outside -o mechanism.svg
     """
     title, gsp_type, connections = _platform(names)
-    built = mechanism(connections)
+    built = mechanism(connections, REALIZATIONS[chosen])
+    if output.format in DRAWINGS:
+        whole = len(names) == 1 and is_file(names[0])
+        fmt = output.format
+        write(output, _platform_drawn(names[0], built, fmt) if whole else _chains_drawn(built, fmt))
+        return
     dependent = over_constraint(connections)
     notes = [built.sum_shown]
     notes += [f"{s.name}: {s.joints} (chains {_numbers(s.chains)})" for s in built.shared]
@@ -103,6 +122,35 @@ def _platform(names: Sequence[str]) -> tuple[str, GspType, Sequence[Connection]]
     return f"{gsp_type.id} ({gsp_type.number})", gsp_type, next(coincident_types(gsp_type)).bonds
 
 
+def _platform_drawn(spec: str, built: Mechanism, fmt: str) -> bytes:
+    """Return the drawing of an instance on its chains."""
+    from gspcli.pictures.mechanisms import mechanism_drawing
+    from gspcli.pictures.staging import best_mode, scene_of
+    from gspcli.solver import solve
+
+    result = solve(load_instance(spec), certify=False)
+    if not result.counts.real:
+        message = f"{spec}: no real pose to draw the mechanism at; name its type for the chains"
+        raise GspError(message)
+    scene = scene_of(result, only=best_mode(result))
+    return mechanism_drawing(scene, built, fmt, 0)
+
+
+def _chains_drawn(built: Mechanism, fmt: str) -> bytes:
+    """Return the drawing of the different chains of a mechanism."""
+    from gspcli.pictures.chains import chain_drawing
+
+    used: dict[Realization, list[int]] = {}
+    for index, mounted in enumerate(built.chains):
+        used.setdefault(mounted.realization, []).append(index)
+    headings = {
+        each: f"{' '.join(kind.name for kind in each.kinds)}: "
+        f"chain{'s' if len(indices) > 1 else ''} {_numbers(indices)}"
+        for each, indices in used.items()
+    }
+    return chain_drawing([(heading, each) for each, heading in headings.items()], fmt)
+
+
 def _numbers(indices: Sequence[int]) -> str:
     return " ".join(str(index + 1) for index in indices)
 
@@ -119,6 +167,7 @@ def _row(mounted: MountedChain) -> dict[str, Any]:
         "idle_freedoms": realization.idle_freedoms,
         "idle_motion": realization.idle_motion or None,
         "alternative": alternative(*realization.kinds).chain.name,
+        "outside": outside(*realization.kinds).chain.name,
         "held_freedoms": realization.held_freedoms,
         "figure": realization.figure or None,
     }
@@ -132,6 +181,7 @@ def _document(mounted: MountedChain) -> dict[str, Any]:
         "base": mounted.base_name,
         **_chain(mounted.realization),
         "alternative": _chain(alternative(*mounted.realization.kinds)),
+        "outside": _chain(outside(*mounted.realization.kinds)),
     }
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli.names import load_instance
-from gspcli.cli.output import Output, check_writable, output_options, write
+from gspcli.cli.output import DRAWINGS, Output, check_writable, output_options, write
 from gspcli.cli.poses import text_of
 from gspcli.errors import GspError
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 #: From the zenith, in degrees.
 _UPRIGHT = 90
-_PAGE, _DRAWINGS = "html", ("svg", "png", "pdf")
+_PAGE = "html"
 
 
 @click.command()
@@ -59,7 +59,7 @@ _PAGE, _DRAWINGS = "html", ("svg", "png", "pdf")
     help="From where it is seen, in degrees.  [default: -62,20]",
 )
 @click.option("--no-names", is_flag=True, help="Without names and numbers in the picture.")
-@output_options(formats=(_PAGE, *_DRAWINGS), default=_PAGE)
+@output_options(formats=(_PAGE, *DRAWINGS), default=_PAGE)
 def command(
     spec: str,
     settings: tuple[str, ...],
@@ -108,16 +108,16 @@ def command(
         check_writable(path)
         output = replace(output, path=path)
     result = solve(instance)
-    scene = scene_of(result, tracks)
-    start = _start(result, mode)
+    start, names = _start(result, mode), not no_names
     content: str | bytes
     if output.format == _PAGE:
-        first = 1 if tracks else None
-        content = page(scene, start, first, view, names=not no_names)
+        scene = scene_of(result, tracks)
+        first = len(scene.series) - len(tracks) if tracks else None
+        content = page(scene, start, first, view, names=names)
     else:
-        count = len(scene.series[0])
-        modes = range(count) if all_modes else range(count)[start : start + 1]
-        content = drawing(scene, output.format, modes, view, names=not no_names)
+        alone = not all_modes and result.counts.real > 0
+        scene = scene_of(result, only=start if alone else None)
+        content = drawing(scene, output.format, range(len(scene.series[0])), view, names=names)
     write(output, content)
     if output.path is not None:
         _say(output.path, scene, len(content.encode() if isinstance(content, str) else content))
@@ -155,11 +155,9 @@ def _start(result: SolveResult, mode: int | None) -> int:
     """Return the index of the mode that is asked for."""
     real = result.counts.real
     if mode is None:
-        # The best conditioned, and of several the highest: most likely the one that is meant.
-        modes = result.conditions[:real], result.T[:real, 2].real
-        return min(
-            range(real), key=lambda k: (float(f"{modes[0][k]:.6g}"), -modes[1][k]), default=0
-        )
+        from gspcli.pictures.staging import best_mode
+
+        return best_mode(result)
     if mode > real:
         message = f"--mode {mode}: the platform has {real or 'no'} real poses"
         raise GspError(message)

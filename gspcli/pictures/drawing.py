@@ -87,16 +87,20 @@ def drawing(
 def _draw(paper: Paper, scene: Scene, mode: int, *, named: bool, fine: bool) -> None:
     modes = scene.series[0]
     weight = 0.6 if fine else 1.0
-    _body(paper, scene.base, BASE, weight, np.eye(3), np.zeros(3), named=named)
+    draw_body(paper, scene.base, BASE, weight, np.eye(3), np.zeros(3), named=named)
     if mode >= 0:
-        _body(paper, scene.platform, PLATFORM, weight, modes.R[mode], modes.T[mode], named=named)
+        draw_body(
+            paper, scene.platform, PLATFORM, weight, modes.R[mode], modes.T[mode], named=named
+        )
         _constraints(paper, scene, modes, mode, weight, named=named)
     paper.finish()
 
 
-def _body(
+def draw_body(
     paper: Paper, body: Body, color: str, weight: float, R: Array, T: Array, *, named: bool
 ) -> None:
+    """Draw a body that is moved by R and T; `weight` scales the widths of its lines."""
+
     def placed(points: Array) -> Array:
         return points @ R.T + T
 

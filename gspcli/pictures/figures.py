@@ -12,9 +12,6 @@ from gspcli.errors import GspError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: Formats in which figures are written.
-FORMATS = ("svg", "png", "pdf")
-
 INK, SOFT, RULE = "#1d2530", "#5d6876", "#dde1e7"
 BASE, PLATFORM, DISTANCE, ANGLE = "#5a6572", "#1f66b0", "#2b323c", "#b4570a"
 
@@ -67,7 +64,7 @@ def styled() -> Iterator[None]:
 
 
 def written(figure: Figure, fmt: str) -> bytes:
-    """Return a figure as the content of a file of one of `FORMATS`."""
+    """Return a figure as the content of a file of format ``svg``, ``png`` or ``pdf``."""
     buffer = io.BytesIO()
     figure.savefig(
         buffer, format=fmt, dpi=_DPI, bbox_inches="tight", pad_inches=0.06,

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -56,6 +58,8 @@ class Paper:
         From where.
     size
         The length in space that corresponds to the whole range of layers.
+    fixed
+        The layer of everything, instead of the depth.
     extent
         The smallest and the largest coordinates drawn so far, shape (2, 2).
     """
@@ -63,11 +67,21 @@ class Paper:
     axes: Axes
     view: View
     size: float
+    fixed: float | None = None
     extent: Array = field(default_factory=lambda: np.array([[math.inf] * 2, [-math.inf] * 2]))
+
+    @contextmanager
+    def layer(self, layer: float) -> Iterator[None]:
+        """Draw everything inside this context in one layer."""
+        self.fixed, before = layer, self.fixed
+        yield
+        self.fixed = before
 
     def project(self, points: Array) -> tuple[Array, float]:
         """Return points (n, 3) on paper, (n, 2), and the layer of their middle."""
         seen = points @ self.view.axes.T
+        if self.fixed is not None:
+            return seen[:, :2], self.fixed
         return seen[:, :2], 10 + float(seen[:, 2].mean()) / self.size * _LAYERS
 
     def _include(self, flat: Array) -> None:
@@ -93,6 +107,15 @@ class Paper:
         if edge:
             self.axes.fill(*flat.T, fill=False, edgecolor=color, linewidth=edge, zorder=layer)
 
+    def face(self, corners: Array, fill: str, edge: str, width: float, *, above: float = 0) -> None:
+        """Fill a polygon so that it hides what is behind it."""
+        flat, layer = self.project(corners)
+        self._include(flat)
+        self.axes.fill(
+            *flat.T, facecolor=fill, edgecolor=edge, linewidth=width, zorder=layer + above,
+            joinstyle="round",
+        )  # fmt: skip
+
     def dot(self, point: Array, color: str, size: float, *, hollow: bool = False) -> None:
         """Draw a point as a disc of a diameter in points."""
         flat, layer = self.project(point[None])
@@ -110,7 +133,7 @@ class Paper:
             "", xy=flat[1], xytext=flat[0], zorder=layer + 0.2, annotation_clip=False,
             arrowprops={
                 "arrowstyle": "-|>", "color": color, "linewidth": width, "shrinkA": 0,
-                "shrinkB": 0, "mutation_scale": 7 + 2 * width,
+                "shrinkB": 0, "mutation_scale": 3 + 5 * width,
             },
         )  # fmt: skip
 

@@ -84,7 +84,9 @@ class _Placed(NamedTuple):
     base: str
 
 
-def scene_of(result: SolveResult, tracks: Sequence[Poses] = ()) -> Scene:
+def scene_of(
+    result: SolveResult, tracks: Sequence[Poses] = (), *, only: int | None = None
+) -> Scene:
     """Return the scene of a result: its assembly modes, its motions, and tracks if given.
 
     Parameters
@@ -93,9 +95,14 @@ def scene_of(result: SolveResult, tracks: Sequence[Poses] = ()) -> Scene:
         What `gspcli.solver.solve` found.
     tracks
         Further poses of the same platform, such as those of a trajectory.
+    only
+        The index of one mode, if nothing else is to be shown: lines and planes are then drawn
+        no larger than it needs.
     """
     instance, arrangement = result.instance, result.arrangement
-    shown = [_modes(result), *_motions(result), *tracks]
+    shown = [_modes(result, only)]
+    if only is None:
+        shown += [*_motions(result), *tracks]
     R = np.concatenate([poses.R for poses in shown])
     T = np.concatenate([poses.T for poses in shown])
     names = _names(instance.constraints)
@@ -126,8 +133,20 @@ def scene_of(result: SolveResult, tracks: Sequence[Poses] = ()) -> Scene:
     )
 
 
-def _modes(result: SolveResult) -> Poses:
-    real = result.real_solutions
+def best_mode(result: SolveResult) -> int:
+    """Return the index of the mode that is most likely meant; 0 if there is none.
+
+    It is the best conditioned one, and of several the highest.
+    """
+    count = result.counts.real
+    heights = result.T[:count, 2].real
+    conditions = [float(f"{value:.6g}") for value in result.conditions[:count]]
+    return min(range(count), key=lambda k: (conditions[k], -heights[k]), default=0)
+
+
+def _modes(result: SolveResult, only: int | None) -> Poses:
+    chosen = slice(result.counts.real) if only is None else slice(only, only + 1)
+    real = result.solutions[chosen]
     facts: dict[str, list[Any]] = {"residual": [float(f"{s.residual:.1e}") for s in real]}
     if any(solution.sides for solution in real):
         signs = {"positive": "+", "negative": "−"}
@@ -135,14 +154,13 @@ def _modes(result: SolveResult) -> Poses:
     if any(solution.multiplicity > 1 for solution in real):
         facts["multiplicity"] = [solution.multiplicity for solution in real]
     facts["certified"] = ["yes" if solution.certified else "no" for solution in real]
-    count = len(real)
     return Poses(
         "Assembly modes",
         "mode",
-        result.R[:count].real,
-        result.T[:count].real,
+        result.R[chosen].real,
+        result.T[chosen].real,
         facts=facts,
-        conditions=result.conditions[:count],
+        conditions=result.conditions[chosen],
     )
 
 

@@ -39,7 +39,7 @@ def test_markdown(gsp: Callable) -> None:
     lines = gsp("realize", "6PP", "--format", "markdown").out.splitlines()
     assert lines[4] == (
         "| 1 | DPP | P1 | p1 | platform ─S─P*─S─ base | 1 | 7 | 1 | leg turns about its own axis "
-        "| S-P*-R-R | 5 | 9 |"
+        "| S-P*-R-R | S-S-P* | 5 | 9 |"
     )
 
 
@@ -67,6 +67,7 @@ def test_json_of_the_platform_of_figure_14(gsp: Callable) -> None:
         "freedoms",
         "held_freedoms",
         "alternative",
+        "outside",
     }
 
 
@@ -104,3 +105,23 @@ def test_output_file(gsp: Callable, tmp_path: Path) -> None:
     target = tmp_path / "six.json"
     assert gsp("realize", "6PP", "-o", target).out == ""
     assert len(json.loads(target.read_text())["chains"]) == 6
+
+
+def test_outside_drivers(gsp: Callable) -> None:
+    outcome = gsp("realize", "6PL", "--realization", "outside", "--format", "json")
+    (first, *_) = json.loads(outcome.out)["chains"]
+    assert (first["chain"], first["figure"], first["held_freedoms"]) == ("S-C-P*", 8, 5)
+
+
+@pytest.mark.parametrize("names", [("6PP",), (EXAMPLE,)], ids=["type", "instance"])
+def test_drawings(gsp: Callable, tmp_path: Path, names: tuple[str, ...]) -> None:
+    target = tmp_path / "drawing.svg"
+    outcome = gsp("realize", *names, "-o", target)
+    assert (outcome.code, outcome.out, outcome.err) == (0, "", "")
+    assert "<svg" in target.read_text(encoding="utf-8")
+
+
+def test_without_a_real_pose_there_is_nothing_to_draw(gsp: Callable, tmp_path: Path) -> None:
+    outcome = gsp("realize", "@no-real-pose", "-o", tmp_path / "drawing.svg")
+    assert outcome.code == 2
+    assert "no real pose to draw the mechanism at" in outcome.err

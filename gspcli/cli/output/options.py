@@ -12,6 +12,8 @@ import click
 from gspcli.cli.output.files import check_writable
 
 FORMATS = ("table", "csv", "json", "markdown", "latex")
+#: Formats of pictures on paper.
+DRAWINGS = ("svg", "png", "pdf")
 _SUFFIXES = {
     ".csv": "csv",
     ".json": "json",

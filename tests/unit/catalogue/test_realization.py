@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 
@@ -24,6 +25,7 @@ from gspcli.catalogue.realization import (
     SAMPLE,
     Realization,
     alternative,
+    outside,
     realization,
     sample_axes,
 )
@@ -35,8 +37,8 @@ CONFIGURATIONS: list[tuple[Line, Line]] = [
     ((vector(-8, 0, 5), vector(1, 1, 9)), (vector(2, 3, 0), vector(7, -2, 1))),
 ]
 BOTH = (DLL, ALL)
-SINGLE = [make(kind) for kind in KINDS for make in (realization, alternative)]
-ALL_CHAINS = [*SINGLE, realization(*BOTH), alternative(*BOTH)]
+SINGLE = [make(kind) for kind in KINDS for make in (realization, alternative, outside)]
+ALL_CHAINS = [*SINGLE, realization(*BOTH), alternative(*BOTH), outside(*BOTH)]
 
 
 def name(value: object) -> str:
@@ -234,3 +236,30 @@ def test_chains_jam_where_the_leg_has_no_direction_of_its_own(
     # Parallel lines or normals, and a point on its line: the platform loses a freedom.
     axes = {Axis.PLATFORM: platform, Axis.BASE: base, Axis.LEG: leg}
     assert rank(realization(kind).chain.screws(axes)) < 6
+
+
+@pytest.mark.parametrize("kinds", [*((kind,) for kind in KINDS), BOTH], ids=str)
+def test_an_outside_driver_is_at_the_base_and_leaves_the_rest(kinds: tuple[Kind, ...]) -> None:
+    inside, moved = realization(*kinds), outside(*kinds)
+    joints = moved.chain.joints
+    assert all(placed.driven for placed in joints[-len(kinds) :])
+    assert moved.chain.locked == inside.chain.locked
+    # The idle motion is that of the same link.
+    assert moved.idle_motion == inside.idle_motion
+
+
+def test_figure_8_is_the_outside_driver_of_a_point_and_a_line() -> None:
+    assert (outside(DPL).chain.name, outside(DPL).figure) == ("S-C-P*", 8)
+
+
+def test_the_page_lists_the_chains_that_there_are() -> None:
+    page = (Path(__file__).resolve().parents[3] / "docs" / "realization.md").read_text("utf-8")
+    for kinds in [*((kind,) for kind in KINDS), BOTH]:
+        made = realization(*kinds)
+        name = kinds[0].name if len(kinds) == 1 else "DLL and ALL of the same lines"
+        (row,) = (line for line in page.splitlines() if line.startswith(f"| {name} |"))
+        cells = [cell.strip() for cell in row.strip("|").split("|")]
+        assert cells[1:4] == [made.chain.name, str(made.figure), str(made.chain.freedoms)]
+        assert cells[4][:1] == ("1" if made.idle_freedoms else "")
+        assert cells[5].split()[0] == alternative(*kinds).chain.name
+        assert cells[6].split()[0] == outside(*kinds).chain.name
