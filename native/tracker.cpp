@@ -5,10 +5,38 @@
 // and, in lanes where the corrections contract as they should, compute the next Taylor series with
 // the second factorization. (With the first one the series inherits a relative error that is
 // proportional to the first correction, and steps are short wherever paths bend.)
+//
+// The control of the step is that of S. Telen, M. Van Barel, J. Verschelde (A robust numerical path
+// tracking algorithm for polynomial homotopy continuation, SIAM J. Sci. Comput. 42, 2020) and
+// S. Timme (Mixed precision path tracking for polynomial homotopy continuation, Adv. Comput.
+// Math. 47, 2021): the last terms of the series tell its radius of convergence and its error.
 #include "newton.hpp"
 
 namespace gsp {
 namespace {
+
+// A step is accepted if its first correction is not longer than this many times the aimed length:
+// the prediction's error is estimated by its order of magnitude only.
+constexpr double kSlack = 10.0;
+// Corrections up to this many times what rounding causes are noise, and say nothing of contraction ...
+constexpr double kNoise = 8.0;
+// ... unless they are longer than this: then the matrix is too ill-conditioned to go on.
+constexpr double kLongestNoise = 1e-6;
+// By how much predictions have been worse than estimated: remembered from step to step with this
+// factor, between the two bounds (no single step is trusted more than four digits).
+constexpr double kSurplusMemory = 0.3;
+constexpr double kLeastSurplus = 1e-4, kMostSurplus = 1e4;
+// The measured curvature is halved from step to step unless it is measured anew.
+constexpr double kBendMemory = 0.5;
+// The next correction is to contract by this part of what is allowed.
+constexpr double kContraction = 0.4;
+// A rejected step is tried again with this part of its length.
+constexpr double kRetry = 0.5;
+// The last term is summed as a geometric series unless |1 - step / pole|^2 is smaller: there the
+// step would go right into the pole, of which only the distance is known well.
+constexpr double kIntoPole = 0.09;
+// Added to norms, so that quotients of two that vanish are 1 where a path stands still.
+constexpr double kTiny = 1e-100;
 
 // The eighth root, of positive numbers.
 INLINE V order_root(const V& x) {
@@ -90,7 +118,7 @@ struct Lanes {
 INLINE void predict(const Lanes& s, const V& step, C* z) {
   C d{1.0 - step * s.pole.re, -(step * s.pole.im)};
   const V size = square(d);
-  const Mask far = size > 0.09;
+  const Mask far = size > kIntoPole;
   const V scale = 1.0 / size;
   C top = select(far, C{d.re * scale, -(d.im * scale)}, C{splat(1.0), splat(0.0)});
   for (int i = 0; i < N; ++i) {
@@ -178,18 +206,37 @@ void refine(const Homotopy& H, Workspace& w, int count, const int* index, const 
   }
 }
 
-void track(const Homotopy& H, const Options& options, int paths, const Complex* points,
-           const Results& out) {
-  alignas(64) Workspace w;
-  alignas(64) Lanes s;
-  const double waypoint = 1.0 - options.waypoint;
-  const double nearest = 1.0 - options.nearest;
-  int upcoming = 0, under_way = 0;
+class Tracker {
+ public:
+  Tracker(const Homotopy& homotopy, const Options& options, int paths, const Complex* points,
+          const Results& out)
+      : H(homotopy), options_(options), paths_(paths), points_(points), out_(out) {}
 
-  const auto load = [&](int l) {
-    s.path[l] = upcoming < paths ? upcoming++ : -1;
-    if (s.path[l] >= 0) ++under_way;
-    const Complex* z = points + (s.path[l] >= 0 ? s.path[l] : 0) * N;
+  void run() {
+    for (int l = 0; l < W; ++l) load(l);
+    while (under_way_ > 0) {
+      C z[N];
+      V n1, n2, noise;
+      const V step = s.next - s.t;
+      predict(s, step, z);
+      normalize(z);
+      correct(z, n1, n2, noise);
+      const Mask accepted = judge(n1, n2, noise);
+      const V radius = renew(z, accepted);
+      learn(step, n1, n2, noise, accepted);
+      const V arrived = s.next;
+      const V ahead = advance(step, radius, accepted);
+      settle(z, arrived, ahead, accepted);
+    }
+    refine_all();
+  }
+
+ private:
+  // The next path into a lane.
+  void load(int l) {
+    s.path[l] = upcoming_ < paths_ ? upcoming_++ : -1;
+    if (s.path[l] >= 0) ++under_way_;
+    const Complex* z = points_ + (s.path[l] >= 0 ? s.path[l] : 0) * N;
     double size = 0.0;
     for (int i = 0; i < N; ++i) size += z[i].re * z[i].re + z[i].im * z[i].im;
     const double scale = 1.0 / __builtin_sqrt(size);
@@ -204,24 +251,22 @@ void track(const Homotopy& H, const Options& options, int paths, const Complex* 
     put(s.surplus, l, 1.0);
     s.passed[l] = 0;
     s.steps[l] = 0;
-  };
-  const auto finish = [&](int l, Status status, const C* z, double t) {
-    const int p = s.path[l];
-    store(z, l, p, out);
-    out.t[p] = t;
-    out.status[p] = status;
-    out.steps[p] = s.steps[l];
-    out.condition[p] = out.curvature[p] = out.residual[p] = out.correction[p] = -1.0;
-    --under_way;
-    load(l);
-  };
+  }
 
-  for (int l = 0; l < W; ++l) load(l);
-  while (under_way > 0) {
-    C z[N], first[N], second[N];
-    const V step = s.next - s.t;
-    predict(s, step, z);
-    normalize(z);
+  void finish(int l, Status status, const C* z, double t) {
+    const int p = s.path[l];
+    store(z, l, p, out_);
+    out_.t[p] = t;
+    out_.status[p] = status;
+    out_.steps[p] = s.steps[l];
+    out_.condition[p] = out_.curvature[p] = out_.residual[p] = out_.correction[p] = -1.0;
+    --under_way_;
+    load(l);
+  }
+
+  // Two steps of Newton's method at s.next: their lengths, and that of what rounding causes.
+  INLINE void correct(C* z, V& n1, V& n2, V& noise) {
+    C first[N], second[N];
     linearize(H, w, z, s.next);
     factorize(w);
     solve(w, w.f, first);
@@ -231,56 +276,76 @@ void track(const Homotopy& H, const Options& options, int paths, const Complex* 
     solve(w, w.f, second);
     for (int i = 0; i < N; ++i) z[i] = z[i] - second[i];
     normalize(z);
+    n1 = norm(first), n2 = norm(second);
+    noise = rounding(w);
+  }
 
-    const V n1 = norm(first), n2 = norm(second);
-    const V noise = rounding(w);
-    const Mask good = (n1 <= 10.0 * options.predictor_tolerance) &
-                      ((n2 <= options.contraction * n1) | ((n2 <= 8.0 * noise) & (n2 <= 1e-6)));
-    Mask accepted = good;
+  // Which lanes accept the step.
+  INLINE Mask judge(const V& n1, const V& n2, const V& noise) const {
+    Mask accepted = (n1 <= kSlack * options_.predictor_tolerance) &
+                    ((n2 <= options_.contraction * n1) |
+                     ((n2 <= kNoise * noise) & (n2 <= kLongestNoise)));
     for (int l = 0; l < W; ++l)
       if (s.path[l] < 0) accepted[l] = 0;
+    return accepted;
+  }
 
-    // The new series, kept in the lanes that accepted the step.
+  // The series at z, kept in the lanes that accepted the step; returns its radius of convergence.
+  INLINE V renew(const C* z, const Mask& accepted) {
     C series[kOrder + 1][N];
     for (int i = 0; i < N; ++i) series[0][i] = z[i];
     expand(H, w, s.next, series);
     for (int k = 0; k <= kOrder; ++k)
       for (int i = 0; i < N; ++i) s.series[k][i] = select(accepted, series[k][i], s.series[k][i]);
-
-    // The small numbers make the radius 1 where a path stands still.
-    const V a0 = norm(series[kOrder]) + 1e-100, a1 = norm(series[kOrder - 1]) + 1e-100,
-            a2 = norm(series[kOrder - 2]) + 1e-100;
+    const V a0 = norm(series[kOrder]) + kTiny, a1 = norm(series[kOrder - 1]) + kTiny,
+            a2 = norm(series[kOrder - 2]) + kTiny;
     C pole{};
     for (int i = 0; i < N; ++i)
       add_conjugate_product(pole, series[kOrder - 1][i], series[kOrder][i]);
-    pole = (1.0 / (a1 * a1 + 1e-200)) * pole;
+    pole = (1.0 / (a1 * a1 + kTiny * kTiny)) * pole;
     s.pole = select(accepted, pole, s.pole);
     const V radius = minimum(a1 / a0, root(a2 / a0));
+    leading_ = a0 / radius;
+    return radius;
+  }
+
+  // What the corrections tell of the prediction and of the curvature.
+  INLINE void learn(const V& step, const V& n1, const V& n2, const V& noise,
+                    const Mask& accepted) {
     const V step2 = step * step, step4 = step2 * step2;
     const V power = step4 * step4;
-    const V measured = n1 / (s.leading * power + 1e-300);
-    V surplus = maximum(measured, 0.3 * s.surplus);
-    surplus = minimum(maximum(surplus, splat(1e-4)), splat(1e4));
+    const V measured = n1 / (s.leading * power + kTiny * kTiny * kTiny);
+    V surplus = maximum(measured, kSurplusMemory * s.surplus);
+    surplus = minimum(maximum(surplus, splat(kLeastSurplus)), splat(kMostSurplus));
     surplus = select(step > 0.0, surplus, splat(1.0));
     s.surplus = select(accepted, surplus, s.surplus);
-    const V leading = a0 / radius;
-    s.leading = select(accepted, leading, s.leading);
-    const V curved = select(n2 > 8.0 * noise, 2.0 * n2 / (n1 * n1), splat(0.0));
-    s.bend = select(accepted, maximum(curved, 0.5 * s.bend), s.bend);
+    s.leading = select(accepted, leading_, s.leading);
+    const V curved = select(n2 > kNoise * noise, 2.0 * n2 / (n1 * n1), splat(0.0));
+    s.bend = select(accepted, maximum(curved, kBendMemory * s.bend), s.bend);
+  }
 
-    const V aim = minimum(splat(options.predictor_tolerance),
-                          0.4 * options.contraction / (s.bend + 1e-100));
-    V onward = minimum(order_root(aim / (s.surplus * s.leading)), options.radius_fraction * radius);
+  // Sets s.t and s.next for the next step; returns its length.
+  INLINE V advance(const V& step, const V& radius, const Mask& accepted) {
+    const double waypoint = 1.0 - options_.waypoint;
+    const V aim = minimum(splat(options_.predictor_tolerance),
+                          kContraction * options_.contraction / (s.bend + kTiny));
+    V onward =
+        minimum(order_root(aim / (s.surplus * s.leading)), options_.radius_fraction * radius);
     const V here = select(accepted, s.next, s.t);
-    V length = select(accepted, onward, 0.5 * step);
+    V length = select(accepted, onward, kRetry * step);
     V next = here + length;
     next = select(next >= 1.0, splat(1.0), next);
     const Mask over = accepted & (here < waypoint) & (next > waypoint) & (next < 1.0);
     next = select(over, splat(waypoint), next);
-    const V ahead = next - here, arrived = s.next;
     s.t = here;
     s.next = next;
+    return next - here;
+  }
 
+  // Counts the step in each lane, and ends the paths that have arrived or cannot go on.
+  INLINE void settle(const C* z, const V& arrived, const V& ahead, const Mask& accepted) {
+    const double waypoint = 1.0 - options_.waypoint;
+    const double nearest = 1.0 - options_.nearest;
     for (int l = 0; l < W; ++l) {
       if (s.path[l] < 0) continue;
       ++s.steps[l];
@@ -291,13 +356,11 @@ void track(const Homotopy& H, const Options& options, int paths, const Complex* 
         }
         if (lane(arrived, l) == waypoint) {
           s.passed[l] = -1;
-          for (int i = 0; i < N; ++i) {
-            put(s.waypoint[i], l, lane(z[i], l));
-          }
+          for (int i = 0; i < N; ++i) put(s.waypoint[i], l, lane(z[i], l));
         }
       }
       const bool stuck =
-          !(lane(ahead, l) > options.min_step) || s.steps[l] >= options.max_steps;
+          !(lane(ahead, l) > options_.min_step) || s.steps[l] >= options_.max_steps;
       if (s.passed[l] && (stuck || (lane(s.t, l) > nearest && lane(s.next, l) < 1.0)))
         finish(l, kSingular, s.waypoint, waypoint);
       else if (stuck)
@@ -305,21 +368,33 @@ void track(const Homotopy& H, const Options& options, int paths, const Complex* 
     }
   }
 
-  int index[W], count = 0;
-  for (int p = 0; p < paths; ++p) {
-    if (out.status[p] == kRegular) index[count++] = p;
-    if (count == W || (count > 0 && p == paths - 1)) {
-      refine(H, w, count, index, out);
-      count = 0;
+  void refine_all() {
+    int index[W], count = 0;
+    for (int p = 0; p < paths_; ++p) {
+      if (out_.status[p] == kRegular) index[count++] = p;
+      if (count == W || (count > 0 && p == paths_ - 1)) {
+        refine(H, w, count, index, out_);
+        count = 0;
+      }
     }
   }
-}
+
+  const Homotopy& H;
+  const Options& options_;
+  const int paths_;
+  const Complex* const points_;
+  const Results& out_;
+  int upcoming_ = 0, under_way_ = 0;
+  alignas(64) Workspace w;
+  alignas(64) Lanes s;
+  V leading_;
+};
 
 }  // namespace
 
 void GSP_TRACK(const Homotopy& homotopy, const Options& options, int paths, const Complex* points,
                const Results& results) {
-  track(homotopy, options, paths, points, results);
+  Tracker(homotopy, options, paths, points, results).run();
 }
 
 }  // namespace gsp

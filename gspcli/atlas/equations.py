@@ -21,7 +21,6 @@ Vector = Sequence[int]
 #: Coefficients of 1, R, T, U, rho and T x R.
 Function = list[int]
 
-_FUNCTIONS = study.COUNT - 1
 _ROTATION = tuple(k for row in study.ROTATION for k in row)
 _MOMENT = tuple(k for row in study.MOMENT for k in row)
 #: The functions that span each family of quadrics.

@@ -39,6 +39,7 @@ COMMANDS = {
     "maximize-real": _REAL,
     "measure": _MOVING,
     "track": _MOVING,
+    "analyze": _MOVING,
     "view": _ALONG,
     "export": _ALONG,
 }

@@ -41,9 +41,22 @@ from gspcli.continuation.tracker import (
     track,
 )
 
-_ATTEMPTS = 4
-_END_ERROR = 1e-6
-_SPLIT = 1e-4
+
+@dataclass(frozen=True)
+class AccountOptions:
+    """Settings of the account of all paths."""
+
+    attempts: int = 4
+    """Sets of random paths that are tried until nothing is lost. The last is `PARANOID`."""
+    end_error: float = 1e-6
+    """Largest difference of the two means of the endgame at which its end is known: the error of
+    the end is the square of it (`EndgameOptions.samples`), far below `SINGULAR_ERROR`."""
+    split: float = 1e-4
+    """Two simple solutions are those that a double end stands for if they are not further from it:
+    the square root of the error in the values that the endgame leaves, generously."""
+
+
+ACCOUNTS = AccountOptions()
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,16 +121,21 @@ def regular_ends(results: PathResults, i: int) -> Settled:
 
 
 def settle(
-    start: StartSystem, target: System, results: PathResults, seed: int, jobs: int
+    start: StartSystem,
+    target: System,
+    results: PathResults,
+    seed: int,
+    jobs: int,
+    options: AccountOptions = ACCOUNTS,
 ) -> Settled:
     """Return where all paths to one target end, from their first results (1, P)."""
     best = None
-    for attempt in range(_ATTEMPTS):
+    for attempt in range(options.attempts):
         origin = random_start(start, seed, attempt)
         if attempt:
-            options = CAREFUL if attempt < _ATTEMPTS - 1 else PARANOID
-            results = track(origin, target, start.points, options=options, jobs=jobs)
-        ends = _Attempt(start, origin, target, results, jobs).settled(seed)
+            care = CAREFUL if attempt < options.attempts - 1 else PARANOID
+            results = track(origin, target, start.points, options=care, jobs=jobs)
+        ends = _Attempt(start, origin, target, results, jobs, options).settled(seed)
         if best is not None:
             ends = _completed(ends, best, simple(target, best.points))
         if best is None or ends.doubts < best.doubts:
@@ -171,11 +189,13 @@ class _Attempt:
         target: System,
         results: PathResults,
         jobs: int,
+        options: AccountOptions,
     ) -> None:
         self.start = start
         self.origin = origin
         self.target = target
         self.jobs = jobs
+        self.options = options
         self.points = results.points[0].copy()
         self.t = results.t[0].copy()
         self.status = results.status[0].copy()
@@ -227,7 +247,7 @@ class _Attempt:
                 break
             points = self._waypoints(index, options)
             ends = find_ends(self.origin, self.target, points, options.waypoint, options)
-            known = ends.error < _END_ERROR
+            known = ends.error < self.options.end_error
             # Two solutions so near to each other that every circle is around the branch point
             # too: what Newton's method found stands.
             nearly = ~known & self._simple(self.status[index], self.points[index])
@@ -319,7 +339,7 @@ class _Attempt:
         regular = self._simple(results.status[0], results.points[0])
         if not regular.all() or len(clusters(results.points[0], error)) < 2:
             return False
-        if distances(results.points[0], self.points[members[0]]).max() > _SPLIT:
+        if distances(results.points[0], self.points[members[0]]).max() > self.options.split:
             return False
         self.points[members] = results.points[0]
         self.condition[members] = results.condition[0]

@@ -9,6 +9,7 @@ fixed affine chart this holds at infinity too.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +18,34 @@ from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.systems import System
 from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
 
-_SAMPLES = 8
-_MAX_WINDING = 16
-_SHRINK = 4.0
-_ROUNDS = 15
-_ACCURACY = 1e-8
-_RESIDUAL = 1e-12
+
+@dataclass(frozen=True)
+class EndgameOptions:
+    """Settings of the endgame."""
+
+    samples: int = 8
+    """Points on the circle, an even number. The error of their mean falls with this power of the
+    radius, that of every other one with half of it: so the difference estimates the error of the
+    latter, and eight are enough for the square of it to be rounding."""
+    max_winding: int = 16
+    """Rounds after which a path that has not returned is given up: each costs as many steps as the
+    first, and a path that is given up is lost, not misjudged."""
+    shrink: float = 4.0
+    """By how much a circle is made smaller if its mean is not yet the end."""
+    rounds: int = 15
+    """How many circles are tried: from a radius of 1e-3 to 4e-12, where doubles end."""
+    accuracy: float = 1e-8
+    """Difference of the two means at which the larger set is accurate to rounding."""
+    residual: float = 1e-12
+    """Largest residual of an end; the mean over a circle around two branch points has any."""
+    closure: float = 1e-5
+    """A path has returned if it is nearer to where it began than this part of the extent of its
+    circle: other paths of the cycle are further away by about the extent itself, ..."""
+    rounding: float = 1e-10
+    """... and besides this, which rounding does to a path once around."""
+
+
+ENDGAME = EndgameOptions()
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +66,8 @@ def find_ends(
     target: System,
     points: ComplexArray,
     radius: float,
-    options: TrackerOptions = CAREFUL,
+    tracker: TrackerOptions = CAREFUL,
+    options: EndgameOptions = ENDGAME,
 ) -> Ends:
     """Find the ends of paths from their points at ``t = 1 - radius``.
 
@@ -58,8 +82,8 @@ def find_ends(
         Shape (k, 8); the ends of those that are NaN stay unknown.
     radius
         Where `points` are.
-    options
-        Settings of the tracker.
+    tracker, options
+        Settings.
     """
     count = len(points)
     best = Ends(
@@ -68,18 +92,18 @@ def find_ends(
         np.full(count, np.inf),
     )
     todo = np.arange(count)
-    for _ in range(_ROUNDS):
-        ends = _circle(start, target, points, radius, options)
+    for _ in range(options.rounds):
+        ends = _circle(start, target, points, radius, tracker, options)
         better = ends.error < best.error[todo]
         for name in ("points", "winding", "error"):
             getattr(best, name)[todo[better]] = getattr(ends, name)[better]
-        keep = ~(ends.error < _ACCURACY)
+        keep = ~(ends.error < options.accuracy)
         todo, points = todo[keep], points[keep]
         if not len(todo):
             break
-        nearer = radius / _SHRINK
+        nearer = radius / options.shrink
         here, there = (start.towards(target, 1 - r) for r in (radius, nearer))
-        results = track(here, there, points, options=options)
+        results = track(here, there, points, options=tracker)
         arrived = results.status[0] == PathStatus.REGULAR
         todo, points, radius = todo[arrived], results.points[0][arrived], nearer
     return best
@@ -90,31 +114,32 @@ def _circle(
     target: System,
     points: ComplexArray,
     radius: float,
-    options: TrackerOptions,
+    tracker: TrackerOptions,
+    options: EndgameOptions,
 ) -> Ends:
     """Follow paths around t = 1 until they return, and average."""
     count = len(points)
     ends = np.full((count, 8), np.nan, dtype=np.complex128)
     winding = np.zeros(count, dtype=np.int64)
     error = np.full(count, np.inf)
-    corners = [
-        start.towards(target, 1 - radius * np.exp(2j * np.pi * k / _SAMPLES))
-        for k in range(_SAMPLES)
-    ]
+    turns = np.arange(options.samples) / options.samples
+    corners = [start.towards(target, 1 - radius * np.exp(2j * np.pi * turn)) for turn in turns]
     charts = points.conj()
     under_way = np.arange(count)
     samples = [points]
-    for rounds in range(1, _MAX_WINDING + 1):
-        for k in range(_SAMPLES):
-            here, there = corners[k], corners[(k + 1) % _SAMPLES]
-            results = track(here, there, samples[-1], options=options)
+    for rounds in range(1, options.max_winding + 1):
+        for here, there in pairwise([*corners, corners[0]]):
+            results = track(here, there, samples[-1], options=tracker)
             # The sample of a path that failed becomes NaN; it never returns.
             arrived = (results.status[0] == PathStatus.REGULAR)[:, None]
             moved = np.where(arrived, results.points[0], np.nan)
             with np.errstate(invalid="ignore"):
                 samples.append(moved / (moved * charts).sum(axis=1, keepdims=True))
         spread = np.max([np.linalg.norm(s - samples[0], axis=1) for s in samples], axis=0)
-        returned = np.linalg.norm(samples[-1] - samples[0], axis=1) < 1e-10 + 1e-5 * spread
+        returned = (
+            np.linalg.norm(samples[-1] - samples[0], axis=1)
+            < options.rounding + options.closure * spread
+        )
         if returned.any():
             circle = np.array(samples[:-1])[:, returned]
             mean = circle.mean(axis=0)
@@ -124,7 +149,7 @@ def _circle(
             ends[index] = mean / size[:, None]
             winding[index] = rounds
             # If another branch point is inside the circle, the mean is no solution at all.
-            solved = target.residuals(ends[index]) < _RESIDUAL
+            solved = target.residuals(ends[index]) < options.residual
             error[index] = np.where(solved, halves / size, np.inf)
         going = ~returned & np.isfinite(samples[-1]).all(axis=1)
         under_way, charts = under_way[going], charts[going]

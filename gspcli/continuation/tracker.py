@@ -48,7 +48,7 @@ class TrackerOptions:
     max_steps: int = 1000
     """Accepted and rejected steps after which a path fails."""
     extended: bool = False
-    """Whether to compute with 32 digits instead of 16, some thirty times slower. Coefficients and
+    """Whether to compute with 32 digits instead of 16, some sixteen times slower. Coefficients and
     points stay doubles, taken as exact."""
 
 

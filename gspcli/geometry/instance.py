@@ -72,6 +72,8 @@ class Constraint:
     limits
         The smallest and the largest value that the machine can have there, or None. They restrict
         motion and say nothing about the poses that the value has.
+    tolerance
+        How far the machine's value may be off, or None if the file does not say.
     """
 
     kind: Kind
@@ -82,6 +84,7 @@ class Constraint:
     platform_name: str = ""
     base_name: str = ""
     limits: tuple[Number, Number] | None = None
+    tolerance: Number | None = None
 
     def __post_init__(self) -> None:
         if type(self.value) is not Number:

@@ -301,6 +301,9 @@ class ConstraintModel(Section):
     ] = Field(
         None, description="The smallest and the largest value that the machine can have there."
     )
+    tolerance: Real | SkipJsonSchema[None] = Field(
+        None, description="How far the machine's value may be off, at least zero."
+    )
     side: Annotated[
         Literal["positive", "negative", "both"] | SkipJsonSchema[None],
         _one_of("positive", "negative", "both"),

@@ -289,8 +289,12 @@ class _Reader:
             self._note(node[Scalar("side")], message)
         side = Side(model.side or "both")
         limits = self._limits(node, model, kind)
+        tolerance = model.tolerance
+        if tolerance is not None and tolerance.value < 0:
+            written = node[Scalar("tolerance")]
+            self._note(written, f"found {shown(written)}, expected a tolerance of at least 0")
         return Constraint(
-            kind, platform, base, model.value, side, str(pair[0]), str(pair[1]), limits
+            kind, platform, base, model.value, side, str(pair[0]), str(pair[1]), limits, tolerance
         )
 
     def _limits(

@@ -111,4 +111,6 @@ def _constraint(constraint: Constraint, platform: str, base: str) -> str:
     side = "" if constraint.side is Side.BOTH else f", side: {constraint.side.value}"
     limits = constraint.limits
     span = "" if limits is None else f", range: [{limits[0]}, {limits[1]}]"
-    return f"  - {{{quantity}: [{platform}, {base}], value: {constraint.value}{span}{side}}}"
+    off = "" if constraint.tolerance is None else f", tolerance: {constraint.tolerance}"
+    value = f"value: {constraint.value}{span}{off}{side}"
+    return f"  - {{{quantity}: [{platform}, {base}], {value}}}"

@@ -33,6 +33,7 @@ LAYERS = {
     "workers": 0.5,
     "errors": 0,
     "progress": 0,
+    "wording": 0,
     "__init__": 8,
 }
 ROOMS = {
@@ -44,7 +45,13 @@ ROOMS = {
     "rich": {"cli"},
     "matplotlib": {"pictures"},
 }
-STANDARD_LIBRARY_ONLY = {"catalogue", "errors", "resources", "progress", "defaults"}
+#: Rooms that know less than their place allows: the engine knows no platform words.
+STRANGERS = {"continuation": {"geometry", "catalogue", "symbolic"}}
+#: Who talks to the native kernel; everybody else talks to them.
+OF_THE_KERNEL = {"certification", "continuation", "geometry", "motion"}
+STANDARD_LIBRARY_ONLY = {"catalogue", "errors", "resources", "progress", "defaults", "wording"}
+#: What a room may import from the package itself.
+_PUBLIC = set(gspcli.__all__)
 #: pandas is imported only inside the `to_frame` methods.
 FRAMES = "pandas"
 
@@ -73,14 +80,21 @@ def test_imports_point_one_way(path: Path) -> None:
     room = _room(path)
     for name in _imports(path):
         top, _, rest = name.partition(".")
-        if top == "gspcli" and room in LAYERS:
-            target = rest.split(".")[0]
-            if target in LAYERS and target != room:
-                assert LAYERS[target] < LAYERS[room], name
+        target = rest.split(".")[0]
+        if top == "gspcli" and target == "_kernel":
+            assert room in OF_THE_KERNEL, name
+        elif top == "gspcli" and target != room and target not in _PUBLIC:
+            assert LAYERS[target] < LAYERS[room], name
+            assert target not in STRANGERS.get(room, ()), name
         if top in ROOMS:
             assert room in ROOMS[top], f"{top} belongs in {ROOMS[top]}"
         if room in STANDARD_LIBRARY_ONLY and top not in ("gspcli", "__future__", FRAMES):
             assert top in sys.stdlib_module_names, name
+
+
+def test_every_room_has_its_place() -> None:
+    rooms = {_room(path) for path in _sources()}
+    assert rooms == LAYERS.keys()
 
 
 def _loaded_by(code: str) -> set[str]:

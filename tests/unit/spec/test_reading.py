@@ -254,3 +254,9 @@ def test_a_range_is_read_written_and_warned_of():
     assert message in [warning.message for warning in reading.warnings]
     inside = read_text(text.replace("1/5", "1/10"))
     assert not [warning for warning in inside.warnings if "range" in warning.message]
+
+
+def test_a_tolerance_is_read_and_written():
+    instance = loads(GOOD.replace("value: 0.10}", "value: 0.10, tolerance: 1/100}"))
+    assert [str(c.tolerance) for c in instance.constraints[:2]] == ["None", "0.01"]
+    assert loads(dumps(instance)) == instance

@@ -1,0 +1,365 @@
+"""`gsp analyze`: what a platform does at a pose: screws, Jacobian matrix, forces, accuracy."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.names import load_instance
+from gspcli.cli.output import Column, Output, Table, emit, output_options
+from gspcli.cli.poses import pose_format, pose_options
+from gspcli.errors import GspError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from gspcli.geometry.instance import Instance
+    from gspcli.motion.accuracy import Accuracy
+    from gspcli.motion.wrenches import Wrenches
+
+    Array = NDArray[np.float64]
+
+_TWIST = ("rx", "ry", "rz", "x", "y", "z")
+_WRENCH = ("mx", "my", "mz", "fx", "fy", "fz")
+#: Formats for people.
+_READABLE = ("table", "markdown", "latex")
+_ZERO = 1e-12
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@click.option("--mode", type=click.IntRange(min=1), metavar="K", help="Only mode K, in detail.")
+@click.option("--pose", metavar="NUMBERS", help="A pose instead: x,y,z,qw,qx,qy,qz.")
+@pose_options
+@click.option(
+    "--point",
+    metavar="X,Y,Z",
+    help="The point, in the base, that twists and wrenches are about.  [default: the mean of the "
+    "platform's points]",
+)
+@click.option(
+    "--length",
+    type=click.FloatRange(0, min_open=True),
+    help="The length that makes angles and lengths comparable.  [default: the typical length]",
+)
+@click.option(
+    "--load",
+    metavar="FX,FY,FZ[,MX,MY,MZ][@X,Y,Z]",
+    help="A force and moment on the platform, in the axes of the base, at a point of the base.",
+)
+@click.option("--stiffness", metavar="K", help="Stiffness of each constraint: one number or six.")
+@click.option("--tolerance", metavar="D", help="How far each value may be off: one number or six.")
+@output_options()
+def command(
+    spec: str,
+    mode: int | None,
+    pose: str | None,
+    euler: str | None,
+    pivot: str | None,
+    point: str | None,
+    length: float | None,
+    load: str | None,
+    stiffness: str | None,
+    tolerance: str | None,
+    output: Output,
+) -> None:
+    """Analyze assembly modes: screws, Jacobian matrix, forces, stiffness and accuracy.
+
+    Without --mode or --pose there is one line for each real pose. For one pose: the wrench of each
+    constraint, a force along an axis with a pitch, or a couple for angles; the derivatives of the
+    values by a twist (rotation in radians about the axes through the point, velocity of the point)
+    and their inverse; singular values, condition and manipulability of the matrix with lengths
+    divided by the stated length.
+
+    With --load the forces in the constraints (positive: it pushes towards a greater value) and
+    moments for angles. With --tolerance (or tolerance: in SPEC) the largest errors of the pose:
+    exact to first order, with a proved bound that includes second order, and root mean squares
+    for independent errors.
+
+    \b
+    Examples:
+      gsp analyze platform.yaml
+      gsp analyze platform.yaml --mode 1 --load 0,0,-100@0,0,250 --tolerance 0.01
+      gsp analyze platform.yaml --pose 0,0,1.5,1,0,0,0 --stiffness 2e6 --format json
+    """
+    if mode is not None and pose is not None:
+        message = "give either --mode or --pose"
+        raise click.UsageError(message)
+    from gspcli.motion.accuracy import accuracy
+    from gspcli.motion.wrenches import wrenches
+
+    instance = load_instance(spec)
+    six = {
+        name: _six(text, name)
+        for name, text in (("stiffness", stiffness), ("tolerance", tolerance))
+    }
+    limits = six["tolerance"] or _stated_tolerances(instance)
+    at = None if point is None else _numbers(point, (3,), "point")
+    R, T, numbers = _poses(instance, mode, pose, euler, pivot)
+    given = wrenches(instance, R, T, point=at, length=length)
+    errors = None if limits is None else accuracy(given, limits)
+    reactions = None if load is None else given.reactions(*_load(load, given.point))
+    stiff = None if six["stiffness"] is None else given.stiffness(six["stiffness"])
+    entries = [
+        _entry(given, k, number, errors, reactions, stiff) for k, number in enumerate(numbers)
+    ]
+    detailed = mode is not None or pose is not None
+    tables = _details(entries[0], given) if detailed else [_overview(entries, given)]
+    if output.format in _READABLE:
+        tables = [replace(table, rows=[_tidy(row) for row in table.rows]) for table in tables]
+    emit(output, tables, document=_document(instance, given, entries))
+
+
+def _tidy(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a row for people, in which rounding errors about zero are zero."""
+    return {
+        key: 0.0 if isinstance(value, float) and abs(value) < _ZERO else value
+        for key, value in row.items()
+    }
+
+
+def _poses(
+    instance: Instance, mode: int | None, pose: str | None, euler: str | None, pivot: str | None
+) -> tuple[Array, Array, list[int | None]]:
+    """Return poses, shapes (n, 3, 3) and (n, 3), and their numbers as modes."""
+    if pose is not None:
+        from gspcli.motion import read_pose
+
+        given = read_pose(pose, pose_format(instance, euler, pivot))
+        return given.R, given.T, [None]
+    from gspcli.solver import solve
+
+    result = solve(instance, certify=False)
+    R, T = result.R[result.real].real, result.T[result.real].real
+    if mode is None:
+        return R, T, list(range(1, len(R) + 1))
+    if mode > len(R):
+        message = f"found mode {mode}, expected one of the {len(R)} real poses"
+        raise GspError(message)
+    return R[mode - 1 : mode], T[mode - 1 : mode], [mode]
+
+
+def _numbers(text: str, counts: tuple[int, ...], name: str) -> list[float]:
+    from gspcli.motion.number_tables import wrong_number
+
+    cells = [cell.strip() for cell in text.split(",")]
+    for cell in cells:
+        if wrong := wrong_number(cell):
+            message = f"--{name}: {wrong}"
+            raise GspError(message)
+    if len(cells) not in counts:
+        expected = " or ".join(map(str, counts))
+        message = f"--{name}: found {len(cells)} numbers, expected {expected}"
+        raise GspError(message)
+    return [float(cell) for cell in cells]
+
+
+def _six(text: str | None, name: str) -> list[float] | None:
+    if text is None:
+        return None
+    numbers = _numbers(text, (1, 6), name)
+    return numbers * 6 if len(numbers) == 1 else numbers
+
+
+def _stated_tolerances(instance: Instance) -> list[float] | None:
+    """Return the tolerances of the file if it has any; those left out are zero."""
+    stated = [constraint.tolerance for constraint in instance.constraints]
+    if all(tolerance is None for tolerance in stated):
+        return None
+    return [0.0 if tolerance is None else tolerance.value for tolerance in stated]
+
+
+def _load(text: str, point: Array) -> tuple[list[float], list[float], Any]:
+    wrench, _, where = re.sub(r"\s", "", text).partition("@")
+    numbers = _numbers(wrench, (3, 6), "load")
+    at = _numbers(where, (3,), "load") if where else point
+    return numbers[:3], numbers[3:] or [0.0, 0.0, 0.0], at
+
+
+def _entry(
+    given: Wrenches,
+    k: int,
+    number: int | None,
+    errors: Accuracy | None,
+    reactions: Array | None,
+    stiffness: Array | None,
+) -> dict[str, Any]:
+    """Return all that is known of one pose, as plain data."""
+    constraint, direction, reaction = given.worst_force
+    entry: dict[str, Any] = {
+        "mode": number,
+        "R": given.R[k].tolist(),
+        "T": given.T[k].tolist(),
+        "point": given.point[k].tolist(),
+        "condition": _finite(given.conditions[k]),
+        "manipulability": float(given.manipulability[k]),
+        "singular_values": given.singular_values[k].tolist(),
+        "forces": given.forces[k].tolist(),
+        "moments": given.moments[k].tolist(),
+        "pitches": [_finite(pitch) for pitch in given.pitches[k]],
+        "feet": [[_finite(x) for x in foot] for foot in given.feet[k]],
+        "jacobian": given.jacobian[k].tolist(),
+        "inverse": [[_finite(x) for x in row] for row in given.inverse[k]],
+        "worst_force": {
+            "constraint": int(constraint[k]) + 1,
+            "direction": [_finite(x) for x in direction[k]],
+            "reaction": _finite(reaction[k]),
+        },
+    }
+    if reactions is not None:
+        entry["reactions"] = [_finite(x) for x in reactions[k]]
+    if stiffness is not None:
+        entry["stiffness"] = stiffness[k].tolist()
+    if errors is not None:
+        entry["accuracy"] = {
+            name: [_finite(x) for x in getattr(errors, name)[k]]
+            for name in ("worst", "bound", "rms")
+        } | {
+            name: _finite(getattr(errors, name)[k])
+            for name in ("worst_turn", "worst_shift", "bound_turn", "bound_shift")
+        }
+    return entry
+
+
+def _finite(value: Any) -> float | None:
+    """Return a number for JSON, which has none that is not finite."""
+    number = float(value)
+    return number if abs(number) < float("inf") else None
+
+
+def _document(instance: Instance, given: Wrenches, entries: list[dict[str, Any]]) -> dict[str, Any]:
+    kind = instance.type
+    return {
+        "schema": "gsp.analyze/1",
+        "name": instance.name,
+        "type": {"id": kind.id, "number": kind.number, "class": kind.platform_class.id},
+        "units": {"length": instance.units.length, "angle": instance.units.angle.value},
+        "length": given.length,
+        "poses": entries,
+    }
+
+
+def _heading(given: Wrenches) -> str:
+    instance = given.instance
+    return ": ".join(part for part in (instance.name, instance.type.id) if part)
+
+
+def _overview(entries: list[dict[str, Any]], given: Wrenches) -> Table:
+    columns = [
+        Column("mode", align="right", essential=True),
+        Column("condition", align="right", essential=True),
+        Column("manipulability", align="right"),
+        Column("largest", "largest σ", align="right"),
+        Column("smallest", "smallest σ", align="right"),
+        Column("worst", "worst force", align="right"),
+        Column("worst_shift", "error of point", align="right"),
+        Column("bound_shift", "proved ≤", align="right"),
+    ]
+    rows = []
+    for entry in entries:
+        values = entry["singular_values"]
+        row = {key: entry[key] for key in ("mode", "condition", "manipulability")}
+        row |= {"largest": values[0], "smallest": values[-1]}
+        row["worst"] = entry["worst_force"]["reaction"]
+        rows.append(row | entry.get("accuracy", {}))
+    shown = columns if any("worst_shift" in row for row in rows) else columns[:-2]
+    unit = given.instance.units.length
+    notes = [
+        f"lengths divided by {given.length:.6g} {unit}; worst force: the most that a unit force at "
+        "the point can load a constraint with"
+    ]
+    return Table(shown, rows, title=_heading(given), notes=notes)
+
+
+def _details(entry: dict[str, Any], given: Wrenches) -> list[Table]:
+    unit = given.instance.units.length
+    kinds = [constraint.kind.name for constraint in given.instance.constraints]
+    screws = []
+    for k, kind in enumerate(kinds):
+        row = {"number": k + 1, "kind": kind, "pitch": entry["pitches"][k]}
+        row |= zip(("fx", "fy", "fz"), entry["forces"][k], strict=True)
+        row |= zip(("mx", "my", "mz"), entry["moments"][k], strict=True)
+        row |= zip(("px", "py", "pz"), entry["feet"][k], strict=True)
+        if "reactions" in entry:
+            row["reaction"] = entry["reactions"][k]
+        screws.append(row)
+    keys = ("fx", "fy", "fz", "mx", "my", "mz")
+    columns = [
+        Column("number", "no.", align="right", essential=True),
+        Column("kind", essential=True),
+    ]
+    if "reactions" in entry:
+        columns.append(Column("reaction", align="right", essential=True))
+    columns += [Column(key, align="right", essential=True) for key in keys]
+    columns += [Column("pitch", align="right")]
+    columns += [Column(key, align="right") for key in ("px", "py", "pz")]
+    worst = entry["worst_force"]
+    values = " ".join(f"{value:.4g}" for value in entry["singular_values"])
+    condition = "infinite" if entry["condition"] is None else f"{entry['condition']:.6g}"
+    point = ", ".join(f"{x:.6g}" for x in entry["point"])
+    notes = [
+        f"about the point ({point}) {unit}; lengths divided by {given.length:.6g} {unit}:",
+        f"singular values {values}; condition {condition}; "
+        f"manipulability {entry['manipulability']:.6g}",
+    ]
+    if worst["reaction"] is not None:
+        along = ", ".join(f"{x:.4g}" for x in worst["direction"])
+        notes.append(
+            f"worst unit force: ({along}) loads constraint {worst['constraint']} with "
+            f"{worst['reaction']:.6g}"
+        )
+    tables = [Table(columns, screws, title=_heading(given), notes=notes)]
+    labels = [f"{k} {kind}" for k, kind in enumerate(kinds, 1)]
+    tables.append(
+        _matrix(
+            "Derivatives of the values by the twist", "value", labels, _TWIST, entry["jacobian"]
+        )
+    )
+    tables.append(_matrix("Twist by the values", "twist", _TWIST, labels, entry["inverse"]))
+    if "stiffness" in entry:
+        tables.append(
+            _matrix("Stiffness: wrench by twist", "wrench", _WRENCH, _TWIST, entry["stiffness"])
+        )
+    if "accuracy" in entry:
+        tables.append(_errors(entry["accuracy"], unit))
+    return tables
+
+
+def _matrix(title: str, corner: str, rows: Any, columns: Any, matrix: Any) -> Table:
+    return Table(
+        [Column(corner, essential=True)]
+        + [Column(name, align="right", essential=True) for name in columns],
+        [
+            {corner: name, **dict(zip(columns, values, strict=True))}
+            for name, values in zip(rows, matrix, strict=True)
+        ],
+        title=title,
+    )
+
+
+def _errors(errors: dict[str, Any], unit: str) -> Table:
+    rows = [
+        {"error": name, "worst": a, "bound": b, "rms": c}
+        for name, a, b, c in zip(
+            _TWIST, errors["worst"], errors["bound"], errors["rms"], strict=True
+        )
+    ]
+    rows += [
+        {"error": "rotation", "worst": errors["worst_turn"], "bound": errors["bound_turn"]},
+        {"error": "distance", "worst": errors["worst_shift"], "bound": errors["bound_shift"]},
+    ]
+    columns = (
+        Column("error", essential=True),
+        Column("worst", "worst, first order", align="right", essential=True),
+        Column("bound", "proved ≤", align="right", essential=True),
+        Column("rms", align="right"),
+    )
+    note = f"rotations in radians, distances in {unit}"
+    if any(row["bound"] is None for row in rows):
+        note += "; the tolerances are too large for a proof"
+    return Table(columns, rows, title="Errors of the pose", notes=[note])

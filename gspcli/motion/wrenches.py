@@ -1,0 +1,225 @@
+"""What a pose does to small motions and to forces: screws, Jacobian matrices, statics, stiffness.
+
+A twist is (omega, v): the angular velocity, in radians, and the velocity of a stated point, both in
+the axes of the base. A wrench is (force, moment) about that point. All functions take leading batch
+axes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.errors import ArgumentError
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.measurement import jacobian
+from gspcli.geometry.poses import apply, cross
+
+Array = NDArray[np.float64]
+
+#: Beyond this condition number of the scaled matrix its inverse means nothing.
+_CONDITION = 1e14
+
+
+@dataclass(frozen=True, eq=False)
+class Wrenches:
+    """The six constraints at poses, as the wrenches that they exert.
+
+    Attributes
+    ----------
+    instance
+        The platform.
+    R, T
+        The poses, shapes (..., 3, 3) and (..., 3).
+    point
+        The point, fixed in the base, that twists and wrenches are about, shape (..., 3).
+    length
+        What divides lengths, and multiplies angles, where both are compared.
+    jacobian
+        Derivatives of the values with respect to the twist (omega, v), shape (..., 6, 6): lengths
+        and radians. Row k is the wrench (moment, force) of constraint k at unit strength.
+    """
+
+    instance: Instance
+    R: Array
+    T: Array
+    point: Array
+    length: float
+    jacobian: Array
+
+    @cached_property
+    def angles(self) -> NDArray[np.bool_]:
+        """Which constraints are angles, shape (6,)."""
+        return np.array([not row.kind.is_distance for row in self.instance.constraints])
+
+    @cached_property
+    def forces(self) -> Array:
+        """Directions of the forces, unit vectors, zero for angles, shape (..., 6, 3)."""
+        return self.jacobian[..., 3:]
+
+    @cached_property
+    def moments(self) -> Array:
+        """Moments of the unit wrenches about the point, shape (..., 6, 3)."""
+        return self.jacobian[..., :3]
+
+    @cached_property
+    def pitches(self) -> Array:
+        """Pitches of the screws: moment along the force, a length; infinite for angles (..., 6)."""
+        square = np.einsum("...i,...i->...", self.forces, self.forces)
+        along = np.einsum("...i,...i->...", self.forces, self.moments)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(self.angles, np.inf, along / square)
+
+    @cached_property
+    def feet(self) -> Array:
+        """The point of the axis of each screw nearest to the point; NaN for angles (..., 6, 3)."""
+        square = np.einsum("...i,...i->...", self.forces, self.forces)[..., None]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            arm = cross(self.forces, self.moments) / square
+        feet: Array = np.where(self.angles[:, None], np.nan, self.point[..., None, :] + arm)
+        return feet
+
+    @cached_property
+    def scaled(self) -> Array:
+        """The Jacobian matrix free of units, with the length as the unit, shape (..., 6, 6)."""
+        rows = np.where(self.angles, self.length, 1.0)
+        columns = np.array([1 / self.length] * 3 + [1.0] * 3)
+        scaled: Array = self.jacobian * rows[:, None] * columns
+        return scaled
+
+    @cached_property
+    def singular_values(self) -> Array:
+        """Of the scaled Jacobian matrix, the largest first, shape (..., 6)."""
+        return np.asarray(np.linalg.svd(self.scaled, compute_uv=False))
+
+    @cached_property
+    def conditions(self) -> Array:
+        """The ratio of the largest to the smallest singular value, shape (...)."""
+        values = self.singular_values
+        with np.errstate(divide="ignore"):
+            return np.asarray(values[..., 0] / values[..., -1])
+
+    @cached_property
+    def manipulability(self) -> Array:
+        """The product of the singular values, ``|det|`` of the scaled matrix, shape (...)."""
+        return np.asarray(self.singular_values.prod(axis=-1))
+
+    @cached_property
+    def inverse(self) -> Array:
+        """Twists (columns) for unit changes of the values, shape (..., 6, 6); NaN if singular."""
+        regular = self.conditions < _CONDITION
+        identity = np.broadcast_to(np.eye(6), self.jacobian.shape)
+        inverse = np.linalg.inv(np.where(regular[..., None, None], self.jacobian, identity))
+        return np.asarray(np.where(regular[..., None, None], inverse, np.nan))
+
+    def reactions(self, force: ArrayLike, moment: ArrayLike, at: ArrayLike) -> Array:
+        """Return what the constraints exert to hold a load, shape (..., 6).
+
+        Forces for distances, positive if the constraint pushes towards a greater value (a leg under
+        compression); moments for angles, in units of force times length.
+
+        Parameters
+        ----------
+        force, moment
+            The load on the platform, in the axes of the base, shape (..., 3).
+        at
+            The point where the force acts, fixed in the base, shape (..., 3).
+        """
+        force, moment = np.asarray(force, float), np.asarray(moment, float)
+        about = moment + cross(
+            np.asarray(at, float) - self.point, np.broadcast_to(force, self.T.shape)
+        )
+        load = np.concatenate((about, np.broadcast_to(force, about.shape)), axis=-1)
+        held: Array = -apply(np.swapaxes(self.inverse, -1, -2), load)
+        return held
+
+    @cached_property
+    def worst_force(self) -> tuple[Array, Array, Array]:
+        """The direction of a unit force at the point that loads one constraint most.
+
+        Returns
+        -------
+        constraint, direction, reaction
+            Index of the constraint, shape (...), the direction of the force, (..., 3), and what the
+            constraint exerts then, (...).
+        """
+        columns = -self.inverse[..., 3:, :]
+        sizes = np.linalg.norm(columns, axis=-2)
+        constraint = np.asarray(np.nan_to_num(sizes, nan=-1.0).argmax(axis=-1))
+        chosen = np.take_along_axis(columns, constraint[..., None, None], axis=-1)[..., 0]
+        reaction = np.take_along_axis(sizes, constraint[..., None], axis=-1)[..., 0]
+        return constraint, chosen / reaction[..., None], reaction
+
+    def stiffness(self, each: ArrayLike) -> Array:
+        """Return the stiffness matrix about the point, without that of a preload, (..., 6, 6).
+
+        It gives the wrench (moment, force) that holds a small twist (omega, v).
+
+        Parameters
+        ----------
+        each
+            Stiffnesses of the constraints: force by length, and moment by radian for angles; (6,).
+        """
+        matrix: Array = np.einsum(
+            "...ki,k,...kj->...ij", self.jacobian, np.asarray(each, float), self.jacobian
+        )
+        return matrix
+
+
+def wrenches(
+    instance: Instance,
+    R: ArrayLike,
+    T: ArrayLike,
+    *,
+    point: ArrayLike | None = None,
+    length: float | None = None,
+) -> Wrenches:
+    """Return what the constraints do at poses.
+
+    Parameters
+    ----------
+    instance
+        Geometry and units.
+    R, T
+        The poses, shapes (..., 3, 3) and (..., 3).
+    point
+        A point fixed in the base, shape (..., 3); by default the mean of the platform's points of
+        distances, where the platform is.
+    length
+        The unit in which lengths and angles are compared; by default the typical length of the
+        instance (`Arrangement.length`).
+
+    Raises
+    ------
+    ArgumentError
+        If the length is not positive, or a value has no derivative at a pose: a distance of zero to
+        a point or line, parallel lines of a DLL, an angle at an end of its range.
+    """
+    arrangement = Arrangement.of(instance)
+    R, T = np.asarray(R, float), np.asarray(T, float)
+    if length is None:
+        length = arrangement.length
+    if not (np.isfinite(length) and length > 0):
+        message = f"found {length}, expected a positive length"
+        raise ArgumentError(message, "length")
+    at = (
+        T + apply(R, arrangement.platform_centre)
+        if point is None
+        else np.broadcast_to(np.asarray(point, float), T.shape)
+    )
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        rows = jacobian(arrangement, R, T)
+    undefined = ~np.isfinite(rows).all(axis=-1)
+    if undefined.any():
+        k = int(np.argwhere(undefined)[0, -1])
+        kind = arrangement.kinds[k].name
+        message = f"the value of constraint {k + 1} ({kind}) has no derivative at this pose"
+        raise ArgumentError(message)
+    arm = np.broadcast_to((at - T)[..., None, :], rows[..., 3:].shape)
+    moments = rows[..., :3] - cross(arm, rows[..., 3:])
+    matrix = np.concatenate((moments, rows[..., 3:]), axis=-1)
+    return Wrenches(instance, R, T, at, float(length), matrix)

@@ -1,0 +1,22 @@
+// From the coefficients of two systems, as Python has them, to the homotopy between them.
+#pragma once
+
+#include <complex>
+
+#include "tracker.hpp"
+
+namespace gsp {
+
+constexpr int kCoefficients = 27;  // of e_i e_j, e_i f_j, f.f, as in gspcli.continuation.quadrics
+
+// One end of a homotopy: six first and six second factors (6, 27), and tau of the products.
+struct Side {
+  const std::complex<double>* g;
+  const std::complex<double>* h;
+  const std::complex<double>* tau;
+};
+
+// The straight line from one system to another; `products` says which equations are products.
+void make_homotopy(const bool* products, const Side& start, const Side& target, Homotopy& H);
+
+}  // namespace gsp
