@@ -109,8 +109,12 @@ class Coefficients(NamedTuple):
         slope = np.where(known, ratio, 0.0).sum(axis=-2) @ [1.0, 2.0]
         weight = known.sum(axis=-2) @ [1.0, 4.0]
         scale = np.exp2(-np.rint(slope / np.maximum(1.0, weight)))
+        return self.in_units(scale).normalized(), scale
+
+    def in_units(self, scale: FloatArray) -> Coefficients:
+        """Return the equations in e and f / scale, for scales of shape (...)."""
         powers = scale[..., None, None] ** _DEGREE_IN_F
-        return Coefficients(self.g * powers, self.h * powers, self.tau).normalized(), scale
+        return Coefficients(self.g * powers, self.h * powers, self.tau)
 
     def scaled(self, g: ComplexArray, h: ComplexArray) -> Coefficients:
         """Return the same equations with their factors multiplied by `g` and `h`, shape (6,)."""

@@ -134,9 +134,9 @@ def solve_values(
 ) -> Iterator[PoseSet]:
     """Yield all poses of an instance for each of many sets of values, in order.
 
-    This is the quick way to many poses of one geometry: systems are solved in batches, and the
-    results are arrays. The values of the instance itself are not used. Poses in general position
-    are not certified, those in special or nearly special position are.
+    This is the quick way to many poses of one geometry: it is solved once for complex values, and
+    from there the values alone are moved. The values of the instance itself are not used. Poses
+    in general position are not certified, those in special or nearly special position are.
 
     Parameters
     ----------
@@ -168,17 +168,34 @@ def solve_values(
 def _solve_rows(instance: Instance, rows: Array, seed: int, jobs: int) -> Iterator[PoseSet]:
     """Yield the poses for each set of values; those of special platforms are proved."""
     arrangement = Arrangement.of(instance)
-    general: Iterator[tuple[list[Pursuit] | None, PoseSet | None]]
+    for row, found in zip(rows, _quick_rows(instance, arrangement, rows, seed, jobs), strict=True):
+        if found is not None:
+            yield found
+            continue
+        one = arrangement.with_values(row)
+        pursuits, poses = next(_each_tracked([one], seed, jobs))
+        if poses is None or not _is_general(poses, certify=False):
+            values = {i: Number.of(value) for i, value in enumerate(row.tolist())}
+            poses = _special(instance.with_values(values), one, pursuits, seed, jobs, PATIENCE)
+        yield poses
+
+
+def _quick_rows(
+    instance: Instance, arrangement: Arrangement, rows: Array, seed: int, jobs: int
+) -> Iterator[PoseSet | None]:
+    """Yield the poses for each set of values; None if they are not found for certain."""
     if len(arrangement.angles) == MAX_ANGLES:
         from gspcli.solver.closed_form import solve_closed_forms
 
-        general = ((None, poses) for poses in solve_closed_forms(arrangement, rows))
-    else:
-        general = _each_tracked((arrangement.with_values(row) for row in rows), seed, jobs)
-    for row, (pursuits, poses) in zip(rows, general, strict=True):
-        if poses is not None and _is_general(poses, certify=False):
-            yield poses
-            continue
-        values = {i: Number.of(value) for i, value in enumerate(row.tolist())}
-        special = arrangement.with_values(row)
-        yield _special(instance.with_values(values), special, pursuits, seed, jobs, PATIENCE)
+        for poses in solve_closed_forms(arrangement, rows):
+            yield poses if _is_general(poses, certify=False) else None
+        return
+    from gspcli.solver.one_geometry import solve_rows
+
+    def count() -> int | None:
+        from gspcli.certification.counting import geometry_count
+
+        found = geometry_count(instance, seed=seed, limit=PATIENCE)
+        return None if found is None else found.solutions
+
+    yield from solve_rows(arrangement, rows, count=count, seed=seed, jobs=jobs)

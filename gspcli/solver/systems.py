@@ -12,19 +12,21 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from functools import cache
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.continuation.quadrics import BASES, COEFFICIENTS, NORM
-from gspcli.continuation.systems import EQUATIONS, Structure, System
+from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.poses import cross, dot
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+#: Real numbers, or complex ones.
+Scalars = NDArray[Any]
 
 
 def target_systems(arrangement: Arrangement) -> list[System]:
@@ -58,12 +60,28 @@ def systems_of(
 
     Parameters
     ----------
+    kinds, y, x, u, v, values
+        As for `coefficients_of`.
+    """
+    structure, coefficients = coefficients_of(kinds, y, x, u, v, values)
+    for rest in zip(*coefficients, strict=True):
+        yield System.of(structure, *rest)
+
+
+def coefficients_of(
+    kinds: Sequence[Kind], y: Array, x: Array, u: Array, v: Array, values: Scalars
+) -> tuple[Structure, Coefficients]:
+    """Return the structure and the coefficients of platforms with constraints of the same kinds.
+
+    Parameters
+    ----------
     kinds
         The kinds of the six constraints.
     y, x, u, v
         As for `equation`, for each constraint: shape (6, 3), or (count, 6, 3) if they differ.
     values
-        Likewise, shape (count, 6); a distance of two lines is zero for all or for none.
+        Likewise, shape (count, 6); a distance of two lines is zero for all or for none. Complex
+        values give complex systems of the same geometry.
     """
     count = len(values)
     g = np.zeros((count, EQUATIONS, COEFFICIENTS), complex)
@@ -81,9 +99,7 @@ def systems_of(
             h[:, rows], tau[:, rows] = rule.h, rule.tau
         for i in members:
             shape[i] = rule.letter, rule.h is not None
-    structure = _structure(*zip(*shape, strict=True))
-    for rest in zip(g, h, tau, strict=True):
-        yield System.of(structure, *rest)
+    return _structure(*zip(*shape, strict=True)), Coefficients(g, h, tau)
 
 
 @cache
@@ -112,14 +128,14 @@ class Equation(NamedTuple):
 
     letter: str
     """The family of the quadrics."""
-    g: Array | Complex
+    g: Scalars
     """Shape (..., 27)."""
     h: Complex | None = None
-    tau: Array | None = None
+    tau: Scalars | None = None
     """Shape (...)."""
 
 
-def equation(kind: Kind, y: Array, x: Array, u: Array, v: Array, value: Array) -> Equation:
+def equation(kind: Kind, y: Array, x: Array, u: Array, v: Array, value: Scalars) -> Equation:
     """Return the equation of a constraint, or of many of one kind along leading axes.
 
     Parameters
@@ -156,13 +172,13 @@ def equation(kind: Kind, y: Array, x: Array, u: Array, v: Array, value: Array) -
     raise ValueError(kind)
 
 
-def _factors(letter: str, a: Array, b: Array, distance: Array) -> Equation:
+def _factors(letter: str, a: Scalars, b: Scalars, distance: Scalars) -> Equation:
     return Equation(letter, a + 1j * b, a - 1j * b, distance**2)
 
 
-def _constant(value: Array) -> Array:
+def _constant(value: Scalars) -> Scalars:
     """Return the quadric of a constant, shape (..., 27)."""
-    return np.asarray(value[..., None] * NORM)
+    return np.asarray(value[..., None] * NORM, dtype=value.dtype)
 
 
 def _across(direction: Array) -> tuple[Array, Array]:

@@ -6,11 +6,16 @@ import numpy as np
 import pytest
 from matching import pose_set_distance
 
+from gspcli import hexapod
 from gspcli.catalogue.parsing import parse_type
+from gspcli.continuation.paths import Basis
 from gspcli.errors import ArgumentError, GspError
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.numbers import Number
 from gspcli.solver import solve, solve_values
 from gspcli.solver.generate import random_instance
+from gspcli.solver.one_geometry import solve_rows
+from gspcli.solver.tracking import solve_by_tracking
 
 
 def instance_of(name: str):
@@ -119,3 +124,89 @@ def test_an_instance_that_is_none():
 
 def test_no_values_no_results():
     assert list(solve_values(instance_of("DPL DPL DLP ALL ALH AHH"), np.ones((0, 6)))) == []
+
+
+def _near(instance, spread: float, count: int, seed: int) -> np.ndarray:
+    own = np.array([c.value.value for c in instance.constraints])
+    return own * (1 + spread * np.random.default_rng(seed).normal(size=(count, 6)))
+
+
+def _same(one, other, length: float) -> bool:
+    distance = pose_set_distance((one.R, one.T), (other.R, other.T), length)
+    return distance < 1e-7 and bool(one.real.sum() == other.real.sum())
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "DPP DPP DPP DPP DPP DPP",
+        "DPP DPP DPP DPL DLP DLL",
+        "DPH DPH DPH DHP DHP DHP",
+        "DPP DPL DPH DHP ALL ALH",
+    ],
+)
+def test_values_of_one_geometry_are_followed_from_its_own_start(name):
+    instance = instance_of(name)
+    arrangement = Arrangement.of(instance)
+    values = _near(instance, 0.1, 6, 1)
+    found = list(solve_rows(arrangement, values, count=lambda: None, seed=3))
+    assert all(found)
+    for row, poses in zip(values, found, strict=True):
+        alone = solve_by_tracking(arrangement.with_values(row), seed=4)
+        assert poses.account == alone.account
+        assert poses.account.found == poses.account.expected == len(poses.R)
+        assert _same(poses, alone, arrangement.length)
+        assert not poses.R[poses.real].imag.any()
+
+
+def _three_three():
+    """Six legs between two triangles, each corner with two of them: 16 poses and not 40."""
+    y, x = np.random.default_rng(5).uniform(-1, 1, (2, 3, 3))
+    return hexapod(x[[0, 0, 1, 1, 2, 2]], y[[0, 1, 1, 2, 2, 0]], [2.0, 2.1, 2.2, 2.3, 2.4, 2.5])
+
+
+def test_a_special_geometry_is_followed_if_its_exact_count_says_that_nothing_is_missing():
+    instance = _three_three()
+    arrangement, values = Arrangement.of(instance), _near(instance, 0.02, 5, 6)
+    for count, trusted in ((16, True), (18, False), (None, False)):
+        found = list(solve_rows(arrangement, values, count=lambda n=count: n, seed=7))
+        assert [poses is not None for poses in found] == [trusted] * 5
+        for poses in found if trusted else []:
+            assert poses.account.verdict == "complete"
+            assert (poses.account.found, poses.account.at_infinity) == (16, 24)
+            assert poses.account.basis is Basis.COUNT
+    for row, poses in zip(values, solve_values(instance, values), strict=True):
+        assert _same(poses, solve_by_tracking(arrangement.with_values(row), seed=8), 1.0)
+
+
+def test_special_values_of_a_general_geometry_are_left_to_others():
+    """Two of the poses come together where all legs meet a line."""
+    rng = np.random.default_rng(9)
+    y = rng.uniform(-1, 1, (6, 3))
+    T = np.array([0.1, 0.2, 2.0])
+    point, direction = rng.normal(size=(2, 3))
+    ends = y + T
+    on_line = point + rng.normal(size=(6, 1)) * direction
+    x = ends + (1.5 + rng.random((6, 1))) * (on_line - ends)
+    lengths = np.linalg.norm(ends - x, axis=1)
+    instance = hexapod(x, y, lengths.tolist())
+    values = lengths * (1 + np.array([0.0, 0.01, 0.02, 0.0, 0.03]))[:, None]
+    found = list(solve_rows(Arrangement.of(instance), values, count=lambda: None, seed=10))
+    assert [poses is None for poses in found] == [True, False, False, True, False]
+
+
+def test_few_sets_of_values_are_not_worth_a_start():
+    instance = instance_of("DPP DPP DPP DPP DPP DPP")
+    values = _near(instance, 0.1, 3, 11)
+    found = solve_rows(Arrangement.of(instance), values, count=lambda: None, seed=12)
+    assert list(found) == [None] * 3
+    assert len(list(solve_values(instance, values))) == 3
+
+
+def test_batches_do_not_depend_on_what_was_solved_before_nor_on_threads():
+    instance = instance_of("DPP DPP DPP DPP DPL DPH")
+    values = _near(instance, 0.05, 8, 13)
+    first = list(solve_values(instance, values))
+    list(solve_values(instance, _near(instance, 0.3, 8, 14)))
+    for one, other in zip(first, solve_values(instance, values, jobs=2), strict=True):
+        np.testing.assert_array_equal(one.T, other.T)

@@ -1,0 +1,284 @@
+"""Many platforms that differ in their values only: followed from one of the same geometry.
+
+A system of the geometry with complex values in general position is solved once, with every care.
+From its solutions lead short paths to those of all real values, on which nothing moves but the
+values. Where the geometry is special there are fewer of them than the type has solutions: the
+others are at infinity whatever the values. That none is missing rests then on the exact count of
+the geometry, without which nothing is done here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import groupby
+from math import ceil, log2
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import DLL, Kind
+from gspcli.continuation.following import follow_each
+from gspcli.continuation.paths import Basis, PathAccount
+from gspcli.continuation.quadrics import ComplexArray
+from gspcli.continuation.solve import solve_system
+from gspcli.continuation.start import path_count
+from gspcli.continuation.systems import Coefficients, System
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.conjugates import find_real_points
+from gspcli.geometry.poses import (
+    canonical_sign,
+    pose_from_study,
+    quaternion_from_rotation,
+    unit_quaternion,
+)
+from gspcli.solver.parallel_lines import polish_parallel_lines
+from gspcli.solver.poses import PoseSet
+from gspcli.solver.systems import coefficients_of, side_choices
+
+Array = NDArray[np.float64]
+
+#: Fewer sets of values are solved one by one: solving the geometry costs as much as a few of them.
+_LEAST = 4
+#: So many paths are followed together, for the memory of their ends.
+_BATCH_PATHS = 16_384
+#: The parameters of the start are about the mean of those asked for plus i times their standard
+#: deviation, but for that no less than this (in typical lengths, their squares, or cosines), ...
+_LEAST_DEVIATION = 0.125
+#: ... times random numbers between these, so that nothing about it is special. Anything from a
+#: third to three standard deviations makes paths about as short.
+_SPREAD = (0.7, 1.3)
+#: The mean is rounded to multiples of this, and deviations to powers of two, so that the next
+#: batch is likely to find its start solved.
+_GRID = 0.125
+#: So many starts are kept for the process, those used last.
+_KEPT = 64
+
+
+@dataclass(frozen=True, eq=False)
+class _Start:
+    """A solved system of a geometry with complex values.
+
+    Attributes
+    ----------
+    system
+        In canonical order, balanced.
+    points
+        All its solutions, shape (n, 8).
+    scale
+        The unit of f in it.
+    """
+
+    system: System
+    points: ComplexArray
+    scale: Array
+
+
+def solve_rows(
+    arrangement: Arrangement,
+    rows: Array,
+    *,
+    count: Callable[[], int | None],
+    seed: int,
+    jobs: int = 1,
+) -> Iterator[PoseSet | None]:
+    """Yield all poses of one geometry with each of many sets of values, in order.
+
+    None stands for a set of values that is in special position, or for any if the geometry is not
+    worth it (too few sets) or not known well enough: each needs a solution of its own.
+
+    Parameters
+    ----------
+    arrangement
+        The geometry and the sides; its own values are not used.
+    rows
+        Sets of values in the units of the instance, shape (b, 6).
+    count
+        Returns the exact count of the geometry, with values in general position, for the sides
+        asked for; None if it is not known. Called only if the geometry seems to have fewer
+        solutions than its type.
+    seed
+        Source of the random paths. Another seed gives the same sets of poses.
+    jobs
+        Threads. The result does not depend on them.
+    """
+    # A distance of zero has one sign, and may have another equation.
+    zero = [(row == 0).tobytes() for row in rows]
+    geometries = {
+        pattern: _geometry(arrangement, rows[[z == pattern for z in zero]], count, seed)
+        for pattern in dict.fromkeys(zero)
+    }
+    begin = 0
+    for pattern, group in groupby(zero):
+        end = begin + len(list(group))
+        geometry = geometries[pattern]
+        size = end - begin if geometry is None else geometry.batch
+        for first in range(begin, end, size):
+            batch = rows[first : min(first + size, end)]
+            yield from geometry.poses(batch, jobs) if geometry else [None] * len(batch)
+        begin = end
+
+
+def _geometry(
+    arrangement: Arrangement, rows: Array, count: Callable[[], int | None], seed: int
+) -> _Geometry | None:
+    """Return the geometry with its start, or None if that does not pay or is not safe."""
+    if len(rows) < _LEAST:
+        return None
+    given = arrangement.with_values(rows[0])
+    length = 2.0 ** ceil(log2(given.length_with(rows)))
+    inner, choices = given.in_units_of(length), side_choices(given)
+    parameters = _squared(given, _inner_values(given, rows, length, choices)).reshape(-1, 6)
+    mean = np.rint(parameters.mean(axis=0) / _GRID) * _GRID
+    spread = np.exp2(np.rint(np.log2(np.maximum(parameters.std(axis=0), _LEAST_DEVIATION))))
+    zero = (parameters == 0).all(axis=0)
+    start = _solved(
+        given.kinds,
+        np.array([inner.y, inner.x, inner.u, inner.v]).tobytes(),
+        tuple(mean.tolist()),
+        tuple(np.where(zero, 0.0, spread).tolist()),
+        seed,
+    )
+    if start is None:
+        return None
+    expected = path_count(start.system.structure) * len(choices)
+    found = len(start.points) * len(choices)
+    if found < expected and found != count():
+        return None
+    return _Geometry(given, inner, length, choices, start, expected)
+
+
+def _inner_values(given: Arrangement, rows: Array, length: float, choices: Array) -> Array:
+    """Return values as `coefficients_of` takes them, for each choice of sides: (b, k, 6)."""
+    values = rows.copy()
+    values[:, given.distances] /= length
+    values[:, given.angles] = given.cosines(rows)
+    return values[:, None, :] * choices
+
+
+def _squared(given: Arrangement, values: Array) -> Array:
+    """Return what the equations are linear in: distances without sides squared, (..., 6)."""
+    square = [kind.is_distance and not kind.has_sides for kind in given.kinds]
+    return np.where(square, values**2, values)
+
+
+@lru_cache(maxsize=_KEPT)
+def _solved(
+    kinds: tuple[Kind, ...],
+    geometry: bytes,
+    mean: tuple[float, ...],
+    spread: tuple[float, ...],
+    seed: int,
+) -> _Start | None:
+    """Return the start of a geometry, None unless all its finite solutions are simple.
+
+    Parameters
+    ----------
+    kinds, geometry
+        The kinds of the constraints, and y, x, u, v of their primitives, (4, 6, 3).
+    mean, spread
+        Of the parameters; a spread of zero leaves the parameter alone.
+    seed
+        Source of random numbers.
+    """
+    rng = np.random.default_rng([seed, len(kinds)])
+    turns = rng.choice([-1.0, 1.0], len(kinds)) * rng.uniform(*_SPREAD, len(kinds))
+    parameters = np.where(np.array(spread) == 0, 0.0, np.array(mean) + 1j * turns * spread)
+    square = [kind.is_distance and not kind.has_sides for kind in kinds]
+    values = np.where(square, np.sqrt(parameters), parameters)
+    y, x, u, v = np.frombuffer(geometry).reshape(4, len(kinds), 3)
+    structure, coefficients = coefficients_of(kinds, y, x, u, v, values[None])
+    system = System(structure, coefficients.take(0)).canonical()
+    solutions = solve_system(system, seed=seed)
+    simple = (solutions.multiplicity == 1).all() and not solutions.singular.any()
+    if solutions.account.verdict != "complete" or not simple or not len(solutions.points):
+        return None
+    balanced, scale = system.coefficients.balanced()
+    points = solutions.points.copy()
+    points[:, 4:] /= scale
+    return _Start(System(system.structure, balanced), points, scale)
+
+
+@dataclass(frozen=True, eq=False)
+class _Geometry:
+    """A geometry with the solutions of its start.
+
+    Attributes
+    ----------
+    given, inner, length
+        As given, and in the typical length, a power of two.
+    choices
+        The sign of each value for each choice of sides, shape (k, 6).
+    start
+        The start for each of them.
+    expected
+        The generic count of the type.
+    """
+
+    given: Arrangement
+    inner: Arrangement
+    length: float
+    choices: Array
+    start: _Start
+    expected: int
+
+    @property
+    def found(self) -> int:
+        """How many poses there are for values in general position."""
+        return len(self.start.points) * len(self.choices)
+
+    @property
+    def batch(self) -> int:
+        """How many sets of values are solved together."""
+        return max(1, _BATCH_PATHS // self.found)
+
+    def poses(self, rows: Array, jobs: int) -> Iterator[PoseSet | None]:
+        """Yield the poses for sets of values (b, 6); None where any is not found for certain."""
+        values = _inner_values(self.given, rows, self.length, self.choices)
+        inner, start = self.inner, self.start
+        structure, coefficients = coefficients_of(
+            inner.kinds, inner.y, inner.x, inner.u, inner.v, values.reshape(-1, 6)
+        )
+        ordered = Coefficients(*(x[:, list(structure.order)] for x in coefficients))
+        targets = ordered.in_units(start.scale).normalized()
+        ends = follow_each(start.system, start.points, targets, jobs=jobs)
+        points = ends.points
+        points[..., 4:] *= start.scale
+        real: NDArray[np.bool_] = np.zeros(points.shape[:-1], dtype=np.bool_)
+        for k in np.flatnonzero(ends.regular):
+            points[k], real[k] = find_real_points(points[k])
+        shape = (len(rows), self.found)
+        points, real = points.reshape(*shape, 8), real.reshape(shape)
+        good: NDArray[np.bool_] = np.asarray(ends.regular.reshape(len(rows), -1).all(axis=1))
+        points = np.where(good[:, None, None], points, 1.0)
+        R, T = pose_from_study(points[..., :4], points[..., 4:])
+        T = self.given.restored(R, T, self.length)
+        quaternions = canonical_sign(unit_quaternion(points[..., :4]))
+        account = PathAccount(
+            expected=self.expected,
+            found=self.found,
+            at_infinity=self.expected - self.found,
+            basis=Basis.PATHS if self.found == self.expected else Basis.COUNT,
+        )
+        uncertified, once = np.zeros(self.found, dtype=np.bool_), np.ones(self.found, dtype=int)
+        for i, row in enumerate(rows):
+            if not good[i]:
+                yield None
+                continue
+            q, r, t = quaternions[i], R[i], T[i]
+            if DLL in self.given.kinds:
+                platform = self.given.with_values(row)
+                r, t = polish_parallel_lines(platform, r, t, once == 1)
+                if r is not R[i]:
+                    q = quaternion_from_rotation(r)
+            yield PoseSet(
+                quaternions=q,
+                R=r,
+                T=t,
+                real=real[i],
+                certified=uncertified,
+                multiplicity=once,
+                motions=(),
+                account=account,
+            )
