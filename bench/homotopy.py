@@ -7,26 +7,31 @@ instances have no solution near e0 = 0. Random patches, with an eighth equation,
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from sympy.polys.rings import PolyElement
 
-from bench.polynomials import Equation, affine, equations, expanded, study
 from gspcli.continuation.accounts import random_start
 from gspcli.continuation.quadrics import NORM
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import Structure
+from gspcli.export.equations import Equation, equations, expanded
+from gspcli.export.motions import study_affine
+from gspcli.export.polynomials import Monomial, Polynomial, Style
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.poses import Field, pose_from_study
 from gspcli.solver.systems import target_systems
 
-#: Coefficients with the exponents of the unknowns e1 e2 e3 f0 f1 f2 f3.
-Terms = list[tuple[complex, tuple[int, ...]]]
-UNKNOWNS = 7
+#: Coefficients with their monomials in the unknowns.
+Terms = list[tuple[complex, Monomial]]
+#: The quaternion without its first component, which is one, and the dual one. The equations are
+#: those of `gspcli.export`, which the solver does not know.
+NAMES = study_affine().names[:-1]
+UNKNOWNS = len(NAMES)
+#: The Study quadric.
+RELATION = study_affine().relations[0]
 _ROW, _COLUMN = np.triu_indices(4)
 
 
@@ -58,9 +63,9 @@ class Homotopy:
         structure, order = structure_of(instance)
         system = start_system(structure)
         given = random_start(system, seed, 0)
-        motion = study()
-        rows = [equations(instance, motion)[i] for i in order]
-        relation = [Product(terms(affine(motion.relations[0])))]
+        stated = stated_equations(instance)
+        rows = [stated[i] for i in order]
+        relation = [Product(terms(RELATION))]
         start = [
             [Product(quadric(g), quadric(h) if product else None)]
             for g, h, product in zip(*given.coefficients[:2], structure.products, strict=True)
@@ -78,11 +83,24 @@ def structure_of(instance: Instance) -> tuple[Structure, tuple[int, ...]]:
     return system.structure.canonical(), system.structure.order
 
 
-def blackbox_system(instance: Instance) -> list[PolyElement]:
+def stated_equations(instance: Instance) -> list[Equation]:
+    """Return the equations of an instance with rational numbers as sums of products.
+
+    Raises
+    ------
+    ValueError
+        If a number is irrational.
+    """
+    rows, constants = equations(instance, study_affine())
+    if constants.names:
+        message = f"irrational: {', '.join(map(str, constants.names.values()))}"
+        raise ValueError(message)
+    return rows
+
+
+def blackbox_system(instance: Instance) -> list[Polynomial]:
     """Return seven exact polynomials in the seven unknowns with e0 = 1."""
-    motion = study()
-    rows = [expanded(row) for row in equations(instance, motion)]
-    return [affine(row) for row in (*rows, *motion.relations)]
+    return [*map(expanded, stated_equations(instance)), RELATION]
 
 
 def split_system(instance: Instance) -> list[Terms]:
@@ -93,23 +111,26 @@ def split_system(instance: Instance) -> list[Terms]:
     """
     [system] = target_systems(Arrangement.of(instance))
     products = system.structure.products
-    more = sum(products)
 
-    def extended(polynomial: Terms, unknown: int | None = None) -> Terms:
-        tail = tuple(int(k == unknown) for k in range(more))
-        return [(value, (*powers, *tail)) for value, powers in polynomial]
+    def extended(polynomial: Terms, unknown: int) -> Terms:
+        return [(value, (*monomial, split_name(unknown))) for value, monomial in polynomial]
 
     rows: list[Terms] = []
     u = 0
     for g, h, tau, product in zip(*system.coefficients, products, strict=True):
         if not product:
-            rows.append(extended(quadric(g)))
+            rows.append(quadric(g))
             continue
         right = quadric(-np.sqrt(tau) * NORM)
-        rows.append(extended(quadric(g)) + extended(right, u))
-        rows.append(extended(quadric(h), u) + extended(right))
+        rows.append(quadric(g) + extended(right, u))
+        rows.append(extended(quadric(h), u) + right)
         u += 1
-    return [*rows, extended(terms(affine(study().relations[0])))]
+    return [*rows, terms(RELATION)]
+
+
+def split_name(index: int) -> str:
+    """Return the name of an unknown that splits a product."""
+    return f"u{index + 1}"
 
 
 def poses(points: Field) -> tuple[Field, Field]:
@@ -118,9 +139,9 @@ def poses(points: Field) -> tuple[Field, Field]:
     return pose_from_study(full[:, :4], full[:, 4:])
 
 
-def terms(polynomial: PolyElement, scale: float = 1.0) -> Terms:
+def terms(polynomial: Polynomial, scale: float = 1.0) -> Terms:
     """Return a polynomial in floating point, multiplied by a number."""
-    return [(float(value) * scale, powers) for powers, value in polynomial.terms()]
+    return [(float(value) * scale, monomial) for monomial, value in polynomial.terms.items()]
 
 
 def quadric(coefficients: NDArray[np.complex128]) -> Terms:
@@ -128,45 +149,19 @@ def quadric(coefficients: NDArray[np.complex128]) -> Terms:
     pairs = [*zip(_ROW, _COLUMN, strict=True), *((i, 4 + j) for i in range(4) for j in range(4))]
     entries = [*zip(coefficients[:26], pairs, strict=True)]
     entries += [(coefficients[26], (k, k)) for k in range(4, 8)]
-    return [(complex(value), _powers(pair)) for value, pair in entries if value != 0]
+    return [(complex(value), _monomial(pair)) for value, pair in entries if value != 0]
 
 
-@dataclass(frozen=True)
-class Style:
-    """How a program writes polynomials."""
-
-    names: Sequence[str]
-    imaginary: str
-    exponent: str = "e"
-
-    def written(self, polynomial: Iterable[tuple[complex, tuple[int, ...]]]) -> str:
-        """Return the text of a polynomial, every term with its sign."""
-        return "".join(self._term(value, powers) for value, powers in polynomial)
-
-    def product(self, pair: Product) -> str:
-        """Return the text of a product."""
-        return "*".join(f"({self.written(factor)})" for factor in pair.factors)
-
-    def _term(self, value: complex, powers: tuple[int, ...]) -> str:
-        named = zip(self.names, powers, strict=True)
-        factors = [name if k == 1 else f"{name}^{k}" for name, k in named if k]
-        number = self._real(value.real)
-        if value.imag:
-            number = f"+({number}{self._real(value.imag)}*{self.imaginary})"
-        return "*".join([number, *factors])
-
-    def _real(self, value: float) -> str:
-        return f"{value:+.16e}".replace("e", self.exponent)
+def written_product(style: Style, pair: Product) -> str:
+    """Return the text of a product."""
+    return "*".join(f"({style.written(factor)})" for factor in pair.factors)
 
 
-def _powers(pair: tuple[int, int]) -> tuple[int, ...]:
-    return tuple(sum(int(k == i) for k in pair) for i in range(1, 8))
+def _monomial(pair: tuple[int, int]) -> Monomial:
+    return tuple(NAMES[k - 1] for k in sorted(pair) if k)
 
 
 def _scaled(equation: Equation) -> list[Product]:
     """Return an equation scaled so that the coefficients have norm one."""
-    size = np.linalg.norm([float(value) for value in expanded(equation).coeffs()])
-    return [
-        Product(terms(affine(p), 1 / size), None if q == 1 else terms(affine(q)))
-        for p, q in equation
-    ]
+    size = np.linalg.norm([float(value) for value in expanded(equation).terms.values()])
+    return [Product(terms(p, 1 / size), None if q.value == 1 else terms(q)) for p, q in equation]

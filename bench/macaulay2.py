@@ -14,11 +14,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.homotopy import UNKNOWNS, Homotopy, Product, Style
+from bench.homotopy import NAMES, UNKNOWNS, Homotopy, Product
 from bench.peers import Answer, no_answer
 from bench.processes import run
+from gspcli.export.polynomials import Style
 
-STYLE = Style(["e1", "e2", "e3", "f0", "f1", "f2", "f3"], "ii")
+STYLE = Style(imaginary="ii")
 _SCRIPT = """needsPackage "NumericalAlgebraicGeometry";
 R = CC[{names}];
 t = inputGate "t";
@@ -58,7 +59,7 @@ def script(homotopy: Homotopy) -> str:
     points = ",\n".join(
         "point {{" + ",".join(_number(x) for x in point) + "}}" for point in homotopy.points
     )
-    return _SCRIPT.format(names=",".join(STYLE.names), rows=",\n".join(rows), points=points)
+    return _SCRIPT.format(names=",".join(NAMES), rows=",\n".join(rows), points=points)
 
 
 def read(output: str) -> Answer:

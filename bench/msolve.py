@@ -6,23 +6,21 @@ T, U and rho instead, with the relations among them, were in no case quicker.
 
 from __future__ import annotations
 
-import ast
 import re
 import shutil
 from pathlib import Path
 
-import numpy as np
-from sympy.polys.rings import PolyElement
-
-from bench.homotopy import UNKNOWNS, blackbox_system
+from bench.homotopy import NAMES, blackbox_system
 from bench.peers import Answer, no_answer
 from bench.processes import run
+from gspcli.errors import SpecError
+from gspcli.export.answers import read_msolve
+from gspcli.export.polynomials import Polynomial
+from gspcli.export.programs import msolve_input
 from gspcli.geometry.instance import Instance
 
 #: The virtual environment of the peers that come from PyPI.
 PEERS = Path(__file__).resolve().parents[1] / "build" / "peers"
-NAMES = ("e1", "e2", "e3", "f0", "f1", "f2", "f3")
-_FRACTION = re.compile(r"(-?\d+) / 2\^(\d+)")
 
 
 def executable() -> str:
@@ -52,19 +50,18 @@ def isolate(program: str, instance: Instance, folder: Path, limit: float) -> Ans
     return read(result.read_text(), log, done.cpu)
 
 
-def written(system: list[PolyElement]) -> str:
+def written(system: list[Polynomial]) -> str:
     """Return the input file of exact polynomials, with integer coefficients."""
-    rows = [str(row.clear_denoms()[1]).replace("**", "^") for row in system]
-    return ",".join(NAMES) + "\n0\n" + ",\n".join(rows) + "\n"
+    return msolve_input(NAMES, (row.cleared for row in system), 0)
 
 
 def read(result: str, log: str, seconds: float) -> Answer:
     """Return the answer in an output file (the middles of the isolating boxes) and a log."""
     degree = re.search(r"deg. sqfr. elim. pol.\s+(\d+)", log)
-    # Numerators and denominators have hundreds of digits; their quotients are floats.
-    plain = _FRACTION.sub(lambda m: repr(int(m[1]) / 2 ** int(m[2])), result)
-    dimension, (_, boxes) = ast.literal_eval(plain.strip().removesuffix(":"))
-    if degree is None or dimension:
+    try:
+        points = read_msolve(result, "msolve")
+    except SpecError as error:
+        return no_answer(str(error))
+    if degree is None:
         return no_answer("not a finite number of solutions")
-    middles = np.array(boxes, float).reshape(-1, UNKNOWNS, 2).mean(axis=2)
-    return Answer(seconds, middles.astype(complex), int(degree[1]))
+    return Answer(seconds, points, int(degree[1]))

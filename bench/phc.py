@@ -9,21 +9,28 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.homotopy import UNKNOWNS, Homotopy, Style, blackbox_system, split_system, terms
+from bench.homotopy import (
+    NAMES,
+    UNKNOWNS,
+    Homotopy,
+    Product,
+    blackbox_system,
+    split_name,
+    split_system,
+    terms,
+    written_product,
+)
 from bench.peers import Answer, no_answer
 from bench.processes import run
+from gspcli.export.answers import read_phcpack
+from gspcli.export.polynomials import Style
+from gspcli.export.programs import phcpack_input
 from gspcli.geometry.instance import Instance
 
-_COORDINATE = re.compile(r"^ x(\d+) : +(\S+) +(\S+)", re.MULTILINE)
 _RULE = "=" * 75
 
 
-def style(unknowns: int) -> Style:
-    """Return how PHCpack writes polynomials; it reserves e (and i) for numbers."""
-    return Style([f"x{k}" for k in range(1, unknowns + 1)], "I", "E")
-
-
-STYLE = style(UNKNOWNS)
+STYLE = Style(exponent="E")
 
 
 def version() -> str:
@@ -41,10 +48,9 @@ def blackbox(instance: Instance, folder: Path, limit: float, *, split: bool = Fa
         rows = split_system(instance)
     else:
         exact = blackbox_system(instance)
-        rows = [terms(row, 1 / max(abs(float(c)) for c in row.coeffs())) for row in exact]
-    form = style(len(rows))
+        rows = [terms(row, 1 / max(map(abs, map(float, row.terms.values())))) for row in exact]
     _fresh(result)
-    system.write_text(_system([form.written(row) for row in rows]))
+    system.write_text(phcpack_input(STYLE.written(row) for row in rows))
     done = run(["phc", "-b", system, result], limit=limit)
     if done.trouble:
         return no_answer(done.trouble)
@@ -57,7 +63,7 @@ def parameter_homotopy(homotopy: Homotopy, folder: Path, limit: float) -> Answer
     names = ("target", "output", "start", "solutions")
     target, result, start, solutions = (folder / name for name in names)
     for path, rows in ((target, homotopy.target), (start, homotopy.start)):
-        path.write_text(_system(["+".join(map(STYLE.product, row)) for row in rows]))
+        path.write_text(phcpack_input(map(written_sum, rows)))
     solutions.write_text(written_solutions(homotopy.points))
     _fresh(result)
     # Homotopy of degree 1 in t (quicker here than the default 2), then the defaults of all menus.
@@ -69,18 +75,25 @@ def parameter_homotopy(homotopy: Homotopy, folder: Path, limit: float) -> Answer
     return Answer(done.cpu, read_solutions(text))
 
 
+def written_sum(row: list[Product]) -> str:
+    """Return the text of a sum of products."""
+    return "+".join(written_product(STYLE, pair) for pair in row)
+
+
 def read_solutions(text: str, unknowns: int = UNKNOWNS) -> NDArray[np.complex128]:
     """Return the solutions in PHCpack's format, shape (n, unknowns).
 
     A path that was given up is listed as well, with the point where it was left.
     """
-    found = [*_COORDINATE.finditer(text)]
-    numbers = [complex(float(m[2]), float(m[3])) for m in found]
-    columns = np.array([int(m[1]) - 1 for m in found], int).reshape(-1, unknowns)
-    # Unknowns come in the order in which they first occur in the equations.
-    points = np.empty(columns.shape, complex)
-    np.put_along_axis(points, columns, np.reshape(numbers, columns.shape), axis=1)
-    return points
+    names, points = read_phcpack(text)
+    return points.reshape(-1, unknowns)[:, np.argsort([*map(_position, names)])]
+
+
+def _position(name: str) -> int:
+    """Return the column of an unknown, also of the recorded answers with x1, x2, ..."""
+    if name in NAMES:
+        return NAMES.index(name)
+    return (UNKNOWNS if name.startswith(split_name(0)[0]) else 0) + int(name[1:]) - 1
 
 
 def written_solutions(points: NDArray[np.complex128]) -> str:
@@ -88,14 +101,10 @@ def written_solutions(points: NDArray[np.complex128]) -> str:
     text = f"{len(points)} {UNKNOWNS}\n{_RULE}\n"
     for number, point in enumerate(points, start=1):
         text += f"solution {number} :\nt : 0.0E+00 0.0E+00\nm : 1\nthe solution for t :\n"
-        for name, x in zip(STYLE.names, point, strict=True):
+        for name, x in zip(NAMES, point, strict=True):
             text += f" {name} : {x.real:.16E} {x.imag:.16E}\n"
         text += "== err : 0.0E+00 = rco : 1.0E+00 = res : 0.0E+00 ==\n"
     return text
-
-
-def _system(rows: list[str]) -> str:
-    return f"{len(rows)}\n" + "".join(f"{row};\n" for row in rows)
 
 
 def _fresh(path: Path) -> None:

@@ -19,6 +19,7 @@ from pathlib import Path
 from gspcli.atlas.equations import Equation, Function, quadrics
 from gspcli.certification import study
 from gspcli.errors import GspError, IncompleteError, NotFiniteError
+from gspcli.export.programs import msolve_input
 
 #: From indices of (e0 ... e3, f0 ... f3), in rising order, to coefficients.
 Polynomial = dict[tuple[int, ...], int]
@@ -130,18 +131,16 @@ def _quadric(function: Function) -> Polynomial:
 
 
 def _system(polynomials: Iterable[Polynomial], prime: int) -> str:
-    """Return the input of msolve: variables, characteristic, polynomials."""
-    texts = []
+    """Return the input of msolve."""
+    rows = []
     for polynomial in polynomials:
-        terms: dict[str, int] = {}
+        terms: dict[tuple[str, ...], int] = {}
         for indices, coefficient in polynomial.items():
-            # e0 is 1. msolve does not understand e1*e1.
-            name = "".join(
-                f"*{variable}^{indices.count(i)}" for i, variable in _NAMES.items() if i in indices
-            )
-            terms[name] = (terms.get(name, 0) + coefficient) % prime
-        texts.append("+".join(f"{value}{name}" for name, value in terms.items() if value))
-    return f"{','.join(_NAMES.values())}\n{prime}\n" + ",\n".join(texts) + "\n"
+            # e0 is 1.
+            monomial = tuple(_NAMES[i] for i in indices if i in _NAMES)
+            terms[monomial] = (terms.get(monomial, 0) + coefficient) % prime
+        rows.append({monomial: value for monomial, value in terms.items() if value})
+    return msolve_input(tuple(_NAMES.values()), rows, prime)
 
 
 def _leading(answer: str) -> list[Monomial]:

@@ -12,7 +12,7 @@ from fractions import Fraction
 from typing import TypeVar
 
 import numpy as np
-from flint import acb, arb, fmpq
+from flint import acb, arb, ctx, fmpq
 from numpy.typing import NDArray
 
 from gspcli.geometry.numbers import Number
@@ -103,3 +103,14 @@ def float_ends(value: arb) -> tuple[float, float]:
     """Return floats below and above all numbers of a ball."""
     low = math.nextafter(float(value.lower()), -math.inf)
     return low, math.nextafter(float(value.upper()), math.inf)
+
+
+def decimal_near(number: Number, digits: int) -> Fraction:
+    """Return a decimal fraction within one unit in so many significant digits of a number."""
+    with ctx.workprec(4 * digits + 64):
+        value = ball(number)
+    places = digits - 1 - math.floor(math.log10(abs(number.value))) if number.value else digits
+    with ctx.workprec(8 * (digits + abs(places)) + 64):
+        scaled = value * arb(fmpq(10) ** places)
+        whole = int((scaled.mid() + arb(fmpq(1, 2))).floor().fmpz())
+    return Fraction(whole) / Fraction(10) ** places

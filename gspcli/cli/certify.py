@@ -77,7 +77,8 @@ def command(
     with the one that `gsp solve` expects.
 
     RESULT is what `gsp solve --format json --all` prints, or any list of poses as JSON or CSV: R
-    (by rows) or a quaternion (scalar first), and T. SPEC or RESULT may be - for standard input.
+    (by rows) or a quaternion (scalar first), and T; or what msolve, PHCpack or one of the other
+    programs of `gsp export` wrote. SPEC or RESULT may be - for standard input.
 
     The exit code is 0 if every pose is certified and no two are the same; 1 if one is proved
     wrong, a duplicate, or not what the list says of it; 4 if something could not be decided,
@@ -93,10 +94,12 @@ def command(
         message = "SPEC and RESULT cannot both be standard input"
         raise click.UsageError(message)
     from gspcli.certification import certify, read_candidates
+    from gspcli.export.answers import read_answer
     from gspcli.spec import set_values
 
     instance = set_values(load_instance(spec), settings)
-    given = read_candidates(*text_of(result))
+    text, name = text_of(result)
+    given = read_answer(text, name) or read_candidates(text, name)
     proved = certify(instance, given.R, given.T, tolerance=tolerance, max_precision=max_precision)
     solutions = []
     for number, (item, claim) in enumerate(zip(proved, given.claimed_real, strict=True), 1):

@@ -14,12 +14,17 @@ from gspcli.errors import GspError
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
 
-_TARGETS = ("mjcf",)
+_MODEL = "mjcf"
+#: Those of `gspcli.export.programs`, which help and completion need not load.
+_PROGRAMS = ("msolve", "phcpack", "macaulay2", "singular", "hcjl", "sympy")
+_COORDINATES = ("study", "study-affine", "rt")
 
 
 @click.command()
 @click.argument("spec", metavar="SPEC")
-@click.option("--to", "target", type=click.Choice(_TARGETS), required=True, help="For which.")
+@click.option(
+    "--to", "target", type=click.Choice((_MODEL, *_PROGRAMS)), required=True, help="For which."
+)
 @click.option(
     "--set",
     "settings",
@@ -34,10 +39,30 @@ _TARGETS = ("mjcf",)
     help="For mjcf: the real pose to build, in the order of `gsp solve`.  [default: 1]",
 )
 @click.option(
+    "--coordinates",
+    type=click.Choice(_COORDINATES),
+    default=_COORDINATES[0],
+    show_default=True,
+    help="For systems: the unknowns.",
+)
+@click.option(
+    "--digits",
+    type=click.IntRange(1, 1000),
+    default=40,
+    show_default=True,
+    help="For systems: significant digits of irrational numbers.",
+)
+@click.option(
     "-o", "--output", "path", metavar="FILE", help="Write to FILE instead of stdout, replacing it."
 )
 def command(
-    spec: str, target: str, settings: tuple[str, ...], mode: int | None, path: str | None
+    spec: str,
+    target: str,
+    settings: tuple[str, ...],
+    mode: int | None,
+    coordinates: str,
+    digits: int,
+    path: str | None,
 ) -> None:
     """Write a platform as a file for another program.
 
@@ -46,12 +71,21 @@ def command(
     the equality hold_k keeps it (its first coefficient is the change), and without it the
     actuator drive_k moves it.
 
+    The others are systems of polynomials for programs that solve them, with rational
+    coefficients exactly as in SPEC: study are unit dual quaternions q, f (each pose twice),
+    study-affine those with q0 = 1 (without half turns), rt the entries of R and T. Irrational
+    numbers are exact for sympy, decimals for msolve, macaulay2 and singular, doubles for phcpack
+    and hcjl; what is not exact is said on stderr. `gsp certify SPEC FILE` reads what the programs
+    write.
+
     SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`).
 
     \b
     Examples:
       gsp export @rubin-m2 --to mjcf -o m2.xml
       gsp export platform.yaml --to mjcf --mode 3 > model.xml
+      gsp export @dietmaier --to msolve -o d.ms && msolve -f d.ms -o d.out
+      gsp certify @dietmaier d.out
     """
     from gspcli.spec import set_values
 
@@ -59,7 +93,11 @@ def command(
     if file is not None:
         check_writable(file)
     instance = set_values(load_instance(spec), settings)
-    write(Output(target, file), _model(instance, mode))
+    if target == _MODEL:
+        text = _model(instance, mode)
+    else:
+        text = _system(instance, target, coordinates, digits)
+    write(Output(target, file), text)
 
 
 def _model(instance: Instance, mode: int | None) -> str:
@@ -74,3 +112,17 @@ def _model(instance: Instance, mode: int | None) -> str:
         raise GspError(message)
     pose = real[number - 1]
     return mjcf(instance, pose.R.real, pose.T.real)
+
+
+def _system(instance: Instance, target: str, coordinates: str, digits: int) -> str:
+    from gspcli.export.equations import system
+    from gspcli.export.motions import MOTIONS
+    from gspcli.export.programs import EXACT, PROGRAMS, RATIONAL
+
+    found = system(instance, MOTIONS[coordinates]())
+    if found.constants and target not in EXACT:
+        how = f"decimals of {digits} digits" if target in RATIONAL else "doubles"
+        count = len(found.constants)
+        numbers = "1 irrational number" if count == 1 else f"{count} irrational numbers"
+        click.echo(f"{numbers} became {how}", err=True)
+    return PROGRAMS[target](found, digits)

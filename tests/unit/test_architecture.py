@@ -16,7 +16,7 @@ LAYERS = {
     "__main__": 8,
     "cli": 7,
     "pictures": 6,
-    "export": 6,
+    "export": 5.5,
     "paper": 6,
     "atlas": 6,
     "reality": 6,

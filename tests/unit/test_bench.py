@@ -11,9 +11,17 @@ from numpy.typing import NDArray
 
 from bench import macaulay2, msolve, phc
 from bench.cases import CASES, Case
-from bench.homotopy import Homotopy, blackbox_system, poses, split_system
+from bench.homotopy import (
+    NAMES,
+    Homotopy,
+    blackbox_system,
+    poses,
+    split_name,
+    split_system,
+    stated_equations,
+    written_product,
+)
 from bench.peers import Answer, compare
-from bench.polynomials import equations, study
 from bench.report import Bar, duration, table
 from bench.sweep import Cost, plot
 from gspcli.geometry.instance import Instance
@@ -60,29 +68,28 @@ def test_msolve_gets_our_equations(case: Case) -> None:
 @CASE
 def test_phc_gets_our_equations(case: Case) -> None:
     instance, _, points = solved(case)
-    form = phc.style(7)
     for row in Homotopy.of(instance, SEED).target:
-        text = "+".join(map(form.product, row)).replace("E", "e")
-        assert worst(text, "I", list(form.names), points) < TOLERANCE
+        text = phc.written_sum(row).replace("E", "e")
+        assert worst(text, "I", list(NAMES), points) < TOLERANCE
 
 
 def test_products_are_split_by_one_unknown_each() -> None:
     case = next(case for case in CASES if case.split)
     instance, _, points = solved(case)
     rows = split_system(instance)
-    form = phc.style(len(rows))
     assert len(rows) == 7 + 3
     unknowns = []
-    texts = [form.written(row).replace("E", "e") for row in rows]
-    for k in range(8, len(rows) + 1):
+    texts = [phc.STYLE.written(row).replace("E", "e") for row in rows]
+    names = [split_name(k) for k in range(3)]
+    for name in names:
         # Of the two rows with u the second is u H = d N, the first G = d N u: solve the second.
-        row = [text for text in texts if f"*x{k}" in text][1]
-        known = dict(zip(form.names, points.T, strict=False))
+        row = [text for text in texts if f"*{name}" in text][1]
+        known = dict(zip(NAMES, points.T, strict=True))
         python = row.replace("^", "**").replace("*I", "*1j")
-        zero, one = (eval(python, {}, known | {f"x{k}": np.complex128(u)}) for u in (0, 1))
+        zero, one = (eval(python, {}, known | {name: np.complex128(u)}) for u in (0, 1))
         unknowns.append(-zero / (one - zero))
     full = np.concatenate((points, np.array(unknowns).T), axis=1)
-    assert all(worst(text, "I", list(form.names), full) < TOLERANCE for text in texts)
+    assert all(worst(text, "I", [*NAMES, *names], full) < TOLERANCE for text in texts)
 
 
 @CASE
@@ -90,11 +97,10 @@ def test_peers_start_at_solutions(case: Case) -> None:
     instance, result, _ = solved(case)
     homotopy = Homotopy.of(instance, SEED)
     assert len(homotopy.points) == result.expected
-    names = list(macaulay2.STYLE.names)
     for row in homotopy.start:
-        text = "+".join(map(macaulay2.STYLE.product, row))
+        text = "+".join(written_product(macaulay2.STYLE, pair) for pair in row)
         # Start solutions are stored in single precision.
-        assert worst(text, "ii", names, homotopy.points) < 1e-4
+        assert worst(text, "ii", list(NAMES), homotopy.points) < 1e-4
 
 
 def test_solutions_are_written_as_phc_reads_them() -> None:
@@ -112,8 +118,8 @@ def test_instances_can_be_written_and_read() -> None:
 def test_irrational_lengths_are_refused() -> None:
     text = dumps(solved(CASES[2])[0])
     crooked = loads(re.sub(r"normal: \[[^\]]*\]", "normal: [1, 1, 1]", text))
-    with pytest.raises(ValueError, match=r"irrational length sqrt\(3\)"):
-        equations(crooked, study())
+    with pytest.raises(ValueError, match=r"irrational: sqrt\(3\)"):
+        stated_equations(crooked)
 
 
 def test_faults_of_peers_are_counted() -> None:

@@ -1,0 +1,110 @@
+"""The constraints as polynomials, from their definitions (Section 4), for other programs.
+
+Directions and normals are kept as they are written, of any length, so that rational data give
+rational coefficients. Nothing is shared with the quadrics of the path tracker, nor with the
+equations of the certificates: that all have the same solutions is part of what the benchmarks and
+the oracles check. Other independent statements, kept apart for the same reason, are those modulo
+primes in `gspcli.atlas` and those for Singular in `tools/`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
+from gspcli.export.constants import Constants
+from gspcli.export.motions import Motion
+from gspcli.export.polynomials import Polynomial, cross, dot
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Line, Plane
+
+_ONE = Polynomial.constant(1)
+_SIGNS = {Side.POSITIVE: 1, Side.NEGATIVE: -1}
+#: An equation as a sum of products of two polynomials, which is zero.
+Equation = tuple[tuple[Polynomial, Polynomial], ...]
+
+
+@dataclass(frozen=True)
+class System:
+    """Polynomials to be zero.
+
+    Attributes
+    ----------
+    names
+        The unknowns, in order.
+    polynomials
+        In the unknowns and the constants.
+    constants
+        Irrational numbers by the names that stand for them.
+    """
+
+    names: tuple[str, ...]
+    polynomials: tuple[Polynomial, ...]
+    constants: Mapping[str, Number]
+
+
+def system(instance: Instance, motion: Motion) -> System:
+    """Return the constraints of an instance and the relations of the coordinates."""
+    rows, constants = equations(instance, motion)
+    polynomials = [constants.reduced(expanded(row)) for row in rows]
+    return System(motion.names, (*polynomials, *motion.relations), constants.names)
+
+
+def expanded(equation: Equation) -> Polynomial:
+    """Return the polynomial of an equation."""
+    return sum((p * q for p, q in equation), start=Polynomial({}))
+
+
+def equations(instance: Instance, motion: Motion) -> tuple[list[Equation], Constants]:
+    """Return one equation for each constraint, and the irrational numbers in them.
+
+    For DLL also lines that become parallel satisfy the equation, whatever their distance.
+    """
+    constants = Constants()
+    rows = [_equation(row, instance.units.angle, motion, constants) for row in instance.constraints]
+    return rows, constants
+
+
+def _equation(row: Constraint, unit: AngleUnit, motion: Motion, exact: Constants) -> Equation:
+    y, x = exact.vector(row.platform.position), exact.vector(row.base.position)
+    u, v = exact.vector(_direction(row.platform)), exact.vector(_direction(row.base))
+    N = motion.N
+    if not row.kind.is_distance:
+        lengths = exact.norm(_direction(row.platform)) * exact.norm(_direction(row.base))
+        aim = exact.reduced(exact.cosine(row, unit) * lengths)
+        return ((dot(motion.turned(u), v) - aim * N, _ONE),)
+    square = exact.square(row.value)
+    turned_y, turned_x = motion.turned(y), motion.turned_back(x)
+    # r = R y + T - x, and the same seen from the platform: s = R^T x - U - y.
+    r = [a + b - N * c for a, b, c in zip(turned_y, motion.T, x, strict=True)]
+    s = [a - b - N * c for a, b, c in zip(turned_x, motion.U, y, strict=True)]
+    sphere = N * (exact.reduced(dot(x, x) + dot(y, y)) - square) + motion.rho
+    sphere += 2 * (dot(y, motion.U) - dot(x, motion.T) - dot(x, turned_y))
+    if row.kind is DPP:
+        return ((sphere, _ONE),)
+    if row.kind in (DPH, DHP):
+        normal, height = (v, dot(v, r)) if row.kind is DPH else (u, dot(u, s))
+        if row.side is Side.BOTH:
+            size = exact.reduced(dot(normal, normal) * square)
+            return ((height, height), (N * size, -N))
+        own = row.base if row.kind is DPH else row.platform
+        distance = exact.reduced(exact.number(row.value) * exact.norm(_direction(own)))
+        return ((height - _SIGNS[row.side] * distance * N, _ONE),)
+    if row.kind in (DPL, DLP):
+        line, along = (v, dot(v, r)) if row.kind is DPL else (u, dot(u, s))
+        return ((exact.reduced(dot(line, line)) * N, sphere), (along, -along))
+    assert row.kind is DLL, row.kind
+    turned = motion.turned(u)
+    moment = dot(v, motion.turned(cross(y, u))) + dot(v, motion.moment(u))
+    moment -= dot(turned, cross(v, x))
+    sizes, cosine = exact.reduced(dot(u, u) * dot(v, v)), dot(turned, v)
+    # M^2 = d^2 (u^2 v^2 - C^2)
+    return (moment, moment), (square * cosine, cosine), (square * sizes * N, -N)
+
+
+def _direction(geometry: object) -> Sequence[Number]:
+    if isinstance(geometry, Line):
+        return geometry.direction
+    return geometry.normal if isinstance(geometry, Plane) else ()
