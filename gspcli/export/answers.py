@@ -81,6 +81,8 @@ def read_msolve(text: str, name: str) -> Points:
     except (ValueError, SyntaxError, TypeError, IndexError) as error:
         message = f"{name}: found a list that ends in a colon, expected the output of msolve"
         raise _unreadable(message) from error
+    if not boxes:
+        return np.zeros((0, 0), complex)
     middles: Points = array.reshape(len(boxes), -1, 2).mean(axis=2).astype(complex)
     return middles
 
