@@ -79,10 +79,6 @@ class Bounds:
         return {name: None if bound is None else bound.value for name, bound in self.items()}
 
 
-#: The names of the bounds, in the order of the catalogue's columns.
-BOUND_NAMES = tuple(Bounds.__dataclass_fields__)
-
-
 class BoundMeaning(NamedTuple):
     """What a bound is called, and of what it is one."""
 
@@ -93,7 +89,7 @@ class BoundMeaning(NamedTuple):
     """Which number it limits: the theorems leave the side of a plane open (Section 5)."""
 
 
-#: What the bounds mean, by their names.
+#: What the bounds mean, by their names, in the order of the catalogue's columns.
 BOUND_MEANINGS = {
     "theorem_5_2": BoundMeaning("Theorem 5.2", "Thm 5.2", "two-sided"),
     "theorem_5_3": BoundMeaning("Theorem 5.3", "Thm 5.3", "two-sided"),
@@ -102,6 +98,7 @@ BOUND_MEANINGS = {
     "refined_one_sided": BoundMeaning("refined, one-sided", "refined 1-sided", "one-sided"),
     "refined_two_sided": BoundMeaning("refined, two-sided", "refined 2-sided", "two-sided"),
 }
+BOUND_NAMES = tuple(BOUND_MEANINGS)
 
 
 def type_bounds(gsp_type: GspType) -> Bounds:

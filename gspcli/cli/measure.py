@@ -62,12 +62,9 @@ def command(
     rows = _rows(instance, table, measure(instance, table.R, table.T).tolist())
     document = None
     if output.format == "json":
-        kind = instance.type
         document = {
             "schema": "gsp.measure/1",
-            "name": instance.name,
-            "type": {"id": kind.id, "number": kind.number, "class": kind.platform_class.id},
-            "units": {"length": instance.units.length, "angle": instance.units.angle.value},
+            **instance.to_json(),
             "poses": [
                 {"t": row["t"], "values": [row[str(k)] for k in range(1, 7)], "sides": row["sides"]}
                 for row in rows

@@ -158,12 +158,9 @@ def _table(result: Track, rows: list[dict[str, Any]]) -> Table:
 
 def _document(result: Track, rows: list[dict[str, Any]]) -> dict[str, Any]:
     instance = result.instance
-    kind = instance.type
     return {
         "schema": "gsp.track/1",
-        "name": instance.name,
-        "type": {"id": kind.id, "number": kind.number, "class": kind.platform_class.id},
-        "units": {"length": instance.units.length, "angle": instance.units.angle.value},
+        **instance.to_json(),
         "certified": result.certified,
         "complete": result.complete,
         "modes": result.modes.tolist(),

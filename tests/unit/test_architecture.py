@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -52,6 +53,7 @@ OF_THE_KERNEL = {"certification", "continuation", "geometry", "motion"}
 STANDARD_LIBRARY_ONLY = {"catalogue", "errors", "resources", "progress", "defaults", "wording"}
 #: What a room may import from the package itself.
 _PUBLIC = set(gspcli.__all__)
+ROW = re.compile(r"\| +([0-9.]+) \| `(\w+)` \| [^|]+ \|([^|]*)\|")
 #: pandas is imported only inside the `to_frame` methods.
 FRAMES = "pandas"
 
@@ -95,6 +97,31 @@ def test_imports_point_one_way(path: Path) -> None:
 def test_every_room_has_its_place() -> None:
     rooms = {_room(path) for path in _sources()}
     assert rooms == LAYERS.keys()
+
+
+def test_the_plan_on_paper_is_that_of_the_tests() -> None:
+    """The table of rooms in the documentation has every room with its level and libraries."""
+    text = (PACKAGE.parent / "docs" / "architecture.md").read_text(encoding="utf-8")
+    rows = [match.groups() for match in ROW.finditer(text)]
+    assert {room: float(level) for level, room, _ in rows} == LAYERS
+    owned = {(name.strip(), room) for _, room, names in rows for name in names.split(",")}
+    assert owned - {("", room) for room in LAYERS} == {
+        (library, room) for library, rooms in ROOMS.items() for room in rooms
+    }
+    said = re.search(r"may import it: ([\w,\s]+)\.", text)
+    assert said is not None
+    assert set(said[1].replace(",", " ").split()) == OF_THE_KERNEL
+
+
+def test_what_the_plan_names_exists() -> None:
+    """Paths in the documentation of the architecture lead to files of the package."""
+    text = (PACKAGE.parent / "docs" / "architecture.md").read_text(encoding="utf-8")
+    for name in re.findall(r"`((?:[a-z_]+/)+[a-z_]*(?:\.py)?)`", text):
+        folder = name.split("/")[0]
+        base = PACKAGE.parent if (PACKAGE.parent / folder).is_dir() else PACKAGE
+        if folder in LAYERS:
+            base = PACKAGE
+        assert "NAME" in name or (base / name).exists(), name
 
 
 def _loaded_by(code: str) -> set[str]:
