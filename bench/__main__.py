@@ -152,8 +152,7 @@ def main() -> int:
     (arguments.output / "benchmarks.md").write_text(text, encoding="utf-8")
     if report.sweep:
         write_csv(report.sweep, arguments.output / "cost.csv")
-        picture = arguments.output / "images" / "cost.svg"
-        picture.write_text(plot(report.sweep), encoding="utf-8")
+        (arguments.output / "images" / "cost.svg").write_bytes(plot(report.sweep))
     for bar in report.bars:
         sys.stdout.write(f"{bar}\n")
     return 0

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.numbers import Number
     from gspcli.geometry.primitives import Line, Plane, Point
     from gspcli.motion import measure, track
+    from gspcli.pictures.notebook import notebook_view
     from gspcli.solver import solve, solve_values
     from gspcli.spec import dump, dumps, load, loads, read, set_values
 
@@ -66,6 +67,7 @@ _HOMES = {
     "loads": "gspcli.spec",
     "measure": "gspcli.motion",
     "mechanism": "gspcli.catalogue.mechanism",
+    "notebook_view": "gspcli.pictures.notebook",
     "parse_class": "gspcli.catalogue.parsing",
     "parse_kind": "gspcli.catalogue.parsing",
     "parse_kind_set": "gspcli.catalogue.parsing",
@@ -108,6 +110,7 @@ __all__ = [
     "loads",
     "measure",
     "mechanism",
+    "notebook_view",
     "parse_class",
     "parse_kind",
     "parse_kind_set",

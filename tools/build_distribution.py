@@ -87,7 +87,7 @@ def main() -> int:
     return save(
         {
             PAGE: f"{before}{BEGIN}\n{table(tally)}\n{END}{after}",
-            PICTURE: histogram(WANTED, tally),
+            PICTURE: histogram(WANTED, tally, "svg"),
         },
         check=arguments.check,
         confirmed=f"real poses of {tally.platforms} random 6-6 platforms",

@@ -10,7 +10,17 @@ import click
 
 from gspcli import __version__
 from gspcli.cli.names import read_type
-from gspcli.cli.output import FORMATS, Column, Output, Table, emit, output_options, write_whole
+from gspcli.cli.output import (
+    DRAWINGS,
+    FORMATS,
+    Column,
+    Output,
+    Table,
+    emit,
+    output_options,
+    write,
+    write_whole,
+)
 from gspcli.cli.workers import worker_options
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED, GspError
@@ -25,7 +35,6 @@ SCHEMA = "gsp.sample/1"
 _BAR = 40
 #: Decimals that keep a number of order one.
 _ALL_DIGITS = 17
-_WIDTH, _HEIGHT, _MARGIN = 640, 320, 40
 
 
 @click.command()
@@ -55,7 +64,7 @@ _WIDTH, _HEIGHT, _MARGIN = 640, 320, 40
     help="Keep undecided and incomplete platforms there, as instance files.",
 )
 @worker_options
-@output_options((*FORMATS, "svg"))
+@output_options((*FORMATS, *DRAWINGS))
 def command(
     names: tuple[str, ...],
     count: int,
@@ -97,12 +106,11 @@ def command(
         click.echo(f"interrupted after {total.platforms} of {count} platforms", err=True)
     if folder is not None:
         _save(folder, wanted, total)
-    emit(
-        output,
-        _table(wanted, total, bars=output.format == "table"),
-        document=_document(wanted, total),
-        texts={"svg": histogram(wanted, total)},
-    )
+    if output.format in DRAWINGS:
+        write(output, histogram(wanted, total, output.format))
+    else:
+        table = _table(wanted, total, bars=output.format == "table")
+        emit(output, table, document=_document(wanted, total))
     return INTERRUPTED if interrupted else 0
 
 
@@ -176,30 +184,15 @@ def _document(wanted: Sample, tally: Tally) -> dict[str, Any]:
     }
 
 
-def histogram(wanted: Sample, tally: Tally) -> str:
-    """Return the distribution as an SVG picture."""
-    numbers = sorted(tally.real) or [0]
-    step = 1 if any(number % 2 for number in numbers) else 2
-    places = range(numbers[0], numbers[-1] + 1, step)
-    most = max(tally.real.values(), default=1)
-    width = (_WIDTH - 2 * _MARGIN) / len(places)
-    height = (_HEIGHT - 2 * _MARGIN) / most
-    floor = _HEIGHT - _MARGIN
-    label_every = max(1, len(places) // 20)
-    lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" '
-        'font-family="sans-serif" font-size="12" text-anchor="middle" fill="#222">',
-        f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="#fff"/>',
-        f'<text x="{_WIDTH / 2:g}" y="20">{wanted.gsp_type.id}: {tally.platforms} random '
-        "platforms by their number of real solutions</text>",
-    ]
-    for k, number in enumerate(places):
-        left, high = _MARGIN + k * width, height * tally.real[number]
-        lines.append(
-            f'<rect x="{left:.2f}" y="{floor - high:.2f}" width="{0.8 * width:.2f}" '
-            f'height="{high:.2f}" fill="#4477aa"><title>{number}: {tally.real[number]}</title>'
-            "</rect>"
-        )
-        if k % label_every == 0:
-            lines.append(f'<text x="{left + 0.4 * width:.2f}" y="{floor + 16}">{number}</text>')
-    return "\n".join([*lines, "</svg>"]) + "\n"
+def histogram(wanted: Sample, tally: Tally, fmt: str) -> bytes:
+    """Return the distribution as a picture in one of `DRAWINGS`."""
+    from gspcli.pictures.charts import bar_chart
+
+    return bar_chart(
+        tally.real,
+        fmt,
+        title=f"{wanted.gsp_type.id}: {tally.platforms} random platforms by their number of "
+        "real solutions",
+        x_label="real solutions",
+        y_label="platforms",
+    )

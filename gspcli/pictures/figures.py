@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from gspcli.errors import GspError
@@ -45,6 +46,19 @@ _NO_METADATA = {
 }
 
 
+def require_matplotlib() -> None:
+    """Complain if matplotlib is not installed, before any work is done.
+
+    Raises
+    ------
+    GspError
+        What to install.
+    """
+    if find_spec("matplotlib") is None:
+        message = "pictures of this kind need matplotlib: pip install 'gspcli[plot]'"
+        raise GspError(message)
+
+
 @contextmanager
 def styled() -> Iterator[None]:
     """Draw and write figures in the common look inside this context.
@@ -54,11 +68,9 @@ def styled() -> Iterator[None]:
     GspError
         If matplotlib is not installed.
     """
-    try:
-        from matplotlib import rc_context
-    except ImportError as error:
-        message = "pictures of this kind need matplotlib: pip install 'gspcli[plot]'"
-        raise GspError(message) from error
+    require_matplotlib()
+    from matplotlib import rc_context
+
     with rc_context(_STYLE):
         yield
 

@@ -298,6 +298,13 @@ class SolveResult:
             "lost": account.lost,
         }
 
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: the poses to look at (`gspcli.notebook_view`)."""
+        # Pictures are above this room; the face of the package knows where they are.
+        from gspcli import notebook_view
+
+        return notebook_view(self)
+
     def to_frame(self, *, everything: bool = False) -> pd.DataFrame:
         """Return the poses as a table with a row for each (pandas is imported now).
 

@@ -200,3 +200,14 @@ def test_without_webgl_the_numbers_are_there(browser: Browser, view: Callable[..
     assert "needs WebGL" in text(browser, "notice")
     browser.key("ArrowRight")
     assert current(browser) == [2]
+
+
+def test_a_notebook_shows_the_page_in_a_frame(browser: Browser, tmp_path: Path) -> None:
+    result = solve(load(instance_files()["octahedral-3-3"]), certify=False)
+    path = tmp_path / "notebook.html"
+    path.write_text(f"<!doctype html><title>cell</title>{result._repr_html_()}", encoding="utf-8")
+    browser.open(path)
+    time.sleep(1)
+    image = matplotlib.image.imread(io.BytesIO(browser.screenshot()), format="png")[..., :3]
+    assert colours(image) > 50
+    assert browser.messages == []

@@ -155,4 +155,5 @@ def test_bars_and_tables() -> None:
 
 def test_the_plot_has_a_dot_for_each_signature() -> None:
     rows = [Cost(f"f{n}", "paths", n, n, 2, "complete", 0.1 * n) for n in (8, 40, 4096)]
-    assert plot(rows).count("<circle") == 3
+    one_less = plot(rows[::2])
+    assert plot(rows).count(b"<use") == one_less.count(b"<use") + 1

@@ -78,6 +78,10 @@ def output_options(
                     raise click.BadParameter(message)
             if path is not None:
                 check_writable(Path(path))
+            if chosen in DRAWINGS:
+                from gspcli.pictures.figures import require_matplotlib
+
+                require_matplotlib()
             part = context.params.pop("part_", None)
             context.params["output"] = Output(chosen or default, Path(path) if path else None, part)
             return None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import sys
 import xml.etree.ElementTree as ET
 from functools import cache
 
@@ -74,6 +73,6 @@ def test_the_base_alone() -> None:
 
 
 def test_without_matplotlib_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    monkeypatch.setattr("gspcli.pictures.figures.find_spec", lambda name: None)
     with pytest.raises(GspError, match=r"pip install 'gspcli\[plot\]'"):
         drawing(scene("octahedral-3-3"), "svg", [0])
