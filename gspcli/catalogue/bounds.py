@@ -131,9 +131,17 @@ def _theorem_5_3(distances: tuple[Kind, ...]) -> Bound:
     degree = varieties()[LAZARD].degree
     if DPP not in distances:
         return _by_paper_degrees("Theorem 5.3, no DPP", degree, distances)
-    # One DPP is of degree two, its differences from the others are linear.
     first = constraint_facts(DPP).paper_lazard.two_sided
-    return _by_paper_degrees("Theorem 5.3, with DPP", degree * first, distances)
+    factors = _paper_factors(distances)
+    value = _product(degree * first, factors)
+
+    def explain() -> str:
+        powers, counts = _powers(factors)
+        product = " · ".join([str(degree), str(first), *powers])
+        reasons = [f"one DPP of degree {first}, differences linear", *counts]
+        return f"Theorem 5.3: {product} = {value}: {'; '.join(reasons)}"
+
+    return Bound(value, explain)
 
 
 def _by_paper_degrees(theorem: str, start: int, distances: tuple[Kind, ...]) -> Bound:
@@ -313,16 +321,22 @@ def _product(start: int, factors: Sequence[tuple[Kind, int]]) -> int:
 
 def _spelled(start: int, factors: Sequence[tuple[Kind, int]]) -> str:
     """Return how a product comes about, factors of one left out."""
+    powers, counts = _powers(factors)
+    if not powers:
+        return f"{start}, all constraints of degree 1"
+    product = " · ".join([str(start), *powers])
+    return f"{product} = {_product(start, factors)}: {', '.join(counts)}"
+
+
+def _powers(factors: Sequence[tuple[Kind, int]]) -> tuple[list[str], list[str]]:
+    """Return the powers in a product, and where each comes from."""
     by_factor: dict[int, list[str]] = {}
     for kind, factor in factors:
         if factor > 1:
             by_factor.setdefault(factor, []).append(kind.name)
-    if not by_factor:
-        return f"{start}, all constraints of degree 1"
     powers = [f"{factor}^{len(names)}" for factor, names in sorted(by_factor.items())]
     counts = [
         f"{_NUMBER_WORDS[len(names)]} of degree {factor} ({', '.join(names)})"
         for factor, names in sorted(by_factor.items())
     ]
-    product = " · ".join([str(start), *powers])
-    return f"{product} = {_product(start, factors)}: {', '.join(counts)}"
+    return powers, counts

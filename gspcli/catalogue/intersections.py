@@ -163,3 +163,16 @@ def intersection_number(families: str) -> int:
         h, x, t, p, q = map(chosen.count, range(5))
         total += factor * _degree(h, x, t, p, q)
     return total
+
+
+def mourrain_degree() -> int:
+    """Return the degree of the motions in the 25 coordinates R, T, U, rho and T x R.
+
+    Of six general linear functions five can be made free of rho: a family of class x without base
+    points. The sixth has class 2x - 2h, as a member of s on Y, and base points only where
+    g = f.f = 0, which the curve of the other five misses.
+
+    >>> mourrain_degree()
+    84
+    """
+    return 2 * _degree(0, DIMENSION, 0, 0, 0) - 2 * _degree(1, DIMENSION - 1, 0, 0, 0)
