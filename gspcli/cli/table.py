@@ -182,6 +182,7 @@ def _errata(errata: Sequence[Erratum], evidence: Mapping[str, str], confirmed: s
     return Table(
         [
             Column("key", "erratum", essential=True),
+            Column("sort"),
             Column("place", essential=True, fold=" "),
             Column("printed", "the paper prints", fold=" "),
             Column("correct", "what holds", fold=" "),

@@ -89,7 +89,7 @@ def _branches(result: SolveResult) -> list[tuple[int, tuple[int, ...]]]:
     arrangement = Arrangement.of(result.instance)
     lines = [i for i, kind in enumerate(arrangement.kinds) if kind is DLL]
     moments = (
-        np.stack([_mutual_moment(arrangement, i, result.R, result.T) for i in lines], axis=-1)
+        np.stack([mutual_moment(arrangement, i, result.R, result.T) for i in lines], axis=-1)
         if lines
         else np.zeros((len(result.R), 0), complex)
     )
@@ -106,7 +106,7 @@ def _branches(result: SolveResult) -> list[tuple[int, tuple[int, ...]]]:
     return branches
 
 
-def _mutual_moment(
+def mutual_moment(
     arrangement: Arrangement, i: int, R: NDArray[np.complex128], T: NDArray[np.complex128]
 ) -> NDArray[np.complex128]:
     """Return (R M1 + T − M2)·(R v1 × v2) for the lines of a constraint (Section 4, DLL)."""

@@ -1,29 +1,27 @@
-"""Where the paper's numbers and formulas are wrong, each with a proof that runs."""
+"""Where the paper's numbers and formulas do not hold, or not the best, with proofs that run."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from typing import Literal
 
-from gspcli.catalogue.bounds import type_bounds
-from gspcli.catalogue.constraints import constraint_facts
-from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPP, KINDS_BY_NAME
-from gspcli.catalogue.realization import realization
-from gspcli.catalogue.types import CLASSES, all_types
-from gspcli.catalogue.varieties import LAZARD, MOURRAIN, MOURRAIN_16, varieties
 from gspcli.errors import CheckFailed
-from gspcli.paper import table1, table2, table3
+from gspcli.paper import errata_proofs as proofs
 from gspcli.paper.printed import Difference
 
 
 @dataclass(frozen=True)
 class Erratum:
-    """A statement of the paper that does not hold.
+    """A statement of the paper that does not hold, or that holds and can be sharpened.
 
     Attributes
     ----------
     key
         A stable name.
+    sort
+        ``wrong``; ``sharpened``: true, but not the best; or ``slip``: a misprint, or words that do
+        not fit the formulas, which mislead nobody for long.
     place
         Where in the paper.
     printed, correct
@@ -35,6 +33,7 @@ class Erratum:
     """
 
     key: str
+    sort: Literal["wrong", "sharpened", "slip"]
     place: str
     printed: str
     correct: str
@@ -57,227 +56,212 @@ def erratum_of(difference: Difference) -> str | None:
     return None
 
 
-def _require(condition: bool, message: str) -> None:
-    if not condition:
-        raise CheckFailed(message)
-
-
-def _class_size() -> str:
-    counted = sum(gsp_type.platform_class == CLASSES[0] for gsp_type in all_types())
-    _require(counted == CLASSES[0].size, f"{counted} types enumerated")
-    _require(counted != 1220, "the printed number is right")
-    return f"enumeration and the binomials of Proposition 2.2 both give {counted}"
-
-
-def _degree_of_mourrain() -> str:
-    from gspcli.symbolic.coordinates import system
-    from gspcli.symbolic.varieties import hilbert_function, sampled_hilbert_function
-
-    large, small = varieties()[MOURRAIN], varieties()[MOURRAIN_16]
-    _require(small.degree == 40, f"16 coordinates: degree {small.degree}")
-    _require(large.degree != 40, "the printed number is right")
-    wanted = [
-        hilbert_function(large.hilbert_numerator, large.dimension, degree) for degree in (1, 2)
-    ]
-    ranks = [
-        sampled_hilbert_function(system(MOURRAIN), degree, wanted[-1] + 20) for degree in (1, 2)
-    ]
-    _require(wanted == ranks, f"Hilbert function {wanted}, ranks at random motions {ranks}")
-    return (
-        f"Singular: degree {large.degree} in 25 coordinates, {small.degree} in 16; the Hilbert "
-        f"function of the former, {wanted} in degrees 1 and 2, is found again at random motions"
-    )
-
-
-def _lowest_degrees() -> str:
-    from gspcli.symbolic.constraints import lowest_degree
-
-    found = []
-    for kind in (DHP, DLP, DLL):
-        facts = constraint_facts(kind)
-        derived = lowest_degree(kind)
-        _require(derived.degree == facts.lowest.two_sided, f"{kind}: {derived.degree} derived")
-        _require(derived.degree < facts.paper_mourrain.two_sided, f"{kind} is as printed")
-        found.append(f"{kind} {derived.degree} in {facts.lowest_coordinates}")
-    return f"equations derived and exactly checked: {'; '.join(found)}"
-
-
-def _theorem_5_4() -> str:
-    types = [t for t in all_types() if type_bounds(t).theorem_5_4 is not None]
-    bounds = {type_bounds(t).refined_one_sided.value for t in types}
-    printed = varieties()[LAZARD].degree
-    _require(len(types) == 35, f"{len(types)} types")
-    _require(max(bounds) < printed, f"bounds {bounds}")
-    degree = varieties()["R,T"].degree
-    _require(bounds == {degree}, f"bounds {bounds}, degree {degree}")
-    return (
-        f"all {len(types)} types are linear in (R, T), where the motions have degree {degree}: "
-        f"at most {degree} solutions instead of {printed}"
-    )
-
-
-def _table_1() -> str:
-    from gspcli.symbolic.printed_section_6 import table_1 as prove_row
-
-    (difference,) = table1.differences()
-    row = int(difference.row.removeprefix("solution ")) - 1
-    return prove_row(table1.printed()[row], table1.compute()[row])
-
-
-def _table_2() -> str:
-    from gspcli.symbolic.printed_section_6 import table_2 as prove_points
-
-    return prove_points(table2.printed(), table2.compute())
-
-
-def _section_6(name: str) -> Callable[[], str]:
-    def proof() -> str:
-        from gspcli.symbolic import printed_section_6
-
-        evidence: str = getattr(printed_section_6, name)()
-        return evidence
-
-    return proof
-
-
-def _table_3() -> str:
-    counted: dict[str, int] = {}
-    for difference in table3.differences():
-        case = difference.row.removeprefix("case ")
-        surfaces = "".join(sorted(_surface_letters(difference.printed.split()), key="PSC".index))
-        _require(surfaces != case, f"{difference.printed} is of case {case}")
-        counted[difference.printed] = counted.get(difference.printed, 0) + 1
-    printed = [str(entry) for entry in table3.printed()]
-    _require(len(printed) == len(table3.compute()) == 56, "56 triples")
-    for wrong in counted:
-        _require(printed.count(wrong) == 2, f"{wrong} is printed {printed.count(wrong)} times")
-    return f"{' and '.join(counted)} are each printed in two cases; both have other surfaces"
-
-
-def _surface_letters(names: list[str]) -> list[str]:
-    return [constraint_facts(KINDS_BY_NAME[f"D{name}"]).surface or "" for name in names]
-
-
-def _captions() -> str:
-    chains = {kind: realization(kind).chain.name for kind in (DPP, DPH)}
-    _require(chains[DPP] != chains[DPH], f"{chains}")
-    return (
-        f"the chain in the figures, {chains[DPH]}, keeps exactly the point/plane distance when "
-        f"its driver is held; point/point is {chains[DPP]} of Figure 9"
-    )
-
-
 ERRATA: tuple[Erratum, ...] = (
     Erratum(
         "class-size",
+        "wrong",
         "Section 1, page 66",
         "a class of 1220 GSPs has analytical solutions",
         "1120",
         "The class is 3D3A, counted in Proposition 2.2 and in the abstract.",
-        _class_size,
+        proofs.class_size,
+    ),
+    Erratum(
+        "figure-2",
+        "wrong",
+        "Section 2, page 67, Figure 2",
+        "this platform has at most four solutions",
+        "at most four for each choice of signs of its three distances, 32 in all",
+        "A distance of two lines is the modulus of a signed one, as that of a point and a plane. "
+        "The three angles leave four rotations, and each choice of signs one position.",
+        proofs.figure_2,
     ),
     Erratum(
         "mourrain-degree",
+        "wrong",
         "Section 3, page 69",
         "the variety of Mourrain in 25 coordinates has degree 40",
         "84; the one in 16 coordinates has 40",
         "Theorem 5.2 holds all the same: its constraints use the 16 coordinates R, T, U, ρ only.",
-        _degree_of_mourrain,
+        proofs.degree_of_mourrain,
+    ),
+    Erratum(
+        "equation-5",
+        "slip",
+        "Section 4, page 69, equation (5), second line",
+        "2[T, RᵀY]",
+        "2[T, RY]",
+        "[T, RY] = [Y, RᵀT], as in the third line.",
+        proofs.printed("equation_5", 4),
+    ),
+    Erratum(
+        "dll-vectors",
+        "slip",
+        "Section 4, page 70, DLL",
+        "u_i a unit vector parallel to L_i, then v_1 and v_2 in the equation",
+        "the same vectors",
+        "The equation is that of the distance with v_i = u_i.",
+        proofs.printed("distance_of_lines", 4),
+    ),
+    Erratum(
+        "normals-of-lines",
+        "slip",
+        "Section 4, page 71, ALH and AHL; page 72, proof of Theorem 5.2",
+        "the unit normal vector of a line",
+        "a unit vector parallel to the line",
+        "A line has no one normal vector; the equations need its direction.",
+        proofs.printed("directions_of_lines", 4),
     ),
     Erratum(
         "proposition-4-1",
+        "sharpened",
         "Proposition 4.1, page 71",
         "DLP, DHP and DLL constraints are of degree four",
         "DLP and DHP are of degree two (a one-sided DHP of degree one), DLL of degree two in "
         "Mourrain's 25 coordinates",
-        "U = RᵀT makes the plane of a DHP linear and the cylinder of a DLP quadratic; the mutual "
-        "moment of two lines is linear in R and T×R. In Lazard's coordinates four is the lowest "
-        "degree of a DLL.",
-        _lowest_degrees,
+        "True, but not the lowest degrees. U = RᵀT makes the plane of a DHP linear and the "
+        "cylinder of a DLP quadratic; the mutual moment of two lines is linear in R and T×R. In "
+        "Lazard's coordinates four is the lowest degree of a DLL.",
+        proofs.lowest_degrees,
+    ),
+    Erratum(
+        "proof-of-5-2",
+        "slip",
+        "Proof of Theorem 5.2, page 72",
+        "By (??), the last equation is of degree two",
+        "by the equation of DPL in Section 4, which has no number",
+        "A reference that was not resolved.",
+        proofs.proof_of_5_2,
+    ),
+    Erratum(
+        "proof-of-5-3",
+        "slip",
+        "Proof of Theorem 5.3, page 72",
+        "20 · 2 · 2^s · 2^k = 80",
+        "20 · 2 · 2^m · 4^s = 80",
+        "k is not defined, and s counts the constraints of degree four.",
+        proofs.proof_of_5_3,
+    ),
+    Erratum(
+        "after-5-3",
+        "slip",
+        "After the proof of Theorem 5.3, page 72",
+        "[T, T] = l1",
+        "[T, T] = d1²",
+        "It is the first equation of (9) with Y1 = X1 = 0; there is no l1.",
+        proofs.printed("first_distance", 4),
+    ),
+    Erratum(
+        "page-72",
+        "wrong",
+        "After the proof of Theorem 5.3, page 72",
+        "a class of GSPs the maximal number of solutions for which is 20",
+        "8",
+        "The class is that of Theorem 5.4. Its bound of 20 holds, and is never attained.",
+        proofs.page_72,
     ),
     Erratum(
         "theorem-5-4",
+        "sharpened",
         "Theorem 5.4, page 73",
         "at most 20 feasible solutions",
         "at most 8",
-        "One-sided DPH and angles are linear in R and T alone, so the variety in these twelve "
-        "coordinates serves in place of Lazard's.",
-        _theorem_5_4,
+        "True, but not the best. One-sided DPH and angles are linear in R and T alone, so the "
+        "variety in these twelve coordinates serves in place of Lazard's.",
+        proofs.theorem_5_4,
+    ),
+    Erratum(
+        "section-6-1",
+        "slip",
+        "Section 6.1, page 74",
+        "cos(∠(RL1, L4)) = d1, … with L1, L2, L3 on the base",
+        "cos(∠(L1, RL4)) = d1, …",
+        "R turns the lines of the platform, L4, L5 and L6, as in equation (11).",
+        proofs.printed("turned_directions", 4),
     ),
     Erratum(
         "equation-12",
+        "wrong",
         "Equation (12), page 74, second polynomial",
         "h2 of degree 3 in r32 in both coefficients (z20 … z27)",
         "degree 3 in the coefficient of r31, degree 4 in the other",
         "The elimination gives degree 4, and no polynomial of the printed shape vanishes at the "
         "eight rotations.",
-        _section_6("equation_12"),
+        proofs.printed("equation_12"),
     ),
     Erratum(
         "table-1-sign",
+        "wrong",
         "Table 1, page 76, solution 8, r21",
         "(3 − √5)/(2(−1 + √5))",
         "(1 − √5)/4, which is the negative",
         "The printed matrix is not orthogonal. (Read from a text layer with flattened fractions; "
         "the sign of the numerator decides.)",
-        _table_1,
+        proofs.table_1,
     ),
     Erratum(
         "equation-14",
+        "slip",
         "Algorithm 6.6, equation (14), page 78",
         "L2(x + x1 − x2, …), and index 2 again in the third line",
         "L2(x + x2 − x1, …), L3(x + x3 − x1, …)",
         "Under a fixed orientation p2' = p1' + (p2 − p1) is the point that lies on L2.",
-        _section_6("equation_14"),
+        proofs.printed("equation_14"),
     ),
     Erratum(
         "equation-15",
+        "slip",
         "Equation (15), page 78",
         "… + (d12·y + d13·x + d14)z + (d15·z + d16)y + …",
         "… + (d12·y + d13·x + d14)z + (d15·x + d16)y + …",
         "The printed quadric has two terms in yz and none in xy.",
-        _section_6("equation_15"),
+        proofs.printed("equation_15"),
     ),
     Erratum(
         "equation-16",
+        "slip",
         "Equation (16), page 78, third polynomial",
         "d3·z + d2·y + d1·z + d4",
         "d3·z + d2·y + d1·x + d4",
         "It is the plane of (15).",
-        _section_6("equation_16"),
+        proofs.printed("equation_16"),
     ),
     Erratum(
         "equation-18",
+        "wrong",
         "Equation (18), page 79",
         "2x² + r2² − r3² − r1², 2y² + r3² − r1² − r2²",
         "2x² + r3² − r2² − r1², 2y² + r2² − r1² − r3²",
         "r2 and r3 are exchanged against equation (17).",
-        _section_6("equation_18"),
+        proofs.printed("equation_18"),
     ),
     Erratum(
         "table-2-exchanged",
+        "wrong",
         "Table 2, page 79",
         "x = ±3√10/2, y = ±3√6/2",
         "x = ±3√6/2, y = ±3√10/2",
         "The consequence of equation (18): the points are those for r2 = 5, r3 = 4.",
-        _table_2,
+        proofs.table_2,
     ),
     Erratum(
         "table-3-columns",
+        "wrong",
         "Table 3, page 80, cases PSS and CCC",
         "PP PP PP under PSS; LL LP LP under CCC",
         "PH PP PP; LP LP LP",
         "Each of the 56 triples belongs to one case; the two printed ones stand in their own "
         "cases, SSS and PCC, as well.",
-        _table_3,
+        proofs.table_3,
     ),
     Erratum(
         "captions",
+        "slip",
         "Figures 5 and 6, page 81, captions",
         "point/point and point/line distance constraint",
         "both are realizations of the point/plane distance, as Section 7 says",
         "The chain of a spherical and a planar joint fixes the distance of a point to a plane.",
-        _captions,
+        proofs.captions,
     ),
 )
 

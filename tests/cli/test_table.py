@@ -35,7 +35,7 @@ def test_tables_for_a_paper(gsp: Run) -> None:
 
 def test_errata_alone(gsp: Run) -> None:
     shown = gsp("table", "errata", "--format", "csv").out.splitlines()
-    assert shown[0] == "key,place,printed,correct"
+    assert shown[0] == "key,sort,place,printed,correct"
     assert any(line.startswith("theorem-5-4,") for line in shown)
 
 
