@@ -45,7 +45,7 @@ from residues import direction
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.instance import Constraint, Instance
 
-MSOLVE_LIMIT_S, REAL_LIMIT_S = 600.0, 120.0
+MSOLVE_LIMIT_S, REAL_LIMIT_S = 600.0, 60.0
 MOST_BY_SINGULAR = 100
 #: Decimals to which irrational numbers are rounded to isolate real poses.
 ROUNDED = 30
