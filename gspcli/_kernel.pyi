@@ -73,12 +73,14 @@ def count(
     squares: NDArray[np.uint64],
     weights: NDArray[np.uint64],
     owners: NDArray[np.int64],
+    equations: int,
+    groups: list[list[int]],
     find_distinct: bool,
     max_work: int,
     max_entries: int,
     trace: bool = False,
     build: str = "",
-) -> tuple[int, int, int, int, bool, int, tuple[Any, ...] | None]: ...
+) -> tuple[int, int, int, list[int], list[int], int, bool, int, tuple[Any, ...] | None]: ...
 def follow(
     forms: NDArray[np.int32],
     laws: NDArray[np.int32],

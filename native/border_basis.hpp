@@ -4,7 +4,7 @@
 // products of the normal monomials of degree d - 1 and the variables are reduced by the generators
 // of degree d and by the commutators x_i (x_j u) = x_j (x_i u), u normal of degree d - 2. A relation
 // whose top form vanishes (a fall of degree) becomes a generator of its degree, where the work is
-// taken up again. The normal monomials are those of the degree reverse lexicographic order.
+// taken up again; what has been reduced before is carried over. The normal monomials are those of the degree reverse lexicographic order.
 #pragma once
 
 #include <algorithm>
@@ -90,6 +90,11 @@ class BorderBasis {
   struct Commutator {
     int monomial, i, j;
   };
+  // A reduced row of an earlier step, by the numbers of its monomials.
+  struct Carried {
+    int step, row;
+    std::vector<std::pair<int, Residue>> terms;
+  };
 
   // --- vectors over the normal monomials
 
@@ -97,6 +102,9 @@ class BorderBasis {
     if (position_.size() < static_cast<std::size_t>(monomials_.size())) {
       position_.resize(monomials_.size(), -1);
       form_.resize(monomials_.size());
+      origin_.resize(monomials_.size());
+      was_normal_.resize(monomials_.size(), 0);
+      is_fresh_.resize(monomials_.size(), 0);
     }
   }
   int times(int k, int i) {
@@ -170,7 +178,13 @@ class BorderBasis {
 
   std::vector<int> columns_of(int d);
   void add_generators(Echelon<F>& matrix, int d);
+  void add_carried(Echelon<F>& matrix, int d);
   void add_commutators(Echelon<F>& matrix, int d);
+  void add_term(Accumulator<F>& sums, Monomial m, int degree, Residue value, int d);
+  bool is_carried(int d) const {
+    return d < static_cast<int>(carried_.size()) && !carried_[d].empty();
+  }
+  void carry(const Echelon<F>& matrix, const std::vector<int>& columns, int from, int d);
   void spend(const Echelon<F>& matrix) {
     budget_.spend(matrix.work() - std::exchange(seen_work_, matrix.work()) + matrix.columns() +
                   std::exchange(spent_, 0));
@@ -218,6 +232,11 @@ class BorderBasis {
   std::vector<int> normal_, start_;
   std::vector<int> hilbert_;              // normal monomials of each degree
   std::vector<std::pair<Monomial, int>> leading_;  // minimal leading monomials, their degrees
+  std::vector<std::pair<int, int>> origin_;  // of each normal form the step and its row
+  std::vector<std::vector<Carried>> carried_;  // by degree
+  std::vector<char> was_normal_;  // whether a monomial was normal before the last fall
+  std::vector<char> is_fresh_;    // whether it leads since then
+  int steps_ = 0;
   std::vector<int> column_;               // of each monomial of the present degree
   int top_ = 0;                           // columns of the present degree
   int falls_ = 0;
@@ -242,11 +261,15 @@ bool BorderBasis<F>::compute() {
     Echelon<F> matrix(field_, top_ + dimension());
     seen_work_ = 0;
     if (trace_ != nullptr) trace_->push_back({d, {}, {}});
+    ++steps_;
     add_generators(matrix, d);
+    add_carried(matrix, d);
     if (d >= 2) add_commutators(matrix, d);
     matrix.back_substitute();
     spend(matrix);
+    const int present = d;
     if (take_falls(matrix, d)) {
+      if (d > 0) carry(matrix, columns, d, present);
       if (d == 0) {
         forget_from(0);
         return true;  // no solution
@@ -288,16 +311,83 @@ void BorderBasis<F>::add_generators(Echelon<F>& matrix, int d) {
     for (const auto& [m, value] : generator.terms) {
       int degree = 0;
       for (int i = 0; i < variables_; ++i) degree += exponent(m, i);
-      if (degree == 0) {
-        matrix.accumulator.add(top_ + dimension() - 1, value);
-        continue;
-      }
-      const int i = divisor(m);
-      add_multiple(matrix.accumulator, normal_form(m - variable(i), degree - 1), i, value, d,
-                   top_);
+      add_term(matrix.accumulator, m, degree, value, d);
     }
     push(matrix, [&] { return std::vector<int>{static_cast<int>(g)}; });
   }
+}
+
+// Adds a multiple of any monomial up to degree d.
+template <class F>
+void BorderBasis<F>::add_term(Accumulator<F>& sums, Monomial m, int degree, Residue value, int d) {
+  if (degree == 0) {
+    sums.add(top_ + dimension() - 1, value);
+    return;
+  }
+  const int i = divisor(m);
+  add_multiple(sums, normal_form(m - variable(i), degree - 1), i, value, d, top_);
+}
+
+template <class F>
+void BorderBasis<F>::add_carried(Echelon<F>& matrix, int d) {
+  if (!is_carried(d)) return;
+  for (const Carried& carried : carried_[d]) {
+    matrix.accumulator.clear();
+    for (const auto& [k, value] : carried.terms) {
+      const int degree = monomials_.degree(k);
+      if (degree == d && k < static_cast<int>(column_.size()) && column_[k] >= 0) {
+        matrix.accumulator.add(column_[k], value);
+      } else if (degree < d && (is_normal(k) || !form_[k].empty())) {
+        add_known(matrix.accumulator, k, value, d, top_);
+      } else {
+        add_term(matrix.accumulator, monomials_[k], degree, value, d);
+      }
+    }
+    push(matrix, [&] { return std::vector<int>{-1, carried.step, carried.row}; });
+  }
+  budget_.spend(carried_[d].size());
+}
+
+// Keeps the reduced rows of the degrees that will be done again.
+template <class F>
+void BorderBasis<F>::carry(const Echelon<F>& matrix, const std::vector<int>& columns, int from,
+                           int d) {
+  if (static_cast<int>(carried_.size()) <= d) carried_.resize(d + 1);
+  for (int degree = from; degree <= d; ++degree) carried_[degree].clear();
+  std::fill(was_normal_.begin(), was_normal_.end(), 0);
+  std::fill(is_fresh_.begin(), is_fresh_.end(), 0);
+  for (const int k : normal_) was_normal_[k] = 1;
+  for (int c = 0; c < top_; ++c) {
+    const int row = matrix.row_of(c);
+    if (row < 0) {
+      was_normal_[columns[c]] = 1;
+      continue;
+    }
+    Carried kept{steps_ - 1, row, {}};
+    for (int other = c; other < matrix.columns(); ++other) {
+      const Residue value = matrix.entry(row, other);
+      if (value == 0) continue;
+      kept.terms.emplace_back(
+          other < top_ ? columns[other] : normal_[top_ + dimension() - 1 - other], value);
+    }
+    carried_[d].push_back(std::move(kept));
+  }
+  for (int k = 0; k < static_cast<int>(form_.size()); ++k) {
+    const int degree = monomials_.degree(k);
+    if (degree < from || degree >= d || is_normal(k) || form_[k].empty()) continue;
+    Carried kept{origin_[k].first, origin_[k].second, {{k, 1}}};
+    const int length = static_cast<int>(form_[k].size());
+    for (int t = 0; t < length; ++t)
+      if (form_[k][t] != 0)
+        kept.terms.emplace_back(normal_[length - 1 - t], field_.negative(form_[k][t]));
+    carried_[degree].push_back(std::move(kept));
+  }
+  // The least leading monomials first, so that tails are reduced when they are used.
+  for (int degree = from; degree <= d; ++degree)
+    std::sort(carried_[degree].begin(), carried_[degree].end(),
+              [&](const Carried& a, const Carried& b) {
+                return monomials_.greater(b.terms.front().first, a.terms.front().first);
+              });
 }
 
 template <class F>
@@ -325,7 +415,18 @@ void BorderBasis<F>::add_commutators(Echelon<F>& matrix, int d) {
       }
   std::sort(first.begin(), first.end(),
             [](const auto& a, const auto& b) { return a.first > b.first; });
-  for (const auto& [column, row] : first) push_commutator(matrix, row, d);
+  if (is_carried(d)) {
+    // Old commutators lie in the span of the rows carried over; new ones come from monomials that
+    // did not lead before.
+    for (const auto& [column, row] : first) rest.push_back(row);
+    const auto old = std::stable_partition(rest.begin(), rest.end(), [&](const Commutator& row) {
+      return is_fresh_[times(row.monomial, row.i)] || is_fresh_[times(row.monomial, row.j)];
+    });
+    for (auto row = rest.begin(); row != old; ++row) push_commutator(matrix, *row, d);
+    rest.erase(rest.begin(), old);
+  } else {
+    for (const auto& [column, row] : first) push_commutator(matrix, row, d);
+  }
   std::shuffle(rest.begin(), rest.end(), random_);
   // Random combinations of all commutators tell when the rest brings nothing new.
   std::size_t next = 0;
@@ -416,6 +517,8 @@ void BorderBasis<F>::commit(const Echelon<F>& matrix, const std::vector<int>& co
     for (int t = 0; t < before; ++t) form[fresh + t] = field_.negative(matrix.entry(row, top_ + t));
     budget_.keep(form.size());
     form_[columns[c]] = std::move(form);
+    origin_[columns[c]] = {steps_ - 1, row};
+    is_fresh_[columns[c]] = was_normal_[columns[c]];
     const Monomial m = monomials_[columns[c]];
     bool minimal = true;
     for (int i = 0; i < variables_ && minimal; ++i) {

@@ -16,8 +16,8 @@ enum Blocks : unsigned { kTranslation = 1, kBody = 2, kDistance = 4 };
 
 // A step of the elimination: which rows were independent, and the column where each one leads.
 // Columns: the products of normal monomials of degree d - 1 and variables, then the normal ones,
-// both the greatest first. A source is the number of a generator, or a commutator: two variables
-// and the exponents of the normal monomial.
+// both the greatest first. A source is the number of a generator; -1, an earlier step and a row of
+// it; or a commutator: two variables and the exponents of the normal monomial.
 struct EliminationStep {
   int degree;
   std::vector<std::vector<int>> sources;
@@ -42,14 +42,18 @@ struct CountingProblem {
   const std::int64_t* hessians;  // (kFunctions, 8, 8), of N times the functions
   int moments;
   const std::uint64_t* moment_functions;  // (moments, kFunctions)
-  // Each equation: a function plus its weighted squares of functions is zero.
+  // Each equation: a function plus its weighted squares of functions is zero. Further rows are
+  // for `groups`.
   int equations;
-  const std::uint64_t* functions;  // (equations, kFunctions + moments)
+  const std::uint64_t* functions;  // (equations and more, kFunctions + moments)
   int squares;
   const std::uint64_t* square_functions;  // (squares, kFunctions + moments)
   const std::uint64_t* weights;           // (squares,)
   const std::int64_t* owners;             // (squares,)
   bool find_distinct;
+  // For each group of equations the solutions are counted where none of its sides vanishes; those
+  // equations are numbered behind the ones to be solved, and linear in coordinates but for squares.
+  std::vector<std::vector<int>> groups;
   std::uint64_t max_work;     // multiplications
   std::uint64_t max_entries;  // residues kept
   std::function<void()> check;  // called now and then; may throw
@@ -62,6 +66,8 @@ struct CountingResult {
   CountingOutcome outcome;
   int solutions;             // with multiplicity, if finite
   int distinct;              // -1 if not asked for or not found
+  std::vector<int> apart;           // solutions of each group, with multiplicity
+  std::vector<int> apart_distinct;  // distinct ones
   int falls;                 // equations of lower degree that came up
   bool all_commutators;      // whether none was left to a random combination
   std::uint64_t work;

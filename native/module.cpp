@@ -246,7 +246,9 @@ nb::tuple intersect(Array<std::complex<double>, 4> planes, Array<std::complex<do
 nb::tuple count(std::uint64_t prime, std::uint64_t seed, unsigned blocks,
                 Array<std::int64_t, 3> hessians, Array<std::uint64_t, 2> moments,
                 Array<std::uint64_t, 2> functions, Array<std::uint64_t, 2> squares,
-                Array<std::uint64_t, 1> weights, Array<std::int64_t, 1> owners, bool find_distinct,
+                Array<std::uint64_t, 1> weights, Array<std::int64_t, 1> owners,
+                std::size_t equations,
+                const std::vector<std::vector<int>>& groups, bool find_distinct,
                 std::uint64_t max_work, std::uint64_t max_entries, bool trace,
                 const std::string& build) {
   const std::size_t width = kFunctions + moments.shape(0);
@@ -261,6 +263,10 @@ nb::tuple count(std::uint64_t prime, std::uint64_t seed, unsigned blocks,
           "functions must have shapes (moments, 26), (equations, 26 + moments), (squares, same)");
   require(weights.shape(0) == squares.shape(0) && owners.shape(0) == squares.shape(0),
           "each square has a weight and an owner");
+  require(equations <= functions.shape(0), "as many functions as equations at least");
+  for (const std::vector<int>& group : groups)
+    for (const int row : group)
+      require(0 <= row && row < static_cast<int>(functions.shape(0)), "groups are of functions");
   const auto reduced = [&](const auto& array) {
     return std::all_of(array.data(), array.data() + array.size(),
                        [&](std::uint64_t x) { return x < prime; });
@@ -282,13 +288,14 @@ nb::tuple count(std::uint64_t prime, std::uint64_t seed, unsigned blocks,
                                 hessians.data(),
                                 static_cast<int>(moments.shape(0)),
                                 moments.data(),
-                                static_cast<int>(functions.shape(0)),
+                                static_cast<int>(equations),
                                 functions.data(),
                                 static_cast<int>(squares.shape(0)),
                                 squares.data(),
                                 weights.data(),
                                 owners.data(),
                                 find_distinct,
+                                groups,
                                 max_work,
                                 max_entries,
                                 interrupted,
@@ -307,7 +314,7 @@ nb::tuple count(std::uint64_t prime, std::uint64_t seed, unsigned blocks,
                               elimination.relations, elimination.quadrics, steps);
   }
   return nb::make_tuple(static_cast<int>(result.outcome), result.solutions, result.distinct,
-                        result.falls, result.all_commutators, result.work, followed);
+                        result.apart, result.apart_distinct, result.falls, result.all_commutators, result.work, followed);
 }
 
 }  // namespace
@@ -329,7 +336,8 @@ NB_MODULE(_kernel, m) {
         "max_steps"_a, "extended"_a, "jobs"_a, "build"_a = "",
         "Track every point from the start system to each target; see gspcli.continuation.tracker.");
   m.def("count", &gsp::count, "prime"_a, nb::kw_only(), "seed"_a, "blocks"_a, "hessians"_a,
-        "moments"_a, "functions"_a, "squares"_a, "weights"_a, "owners"_a, "find_distinct"_a,
+        "moments"_a, "functions"_a, "squares"_a, "weights"_a, "owners"_a, "equations"_a, "groups"_a,
+        "find_distinct"_a,
         "max_work"_a, "max_entries"_a, "trace"_a = false, "build"_a = "",
         "Count solutions modulo a prime; see gspcli.certification.counting.residue_counts.");
   gsp::bind_tubes(m, [](const std::string& name) { return gsp::build_named(name).follow; });

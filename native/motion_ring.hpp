@@ -49,6 +49,17 @@ class MotionRing {
   bool is_inconsistent() const { return inconsistent_; }
   int variables() const { return static_cast<int>(free_.size()); }
 
+  // A combination of coordinates as an affine form in the variables, the constant last.
+  std::vector<Residue> affine(const std::uint64_t* row) const {
+    std::vector<Residue> result(variables() + 1, 0);
+    for (int k = 0; k < kFunctions + problem_.moments; ++k)
+      if (row[k] != 0)
+        for (int x = 0; x <= variables(); ++x)
+          result[x] = field_.add(
+              result[x], field_.multiply(static_cast<Residue>(row[k]), forms_[local_[k]][x]));
+    return result;
+  }
+
   // The generators of the ideal; says what they are if asked to.
   std::vector<Polynomial<F>> generators(Elimination* elimination = nullptr) const {
     std::vector<Polynomial<F>> result;

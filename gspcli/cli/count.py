@@ -145,6 +145,8 @@ def _document(
         "exact_count": exact.solutions if exact else None,
         "distinct": exact.distinct if exact else None,
         "finite": exact.finite if exact else None,
+        "spurious": exact.spurious if exact else None,
+        "spurious_distinct": exact.spurious_distinct if exact else None,
         "at_least": exact.proved_lower if exact else None,
         "proof": {
             "type_count": {"modulo_random_prime": False},
@@ -156,7 +158,7 @@ def _document(
             {"signs": list(side.signs), "exact_count": side.solutions, "distinct": side.distinct}
             for side in (exact.sides if exact else ())
         ],
-        "prime": exact.prime if exact else None,
+        "primes": list(exact.primes) if exact else [],
         "seed": seed,
         "version": __version__,
     }

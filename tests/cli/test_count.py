@@ -19,6 +19,7 @@ def test_json_of_a_special_platform(gsp: Run) -> None:
     counts = {key: document[key] for key in ("type_count", "geometry_count", "exact_count")}
     assert counts == {"type_count": 40, "geometry_count": 28, "exact_count": 28}
     assert (document["distinct"], document["finite"]) == (28, True)
+    assert document["spurious"] == 0
     assert document["proof"]["type_count"] == {"modulo_random_prime": False}
     assert 0 < document["proof"]["exact_count"]["modulo_random_prime"] < 1e-11
 
@@ -55,7 +56,7 @@ def test_what_cannot_be_counted_is_exit_code_4(gsp: Run, tmp_path: Path) -> None
     document = json.loads(outcome.out)
     assert (document["geometry_count"], document["exact_count"]) == (40, None)
     assert document["proof"]["exact_count"] is None
-    assert "no exact arithmetic for the inverse function atan" in outcome.err
+    assert "no exact arithmetic for atan outside an angle" in outcome.err
 
 
 def test_a_limit_that_is_too_low(gsp: Run) -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import DLL
@@ -12,6 +13,7 @@ from gspcli.certification.counting.coordinates import DEGREES, quadrics
 from gspcli.certification.counting.error_bounds import COMMUTATOR_TESTS, error_bounds, total
 from gspcli.certification.counting.modular_platform import ModularPlatform, NotCountedError
 from gspcli.certification.counting.residue_counts import Outcome, ResidueCount, count
+from gspcli.certification.counting.spurious import spurious
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
 
@@ -20,6 +22,8 @@ from gspcli.geometry.instance import Instance
 DEFAULT_LIMIT = 5.0
 _BILLION = 10**9
 _UNLIMITED = 2**62
+#: Further primes are taken until they all mislead with a probability below this, at most so many.
+_ENOUGH, _MOST_PRIMES = 1e-9, 4
 
 
 @dataclass(frozen=True)
@@ -30,13 +34,15 @@ class SideCount:
     ----------
     signs
         For each constraint 1 or -1: on which side of the plane the point lies; 1 for all others.
-    solutions, distinct
+    solutions, distinct, spurious, spurious_distinct
         As in `ExactCount`.
     """
 
     signs: tuple[int, ...]
     solutions: int | None
     distinct: int | None
+    spurious: int | None
+    spurious_distinct: int | None
 
 
 @dataclass(frozen=True)
@@ -62,8 +68,11 @@ class ExactCount:
         So many distinct isolated solutions there are in any case.
     sides
         The counts for each choice of sides; solutions on both sides at once do not occur.
-    prime
-        The prime that was used.
+    spurious, spurious_distinct
+        How many of them are no poses: the lines of a DLL are parallel, where its equation holds at
+        any distance, and not at its distance. None if not known, or infinite.
+    primes
+        The primes that were used: more than one only where one is not enough.
     """
 
     finite: bool
@@ -74,7 +83,9 @@ class ExactCount:
     proved_lower: int
     proved_distinct: int
     sides: tuple[SideCount, ...]
-    prime: int
+    spurious: int | None
+    spurious_distinct: int | None
+    primes: tuple[int, ...]
 
 
 def exact_count(
@@ -144,30 +155,74 @@ def count_geometry(
 
 
 def _count(instance: Instance, seed: int, limit: float | None, *, values_free: bool) -> ExactCount:
-    platform = ModularPlatform(instance, seed, values_free=values_free)
     max_work = work_limit(limit)
-    results: list[ResidueCount] = []
-    for signs in platform.choices:
-        if values_free and results:
-            # Generic values have no sign: all sides are alike.
-            results.append(results[0])
-            continue
-        result = count(
+    found: ExactCount | None = None
+    for index in range(_MOST_PRIMES):
+        platform = ModularPlatform(instance, seed, values_free=values_free, index=index)
+        results = _results(platform, max_work, same=values_free)
+        max_work -= sum(result.counted.work for result in results)
+        one = _assembled(platform, results)
+        found = one if found is None else _confirmed(found, one)
+        if max(found.error, found.distinct_error) < _ENOUGH:
+            break
+    assert found is not None
+    return found
+
+
+@dataclass(frozen=True)
+class _Result:
+    """The counts for a choice of sides modulo a prime, and how many solutions are spurious."""
+
+    counted: ResidueCount
+    spurious: tuple[int, int] | None
+
+
+def _results(platform: ModularPlatform, max_work: int, *, same: bool) -> list[_Result]:
+    """Count the solutions modulo a prime for each choice of sides, or one for all alike."""
+    results: list[_Result] = []
+    lines = platform.parallel_lines()
+    for signs in platform.choices[:1] if same else platform.choices:
+        left = max_work - sum(result.counted.work for result in results)
+        run = partial(
+            count,
             platform.equations(signs),
             platform.blocks,
             platform.prime,
             seed=platform.randomness.below(2**63),
-            max_work=max_work,
+            max_work=left,
         )
-        if result.outcome is Outcome.STOPPED:
+        counted = run(
+            conditions=[crossing for crossing, _ in lines], groups=[[k] for k in range(len(lines))]
+        )
+        if counted.outcome is Outcome.STOPPED:
             message = (
                 "the solutions cannot be counted exactly within the limit of "
-                f"{limit:g} billion multiplications"
+                f"{max_work / _BILLION:g} billion multiplications: --limit raises it"
             )
             raise NotCountedError(message)
-        max_work -= result.work
-        results.append(result)
-    return _assembled(platform, results)
+        results.append(_Result(counted, spurious(lines, counted, run)))
+    return results * (len(platform.choices) if same else 1)
+
+
+def _confirmed(found: ExactCount, other: ExactCount) -> ExactCount:
+    """Return a count that another prime confirms.
+
+    Raises
+    ------
+    NotCountedError
+        If the primes disagree.
+    """
+    if replace(found, error=0, distinct_error=0, primes=()) != replace(
+        other, error=0, distinct_error=0, primes=()
+    ):
+        message = f"the primes {found.primes} and {other.primes} disagree: take another seed"
+        raise NotCountedError(message)
+    return replace(
+        found,
+        error=found.error * other.error,
+        distinct_error=found.distinct_error * other.distinct_error,
+        primes=found.primes + other.primes,
+    )
 
 
 def work_limit(limit: float | None) -> int:
@@ -175,7 +230,8 @@ def work_limit(limit: float | None) -> int:
     return _UNLIMITED if limit is None else int(limit * _BILLION)
 
 
-def _assembled(platform: ModularPlatform, results: Sequence[ResidueCount]) -> ExactCount:
+def _assembled(platform: ModularPlatform, found: Sequence[_Result]) -> ExactCount:
+    results = [result.counted for result in found]
     finite = all(result.outcome is Outcome.FINITE for result in results)
     isolated = [r for r in results if r.outcome is Outcome.FINITE]
     points = max((result.solutions for result in isolated), default=0)
@@ -183,27 +239,33 @@ def _assembled(platform: ModularPlatform, results: Sequence[ResidueCount]) -> Ex
     error = total(_error(result, platform, bounds[0]) for result in results)
     # As many distinct values as solutions prove the solutions distinct.
     doubtful = [result for result in results if result.distinct != result.solutions]
-    distinct: int | None = None
-    if finite and all(result.distinct is not None for result in results):
-        distinct = sum(result.distinct or 0 for result in results)
+
+    def added(numbers: Iterable[int | None]) -> int | None:
+        known = [number for number in numbers if number is not None]
+        return sum(known) if finite and len(known) == len(results) else None
+
     return ExactCount(
         finite=finite,
-        solutions=sum(result.solutions for result in results) if finite else None,
-        distinct=distinct,
+        solutions=added(result.solutions for result in results),
+        distinct=added(result.distinct for result in results),
         error=error,
         distinct_error=total([error, *(bounds[1] for _ in doubtful)]),
         proved_lower=sum(result.solutions for result in isolated),
         proved_distinct=sum(result.distinct or 0 for result in isolated),
         sides=tuple(
-            SideCount(
-                signs,
-                result.solutions if result.outcome is Outcome.FINITE else None,
-                result.distinct if result.outcome is Outcome.FINITE else None,
-            )
-            for signs, result in zip(platform.choices, results, strict=True)
+            _side(signs, result) for signs, result in zip(platform.choices, found, strict=True)
         ),
-        prime=platform.prime,
+        spurious=added(r.spurious and r.spurious[0] for r in found),
+        spurious_distinct=added(r.spurious and r.spurious[1] for r in found),
+        primes=(platform.prime,),
     )
+
+
+def _side(signs: tuple[int, ...], result: _Result) -> SideCount:
+    if result.counted.outcome is not Outcome.FINITE:
+        return SideCount(signs, None, None, None, None)
+    wrong, distinct = result.spurious or (None, None)
+    return SideCount(signs, result.counted.solutions, result.counted.distinct, wrong, distinct)
 
 
 def _error(result: ResidueCount, platform: ModularPlatform, bound: float) -> float:

@@ -70,6 +70,29 @@ def equations(constraints: Sequence[EvaluatedConstraint]) -> Equations:
     return Equations(moments, result)
 
 
+def parallel_lines(
+    row: EvaluatedConstraint, weights: Sequence[Any], *, in_base: bool
+) -> tuple[Equation, Equation]:
+    """Return what is zero where the lines of a DLL are parallel, and where they have its distance.
+
+    Parameters
+    ----------
+    row
+        The DLL.
+    weights
+        A random vector w: ``w . (R u x v)`` is zero where the lines are parallel.
+    in_base
+        Whether to measure the distance between parallel lines by T, else by U.
+    """
+    crossing = Equation(_rotation(cross(row.v, weights), row.u))
+    if in_base:
+        axis, heights = row.v, [_base_height(row.a, row.b, n) for n in _normals(row.v)]
+    else:
+        axis, heights = row.u, [_platform_height(row.a, row.b, n) for n in _normals(row.u)]
+    distance = Equation({study.NORM: -row.value * dot(axis, axis)}, [(1, h) for h in heights])
+    return crossing, distance
+
+
 def _equation(row: EvaluatedConstraint) -> Equation:
     kind, a, b, u, v, value = row.kind, row.a, row.b, row.u, row.v, row.value
     if not kind.is_distance:

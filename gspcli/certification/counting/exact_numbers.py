@@ -3,7 +3,7 @@
 An element is a quotient of two sums of terms ``c sqrt(n) exp(2 pi i q) exp(i r) pi^k`` with
 rational c, q and r and integers n > 0 and k. Products of terms are terms, so sums of them are a
 ring, in which cosines and sines of ``2 pi q + r`` lie. A square root is taken of rational
-elements only, and nothing is known of inverse functions: those numbers have no element.
+elements only. Inverse functions have no element; cosines and sines of whole multiples of them do.
 """
 
 from __future__ import annotations
@@ -157,6 +157,13 @@ class Element:
         if other.is_zero:
             message = "a division by zero"
             raise NoElementError(message)
+        if len(other.numerator) == 1:
+            [(term, factor)] = other.numerator.items()
+            inverse = Term(term.radicand, -term.turn, -term.radians, -term.pi)
+            one_over = _collected([(inverse, 1 / (factor * term.radicand))])
+            return Element(
+                _times(_times(self.numerator, one_over), other.denominator), self.denominator
+            )
         return Element(
             _times(self.numerator, other.denominator), _times(self.denominator, other.numerator)
         )
@@ -181,72 +188,10 @@ class Element:
             {ONE: Fraction(1)},
         )
 
-    def _angle(self) -> tuple[Fraction, Fraction]:
-        """Return q and r of an angle ``2 pi q + r``."""
-        if self.denominator.keys() == {ONE}:
-            pi = ONE._replace(pi=1)
-            if self.numerator.keys() <= {ONE, pi}:
-                unit = self.denominator[ONE]
-                zero = Fraction(0)
-                turn = self.numerator.get(pi, zero) / unit / 2
-                return turn, self.numerator.get(ONE, zero) / unit
-        message = "an angle that is not rational in degrees or radians"
-        raise NoElementError(message)
 
-    def cos(self) -> Element:
-        """Return the cosine of an angle in radians, rational in degrees or in radians."""
-        return _cosine(*self._angle())
-
-    def sin(self) -> Element:
-        """Return the sine of such an angle."""
-        turn, radians = self._angle()
-        return _cosine(turn - Fraction(1, 4), radians)
-
-    def tan(self) -> Element:
-        """Return the tangent of such an angle."""
-        return self.sin() / self.cos()
-
-
-def _cosine(turn: Fraction, radians: Fraction) -> Element:
-    """Return the cosine of a part of a turn and some radians."""
-    turn = turn if radians else abs((turn + _HALF) % 1 - _HALF)
-    if not radians and turn in _SQUARED_COSINES:
-        square = Element.of(_SQUARED_COSINES[turn])
-        return square.sqrt() if turn < Fraction(1, 4) else -square.sqrt()
-    terms = [(Term(1, sign * turn, sign * radians, 0), _HALF) for sign in (1, -1)]
-    return Element(_collected(terms), {ONE: Fraction(1)})
-
-
-#: The squares of the cosines of the multiples of 30 and 45 degrees, by parts of a turn.
-_SQUARED_COSINES = {
-    Fraction(part, 24): Fraction(fourths, 4)
-    for part, fourths in {0: 4, 2: 3, 3: 2, 4: 1, 6: 0, 8: 1, 9: 2, 10: 3, 12: 4}.items()
-}
-
-
-class _ElementField:
-    """Evaluates a `Number` to its element."""
-
-    def rational(self, value: Fraction) -> Element:
-        return Element.of(value)
-
-    def pi(self) -> Element:
-        return Element({ONE._replace(pi=1): Fraction(1)}, {ONE: Fraction(1)})
-
-    def function(self, name: str, argument: Element) -> Element:
-        known = {
-            "sqrt": argument.sqrt,
-            "cos": argument.cos,
-            "sin": argument.sin,
-            "tan": argument.tan,
-        }
-        if name not in known:
-            message = f"the inverse function {name}"
-            raise NoElementError(message)
-        return known[name]()
-
-
-_FIELD = _ElementField()
+_ZERO, _UNIT = Element.of(0), Element.of(1)
+_PI = Element({ONE._replace(pi=1): Fraction(1)}, {ONE: Fraction(1)})
+_I = Element({ONE._replace(turn=Fraction(1, 4)): Fraction(1)}, {ONE: Fraction(1)})
 
 
 def element(number: Number) -> Element:
@@ -259,7 +204,31 @@ def element(number: Number) -> Element:
     """
     if number.fraction is not None:
         return Element.of(number.fraction)
-    return number.evaluate(_FIELD)
+    arguments = number.arguments
+    match number.operation:
+        case "pi":
+            return _PI
+        case "+":
+            return element(arguments[0]) + element(arguments[1])
+        case "-":
+            return element(arguments[0]) - element(arguments[1])
+        case "*":
+            return element(arguments[0]) * element(arguments[1])
+        case "/":
+            return element(arguments[0]) / element(arguments[1])
+        case "neg":
+            return -element(arguments[0])
+        case "sqrt":
+            return element(arguments[0]).sqrt()
+        case "cos":
+            return Angle.of(arguments[0]).cos()
+        case "sin":
+            return Angle.of(arguments[0]).sin()
+        case "tan":
+            return Angle.of(arguments[0]).sin() / Angle.of(arguments[0]).cos()
+        case operation:
+            message = f"{operation} outside an angle"
+            raise NoElementError(message)
 
 
 def squared(number: Number) -> Element:
@@ -285,9 +254,150 @@ def squared(number: Number) -> Element:
     return value * value
 
 
-def in_radians(angle: Number, unit: AngleUnit) -> Element:
+_ARCS = ("acos", "asin", "atan")
+_QUARTER = Fraction(1, 4)
+#: The squares of the cosines of the multiples of 30 and 45 degrees, by parts of a turn.
+_SQUARED_COSINES = {
+    Fraction(part, 24): Fraction(fourths, 4)
+    for part, fourths in {0: 4, 2: 3, 3: 2, 4: 1, 6: 0, 8: 1, 9: 2, 10: 3, 12: 4}.items()
+}
+
+
+@dataclass(frozen=True)
+class Angle:
+    """An angle in radians: a multiple of pi, a rational number, and whole multiples of arcs.
+
+    Attributes
+    ----------
+    constant
+        The part without arcs.
+    arcs
+        Pairs of an arccosine, arcsine or arctangent and its factor.
+    """
+
+    constant: Element
+    arcs: tuple[tuple[Number, Element], ...] = ()
+
+    @classmethod
+    def of(cls, number: Number) -> Angle:
+        """Return the angle of a number.
+
+        Raises
+        ------
+        NoElementError
+            If it is none of the ring.
+        """
+        arguments = number.arguments
+        if number.fraction is not None:
+            return cls(Element.of(number.fraction))
+        match number.operation:
+            case "+":
+                return cls.of(arguments[0]) + cls.of(arguments[1])
+            case "-":
+                return cls.of(arguments[0]) + cls.of(arguments[1]).times(-_UNIT)
+            case "neg":
+                return cls.of(arguments[0]).times(-_UNIT)
+            case "*":
+                first, second = cls.of(arguments[0]), cls.of(arguments[1])
+                return second.times(first.constant) if first.is_constant else first * second
+            case "/":
+                return cls.of(arguments[0]) * cls(_UNIT / element(arguments[1]))
+            case operation if operation in _ARCS:
+                return cls(_ZERO, ((number, _UNIT),))
+        return cls(element(number))
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether there are no arcs in it."""
+        return not self.arcs
+
+    def times(self, factor: Element) -> Angle:
+        """Return a multiple."""
+        arcs = tuple((arc, coefficient * factor) for arc, coefficient in self.arcs)
+        return Angle(self.constant * factor, arcs)
+
+    def __add__(self, other: Angle) -> Angle:
+        return Angle(self.constant + other.constant, self.arcs + other.arcs)
+
+    def __mul__(self, other: Angle) -> Angle:
+        if not other.is_constant:
+            message = "a product of arcs"
+            raise NoElementError(message)
+        return self.times(other.constant)
+
+    def cos(self) -> Element:
+        """Return the cosine."""
+        if self.is_constant:
+            return _cosine(*self._turn_and_radians())
+        plus, minus = self._exponentials()
+        return (plus + minus) / Element.of(2)
+
+    def sin(self) -> Element:
+        """Return the sine."""
+        if self.is_constant:
+            turn, radians = self._turn_and_radians()
+            return _cosine(turn - _QUARTER, radians)
+        plus, minus = self._exponentials()
+        return (plus - minus) / (Element.of(2) * _I)
+
+    def _turn_and_radians(self) -> tuple[Fraction, Fraction]:
+        """Return q and r of the constant part ``2 pi q + r``."""
+        pi = ONE._replace(pi=1)
+        radians = self.constant.fraction
+        if radians is not None:
+            return Fraction(0), radians
+        if self.constant.numerator.keys() <= {ONE, pi} and self.constant.denominator.keys() == {
+            ONE
+        }:
+            unit, zero = self.constant.denominator[ONE], Fraction(0)
+            turn = self.constant.numerator.get(pi, zero) / unit / 2
+            return turn, self.constant.numerator.get(ONE, zero) / unit
+        message = "an angle that is not rational in degrees or radians"
+        raise NoElementError(message)
+
+    def _exponentials(self) -> tuple[Element, Element]:
+        """Return ``exp(i x)`` and ``exp(-i x)``."""
+        turn, radians = self._turn_and_radians()
+        results = [
+            Element(_collected([(Term(1, s * turn, s * radians, 0), Fraction(1))]), _UNIT.numerator)
+            for s in (1, -1)
+        ]
+        for arc, coefficient in self.arcs:
+            times = coefficient.fraction
+            if times is None or times.denominator != 1:
+                message = f"a part of {arc.operation}"
+                raise NoElementError(message)
+            pair = _arc_exponentials(arc)
+            for _ in range(abs(int(times))):
+                for k in (0, 1):
+                    results[k] *= pair[k if times > 0 else 1 - k]
+        return results[0], results[1]
+
+
+def _arc_exponentials(arc: Number) -> tuple[Element, Element]:
+    """Return ``exp(i x)`` and ``exp(-i x)`` of an arccosine, arcsine or arctangent."""
+    x = element(arc.arguments[0])
+    if arc.operation == "atan":
+        size = (_UNIT + x * x).sqrt()
+        real, imaginary = _UNIT / size, x / size
+    else:
+        real, imaginary = x, (_UNIT - x * x).sqrt()
+        if arc.operation == "asin":
+            real, imaginary = imaginary, real
+    return real + _I * imaginary, real - _I * imaginary
+
+
+def _cosine(turn: Fraction, radians: Fraction) -> Element:
+    """Return the cosine of a part of a turn and some radians."""
+    turn = turn if radians else abs((turn + _HALF) % 1 - _HALF)
+    if not radians and turn in _SQUARED_COSINES:
+        square = Element.of(_SQUARED_COSINES[turn])
+        return square.sqrt() if turn < _QUARTER else -square.sqrt()
+    terms = [(Term(1, sign * turn, sign * radians, 0), _HALF) for sign in (1, -1)]
+    return Element(_collected(terms), _UNIT.numerator)
+
+
+def in_radians(angle: Number, unit: AngleUnit) -> Angle:
     """Return an angle of an instance in radians."""
-    value = element(angle)
-    if unit is AngleUnit.RADIAN:
-        return value
-    return value * _FIELD.pi() / Element.of(180)
+    value = Angle.of(angle)
+    return value if unit is AngleUnit.RADIAN else value.times(_PI / Element.of(180))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, Kind
-from gspcli.certification.counting.exact_numbers import Element, element, in_radians, squared
+from gspcli.certification.counting.exact_numbers import Angle, Element, element, in_radians, squared
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.primitives import Line, Plane, Point, Vector
 
@@ -153,7 +153,7 @@ def _square(vector: tuple[Element, ...]) -> Element:
     return sum((x * x for x in vector), _ZERO)
 
 
-def _cosine(kind: Kind, angle: Element) -> Element:
+def _cosine(kind: Kind, angle: Angle) -> Element:
     """Return the value of ``R u . v`` of unit vectors (paper, Section 4)."""
     if kind in (ALH, AHL):
         return angle.sin()

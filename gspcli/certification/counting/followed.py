@@ -7,7 +7,7 @@ error is bounded here, because what is found with them is certified afterwards.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from flint import acb, arb, arb_mat, fmpq
 
@@ -58,6 +58,8 @@ class FollowedElimination:
         self._start = [0]
         self._position = {0: 0}
         self._known: dict[int, Vector] = {}
+        #: Of each step what its rows have become.
+        self._reduced: list[Callable[[int], Polynomial]] = []
         self._generators = self._first_generators(equations, trace)
         for step in trace.steps:
             self._follow(step)
@@ -149,6 +151,9 @@ class FollowedElimination:
         rows = [self._row(source, step.degree, column_of, width) for source in step.sources]
         others = sorted(set(range(width)) - set(step.pivots))
         solved = _solved(rows, step.pivots, others)
+        self._reduced.append(
+            _reduced_rows([*columns, *reversed(self.normal)], step, others, solved)
+        )
         if any(pivot >= top for pivot in step.pivots):
             for row, pivot in enumerate(step.pivots):
                 if pivot >= top:
@@ -190,16 +195,11 @@ class FollowedElimination:
         self, source: Sequence[int], degree: int, column_of: dict[int, int], width: int
     ) -> Vector:
         row: Vector = {}
-        if len(source) == 1:
-            for monomial, value in self._generators[source[0]].items():
-                if _degree(monomial) > degree:
-                    continue  # exactly zero
-                if monomial == 0:
-                    _add(row, width - 1, value)
-                    continue
-                i = self._divisor(monomial)
-                rest = self._normal_form(monomial - self._units[i])
-                self._add_multiplied(row, rest, i, value, degree, column_of, width)
+        if len(source) == 1 or source[0] < 0:
+            number, *rest = source
+            polynomial = self._reduced[rest[0]](rest[1]) if rest else self._generators[number]
+            for monomial, value in polynomial.items():
+                self._add_term(row, monomial, value, degree, column_of, width)
             return row
         i, j, *exponents = source
         monomial = sum(e << (_BITS * k) for k, e in enumerate(exponents))
@@ -207,6 +207,25 @@ class FollowedElimination:
             vector = self._vector(monomial + self._units[first])
             self._add_multiplied(row, vector, second, sign, degree, column_of, width)
         return row
+
+    def _add_term(
+        self,
+        row: Vector,
+        monomial: int,
+        value: arb,
+        degree: int,
+        column_of: dict[int, int],
+        width: int,
+    ) -> None:
+        """Add a multiple of a monomial to a row."""
+        if monomial == 0:
+            _add(row, width - 1, value)
+        elif monomial in column_of:
+            _add(row, column_of[monomial], value)
+        elif _degree(monomial) <= degree:  # else it is exactly zero
+            i = self._divisor(monomial)
+            rest = self._normal_form(monomial - self._units[i])
+            self._add_multiplied(row, rest, i, value, degree, column_of, width)
 
     def _add_multiplied(
         self,
@@ -253,6 +272,19 @@ class FollowedElimination:
             for at, x in self._vector(self.normal[position] + self._units[i]).items():
                 _add(result, at, value * x)
         return result
+
+
+def _reduced_rows(
+    monomials: Sequence[int], step: Step, others: Sequence[int], solved: Sequence[Sequence[arb]]
+) -> Callable[[int], Polynomial]:
+    """Return a function that gives a row of a step as a polynomial."""
+
+    def polynomial(row: int) -> Polynomial:
+        pivot = step.pivots[row]
+        terms = zip(others, solved[row], strict=True)
+        return {monomials[pivot]: _ONE} | {monomials[c]: x for c, x in terms if c > pivot}
+
+    return polynomial
 
 
 def _add(vector: dict[int, arb], at: int, value: arb) -> None:

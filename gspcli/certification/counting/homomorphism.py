@@ -28,7 +28,7 @@ from gspcli.certification.counting.exact_numbers import Element, NoElementError,
 #: Primes lie between 2^60 and 2^61.
 _LOWEST, _RANGE = 2**60, 2**60
 #: A larger order leaves too few primes to choose from at random.
-_MAX_ORDER = 2**20
+_MAX_ORDER = 2**40
 
 
 class Randomness:
@@ -153,7 +153,7 @@ class Homomorphism:
         self._root_of_unity = self._find_root_of_unity(randomness)
         self._circle = randomness.below(prime - 1) + 1
         self._pi = randomness.below(prime)
-        self._roots = {n: self._root(n) for n in requirements.radicands}
+        self._roots: dict[int, nmod] = {}
 
     def rational(self, value: Fraction) -> nmod:
         """Return the image of a rational number."""
@@ -182,9 +182,9 @@ class Homomorphism:
     def _term(self, term: Term) -> nmod:
         value = nmod(1, self.prime)
         rest = term.radicand
-        for n, root in self._roots.items():
+        for n in self._requirements.radicands if rest != 1 else ():
             while rest % n == 0:
-                value, rest = value * root, rest // n
+                value, rest = value * self._root(n), rest // n
         if term.turn:
             value *= nmod(self._root_of_unity, self.prime) ** int(
                 term.turn * self._requirements.order
@@ -207,7 +207,12 @@ class Homomorphism:
                 return root
 
     def _root(self, n: int) -> nmod:
-        """Return a square root of a number of the base."""
+        """Return the square root of a number of the base."""
+        if n not in self._roots:
+            self._roots[n] = self._new_root(n)
+        return self._roots[n]
+
+    def _new_root(self, n: int) -> nmod:
         if n not in self._requirements.order_primes:
             return nmod(int(nmod(n, self.prime).sqrt()), self.prime)
         order = self._requirements.order

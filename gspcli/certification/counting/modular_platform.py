@@ -8,9 +8,14 @@ from dataclasses import replace
 
 from flint import nmod
 
-from gspcli.catalogue.kinds import Kind
-from gspcli.certification.counting.coordinates import choose
-from gspcli.certification.counting.equations import Equations, equations
+from gspcli.catalogue.kinds import DLL, Kind
+from gspcli.certification.counting.coordinates import Blocks, choose
+from gspcli.certification.counting.equations import (
+    Equation,
+    Equations,
+    equations,
+    parallel_lines,
+)
 from gspcli.certification.counting.exact_numbers import NoElementError
 from gspcli.certification.counting.exact_platform import (
     EvaluatedConstraint,
@@ -42,6 +47,8 @@ class ModularPlatform:
         The prime and everything random is derived from it and the instance.
     values_free
         Whether the values are random instead of those of the instance.
+    index
+        Another one gives another prime.
 
     Raises
     ------
@@ -66,14 +73,16 @@ class ModularPlatform:
         The source of further random numbers.
     """
 
-    def __init__(self, instance: Instance, seed: int, *, values_free: bool = False) -> None:
+    def __init__(
+        self, instance: Instance, seed: int, *, values_free: bool = False, index: int = 0
+    ) -> None:
         try:
             self.exact = exact_constraints(instance, values_free=values_free)
             self.requirements = Requirements(x for row in self.exact for x in row.numbers)
         except NoElementError as error:
             message = f"the solutions cannot be counted exactly: no exact arithmetic for {error}"
             raise NotCountedError(message) from None
-        text = f"{seed} {values_free} {_identity(instance)}"
+        text = f"{seed} {index} {values_free} {_identity(instance)}"
         self.choices = tuple(itertools.product(*(row.sides for row in self.exact)))
         self.blocks = choose(self.kinds)
         self.randomness = Randomness(f"{text} forms")
@@ -92,6 +101,19 @@ class ModularPlatform:
     def equations(self, signs: Sequence[int]) -> Equations:
         """Return the equations modulo the prime for a choice of sides."""
         return equations(on_sides(self.rows, signs))
+
+    def parallel_lines(self) -> list[tuple[Equation, Equation]]:
+        """Return for each DLL what is zero where its lines are parallel, and have its distance."""
+        in_base = Blocks.TRANSLATION in self.blocks
+        return [
+            parallel_lines(
+                row,
+                [nmod(self.randomness.below(self.prime), self.prime) for _ in range(3)],
+                in_base=in_base,
+            )
+            for row in self.rows
+            if row.kind is DLL
+        ]
 
     def _images(self, candidates: Iterator[Homomorphism]) -> tuple[int, list[EvaluatedConstraint]]:
         for homomorphism in candidates:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from gspcli import _kernel
 from gspcli.certification import study
 from gspcli.certification.counting.coordinates import Blocks
-from gspcli.certification.counting.equations import FUNCTIONS, Equations, Function
+from gspcli.certification.counting.equations import FUNCTIONS, Equation, Equations, Function
 
 #: More residues than this are not kept at once (1 GB).
 MAX_ENTRIES = 2**27
@@ -41,6 +41,9 @@ class ResidueCount:
     distinct
         Values that a random linear form takes on them, never more than there are distinct ones;
         None if not asked for or too much work.
+    apart
+        For each of the groups asked for the number of solutions where none of its members vanishes,
+        with multiplicity, and distinct; fewer pairs if it is too much work.
     has_falls
         Whether relations of lower degree came up: without, none is at infinity.
     all_commutators
@@ -52,6 +55,7 @@ class ResidueCount:
     outcome: Outcome
     solutions: int
     distinct: int | None
+    apart: tuple[tuple[int, int], ...]
     has_falls: bool
     all_commutators: bool
     work: int
@@ -126,6 +130,8 @@ def count(
     *,
     seed: int,
     max_work: int,
+    conditions: Sequence[Equation] = (),
+    groups: Sequence[Sequence[int]] = (),
     find_distinct: bool = True,
     build: str = "",
 ) -> ResidueCount:
@@ -143,6 +149,8 @@ def count(
         Of random linear forms.
     max_work
         Multiplications after which to stop.
+    conditions, groups
+        Functions in coordinates, as sides of equations, and groups of their numbers.
     find_distinct
         Whether to count the values of a random linear form, too.
     build
@@ -159,6 +167,8 @@ def count(
         prime,
         seed=seed,
         max_work=max_work,
+        conditions=conditions,
+        groups=groups,
         find_distinct=find_distinct,
         build=build,
     )
@@ -181,26 +191,37 @@ def trace(
 
 
 def _run(
-    equations: Equations, blocks: Blocks, prime: int, **options: Any
+    equations: Equations,
+    blocks: Blocks,
+    prime: int,
+    conditions: Sequence[Equation] = (),
+    groups: Sequence[Sequence[int]] = (),
+    **options: Any,
 ) -> tuple[ResidueCount, tuple[Any, ...] | None]:
     width = FUNCTIONS + len(equations.moments)
-    squares = [(k, *square) for k, e in enumerate(equations.equations) for square in e.squares]
-    outcome, solutions, distinct, falls, all_commutators, work, followed = _kernel.count(
-        prime,
-        blocks=int(blocks),
-        hessians=_hessians(),
-        moments=_matrix(equations.moments, FUNCTIONS, prime),
-        functions=_matrix([e.linear for e in equations.equations], width, prime),
-        squares=_matrix([function for _, _, function in squares], width, prime),
-        weights=np.array([int(weight) % prime for _, weight, _ in squares], dtype=np.uint64),
-        owners=np.array([owner for owner, _, _ in squares], dtype=np.int64),
-        max_entries=MAX_ENTRIES,
-        **options,
+    rows = [*equations.equations, *conditions]
+    squares = [(k, *square) for k, row in enumerate(rows) for square in row.squares]
+    outcome, solutions, distinct, apart, apart_distinct, falls, all_commutators, work, followed = (
+        _kernel.count(
+            prime,
+            blocks=int(blocks),
+            hessians=_hessians(),
+            moments=_matrix(equations.moments, FUNCTIONS, prime),
+            functions=_matrix([row.linear for row in rows], width, prime),
+            squares=_matrix([function for _, _, function in squares], width, prime),
+            weights=np.array([int(weight) % prime for _, weight, _ in squares], dtype=np.uint64),
+            owners=np.array([owner for owner, _, _ in squares], dtype=np.int64),
+            equations=len(equations.equations),
+            groups=[[len(equations.equations) + k for k in group] for group in groups],
+            max_entries=MAX_ENTRIES,
+            **options,
+        )
     )
     result = ResidueCount(
         Outcome(outcome),
         solutions,
         None if distinct < 0 else distinct,
+        tuple(zip(apart, apart_distinct, strict=True)),
         falls > 0,
         all_commutators,
         work,

@@ -28,7 +28,7 @@ def test_examples_have_their_groebner_counts(name):
     assert count.finite == (record["dimension"] == 0)
     if count.finite:
         assert (count.solutions, count.distinct) == (record["complex"], record["distinct"])
-        assert count.error < 1e-5
+        assert count.error < 1e-9
         assert count.proved_lower == count.solutions
     else:
         assert count.solutions is None
@@ -76,7 +76,7 @@ def test_sides_add_up():
 def test_what_cannot_be_counted_is_none_and_says_why():
     instance = example("dietmaier").with_values({0: parse_number("atan(2)")})
     assert exact_count(instance) is None
-    with pytest.raises(NotCountedError, match="inverse function atan"):
+    with pytest.raises(NotCountedError, match="atan outside an angle"):
         count_exactly(instance)
     assert geometry_count(instance).solutions == 40
 
@@ -90,5 +90,5 @@ def test_the_limit_is_kept():
 def test_seeds_change_the_prime_and_not_the_count():
     counts = [count_exactly(example("platform-6-4"), seed=seed) for seed in range(3)]
     assert {count.solutions for count in counts} == {32}
-    assert len({count.prime for count in counts}) == 3
+    assert len({count.primes for count in counts}) == 3
     assert counts[0] == count_exactly(example("platform-6-4"), seed=0)

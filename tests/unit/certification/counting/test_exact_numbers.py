@@ -27,13 +27,19 @@ def of(text: str) -> Element:
         ("sin(-pi/4)*sqrt(2)", -1),
         ("tan(pi/4)", 1),
         ("pi/pi + sin(pi)", 1),
+        ("cos(acos(0.37))", Fraction(37, 100)),
+        ("cos(2*acos(1/3))", Fraction(-7, 9)),
+        ("sin(atan(3/4))", Fraction(3, 5)),
+        ("cos(acos(3/5) - asin(3/5))", Fraction(24, 25)),
     ],
 )
 def test_expressions_with_a_rational_value(text, value):
     assert of(text).fraction == value
 
 
-@pytest.mark.parametrize("text", ["sqrt(1 + sqrt(2))", "atan(1/2)", "cos(sqrt(2))", "sqrt(pi)"])
+@pytest.mark.parametrize(
+    "text", ["sqrt(1 + sqrt(2))", "atan(1/2)", "cos(sqrt(2))", "sqrt(pi)", "cos(acos(1/3)/2)"]
+)
 def test_what_lies_outside_is_refused(text):
     with pytest.raises(NoElementError):
         of(text)
@@ -44,6 +50,11 @@ def test_degrees_and_radians():
     assert right.cos().is_zero
     assert right.sin().fraction == 1
     assert in_radians(Number.of(1), AngleUnit.RADIAN).cos().fraction is None
+
+
+def test_arcs_in_degrees():
+    angle = in_radians(parse_number("acos(0.123)*180/pi + 90"), AngleUnit.DEGREE)
+    assert angle.sin().fraction == Fraction(123, 1000)
 
 
 def test_irrational_numbers_are_not_called_rational():
