@@ -109,3 +109,13 @@ def follow(
     NDArray[np.int64],
     NDArray[np.float64],
 ]: ...
+def prove(
+    hessians: NDArray[np.float64],
+    moduli: NDArray[np.float64],
+    equations: NDArray[np.int32],
+    points: NDArray[np.complex128],
+    patches: NDArray[np.int32],
+    *,
+    jobs: int = 1,
+    build: str = "",
+) -> tuple[NDArray[np.complex128], NDArray[np.float64], NDArray[np.uint8]]: ...

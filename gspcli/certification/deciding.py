@@ -61,7 +61,7 @@ def decide(instance: Instance, R: ArrayLike, T: ArrayLike) -> Decisions:
     entries = np.concatenate((rotations.reshape(-1, 9), places), axis=1)
     tolerance = TOLERANCE * np.maximum(1, np.abs(entries).max(axis=1, initial=0))
     certified = proofs.isolated & (proofs.real | proofs.complex) & (proofs.deviation <= tolerance)
-    certified &= ~_nearly_parallel(instance, rotations)
+    certified &= ~nearly_parallel(instance, rotations)
     real, deviation = certified & proofs.real, proofs.deviation
     rest = np.flatnonzero(~certified)
     others = certify(instance, rotations[rest], translations[rest]) if len(rest) else ()
@@ -81,7 +81,7 @@ def _by_balls(instance: Instance, rotations: Complex, translations: Complex) -> 
     return Decisions(certified, certified & np.array([bool(c.real) for c in every], bool))
 
 
-def _nearly_parallel(instance: Instance, R: Complex) -> NDArray[np.bool_]:
+def nearly_parallel(instance: Instance, R: Complex) -> NDArray[np.bool_]:
     """Return at which poses the lines of a DLL are nearly parallel, shape (n,).
 
     There its equation holds whatever their distance, so that the constraint is to be measured.

@@ -61,7 +61,7 @@ class Proofs(NamedTuple):
 
 
 @cache
-def _hessians() -> Array:
+def form_hessians() -> Array:
     """Return the Hessian matrices of all forms, integers, shape (27, 8, 8)."""
     rows = study.hessians().tolist()
     return np.array([[int(entry) for entry in row] for row in rows], float).reshape(-1, 8, 8)
@@ -109,7 +109,7 @@ def prove(system: System, R: Complex, T: Complex, sides: tuple[int, ...] | None 
     isolated = (q < 1) & (delta * OUTWARD <= (1 - q) * radius)
     error = delta / (1 - q) * OUTWARD
     imaginary = np.abs(points.imag).max(axis=1)
-    deviation = _deviation(points, error, R, T)
+    deviation = deviations(points, error, R, T)
     isolated &= np.isfinite(deviation)
     return Proofs(
         isolated,
@@ -131,9 +131,9 @@ class _Equations:
         nearest, bounds = np.zeros((2, len(system.forms), study.COUNT))
         for row, form in enumerate(system.forms):
             for k, coefficient in form.items():
-                nearest[row, k], bounds[row, k] = _converted(coefficient)
-        self.hessians = np.tensordot(nearest, _hessians(), 1)
-        self.moduli = np.tensordot(bounds, np.abs(_hessians()), 1)
+                nearest[row, k], bounds[row, k] = converted(coefficient)
+        self.hessians = np.tensordot(nearest, form_hessians(), 1)
+        self.moduli = np.tensordot(bounds, np.abs(form_hessians()), 1)
 
     def sides(self, points: Complex) -> NDArray[np.int64]:
         """Return for each point and constraint the side whose equation is nearer to zero."""
@@ -177,7 +177,7 @@ class _Equations:
         return np.stack(values, axis=1), np.stack(gradients, axis=1)
 
 
-def _converted(coefficient: arb) -> tuple[float, float]:
+def converted(coefficient: arb) -> tuple[float, float]:
     """Return a double near a coefficient, and a bound as `_CONVERSION` wants it."""
     nearest = float(coefficient)
     error = float((coefficient - nearest).abs_upper()) * OUTWARD + TINY
@@ -190,7 +190,7 @@ def _quadrics(hessians: Array, points: Values) -> tuple[Values, Values]:
     return (gradients @ points[..., None])[..., 0] / 2, gradients
 
 
-def _deviation(points: Complex, error: Array, R: Complex, T: Complex) -> Array:
+def deviations(points: Complex, error: Array, R: Complex, T: Complex) -> Array:
     """Bound the difference between given poses and those of all points in balls.
 
     The Hessian matrices of the forms N, N R and N T have rows whose moduli add up to 2. So over a

@@ -21,6 +21,7 @@ from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.result import SolveResult, stable_order
 
 if TYPE_CHECKING:
+    from gspcli.certification.counting import ExactCount
     from gspcli.continuation.pursuit import Pursuit
 
 Array = NDArray[np.float64]
@@ -130,13 +131,19 @@ def _is_general(poses: PoseSet, certify: bool) -> bool:
 
 
 def solve_values(
-    instance: Instance, values: ArrayLike, *, seed: int = SEED, jobs: int = 1
+    instance: Instance,
+    values: ArrayLike,
+    *,
+    seed: int = SEED,
+    jobs: int = 1,
+    certify: bool = False,
 ) -> Iterator[PoseSet]:
     """Yield all poses of an instance for each of many sets of values, in order.
 
     This is the quick way to many poses of one geometry: it is solved once for complex values, and
     from there the values alone are moved. The values of the instance itself are not used. Poses
-    in general position are not certified, those in special or nearly special position are.
+    in general position are certified only if that is asked for, those in special or nearly
+    special position always.
 
     Parameters
     ----------
@@ -146,6 +153,8 @@ def solve_values(
         Distances and angles in the units and order of the instance, shape (batch, 6).
     seed, jobs
         As for `solve`.
+    certify
+        Whether to prove each pose, and whether it is real, and so that there are no others.
 
     Raises
     ------
@@ -158,30 +167,44 @@ def solve_values(
     rows = value_rows(values)
     problems = problems_of(instance, rows)
     right = [problem is None for problem in problems]
-    solved = _solve_rows(instance, rows if all(right) else rows[right], seed, jobs)
+    rows = rows if all(right) else rows[right]
+    solved = _solve_rows(instance, rows, seed, jobs, certify=certify)
     return (
         next(solved) if problem is None else PoseSet.unsolved(instance.expected, problem)
         for problem in problems
     )
 
 
-def _solve_rows(instance: Instance, rows: Array, seed: int, jobs: int) -> Iterator[PoseSet]:
+def _solve_rows(
+    instance: Instance, rows: Array, seed: int, jobs: int, *, certify: bool
+) -> Iterator[PoseSet]:
     """Yield the poses for each set of values; those of special platforms are proved."""
     arrangement = Arrangement.of(instance)
-    for row, found in zip(rows, _quick_rows(instance, arrangement, rows, seed, jobs), strict=True):
-        if found is not None:
+    quick = _quick_rows(instance, arrangement, rows, seed, jobs, certify=certify)
+    for row, found in zip(rows, quick, strict=True):
+        if found is not None and (found.proof is not None or not certify):
             yield found
             continue
-        one = arrangement.with_values(row)
-        pursuits, poses = next(_each_tracked([one], seed, jobs))
-        if poses is None or not _is_general(poses, certify=False):
-            values = {i: Number.of(value) for i, value in enumerate(row.tolist())}
-            poses = _special(instance.with_values(values), one, pursuits, seed, jobs, PATIENCE)
+        numbers = {i: Number.of(value) for i, value in enumerate(row.tolist())}
+        given, one = instance.with_values(numbers), arrangement.with_values(row)
+        pursuits, poses = None, found
+        if poses is None:
+            pursuits, poses = next(_each_tracked([one], seed, jobs))
+        if poses is not None and certify:
+            poses = _proved(given, poses)
+        if poses is None or not _is_general(poses, certify):
+            poses = _special(given, one, pursuits, seed, jobs, PATIENCE)
         yield poses
 
 
 def _quick_rows(
-    instance: Instance, arrangement: Arrangement, rows: Array, seed: int, jobs: int
+    instance: Instance,
+    arrangement: Arrangement,
+    rows: Array,
+    seed: int,
+    jobs: int,
+    *,
+    certify: bool,
 ) -> Iterator[PoseSet | None]:
     """Yield the poses for each set of values; None if they are not found for certain."""
     if len(arrangement.angles) == MAX_ANGLES:
@@ -192,10 +215,14 @@ def _quick_rows(
         return
     from gspcli.solver.one_geometry import solve_rows
 
-    def count() -> int | None:
+    def count() -> ExactCount | None:
         from gspcli.certification.counting import geometry_count
 
-        found = geometry_count(instance, seed=seed, limit=PATIENCE)
-        return None if found is None else found.solutions
+        return geometry_count(instance, seed=seed, limit=PATIENCE)
 
-    yield from solve_rows(arrangement, rows, count=count, seed=seed, jobs=jobs)
+    proofs = None
+    if certify and len(rows):
+        from gspcli.certification.many_values import ValueProofs
+
+        proofs = ValueProofs.of(instance, rows)
+    yield from solve_rows(arrangement, rows, count=count, proofs=proofs, seed=seed, jobs=jobs)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import groupby
 from math import ceil, log2
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +36,12 @@ from gspcli.geometry.poses import (
 )
 from gspcli.solver.parallel_lines import polish_parallel_lines
 from gspcli.solver.poses import PoseSet
+from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.systems import coefficients_of, side_choices
+
+if TYPE_CHECKING:
+    from gspcli.certification.counting import ExactCount
+    from gspcli.certification.many_values import ValueProofs
 
 Array = NDArray[np.float64]
 
@@ -79,7 +85,8 @@ def solve_rows(
     arrangement: Arrangement,
     rows: Array,
     *,
-    count: Callable[[], int | None],
+    count: Callable[[], ExactCount | None],
+    proofs: ValueProofs | None = None,
     seed: int,
     jobs: int = 1,
 ) -> Iterator[PoseSet | None]:
@@ -98,6 +105,9 @@ def solve_rows(
         Returns the exact count of the geometry, with values in general position, for the sides
         asked for; None if it is not known. Called only if the geometry seems to have fewer
         solutions than its type.
+    proofs
+        The equations of the geometry with its values left open, to certify the poses; None if
+        they are not to be certified.
     seed
         Source of the random paths. Another seed gives the same sets of poses.
     jobs
@@ -116,12 +126,15 @@ def solve_rows(
         size = end - begin if geometry is None else geometry.batch
         for first in range(begin, end, size):
             batch = rows[first : min(first + size, end)]
-            yield from geometry.poses(batch, jobs) if geometry else [None] * len(batch)
+            yield from geometry.poses(batch, proofs, jobs) if geometry else [None] * len(batch)
         begin = end
 
 
 def _geometry(
-    arrangement: Arrangement, rows: Array, count: Callable[[], int | None], seed: int
+    arrangement: Arrangement,
+    rows: Array,
+    count: Callable[[], ExactCount | None],
+    seed: int,
 ) -> _Geometry | None:
     """Return the geometry with its start, or None if that does not pay or is not safe."""
     if len(rows) < _LEAST:
@@ -144,9 +157,15 @@ def _geometry(
         return None
     expected = path_count(start.system.structure) * len(choices)
     found = len(start.points) * len(choices)
-    if found < expected and found != count():
-        return None
-    return _Geometry(given, inner, length, choices, start, expected)
+    proof: Proof | None = Proof(Ground.TYPE)
+    if found < expected:
+        counted = count()
+        if counted is None or counted.solutions != found:
+            return None
+        # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md).
+        alone = given.kinds.count(DLL) < 2
+        proof = Proof(Ground.GEOMETRY, counted.error) if alone else None
+    return _Geometry(given, inner, length, choices, start, expected, proof)
 
 
 def _inner_values(given: Arrangement, rows: Array, length: float, choices: Array) -> Array:
@@ -214,6 +233,8 @@ class _Geometry:
         The start for each of them.
     expected
         The generic count of the type.
+    proof
+        What as many certified poses as the start has prove.
     """
 
     given: Arrangement
@@ -222,6 +243,7 @@ class _Geometry:
     choices: Array
     start: _Start
     expected: int
+    proof: Proof | None
 
     @property
     def found(self) -> int:
@@ -233,7 +255,7 @@ class _Geometry:
         """How many sets of values are solved together."""
         return max(1, _BATCH_PATHS // self.found)
 
-    def poses(self, rows: Array, jobs: int) -> Iterator[PoseSet | None]:
+    def poses(self, rows: Array, proofs: ValueProofs | None, jobs: int) -> Iterator[PoseSet | None]:
         """Yield the poses for sets of values (b, 6); None where any is not found for certain."""
         values = _inner_values(self.given, rows, self.length, self.choices)
         inner, start = self.inner, self.start
@@ -261,24 +283,31 @@ class _Geometry:
             at_infinity=self.expected - self.found,
             basis=Basis.PATHS if self.found == self.expected else Basis.COUNT,
         )
-        uncertified, once = np.zeros(self.found, dtype=np.bool_), np.ones(self.found, dtype=int)
-        for i, row in enumerate(rows):
+        once = np.ones(self.found, dtype=int)
+        if DLL in self.given.kinds:
+            for i in np.flatnonzero(good).tolist():
+                platform = self.given.with_values(rows[i])
+                polished, T[i] = polish_parallel_lines(platform, R[i], T[i], once == 1)
+                if polished is not R[i]:
+                    R[i], quaternions[i] = polished, quaternion_from_rotation(polished)
+        certified = np.zeros(real.shape, dtype=np.bool_)
+        if proofs is not None:
+            poses = quaternions[good], R[good], T[good]
+            decided = proofs.decide(rows[good], self.choices, *poses, jobs=jobs)
+            certified[good] = decided.certified & decided.different[:, None]
+            real[good] = np.where(certified[good], decided.real, real[good])
+        for i in range(len(rows)):
             if not good[i]:
                 yield None
                 continue
-            q, r, t = quaternions[i], R[i], T[i]
-            if DLL in self.given.kinds:
-                platform = self.given.with_values(row)
-                r, t = polish_parallel_lines(platform, r, t, once == 1)
-                if r is not R[i]:
-                    q = quaternion_from_rotation(r)
             yield PoseSet(
-                quaternions=q,
-                R=r,
-                T=t,
+                quaternions=quaternions[i],
+                R=R[i],
+                T=T[i],
                 real=real[i],
-                certified=uncertified,
+                certified=certified[i],
                 multiplicity=once,
                 motions=(),
                 account=account,
+                proof=self.proof if certified[i].all() else None,
             )

@@ -16,9 +16,9 @@ from gspcli.certification.distinct import all_different
 from gspcli.certification.floating import (
     ROUNDING,
     Proofs,
-    _deviation,
     _Equations,
-    _hessians,
+    deviations,
+    form_hessians,
     prove,
 )
 from gspcli.certification.isolation import Isolation, refine_point
@@ -76,7 +76,7 @@ def test_deviations_bound_those_of_balls(radius: float) -> None:
     R = rotation_from_quaternion(rng.normal(size=(30, 4)) + 1j * rng.normal(size=(30, 4)))
     T = rng.normal(size=(30, 3)) + 1j * rng.normal(size=(30, 3))
     points, patches = study_points(R, T)
-    bounds = _deviation(points, np.full(30, radius), R, T)
+    bounds = deviations(points, np.full(30, radius), R, T)
     assert np.isfinite(bounds).any()
     with ctx.workprec(200):
         for point, patch, bound, rotation, place in zip(points, patches, bounds, R, T, strict=True):
@@ -90,7 +90,7 @@ def test_deviations_bound_those_of_balls(radius: float) -> None:
 
 @pytest.mark.parametrize("names", SIGNATURES)
 @pytest.mark.parametrize("sided", [True, False])
-def test_a_known_solution_is_proved_and_within_its_deviation(
+def test_a_known_solution_is_proved_and_within_itsdeviations(
     names: str, sided: bool, known: Callable
 ) -> None:
     platform = known(names, 11, sided=sided)
@@ -147,8 +147,8 @@ def test_decisions_are_those_of_certificates(number: int) -> None:
 
 def test_few_forms_have_a_monomial_in_common() -> None:
     """The number of roundings that `ROUNDING` allows for depends on it."""
-    assert (_hessians() != 0).sum(axis=0).max() == 4
-    assert np.abs(_hessians()[: TRANSLATION[-1] + 1]).sum(axis=2).max() == 2
+    assert (form_hessians() != 0).sum(axis=0).max() == 4
+    assert np.abs(form_hessians()[: TRANSLATION[-1] + 1]).sum(axis=2).max() == 2
 
 
 def test_nearly_all_poses_are_proved_in_floating_point() -> None:

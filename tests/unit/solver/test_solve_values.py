@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.solver import solve, solve_values
 from gspcli.solver.generate import random_instance
 from gspcli.solver.one_geometry import solve_rows
+from gspcli.solver.proof import Ground
 from gspcli.solver.tracking import solve_by_tracking
 
 
@@ -168,7 +170,8 @@ def _three_three():
 def test_a_special_geometry_is_followed_if_its_exact_count_says_that_nothing_is_missing():
     instance = _three_three()
     arrangement, values = Arrangement.of(instance), _near(instance, 0.02, 5, 6)
-    for count, trusted in ((16, True), (18, False), (None, False)):
+    for number, trusted in ((16, True), (18, False), (None, False)):
+        count = None if number is None else SimpleNamespace(solutions=number, error=1e-9)
         found = list(solve_rows(arrangement, values, count=lambda n=count: n, seed=7))
         assert [poses is not None for poses in found] == [trusted] * 5
         for poses in found if trusted else []:
@@ -210,3 +213,42 @@ def test_batches_do_not_depend_on_what_was_solved_before_nor_on_threads():
     list(solve_values(instance, _near(instance, 0.3, 8, 14)))
     for one, other in zip(first, solve_values(instance, values, jobs=2), strict=True):
         np.testing.assert_array_equal(one.T, other.T)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "DPP DPP DPP DPP DPP DPP",
+        "DPP DPP DPP DPL DLP DLL",
+        "DPP DPL DPH DHP ALL ALH",
+        "DPL DPL DLP ALL ALH AHH",
+    ],
+)
+def test_batches_are_certified_as_single_platforms_are(name):
+    instance = instance_of(name)
+    values = _near(instance, 0.05, 4, 15)
+    for row, poses in zip(values, solve_values(instance, values, certify=True), strict=True):
+        numbers = {i: Number.of(float(value)) for i, value in enumerate(row)}
+        single = solve(instance.with_values(numbers))
+        assert poses.certified.all()
+        assert poses.proof == single.proof
+        assert poses.proof.by is Ground.TYPE
+        assert poses.real.sum() == single.counts.real
+
+
+def test_a_special_geometry_is_certified_by_its_count():
+    instance = _three_three()
+    values = _near(instance, 0.02, 5, 16)
+    for poses in solve_values(instance, values, certify=True):
+        assert poses.certified.all()
+        assert poses.proof.by is Ground.GEOMETRY
+        assert (poses.account.found, poses.account.at_infinity) == (16, 24)
+
+
+def test_special_values_are_proved_too():
+    """Legs of one length: what is multiple is not certified."""
+    instance = _three_three()
+    values = np.tile([2.0, 2.0, 2.0, 2.0, 2.0, 2.0], (4, 1))
+    for poses in solve_values(instance, values, certify=True):
+        assert poses.account.verdict in ("complete", "infinite", "incomplete")
+        assert not (poses.certified & (poses.multiplicity > 1)).any()
