@@ -34,7 +34,7 @@ SPANS: dict[str, tuple[int, ...]] = {
 
 
 @dataclass(frozen=True)
-class Equation:
+class ModularEquation:
     """``A = 0``, or ``A^2 + weight B^2 = square`` for a product of two conjugate quadrics.
 
     Attributes
@@ -61,7 +61,9 @@ class Body:
     frame: tuple[Vector, Vector, Vector]
 
 
-def equation(kind: Kind, platform: Body, base: Body, value: int, *, sides: int = 1) -> Equation:
+def equation(
+    kind: Kind, platform: Body, base: Body, value: int, *, sides: int = 1
+) -> ModularEquation:
     """Return the equation of a constraint (Section 4).
 
     Parameters
@@ -79,29 +81,29 @@ def equation(kind: Kind, platform: Body, base: Body, value: int, *, sides: int =
     x, (v, *around_v) = base.point, base.frame
     square = value * value
     if not kind.is_distance:
-        return Equation(_function(one=-value, rotation=_outer(v, u)))
+        return ModularEquation(_function(one=-value, rotation=_outer(v, u)))
     if kind is DPP:
         one = _dot(x, x) + _dot(y, y) - square
         rotation = _outer([-2 * entry for entry in x], y)
-        return Equation(
+        return ModularEquation(
             _function(one, rotation, [-2 * entry for entry in x], [2 * entry for entry in y], 1)
         )
     if kind is DPL:
         first, second = (_above_base(y, x, n) for n in around_v)
-        return Equation(first, second, 1, square)
+        return ModularEquation(first, second, 1, square)
     if kind is DLP:
         first, second = (_above_platform(y, x, n) for n in around_u)
-        return Equation(first, second, 1, square)
+        return ModularEquation(first, second, 1, square)
     if kind is DLL:
         cosine = _function(rotation=_outer(v, u))
-        return Equation(_mutual_moment(y, x, u, v), cosine, square, square)
+        return ModularEquation(_mutual_moment(y, x, u, v), cosine, square, square)
     if kind not in (DPH, DHP):
         raise ValueError(kind)
     height = _above_base(y, x, v) if kind is DPH else _above_platform(y, x, u)
     if sides == 2:
-        return Equation(height, _function(), 0, square)
+        return ModularEquation(height, _function(), 0, square)
     height[study.NORM] -= value
-    return Equation(height)
+    return ModularEquation(height)
 
 
 def _above_base(y: Vector, x: Vector, n: Vector) -> Function:
@@ -146,7 +148,7 @@ def _outer(a: Vector, b: Vector) -> list[int]:
 
 def random_platform(
     distances: Sequence[Kind], angles: int, prime: int, random: Random, *, sides: int = 1
-) -> list[Equation]:
+) -> list[ModularEquation]:
     """Return the equations of a random platform over the integers modulo a prime.
 
     Directions come from random quaternions, so that they and the frames about them have
@@ -172,14 +174,14 @@ def _random_frame(prime: int, random: Random) -> tuple[Vector, Vector, Vector]:
             return a, b, c
 
 
-def random_quadrics(families: str, prime: int, random: Random) -> list[Equation]:
+def random_quadrics(families: str, prime: int, random: Random) -> list[ModularEquation]:
     """Return random members of families of quadrics over the integers modulo a prime."""
     equations = []
     for letter in families:
         function = _function()
         for index in SPANS[letter]:
             function[index] = random.randrange(prime)
-        equations.append(Equation(function))
+        equations.append(ModularEquation(function))
     return equations
 
 

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 from pathlib import Path
 
-from gspcli.atlas.equations import Equation, Function, quadrics
+from gspcli.atlas.equations import Function, ModularEquation, quadrics
 from gspcli.certification import study
 from gspcli.errors import GspError, IncompleteError, NotFiniteError
 from gspcli.export.programs import msolve_input
@@ -58,7 +58,7 @@ def _program() -> Path:
 
 
 def quotient_dimension(
-    equations: Sequence[Equation], prime: int, *, timeout_s: float | None = None
+    equations: Sequence[ModularEquation], prime: int, *, timeout_s: float | None = None
 ) -> int | None:
     """Return the number of solutions over the algebraic closure, with multiplicities.
 
@@ -103,7 +103,7 @@ def quotient_dimension(
         return standard_monomials(_leading(answer.read_text(encoding="utf-8")))
 
 
-def _polynomial(equation: Equation) -> Polynomial:
+def _polynomial(equation: ModularEquation) -> Polynomial:
     """Return an equation of degree two or four in (e, f)."""
     if equation.second is None:
         return _quadric(equation.first)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from random import Random
 
-from gspcli.atlas.equations import Equation, random_platform, random_quadrics
+from gspcli.atlas.equations import ModularEquation, random_platform, random_quadrics
 from gspcli.atlas.groebner import quotient_dimension
 from gspcli.atlas.tracking import Tracked, tracked
 from gspcli.catalogue.counts import all_families, law
@@ -60,7 +60,7 @@ class Task:
         open_sides = sum(kind.has_sides for kind in self.distances) * (self.sides - 1)
         return int(law(self.distances) * 2**open_sides)
 
-    def equations(self) -> list[Equation]:
+    def equations(self) -> list[ModularEquation]:
         """Return the random system modulo the prime."""
         random = Random(f"{self.seed} {self.characteristic} {self.sides} {self.subject}")
         if self.distances is None:

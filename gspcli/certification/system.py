@@ -38,7 +38,7 @@ _SIGNS = {Side.POSITIVE: (1,), Side.NEGATIVE: (-1,), Side.BOTH: (1, -1)}
 
 
 @dataclass(frozen=True)
-class Equation:
+class BallEquation:
     """The equation ``A = 0`` (no squares) or ``N A = B^2 + ...``, by indices of quadrics."""
 
     main: int
@@ -79,14 +79,14 @@ class System:
         """Whether every coefficient is a number (``acos(2)`` is none)."""
         return bool(np.isfinite(self._moduli).all())
 
-    def _equations(self, given: Statement) -> tuple[Equation, ...]:
+    def _equations(self, given: Statement) -> tuple[BallEquation, ...]:
         kind, a, b, u, v = given.kind, given.a, given.b, given.u, given.v
         if not kind.is_distance:
             form = rotation_form(v, u)
             form[study.NORM] = -given.cosine * norm(u) * norm(v)
-            return (Equation(self._add(form)),)
+            return (BallEquation(self._add(form)),)
         if kind is DPP:
-            return (Equation(self._add(square_distance(a, b, given.value))),)
+            return (BallEquation(self._add(square_distance(a, b, given.value))),)
         if kind is DLL:
             return (self._distance_of_lines(given),)
         # Of the other four, the point's height over the line's foot or over the plane.
@@ -95,25 +95,25 @@ class System:
             square = square_distance(a, b, given.value)
             axis = u or v
             main = self._add(scaled(square, dot(axis, axis)))
-            return (Equation(main, (self._add(height),)),)
+            return (BallEquation(main, (self._add(height),)),)
         if kind not in (DPH, DHP):
             raise ValueError(kind)
         if kind is DHP:
             height = scaled(height, arb(-1))
         value = given.value * norm(u or v)
         return tuple(
-            Equation(self._add({**height, study.NORM: height[study.NORM] - sign * value}))
+            BallEquation(self._add({**height, study.NORM: height[study.NORM] - sign * value}))
             for sign in _SIGNS[given.side]
         )
 
-    def _distance_of_lines(self, given: Statement) -> Equation:
+    def _distance_of_lines(self, given: Statement) -> BallEquation:
         a, b, u, v, d = given.a, given.b, given.u, given.v, given.value
         moment = mutual_moment(a, b, u, v)
         if given.is_zero:
-            return Equation(self._add(moment))
+            return BallEquation(self._add(moment))
         main: Form = {study.NORM: d * d * dot(u, u) * dot(v, v)}
         cosine = scaled(rotation_form(v, u), d)
-        return Equation(self._add(main), (self._add(moment), self._add(cosine)))
+        return BallEquation(self._add(main), (self._add(moment), self._add(cosine)))
 
     def _add(self, form: Form) -> int:
         self.forms.append(form)
@@ -211,7 +211,7 @@ class System:
         return np.asarray(np.stack(bounds, axis=-1) * OUTWARD)
 
 
-def _value(equation: Equation, quadrics: Sequence[acb]) -> acb:
+def _value(equation: BallEquation, quadrics: Sequence[acb]) -> acb:
     if not equation.squares:
         return quadrics[equation.main]
     value = quadrics[study.NORM] * quadrics[equation.main]

@@ -136,7 +136,7 @@ def start_system(structure: Structure) -> StartSystem:
     products = structure.is_product
     zero = np.zeros(EQUATIONS, dtype=np.complex128)
     base = System(Structure(structure.families), Coefficients(g, np.zeros_like(h), zero))
-    coefficients = Coefficients(g, np.where(products[:, None], h, 0), zero).normalized()
+    coefficients = Coefficients(g, np.where(products[:, None], h, 0), zero).normalised()
     system = System(structure, coefficients)
     if not products.any():
         return StartSystem(system, points)

@@ -85,7 +85,7 @@ class Coefficients(NamedTuple):
     tau: ComplexArray
     """Right-hand sides of the products, shape (..., 6); zero where there is none."""
 
-    def normalized(self) -> Coefficients:
+    def normalised(self) -> Coefficients:
         """Return the same equations with every factor scaled to norm 1."""
         size_g, size_h = (np.sqrt((x.real**2 + x.imag**2).sum(axis=-1)) for x in self[:2])
         size_g[size_g == 0] = size_h[size_h == 0] = 1.0
@@ -94,7 +94,7 @@ class Coefficients(NamedTuple):
         )
 
     def balanced(self) -> tuple[Coefficients, FloatArray]:
-        """Return the normalized equations in e and f / scale, and the scales (...).
+        """Return the normalised equations in e and f / scale, and the scales (...).
 
         The scale, a power of two, makes the coefficients of e e, e f and f f alike in size, so
         that the unit of length does not matter.
@@ -109,7 +109,7 @@ class Coefficients(NamedTuple):
         slope = np.where(known, ratio, 0.0).sum(axis=-2) @ [1.0, 2.0]
         weight = known.sum(axis=-2) @ [1.0, 4.0]
         scale = np.exp2(-np.rint(slope / np.maximum(1.0, weight)))
-        return self.in_units(scale).normalized(), scale
+        return self.in_units(scale).normalised(), scale
 
     def in_units(self, scale: FloatArray) -> Coefficients:
         """Return the equations in e and f / scale, for scales of shape (...)."""
@@ -213,9 +213,9 @@ class System:
         coefficients = Coefficients(*(x[order] for x in self.coefficients))
         return System(self.structure.canonical(), coefficients)
 
-    def normalized(self) -> System:
+    def normalised(self) -> System:
         """Return the same equations with every factor scaled to norm 1."""
-        return System(self.structure, self.coefficients.normalized())
+        return System(self.structure, self.coefficients.normalised())
 
     def scaled(self, g: ComplexArray, h: ComplexArray) -> System:
         """Return the same equations with their factors multiplied by `g` and `h`, shape (6,)."""

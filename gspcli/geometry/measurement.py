@@ -48,11 +48,12 @@ def jacobian(bodies: Bodies, R: Field, T: Field) -> Field:
     """
     r, w, arm = bodies.placed(R, T)
     v = np.broadcast_to(bodies.v, w.shape)
-    rows: Field = np.zeros((*r.shape[:-1], 6), dtype=r.dtype)
+    by_r: Field = np.zeros(r.shape, dtype=r.dtype)
+    by_w: Field = np.zeros(r.shape, dtype=r.dtype)
     for kind, k in _alike(bodies.kinds):
-        vectors = r[..., k, :], w[..., k, :], v[..., k, :]
-        rows[..., k, :] = by_twist(_gradient(kind, *vectors), arm[..., k, :], vectors[1])
-    return rows
+        gradient = _gradient(kind, r[..., k, :], w[..., k, :], v[..., k, :])
+        by_r[..., k, :], by_w[..., k, :] = gradient.r, gradient.w
+    return by_twist(Gradient(by_r, by_w, v), arm, w)
 
 
 def hessian(bodies: Bodies, R: Field, T: Field) -> Field:

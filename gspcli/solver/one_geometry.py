@@ -263,7 +263,7 @@ class _Geometry:
             inner.kinds, inner.y, inner.x, inner.u, inner.v, values.reshape(-1, 6)
         )
         ordered = Coefficients(*(x[:, list(structure.order)] for x in coefficients))
-        targets = ordered.in_units(start.scale).normalized()
+        targets = ordered.in_units(start.scale).normalised()
         ends = follow_each(start.system, start.points, targets, jobs=jobs)
         points = ends.points
         points[..., 4:] *= start.scale

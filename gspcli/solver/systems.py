@@ -123,7 +123,7 @@ def _structure(letters: tuple[str, ...], products: tuple[bool, ...]) -> Structur
     return Structure("".join(letters), products)
 
 
-class Equation(NamedTuple):
+class QuadricEquation(NamedTuple):
     """Constraints of one form as ``G = 0`` or, if there is a second factor, ``G H = tau N^2``."""
 
     letter: str
@@ -135,7 +135,7 @@ class Equation(NamedTuple):
     """Shape (...)."""
 
 
-def equation(kind: Kind, y: Array, x: Array, u: Array, v: Array, value: Scalars) -> Equation:
+def equation(kind: Kind, y: Array, x: Array, u: Array, v: Array, value: Scalars) -> QuadricEquation:
     """Return the equation of a constraint, or of many of one kind along leading axes.
 
     Parameters
@@ -151,11 +151,11 @@ def equation(kind: Kind, y: Array, x: Array, u: Array, v: Array, value: Scalars)
         shape (...). Lines at a distance of zero have one quadric, so all of them or none.
     """
     if kind is DPP:
-        return Equation("s", _point_point(y, x) - _constant(value**2))
+        return QuadricEquation("s", _point_point(y, x) - _constant(value**2))
     if kind is DPH:
-        return Equation("p", _point_plane(y, x, v) - _constant(value))
+        return QuadricEquation("p", _point_plane(y, x, v) - _constant(value))
     if kind is DHP:
-        return Equation("q", _plane_point(y, x, u) - _constant(value))
+        return QuadricEquation("q", _plane_point(y, x, u) - _constant(value))
     if kind is DPL:
         a, b = _across(v)
         return _factors("p", _point_plane(y, x, a), _point_plane(y, x, b), value)
@@ -165,15 +165,15 @@ def equation(kind: Kind, y: Array, x: Array, u: Array, v: Array, value: Scalars)
     if kind is DLL:
         moment = _mutual_moment(y, x, u, v)
         if not value.any():
-            return Equation("l", moment)
+            return QuadricEquation("l", moment)
         return _factors("l", moment, value[..., None] * _turned(u, v), value)
     if kind in ANGLE_KINDS:
-        return Equation("a", _turned(u, v) - _constant(value))
+        return QuadricEquation("a", _turned(u, v) - _constant(value))
     raise ValueError(kind)
 
 
-def _factors(letter: str, a: Scalars, b: Scalars, distance: Scalars) -> Equation:
-    return Equation(letter, a + 1j * b, a - 1j * b, distance**2)
+def _factors(letter: str, a: Scalars, b: Scalars, distance: Scalars) -> QuadricEquation:
+    return QuadricEquation(letter, a + 1j * b, a - 1j * b, distance**2)
 
 
 def _constant(value: Scalars) -> Scalars:

@@ -142,7 +142,7 @@ def _orthonormal(form: Expr, where: Setting) -> Expr:
 
 
 @dataclass(frozen=True)
-class Equation:
+class SymbolicEquation:
     """One way to write a constraint: ``left = right``, polynomials in atoms.
 
     Attributes
@@ -160,7 +160,7 @@ class Equation:
 
 
 @cache
-def equations(kind: Kind, *, one_sided: bool = False) -> tuple[Equation, ...]:
+def equations(kind: Kind, *, one_sided: bool = False) -> tuple[SymbolicEquation, ...]:
     """Return the ways to write a constraint, all with the same zeros on the rigid motions.
 
     The Gram determinant of three vectors is the square of their triple product, and
@@ -176,9 +176,9 @@ def equations(kind: Kind, *, one_sided: bool = False) -> tuple[Equation, ...]:
     """
     where = setting(kind)
     if not kind.is_distance:
-        return (Equation(inner(*where.axes), _angle_value(kind), "product"),)
+        return (SymbolicEquation(inner(*where.axes), _angle_value(kind), "product"),)
     if kind.has_sides and one_sided:
-        return (Equation(_height(kind), DISTANCE, "product"),)
+        return (SymbolicEquation(_height(kind), DISTANCE, "product"),)
     numerator, denominator = squared_distance(kind)
     offset, axes = where.offset, where.axes
     # The simplest first: it is taken where another one has the same degree.
@@ -199,7 +199,9 @@ def equations(kind: Kind, *, one_sided: bool = False) -> tuple[Equation, ...]:
             name: sympy.Add(*(inner(offset, e) ** 2 for e in units(frame)))
             for name, frame in _FRAMES.items()
         }
-    return tuple(Equation(left, DISTANCE**2 * denominator, name) for name, left in ways.items())
+    return tuple(
+        SymbolicEquation(left, DISTANCE**2 * denominator, name) for name, left in ways.items()
+    )
 
 
 _FRAMES = {"base": Frame.BASE, "platform": Frame.PLATFORM}
@@ -239,7 +241,7 @@ def _angle_value(kind: Kind) -> Expr:
 
 def equation(
     kind: Kind, weights: Mapping[str, int], *, one_sided: bool = False
-) -> tuple[Equation, int] | None:
+) -> tuple[SymbolicEquation, int] | None:
     """Return an equation of lowest degree and that degree.
 
     That no polynomial of lower degree has the zeros of the constraint is shown in
@@ -259,7 +261,7 @@ def equation(
     tuple or None
         None if the blocks do not determine what the constraint measures.
     """
-    found: tuple[Equation, int] | None = None
+    found: tuple[SymbolicEquation, int] | None = None
     for candidate in equations(kind, one_sided=one_sided):
         its_degree = degree(candidate.left - candidate.right, weights)
         if its_degree is not None and (found is None or its_degree < found[1]):
@@ -362,7 +364,7 @@ class LowestDegree:
 
     degree: int
     coordinates: CoordinateSystem
-    equation: Equation
+    equation: SymbolicEquation
 
 
 def lowest_degree(kind: Kind, *, one_sided: bool = False) -> LowestDegree:

@@ -9,7 +9,14 @@ import sympy
 from sympy import Expr
 
 from gspcli.catalogue.kinds import Kind, Primitive
-from gspcli.symbolic.constraints import ANGLE, DISTANCE, Equation, equations, lowest_degree, setting
+from gspcli.symbolic.constraints import (
+    ANGLE,
+    DISTANCE,
+    SymbolicEquation,
+    equations,
+    lowest_degree,
+    setting,
+)
 from gspcli.symbolic.coordinates import CoordinateSystem
 from gspcli.symbolic.forms import (
     RHO,
@@ -95,7 +102,7 @@ def definition(kind: Kind, style: Style = TEXT) -> str:
 
 
 def written(
-    equation: Equation, kind: Kind, coordinates: CoordinateSystem, style: Style = TEXT
+    equation: SymbolicEquation, kind: Kind, coordinates: CoordinateSystem, style: Style = TEXT
 ) -> str:
     """Return an equation in the given coordinates; with both signs of d where there are sides."""
     if kind.has_sides and equation.form == "product":
