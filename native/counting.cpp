@@ -56,7 +56,7 @@ CountingResult count(const CountingProblem& problem) {
       for (const std::vector<int>& group : problem.groups) {
         std::vector<typename SolutionAlgebra<F>::Element> elements;
         for (const int row : group) elements.push_back(element<F>(ring, problem, row));
-        const auto [apart, distinct] = algebra.count_where_not_zero(elements);
+        const auto [apart, distinct] = algebra.count_where_not_zero(elements, result.distinct);
         result.apart.push_back(apart);
         result.apart_distinct.push_back(distinct);
       }

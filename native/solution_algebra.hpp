@@ -101,8 +101,8 @@ class SolutionAlgebra {
   };
 
   // How many solutions there are, and how many values a form takes on them, where none of some
-  // elements vanishes.
-  std::pair<int, int> count_where_not_zero(const std::vector<Element>& elements) {
+  // elements vanishes; on all of them it takes `distinct`.
+  std::pair<int, int> count_where_not_zero(const std::vector<Element>& elements, int distinct) {
     Matrix space;
     for (int k = 0; k < size(); ++k) {
       space.emplace_back(size(), 0);
@@ -117,6 +117,7 @@ class SolutionAlgebra {
       }
     }
     if (space.empty()) return {0, 0};
+    if (static_cast<int>(space.size()) == size()) return {size(), distinct};
     Accumulator<F> sums(field_, size());
     for (const Vector& row : space) sums.subtract_multiple(0, row.data(), basis_.random(), size());
     return {static_cast<int>(space.size()), count_values(taken(sums))};

@@ -11,6 +11,7 @@ from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import GspType
 from gspcli.certification.counting.coordinates import DEGREES, quadrics
 from gspcli.certification.counting.error_bounds import COMMUTATOR_TESTS, error_bounds, total
+from gspcli.certification.counting.homomorphism import LARGE, SMALL
 from gspcli.certification.counting.modular_platform import ModularPlatform, NotCountedError
 from gspcli.certification.counting.residue_counts import Outcome, ResidueCount, count
 from gspcli.certification.counting.spurious import spurious
@@ -24,6 +25,8 @@ _BILLION = 10**9
 _UNLIMITED = 2**62
 #: Further primes are taken until they all mislead with a probability below this, at most so many.
 _ENOUGH, _MOST_PRIMES = 1e-9, 4
+#: From this generic count on a small prime is tried first: it takes a third of the time.
+_LARGE_COUNT = 100
 
 
 @dataclass(frozen=True)
@@ -156,7 +159,9 @@ def count_geometry(
 
 def _count(instance: Instance, seed: int, limit: float | None, *, values_free: bool) -> ExactCount:
     max_work = work_limit(limit)
-    found: ExactCount | None = None
+    found = _quick_count(instance, seed, max_work, values_free=values_free)
+    if found is not None:
+        return found
     for index in range(_MOST_PRIMES):
         platform = ModularPlatform(instance, seed, values_free=values_free, index=index)
         results = _results(platform, max_work, same=values_free)
@@ -167,6 +172,22 @@ def _count(instance: Instance, seed: int, limit: float | None, *, values_free: b
             break
     assert found is not None
     return found
+
+
+def _quick_count(
+    instance: Instance, seed: int, max_work: int, *, values_free: bool
+) -> ExactCount | None:
+    """Return the count if it is large, and so general that a small prime proves it; else None."""
+    if generic_counts(instance.type).one_sided < _LARGE_COUNT:
+        return None
+    platform = ModularPlatform(instance, seed, values_free=values_free)
+    if not platform.requirements.has_small_primes:
+        return None
+    platform = ModularPlatform(instance, seed, values_free=values_free, bits=SMALL)
+    found = _assembled(platform, _results(platform, max_work, same=values_free))
+    if max(found.error, found.distinct_error) < _ENOUGH and found.spurious == 0:
+        return found
+    return None
 
 
 @dataclass(frozen=True)
@@ -235,10 +256,14 @@ def _assembled(platform: ModularPlatform, found: Sequence[_Result]) -> ExactCoun
     finite = all(result.outcome is Outcome.FINITE for result in results)
     isolated = [r for r in results if r.outcome is Outcome.FINITE]
     points = max((result.solutions for result in isolated), default=0)
-    bounds = error_bounds(platform.exact, platform.requirements, points)
-    error = total(_error(result, platform, bounds[0]) for result in results)
+    errors = [_error(result, platform) for result in results]
     # As many distinct values as solutions prove the solutions distinct.
     doubtful = [result for result in results if result.distinct != result.solutions]
+    # A small prime counts for nothing but what it proves.
+    bounds = (1.0, 1.0)
+    if platform.bits == LARGE and (doubtful or None in errors):
+        bounds = error_bounds(platform.exact, platform.requirements, points)
+    error = total(bounds[0] if error is None else error for error in errors)
 
     def added(numbers: Iterable[int | None]) -> int | None:
         known = [number for number in numbers if number is not None]
@@ -268,8 +293,8 @@ def _side(signs: tuple[int, ...], result: _Result) -> SideCount:
     return SideCount(signs, result.counted.solutions, result.counted.distinct, wrong, distinct)
 
 
-def _error(result: ResidueCount, platform: ModularPlatform, bound: float) -> float:
-    """Return 0 if one prime proves that there are just so many solutions, else a bound.
+def _error(result: ResidueCount, platform: ModularPlatform) -> float | None:
+    """Return 0, or next to it, if one prime proves that there are just so many solutions.
 
     If no solution is at infinity modulo the prime, none is, and the theorem of Bezout applies: the
     degree of the coordinates' variety (data/varieties.json) times those of the equations. Isolated
@@ -278,11 +303,11 @@ def _error(result: ResidueCount, platform: ModularPlatform, bound: float) -> flo
     """
     blocks, kinds = platform.blocks, platform.kinds
     if result.outcome is not Outcome.FINITE:
-        return bound
+        return None
     if not result.has_falls and result.solutions == DEGREES[blocks] << quadrics(blocks, kinds):
         return 0.0
     # The equation of a DLL of distance zero is the root of the generic one.
     halved = sum(row.kind is DLL and row.is_zero for row in platform.rows)
     if result.solutions << halved == generic_counts(GspType.of(kinds)).one_sided:
         return 0.0 if result.all_commutators else COMMUTATOR_TESTS
-    return bound
+    return None

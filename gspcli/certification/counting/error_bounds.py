@@ -90,8 +90,7 @@ def field_degree(requirements: Requirements) -> int:
     degree = order
     for prime in requirements.order_primes:
         degree -= degree // prime
-    own = sum(n not in requirements.order_primes for n in requirements.radicands)
-    return int(degree) << own
+    return int(degree) << requirements.independent_roots
 
 
 def error_bounds(

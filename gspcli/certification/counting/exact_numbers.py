@@ -121,6 +121,11 @@ class Element:
         """The rational number that it is as a sum of terms, if it is one."""
         if not self.numerator:
             return Fraction(0)
+        if self.denominator.keys() == {ONE}:
+            # Terms with different roots are kept apart, so nothing else is rational.
+            if self.numerator.keys() != {ONE}:
+                return None
+            return self.numerator[ONE] / self.denominator[ONE]
         term, factor = next(iter(self.denominator.items()))
         for other, x in self.numerator.items():
             root = _square_root(other.radicand * term.radicand)

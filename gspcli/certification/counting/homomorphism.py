@@ -25,10 +25,11 @@ from flint import fmpz, nmod
 
 from gspcli.certification.counting.exact_numbers import Element, NoElementError, Sum, Term
 
-#: Primes lie between 2^60 and 2^61.
-_LOWEST, _RANGE = 2**60, 2**60
+#: Bits of the primes by which counts are established, and of those that are tried before.
+LARGE, SMALL = 61, 31
 #: A larger order leaves too few primes to choose from at random.
 _MAX_ORDER = 2**40
+_MAX_SMALL_ORDER = 2**22
 
 
 class Randomness:
@@ -79,6 +80,16 @@ class Requirements:
         """The order N of the roots of unity: 1, or a multiple of 8."""
         order = math.lcm(*(term.turn.denominator for term in self.terms if term.turn))
         return 1 if order == 1 else math.lcm(order, 8)
+
+    @property
+    def has_small_primes(self) -> bool:
+        """Whether there are enough primes of 31 bits."""
+        return self.order << self.independent_roots <= _MAX_SMALL_ORDER
+
+    @property
+    def independent_roots(self) -> int:
+        """How many square roots do not lie in the field of the roots of unity."""
+        return sum(n not in self.order_primes for n in self.radicands)
 
     @cached_property
     def order_primes(self) -> tuple[int, ...]:
@@ -229,18 +240,21 @@ class Homomorphism:
         return total if n % 4 == 1 else total / power ** (order // 4)
 
 
-def homomorphisms(requirements: Requirements, text: str) -> Iterator[Homomorphism]:
-    """Yield homomorphisms to random primes between 2^60 and 2^61, derived from a text."""
+def homomorphisms(
+    requirements: Requirements, text: str, bits: int = LARGE
+) -> Iterator[Homomorphism]:
+    """Yield homomorphisms to random primes of so many bits, derived from a text."""
     randomness = Randomness(text)
+    lowest = 2 ** (bits - 1)
     order, denominators = requirements.order, requirements.denominators
     used: set[int] = set()
     while True:
         step = order if order % 2 == 0 else 2 * order
-        prime = _LOWEST + randomness.below(_RANGE)
+        prime = lowest + randomness.below(lowest)
         prime += (1 - prime) % step
         if prime in used or not _suits(prime, requirements.radicands, requirements.order_primes):
             continue
-        if prime >= _LOWEST + _RANGE or any(d % prime == 0 for d in denominators):
+        if prime >= 2 * lowest or any(d % prime == 0 for d in denominators):
             continue
         used.add(prime)
         yield Homomorphism(requirements, prime, randomness)

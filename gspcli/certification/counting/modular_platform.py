@@ -23,6 +23,7 @@ from gspcli.certification.counting.exact_platform import (
     exact_constraints,
 )
 from gspcli.certification.counting.homomorphism import (
+    LARGE,
     Homomorphism,
     Randomness,
     Requirements,
@@ -49,6 +50,8 @@ class ModularPlatform:
         Whether the values are random instead of those of the instance.
     index
         Another one gives another prime.
+    bits
+        Bits of the prime: `LARGE` or, where `Requirements.has_small_primes`, `SMALL`.
 
     Raises
     ------
@@ -63,6 +66,8 @@ class ModularPlatform:
         What primes must have.
     choices
         Choices of sides: for each constraint 1 or -1.
+    bits
+        Bits of the prime.
     blocks
         The coordinates that suit the constraints.
     prime
@@ -74,7 +79,13 @@ class ModularPlatform:
     """
 
     def __init__(
-        self, instance: Instance, seed: int, *, values_free: bool = False, index: int = 0
+        self,
+        instance: Instance,
+        seed: int,
+        *,
+        values_free: bool = False,
+        index: int = 0,
+        bits: int = LARGE,
     ) -> None:
         try:
             self.exact = exact_constraints(instance, values_free=values_free)
@@ -82,11 +93,12 @@ class ModularPlatform:
         except NoElementError as error:
             message = f"the solutions cannot be counted exactly: no exact arithmetic for {error}"
             raise NotCountedError(message) from None
-        text = f"{seed} {index} {values_free} {_identity(instance)}"
+        text = f"{seed} {index} {bits} {values_free} {_identity(instance)}"
+        self.bits = bits
         self.choices = tuple(itertools.product(*(row.sides for row in self.exact)))
         self.blocks = choose(self.kinds)
         self.randomness = Randomness(f"{text} forms")
-        self.prime, self.rows = self._images(homomorphisms(self.requirements, text))
+        self.prime, self.rows = self._images(homomorphisms(self.requirements, text, bits))
         if values_free:
             self.rows = [
                 replace(row, value=nmod(self.randomness.below(self.prime), self.prime))

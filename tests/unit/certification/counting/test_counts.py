@@ -1,7 +1,9 @@
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from gspcli.catalogue.parsing import parse_name
 from gspcli.certification.counting import (
     NotCountedError,
     count_exactly,
@@ -12,6 +14,7 @@ from gspcli.certification.counting import (
 from gspcli.geometry.expressions import parse_number
 from gspcli.geometry.numbers import Number
 from gspcli.resources import data_directory, data_json
+from gspcli.solver.generate import random_instance
 from gspcli.spec import load
 
 EXPECTED = data_json("examples", "expected.json")["examples"]
@@ -92,3 +95,21 @@ def test_seeds_change_the_prime_and_not_the_count():
     assert {count.solutions for count in counts} == {32}
     assert len({count.primes for count in counts}) == 3
     assert counts[0] == count_exactly(example("platform-6-4"), seed=0)
+
+
+def test_large_general_counts_are_proved_by_a_small_prime():
+    instance = example("parallel-edges")
+    general = count_geometry(load(data_directory() / "examples" / "point-on-line.yaml"))
+    assert all(2**60 < prime < 2**61 for prime in general.primes)
+    # 256 of 512: special, so that only a large prime counts.
+    assert all(2**60 < prime < 2**61 for prime in count_exactly(instance).primes)
+
+
+def test_a_small_prime_is_tried_first_for_many_solutions():
+    gsp_type = parse_name("DPL DPL DPP DPP DPP DPH")
+    instance, _ = random_instance(gsp_type, np.random.default_rng(1), one_sided=True)
+    count = count_exactly(instance)
+    [prime] = count.primes
+    assert 2**30 < prime < 2**31
+    assert (count.solutions, count.distinct) == (160, 160)
+    assert count.error < 1e-15
