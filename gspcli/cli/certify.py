@@ -11,6 +11,7 @@ from gspcli.cli.digits import DECIMALS, decimals, digit_table, digits_option, re
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.poses import text_of
+from gspcli.cli.progress import working
 from gspcli.defaults import MAX_PRECISION, TOLERANCE
 from gspcli.errors import CheckFailed, IncompleteError
 
@@ -100,13 +101,16 @@ def command(
     instance = set_values(load_instance(spec), settings)
     text, name = text_of(result)
     given = read_answer(text, name) or read_candidates(text, name)
-    proved = certify(instance, given.R, given.T, tolerance=tolerance, max_precision=max_precision)
     solutions = []
-    for number, (item, claim) in enumerate(zip(proved, given.claimed_real, strict=True), 1):
-        entry = {"number": number, **_facts(item), "claimed_real": claim}
-        if digits is not None and item.certified:
-            entry["refined"] = refined(instance, item, digits)
-        solutions.append(entry)
+    with working("certifying"):
+        proved = certify(
+            instance, given.R, given.T, tolerance=tolerance, max_precision=max_precision
+        )
+        for number, (item, claim) in enumerate(zip(proved, given.claimed_real, strict=True), 1):
+            entry = {"number": number, **_facts(item), "claimed_real": claim}
+            if digits is not None and item.certified:
+                entry["refined"] = refined(instance, item, digits)
+            solutions.append(entry)
     counts = {
         "poses": len(proved),
         "certified": proved.certified,

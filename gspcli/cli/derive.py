@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli.output import Column, Output, Table, emit, output_options
+from gspcli.cli.progress import progress, working
 
 if TYPE_CHECKING:
     from gspcli.symbolic.triangular import TriangularSet
@@ -36,10 +37,12 @@ def command(case: str | None, expand: bool, output: Output) -> None:
     from gspcli.symbolic.presentation import to_document, to_latex, to_text
 
     if case is None:
-        emit(output, _listing([derive(name) for name in CASES]), schema="derive-cases")
+        derived = [derive(name) for name in progress(CASES, total=len(CASES), label="deriving")]
+        emit(output, _listing(derived), schema="derive-cases")
         return
     name = parse_case(case)
-    triangular = expand_case(name) if expand else derive(name)
+    with working("deriving"):
+        triangular = expand_case(name) if expand else derive(name)
     if output.format == "json":
         emit(output, (), document=to_document(triangular))
     else:

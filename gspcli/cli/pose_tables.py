@@ -12,6 +12,7 @@ import numpy as np
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.cli.digits import DECIMALS
 from gspcli.cli.output import Column, Table
+from gspcli.cli.summary import proved
 from gspcli.solver.columns import FACTS, TRANSLATION, PoseColumn
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ class Shown:
 def data_table(
     result: SolveResult,
     shown: Shown,
-    proved: Sequence[Mapping[str, str]],
+    digits: Sequence[Mapping[str, str]],
     *,
     imaginary: bool,
     summary: Sequence[str],
@@ -83,8 +84,8 @@ def data_table(
             }
     for row, (length, angle) in zip(rows, shown.distances or (), strict=False):
         row |= {"distance": length, "turn": angle}
-    for row, digits in zip(rows, proved, strict=False):
-        row |= digits
+    for row, decimals in zip(rows, digits, strict=False):
+        row |= decimals
     keys = [column.key for column in columns]
     if shown.distances is not None:
         keys += ["distance", "turn"]
@@ -147,6 +148,7 @@ def pose_tables(
 def _rows(result: SolveResult, shown: Shown, *, certify: bool) -> list[dict[str, Any]]:
     pose = {column.key: column.read(result) for column in (*TRANSLATION, *shown.rotation)}
     smallest = {column.key: _ZERO * result.arrangement.length for column in TRANSLATION}
+    known = proved(result)
     constant = len({tuple(s.sides.items()) for s in result.solutions}) == 1
     rows = []
     for place, index in enumerate(shown.indices):
@@ -159,14 +161,14 @@ def _rows(result: SolveResult, shown: Shown, *, certify: bool) -> list[dict[str,
         row["condition"] = float(f"{solution.condition:.3g}")
         if solution.sides and (not constant or not _fixed_sides(result)):
             row["sides"] = "".join("+" if s == "positive" else "-" for s in solution.sides.values())
-        if certify and not solution.certified:
+        if certify and not known[index]:
             row["residual"] = float(f"{solution.residual:.1e}")
         remarks = ["nearest"] if shown.distances is not None and place == 0 else []
         remarks += [] if solution.real else ["not real"]
         if solution.multiplicity > 1:
             many = solution.multiplicity
             remarks.append("double" if many == 2 else f"multiplicity {many}")
-        if certify and not solution.certified and result.certified.any():
+        if certify and not known[index] and known.any():
             remarks.append("not proved")
         row["remarks"] = ", ".join(remarks) or None
         if shown.distances is not None:

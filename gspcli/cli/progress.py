@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Iterator
-from threading import Timer
-from typing import TypeVar
+from contextlib import contextmanager
+from threading import Lock, Timer
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
 
 Item = TypeVar("Item")
 
@@ -17,17 +21,59 @@ def progress(items: Iterable[Item], *, total: int | None = None, label: str = ""
     if not sys.stderr.isatty():
         yield from items
         return
-    from rich.console import Console
-    from rich.progress import Progress
+    bar = _LateBar(label, total)
+    try:
+        for item in items:
+            yield item
+            bar.advance()
+    finally:
+        bar.stop()
 
-    with Progress(console=Console(stderr=True), transient=True, disable=False) as bars:
-        task = bars.add_task(label, total=total, visible=False)
-        patience = Timer(_PATIENCE_SECONDS, bars.update, (task,), {"visible": True})
-        patience.daemon = True
-        patience.start()
-        try:
-            for item in items:
-                yield item
-                bars.advance(task)
-        finally:
-            patience.cancel()
+
+@contextmanager
+def working(label: str) -> Iterator[None]:
+    """Show, after a second, that something goes on of which nobody knows how long it takes."""
+    bar = _LateBar(label, None) if sys.stderr.isatty() else None
+    try:
+        yield
+    finally:
+        if bar is not None:
+            bar.stop()
+
+
+class _LateBar:
+    """A bar that appears after a second, and is not even loaded before."""
+
+    def __init__(self, label: str, total: int | None) -> None:
+        self._label, self._total = label, total
+        self._done = 0
+        self._bars: Progress | None = None
+        self._stopped = False
+        self._lock = Lock()
+        self._timer = Timer(_PATIENCE_SECONDS, self._appear)
+        self._timer.daemon = True
+        self._timer.start()
+
+    def _appear(self) -> None:
+        from rich.console import Console
+        from rich.progress import Progress
+
+        with self._lock:
+            if self._stopped:
+                return
+            self._bars = Progress(console=Console(stderr=True), transient=True)
+            self._bars.add_task(self._label, total=self._total, completed=self._done)
+            self._bars.start()
+
+    def advance(self) -> None:
+        with self._lock:
+            self._done += 1
+            if self._bars is not None:
+                self._bars.advance(self._bars.task_ids[0])
+
+    def stop(self) -> None:
+        self._timer.cancel()
+        with self._lock:
+            self._stopped = True
+            if self._bars is not None:
+                self._bars.stop()

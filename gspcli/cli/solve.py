@@ -12,6 +12,7 @@ import click
 from gspcli.cli.digits import decimals, digit_table, digits_option, refined
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Output, emit, output_options
+from gspcli.cli.progress import working
 from gspcli.defaults import SEED
 from gspcli.errors import GspError, IncompleteError, NotFiniteError
 
@@ -128,14 +129,15 @@ def command(
     instance = set_values(load_instance(spec), settings)
     euler = None if rotation in ROTATIONS else rotation
     goal = _pose(near, euler, instance.units.angle.in_radians) if near is not None else None
-    result = solve(instance, seed=seed, jobs=jobs, certify=not no_certify, prove=prove)
-    indices = range(len(result.R) if everything else result.counts.real)
-    shown = Shown(indices, columns, places)
-    if goal is not None:
-        shown = _sorted(result, shown, *goal)
-    proved = _refined(result, shown, digits) if digits is not None else []
-    contradicting = _contradicting(result)
-    lines = summary(result, certify=not no_certify, contradicting=contradicting)
+    with working("solving"):
+        result = solve(instance, seed=seed, jobs=jobs, certify=not no_certify, prove=prove)
+        indices = range(len(result.R) if everything else result.counts.real)
+        shown = Shown(indices, columns, places)
+        if goal is not None:
+            shown = _sorted(result, shown, *goal)
+        proved = _refined(result, shown, digits) if digits is not None else []
+        contradicting = _contradicting(result)
+        lines = summary(result, certify=not no_certify, contradicting=contradicting)
     if output.format in _READABLE:
         notes = remarks(result, shown.numbers)
         if not everything and (others := len(result.R) - len(shown.indices)):

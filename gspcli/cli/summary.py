@@ -7,7 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gspcli.solver.proof import Ground
+
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from gspcli.solver import SolveResult
 
 _DIGITS = 3
@@ -39,12 +43,18 @@ def _real(result: SolveResult, *, certify: bool) -> str:
     if not result.counts.found or not certify:
         return text
     # Where there is no real pose it is the others whose certificates say so.
-    certified = result.certified[:real] if real else result.certified
-    if certified.all():
+    known = proved(result)[:real] if real else proved(result)
+    if known.all():
         return text + (", all proved different" if real > 1 else ", proved")
     if real == 0:
         return text
-    return text + (f", {certified.sum()} of them proved" if certified.any() else ", not proved")
+    return text + (f", {known.sum()} of them proved" if known.any() else ", not proved")
+
+
+def proved(result: SolveResult) -> NDArray[np.bool_]:
+    """Return which poses are proved: by certificates, multiple ones by the exact count."""
+    counted = result.proof is not None and result.proof.by is Ground.EXACT
+    return result.certified | (counted & (result.multiplicity > 1))
 
 
 def _completeness(result: SolveResult) -> str:
@@ -55,7 +65,10 @@ def _completeness(result: SolveResult) -> str:
         return f"{verdict}: all {found} of the type, real or not"
     poses = f"{found} pose{'s' * (found != 1)}, real or not"
     if result.verdict == "infinite":
-        poses = f"infinitely many poses and {found or 'no'} isolated one{'s' * (found != 1)}"
+        isolated = f"{found or 'no'} isolated one{'s' * (found != 1)}"
+        return (
+            f"{verdict}: infinitely many poses and {isolated}; the type can have {result.expected}"
+        )
     if ends.found != found:
         poses += f", {ends.found} with multiplicities"
     named = {
@@ -69,8 +82,12 @@ def _completeness(result: SolveResult) -> str:
     geometry = result.geometry_count
     if geometry is None:
         return f"{verdict}: {poses}{where}, of the type's {result.expected}"
+    # What the type has more than the geometry frightens nobody: it is not counted out here.
+    gone = ends.on_curves + ends.spurious + ends.lost
     whole = f"this geometry's {geometry}; the type can have {result.expected}"
-    return f"{verdict}: {poses}{where}, of {whole}"
+    if geometry == result.expected:
+        whole = f"the type's {geometry}"
+    return f"{verdict}: {poses}{where if gone else ''}, of {whole}"
 
 
 def _reason(result: SolveResult, contradicting: Sequence[int]) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.output import Column, Output, Table, emit, output_options
+from gspcli.cli.progress import progress, working
 from gspcli.errors import CheckFailed
 
 if TYPE_CHECKING:
@@ -48,10 +49,14 @@ def command(which: str, check: bool, output: Output) -> None:
     from gspcli.paper.errata import ERRATA, erratum_of, prove
 
     numbers = _TABLES if which == "all" else (int(which),) if which.isdigit() else ()
-    comparisons = [compare(number) for number in numbers]
+    with working("computing"):
+        comparisons = [compare(number) for number in numbers]
     named = {erratum_of(d) for comparison in comparisons for d in comparison.differences}
     errata = [e for e in ERRATA if e.key in named or not which.isdigit()]
-    evidence = {erratum.key: prove(erratum) for erratum in errata} if check else {}
+    evidence = {}
+    if check:
+        proofs = progress(errata, total=len(errata), label="proving errata")
+        evidence = {erratum.key: prove(erratum) for erratum in proofs}
     confirmed = _confirm() if check and 3 in numbers else None
     plain = output.format == "csv"
     # A row of a CSV names its errata; they are a table of their own where nothing else is shown.
@@ -77,7 +82,6 @@ def command(which: str, check: bool, output: Output) -> None:
 
 
 def _confirm() -> str:
-    from gspcli.cli.progress import progress
     from gspcli.paper.confirmation import confirm
 
     done = confirm(progress=progress)

@@ -15,7 +15,7 @@ import click
 import pytest
 
 from gspcli.cli.output import Column, Output, Table, check_writable, emit, write_whole
-from gspcli.cli.progress import progress
+from gspcli.cli.progress import progress, working
 from gspcli.errors import GspError
 
 TABLE = Table(
@@ -198,3 +198,19 @@ def test_progress_shows_while_the_first_item_takes_long(
     monkeypatch.setattr("gspcli.cli.progress._PATIENCE_SECONDS", 100)
     assert list(progress([1, 2], label="counting")) == [1, 2]
     assert "counting" not in capsys.readouterr().err
+
+
+def test_work_of_unknown_length_shows_that_it_goes_on(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    monkeypatch.setattr("gspcli.cli.progress._PATIENCE_SECONDS", 0.01)
+    monkeypatch.setattr("rich.console.Console.is_terminal", True)
+    with working("solving"):
+        time.sleep(0.5)
+    assert "solving" in capsys.readouterr().err
+    monkeypatch.setattr("gspcli.cli.progress._PATIENCE_SECONDS", 100)
+    with working("solving"):
+        pass
+    assert "solving" not in capsys.readouterr().err

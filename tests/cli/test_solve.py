@@ -146,7 +146,7 @@ def test_parallel_planes_without_a_pose_are_an_answer(gsp, spec):
     run = gsp("solve", spec(normal="1, 0, 0"))
     assert run.code == 0
     assert run.out.splitlines()[2:4] == [
-        "no real pose; complete, proved: 0 poses, real or not, 8 at infinity, "
+        "no real pose; complete, proved: 0 poses, real or not, "
         "of this geometry's 0; the type can have 8",
         "distances 1 and 3 contradict each other: no pose was found for them without the others",
     ]
