@@ -141,6 +141,7 @@ STEPS = (
         "tools/build_distribution.py --check --jobs {jobs}",
         sample=None,
     ),
+    Step("latex", (), "tools/verify_latex.py --check", sample=None),
     Step("schema", ("docs/instance.schema.json",), "tools/build_schema.py --check"),
     Step(
         "pages",

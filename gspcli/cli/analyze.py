@@ -54,7 +54,7 @@ _ZERO = 1e-12
 )
 @click.option("--stiffness", metavar="K", help="Stiffness of each constraint: one number or six.")
 @click.option("--tolerance", metavar="D", help="How far each value may be off: one number or six.")
-@output_options()
+@output_options(parts=("wrenches", "jacobian", "inverse", "stiffness", "errors"))
 def command(
     spec: str,
     mode: int | None,
@@ -295,7 +295,7 @@ def _details(entry: dict[str, Any], given: Wrenches) -> list[Table]:
     ]
     if "reactions" in entry:
         columns.append(Column("reaction", align="right", essential=True))
-    columns += [Column(key, align="right", essential=True) for key in keys]
+    columns += [Column(key, align="right", essential=True, aligned=True) for key in keys]
     columns += [Column("pitch", align="right")]
     columns += [Column(key, align="right") for key in ("px", "py", "pz")]
     worst = entry["worst_force"]
@@ -313,32 +313,47 @@ def _details(entry: dict[str, Any], given: Wrenches) -> list[Table]:
             f"worst unit force: ({along}) loads constraint {worst['constraint']} with "
             f"{worst['reaction']:.6g}"
         )
-    tables = [Table(columns, screws, title=_heading(given), notes=notes)]
+    tables = [Table(columns, screws, title=_heading(given), notes=notes, part="wrenches")]
     labels = [f"{k} {kind}" for k, kind in enumerate(kinds, 1)]
     tables.append(
         _matrix(
-            "Derivatives of the values by the twist", "value", labels, _TWIST, entry["jacobian"]
+            "jacobian",
+            "Derivatives of the values by the twist",
+            "value",
+            labels,
+            _TWIST,
+            entry["jacobian"],
         )
     )
-    tables.append(_matrix("Twist by the values", "twist", _TWIST, labels, entry["inverse"]))
+    tables.append(
+        _matrix("inverse", "Twist by the values", "twist", _TWIST, labels, entry["inverse"])
+    )
     if "stiffness" in entry:
         tables.append(
-            _matrix("Stiffness: wrench by twist", "wrench", _WRENCH, _TWIST, entry["stiffness"])
+            _matrix(
+                "stiffness",
+                "Stiffness: wrench by twist",
+                "wrench",
+                _WRENCH,
+                _TWIST,
+                entry["stiffness"],
+            )
         )
     if "accuracy" in entry:
         tables.append(_errors(entry["accuracy"], unit))
     return tables
 
 
-def _matrix(title: str, corner: str, rows: Any, columns: Any, matrix: Any) -> Table:
+def _matrix(part: str, title: str, corner: str, rows: Any, columns: Any, matrix: Any) -> Table:
     return Table(
         [Column(corner, essential=True)]
-        + [Column(name, align="right", essential=True) for name in columns],
+        + [Column(name, align="right", essential=True, aligned=True) for name in columns],
         [
             {corner: name, **dict(zip(columns, values, strict=True))}
             for name, values in zip(rows, matrix, strict=True)
         ],
         title=title,
+        part=part,
     )
 
 
@@ -362,4 +377,4 @@ def _errors(errors: dict[str, Any], unit: str) -> Table:
     note = f"rotations in radians, distances in {unit}"
     if any(row["bound"] is None for row in rows):
         note += "; the tolerances are too large for a proof"
-    return Table(columns, rows, title="Errors of the pose", notes=[note])
+    return Table(columns, rows, title="Errors of the pose", notes=[note], part="errors")

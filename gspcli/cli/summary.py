@@ -112,7 +112,8 @@ def remarks(result: SolveResult, numbers: Sequence[int]) -> list[str]:
     shown = [number - 1 for number in numbers]
     residual = result.residuals[shown].max()
     notes = [f"residuals at most {residual:.1e}"]
-    condition = result.conditions[shown]
+    # Mirrored poses differ in the last digits: the first of those that are alike is named.
+    condition = np.array([float(f"{x:.{_DIGITS}g}") for x in result.conditions[shown]])
     best, worst = int(np.argmin(condition)), int(np.argmax(condition))
     lowest, highest = (f"{condition[k]:.{_DIGITS}g}" for k in (best, worst))
     if len(numbers) > 1 and lowest != highest:

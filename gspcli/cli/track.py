@@ -141,7 +141,10 @@ def _rows(result: Track) -> list[dict[str, Any]]:
 
 
 def _table(result: Track, rows: list[dict[str, Any]]) -> Table:
-    columns = [Column(key, align="right", essential=True) for key in ("t", "mode", *_POSE)]
+    columns = [
+        Column(key, align="right", essential=True, aligned=key in _POSE)
+        for key in ("t", "mode", *_POSE)
+    ]
     columns.append(Column("condition", align="right"))
     instance = result.instance
     title = ": ".join(part for part in (instance.name, instance.type.id) if part)

@@ -8,6 +8,7 @@ from gspcli.symbolic.notation import CODE, LATEX, TEXT, write_definition, write_
 from gspcli.symbolic.triangular import Condition, TriangularSet
 
 _LONG = 9  # terms from which a coefficient's length is worth saying
+_WIDEST = 100  # characters of LaTeX from which a sum goes on in the next line
 
 
 def to_text(triangular: TriangularSet) -> str:
@@ -101,7 +102,7 @@ def to_document(triangular: TriangularSet) -> dict[str, Any]:
 
 
 def to_latex(triangular: TriangularSet) -> str:
-    """Return a triangular set as a fragment of LaTeX for amsmath; long lines are not broken."""
+    """Return a triangular set as a fragment of LaTeX for amsmath, long sums broken into lines."""
     names = triangular.variables
 
     def zero(polynomial: Any) -> str:
@@ -137,7 +138,21 @@ def to_latex(triangular: TriangularSet) -> str:
 
 
 def _aligned(rows: Any) -> list[str]:
-    return [r"\begin{align*}", " \\\\\n".join(f"  {row}" for row in rows), r"\end{align*}"]
+    broken = (line for row in rows for line in _broken(row))
+    return [r"\begin{align*}", " \\\\\n".join(f"  {line}" for line in broken), r"\end{align*}"]
+
+
+def _broken(row: str) -> list[str]:
+    """Return a row in lines that TeX can measure, broken before terms outside of brackets."""
+    lines, start, depth = [], 0, 0
+    for position, character in enumerate(row):
+        depth += (character in "({") - (character in ")}")
+        new_term = depth == 0 and row[position : position + 3] in (" + ", " - ")
+        if new_term and position - start > _WIDEST:
+            lines.append(row[start:position])
+            start = position
+    continued = [rf"& \quad {line.strip()}" for line in [*lines[1:], row[start:]]]
+    return [lines[0], *continued] if lines else [row]
 
 
 def _count(triangular: TriangularSet) -> str:

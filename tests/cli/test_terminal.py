@@ -6,6 +6,7 @@ import importlib
 import re
 from collections.abc import Callable
 from itertools import pairwise
+from pathlib import Path
 
 import pytest
 from rich.cells import cell_len
@@ -44,6 +45,11 @@ CALLS = [
     ["solve", "@no-real-pose"],
     ["solve", "@parallel-edges"],
     ["example"],
+    ["count", "@planar-hexagons", "@example-6.8"],
+    ["count", "--type", "6PP", "--geometry", "generic,3-3"],
+    ["analyze", "@rubin-m2"],
+    ["analyze", "@octahedral-3-3", "--mode", "1", "--load", "0,0,-9.81", "--tolerance", "0.001"],
+    ["track", "@octahedral-3-3", "{folder}/values.csv"],
     ["measure", "@dietmaier", "--pose", "0.1,0.2,1.5,1,0.1,0,0"],
     ["sample", "3D3A PH PH PH", "--count", "20", "--jobs", "1"],
 ]
@@ -61,8 +67,10 @@ def test_every_command_with_tables_is_looked_at(name: str) -> None:
 
 
 @pytest.mark.parametrize("call", CALLS, ids=" ".join)
-def test_no_number_is_cut_at_any_width(shown: Shown, call: list[str]) -> None:
-    (*pages, whole, _), code = shown(*call, widths=[*WIDTHS, _UNLIMITED])
+def test_no_number_is_cut_at_any_width(shown: Shown, call: list[str], tmp_path: Path) -> None:
+    (tmp_path / "values.csv").write_text("t,1\n0,1.5\n1,1.51\n")
+    words = [word.format(folder=tmp_path) for word in call]
+    (*pages, whole, _), code = shown(*words, widths=[*WIDTHS, _UNLIMITED])
     assert code in (0, 4)
     full = set(_NUMBER.findall(whole))
     rounded = sorted(map(float, full))

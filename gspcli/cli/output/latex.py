@@ -35,6 +35,7 @@ _ESCAPES = str.maketrans(
         "∠": r"$\angle$",
         "→": r"$\to$",
         "∞": r"$\infty$",
+        "─": "--",
         "°": r"$^\circ$",
         "²": r"\textsuperscript{2}",
         "³": r"\textsuperscript{3}",
