@@ -53,8 +53,8 @@ verify-solve: $(STAMP) ## random platforms of every family solved completely, re
 count-families: $(STAMP) ## a random platform of each of 626 families counted exactly (minutes)
 	$(BIN)/python tools/count_families.py --check
 
-bench: $(STAMP) msolve ## gsp against msolve, PHCpack and Macaulay2; writes docs/benchmarks.md (15 minutes)
-	$(BIN)/python -m bench --output docs
+bench: $(STAMP) msolve ## gsp against msolve, PHCpack and Macaulay2; writes docs/benchmarks.md (15 minutes; PEER=fksgp=FOLDER: fkSGP, too)
+	$(BIN)/python -m bench $(addprefix --peer ,$(PEER)) --output docs
 
 PEERS := build/peers
 msolve:

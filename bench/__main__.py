@@ -1,4 +1,4 @@
-"""Run the benchmarks: `python -m bench [--quick] [--output docs]`."""
+"""Run the benchmarks: `python -m bench [--quick] [--peer fksgp=FOLDER] [--output docs]`."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import argparse
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from statistics import median
 
-from bench import macaulay2, msolve, phc
+from bench import fksgp, macaulay2, msolve, phc
 from bench.cases import CASES, Case, random_instances
 from bench.homotopy import Homotopy
 from bench.own import Shell, shell, solve_seconds, throughput, write_instance
@@ -28,10 +28,15 @@ _LARGE = ("6DLL", "2PL LP 3DLL", "PL PH HP 3DLL", "3PH 3HP")
 _PROGRAM = msolve.executable()
 
 
-def versions() -> dict[str, str]:
+#: Peers that are no installed programs: where a copy is, is said with ``--peer``.
+COPIES = {"fksgp": fksgp.NAME}
+
+
+def versions(copies: Mapping[str, Path]) -> dict[str, str]:
     """Return the versions of the peers, empty for those that are missing."""
     found = phc.version()
     return {
+        fksgp.NAME: fksgp.version(copies.get(fksgp.NAME)),
         "msolve": msolve.version(_PROGRAM),
         "phc -p": found,
         "phc -b": found,
@@ -39,8 +44,17 @@ def versions() -> dict[str, str]:
     }
 
 
-def ask(peer: str, case: Case, instance: Instance, folder: Path, limit: float) -> Answer:
+def ask(
+    peer: str,
+    case: Case,
+    instance: Instance,
+    folder: Path,
+    limit: float,
+    copies: Mapping[str, Path],
+) -> Answer:
     """Let a peer solve an instance of a case."""
+    if peer == fksgp.NAME:
+        return fksgp.solve(copies[peer], instance, SEED)
     if peer == "msolve":
         return msolve.isolate(_PROGRAM, instance, folder, limit)
     if peer == "phc -b":
@@ -52,7 +66,13 @@ def ask(peer: str, case: Case, instance: Instance, folder: Path, limit: float) -
 
 
 def measure_case(
-    case: Case, peers: Sequence[str], *, count: int, limit: float, folder: Path
+    case: Case,
+    peers: Sequence[str],
+    *,
+    count: int,
+    limit: float,
+    folder: Path,
+    copies: Mapping[str, Path],
 ) -> CaseResult:
     """Measure ourselves and the peers on the same instances of a case."""
     instances = case.draw(SEED, max(count, 30 if case.instances > 1 else 5))
@@ -69,9 +89,12 @@ def measure_case(
         if peer in case.beyond:
             result.peers[peer] = PeerResult([], [], "not tried")
             continue
+        if peer == fksgp.NAME and not fksgp.can(case):
+            result.peers[peer] = PeerResult([], [], "6-6 only")
+            continue
         answers: list[Answer] = []
         for instance in instances[:count]:
-            answers.append(ask(peer, case, instance, folder, limit))
+            answers.append(ask(peer, case, instance, folder, limit, copies))
             if answers[-1].trouble:
                 break
             _say(f"  {peer}: {answers[-1].seconds:.3f} s")
@@ -108,10 +131,18 @@ def bars(report: Report) -> list[Bar]:
         if key in cases:
             found.append(Bar(f"{key}, median", "ms", limit, cases[key].seconds * 1e3))
     for batch in report.throughputs:
-        limit = {"6PP": 2.4, "PL PL LP 3ALL": 0.5}.get(batch.type_text)
+        wanted = {("6PP", True): 0.15, ("PL PL LP 3ALL", False): 0.5}
+        limit = wanted.get((batch.type_text, batch.certified))
         if limit is not None and batch.jobs == 1:
-            text = f"{batch.type_text}, each of a batch of {batch.batch}"
+            how = ", certified" if batch.certified else ""
+            text = f"{batch.type_text}, each of a batch of {batch.batch}{how}"
             found.append(Bar(text, "ms", limit, batch.seconds * 1e3))
+        peer = six.peers.get(fksgp.NAME) if six is not None else None
+        if peer and peer.seconds and batch.certified and batch.type_text == "6PP":
+            ratio = median(peer.seconds) / batch.seconds
+            if batch.jobs == 1:
+                text = "6-6, fkSGP over gsp in a certified batch"
+                found.append(Bar(text, "times", 60, ratio, True))
     if report.dietmaier is not None:
         wall = report.dietmaier.seconds
         found.append(Bar("Dietmaier's file from the shell, certified", "s", 0.4, wall))
@@ -127,12 +158,27 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="a rough run of a few minutes")
     parser.add_argument("--case", action="append", help="only this case, and nothing else")
     parser.add_argument("--no-peers", action="store_true", help="measure gsp alone")
+    parser.add_argument(
+        "--peer",
+        action="append",
+        default=[],
+        metavar="NAME=FOLDER",
+        help=f"a copy of a peer that is no installed program: {', '.join(COPIES)}",
+    )
     parser.add_argument("--limit", type=float, help="seconds after which a peer is stopped")
     parser.add_argument("--output", type=Path, help="folder for the report (else to stdout)")
     arguments = parser.parse_args()
     quick: bool = arguments.quick
     limit = arguments.limit or (20.0 if quick else 150.0)
-    known = {} if arguments.no_peers else versions()
+    copies: dict[str, Path] = {}
+    for given in arguments.peer:
+        peer, _, place = given.partition("=")
+        if peer not in COPIES or not place:
+            parser.error(f"--peer {given}: expected one of {', '.join(COPIES)}, =, and a folder")
+        copies[COPIES[peer]] = Path(place)
+        if not fksgp.version(copies[COPIES[peer]]):
+            parser.error(f"--peer {given}: there is no copy of {COPIES[peer]} in this folder")
+    known = {} if arguments.no_peers else versions(copies)
     peers = [name for name, version in known.items() if version]
     report = Report(seed=SEED, limit=limit, quick=quick, versions=known)
     chosen = [case for case in CASES if not arguments.case or case.key in arguments.case]
@@ -141,7 +187,9 @@ def main() -> int:
         for case in chosen:
             _say(case.key)
             count = 1 if quick else case.instances
-            report.cases.append(measure_case(case, peers, count=count, limit=limit, folder=folder))
+            report.cases.append(
+                measure_case(case, peers, count=count, limit=limit, folder=folder, copies=copies)
+            )
         if not arguments.case:
             measure_rest(report, folder, quick=quick)
     report.bars = bars(report)
@@ -162,8 +210,14 @@ def measure_rest(report: Report, folder: Path, *, quick: bool) -> None:
     """Measure batches, threads, the shell, memory, and the cost over all signatures."""
     _say("batches")
     report.throughputs = [
-        throughput(type_text, size // 10 if quick else size, jobs, SEED)
-        for type_text, size in (("6PP", 2000), ("PL PL LP 3ALL", 2000), ("6PL", 20))
+        throughput(type_text, size // 10 if quick else size, jobs, SEED, certify=certify)
+        for type_text, size, certify in (
+            ("6PP", 2000, False),
+            ("6PP", 2000, True),
+            ("PL PL LP 3ALL", 2000, False),
+            ("6PL", 40, False),
+            ("6PL", 40, True),
+        )
         for jobs in (1, 2)
     ]
     _say("shell")

@@ -60,26 +60,27 @@ class Throughput:
     type_text: str
     batch: int
     jobs: int
+    certified: bool
     seconds: float
 
 
-def throughput(type_text: str, batch: int, jobs: int, seed: int) -> Throughput:
+def throughput(type_text: str, batch: int, jobs: int, seed: int, *, certify: bool) -> Throughput:
     """Solve a batch of sets of values three times, and take the median."""
     instance = next(random_instances(type_text, seed))
     values = _random_values(instance, batch, np.random.default_rng(seed))
-    for _ in solve_values(instance, values[:1]):
+    for _ in solve_values(instance, values[:1], certify=certify):
         pass
     times = []
     for _ in range(3):
         began = time.perf_counter()
         complete = sum(
-            poses.account.verdict == "complete"
-            for poses in solve_values(instance, values, jobs=jobs)
+            poses.account.verdict == "complete" and (poses.proof is not None or not certify)
+            for poses in solve_values(instance, values, jobs=jobs, certify=certify)
         )
         times.append(time.perf_counter() - began)
         if complete < batch:
             sys.stderr.write(f"{type_text}: {batch - complete} of {batch} are incomplete\n")
-    return Throughput(type_text, batch, jobs, median(times) / batch)
+    return Throughput(type_text, batch, jobs, certify, median(times) / batch)
 
 
 def _random_values(instance: Instance, batch: int, rng: np.random.Generator) -> NDArray[np.float64]:

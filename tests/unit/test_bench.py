@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import re
+import sys
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from bench import macaulay2, msolve, phc
+from bench import fksgp, macaulay2, msolve, phc
+from bench.__main__ import main
 from bench.cases import CASES, Case
 from bench.homotopy import (
     NAMES,
@@ -144,6 +147,50 @@ def test_an_exact_peer_lists_the_real_ones() -> None:
     assert compare(Answer(1.0, real, 40), result).clean
     assert compare(Answer(1.0, real[1:], 40), result).lost == 1
     assert compare(Answer(1.0, real, 39), result).lost == 1
+
+
+STUB = """
+import numpy as np
+
+def solver66(X, x, L, realOnly):
+    assert not X[0].any() and not x[0].any()
+    found = np.load({file!r})
+    legs = found[:, :, :3] @ x.T + found[:, :, 3:] - X.T
+    assert np.allclose((legs * legs).sum(axis=1), L)
+    real = ~np.iscomplex(found).any(axis=(1, 2))
+    return found[real] if realOnly else found, None
+"""
+
+
+def test_fksgp_is_asked_in_frames_that_begin_at_the_first_points(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A copy that knows our poses, in those frames, gives them back."""
+    instance, result, _ = solved(CASES[0])
+    y, x = result.arrangement.y[0], result.arrangement.x[0]
+    t = result.T - x + result.R @ y
+    np.save(tmp_path / "poses.npy", np.concatenate((result.R, t[:, :, None]), axis=2))
+    (tmp_path / "python").mkdir()
+    assert fksgp.version(tmp_path) == fksgp.version(None) == ""
+    source = STUB.format(file=str(tmp_path / "poses.npy"))
+    (tmp_path / "python" / "solver66.py").write_text(source, encoding="utf-8")
+    assert fksgp.version(tmp_path).startswith("sha256 ")
+    for name in ("_fksgp", "_fksgp.solver66"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    assert compare(fksgp.solve(tmp_path, instance, SEED), result).clean
+    for name in ("_fksgp", "_fksgp.solver66"):
+        del sys.modules[name]
+    assert [case.key for case in SMALL if fksgp.can(case)] == ["6-6", "Dietmaier"]
+
+
+@pytest.mark.parametrize("given", ["fksgp", "other=.", "fksgp=nowhere"])
+def test_a_peer_without_a_copy_is_refused(
+    given: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["bench", "--peer", given])
+    with pytest.raises(SystemExit):
+        main()
+    assert f"--peer {given}: " in capsys.readouterr().err
 
 
 def test_bars_and_tables() -> None:
