@@ -5,12 +5,13 @@ from __future__ import annotations
 import csv
 import hashlib
 import io
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
 
 import special_fixtures
 import special_hexapods
+import special_surfaces
 from recording import ROOT, SEED
 from special_parts import Draws
 
@@ -18,7 +19,7 @@ from gspcli import dumps, loads
 from gspcli.geometry.instance import Instance
 
 TABLE = ROOT / "data" / "verification" / "special-platforms.csv"
-GROUPS = {**special_hexapods.GROUPS, **special_fixtures.GROUPS}
+GROUPS = {**special_hexapods.GROUPS, **special_fixtures.GROUPS, **special_surfaces.GROUPS}
 
 
 @dataclass(frozen=True)
@@ -56,9 +57,10 @@ def _draws(group: str, name: str) -> Draws:
     return Draws(f"{SEED} {group} {name}")
 
 
-def platforms() -> Iterator[Platform]:
-    """Yield the platforms of all groups."""
-    for group, members in GROUPS.items():
+def platforms(groups: Iterable[str] = tuple(GROUPS)) -> Iterator[Platform]:
+    """Yield the platforms of all groups, or of some."""
+    for group in groups:
+        members = GROUPS[group]
         for name, instance in members(partial(_draws, group)):
             yield Platform(f"{group}/{name}", dumps(instance))
 

@@ -98,6 +98,12 @@ STEPS = (
         sample="--sample 12 --without-real",
     ),
     Step(
+        "special-answers",
+        ("data/verification/special-platforms.csv",),
+        "tools/verify_special.py solve --check --jobs {jobs}",
+        sample="--sample 12 --seeds 1",
+    ),
+    Step(
         "tracking",
         ("data/counts/*",),
         "gsp atlas verify --method tracking --jobs {jobs}",

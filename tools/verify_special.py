@@ -6,42 +6,27 @@
 
 `count` makes the platforms anew and counts their poses exactly (`special_counts`); the table is
 ``data/verification/special-platforms.csv``. Rows of unchanged platforms are kept without --check.
-`solve` solves them and judges every answer by the table. Its exit code is 1 if any answer is wrong:
-
-wrong complete
-    complete, but not the number of poses, or the set is infinite
-false infinite
-    infinite, but the set is finite
-wrong multiplicity
-    the number of poses is right, that with multiplicity is not
-wrong real
-    another number of real poses
-too many
-    more poses found, or more proved, than there are
-seeds
-    the answers differ from seed to seed
-
-An answer `incomplete` is honest, if it claims no more than there is. PATTERN is a part of the ids,
+`solve` solves them and judges every answer by the table (`special_answers`); with --record the
+result of all of them goes into docs/completeness.md. Its exit code is 1 if any answer is wrong.
+PATTERN is a part of the ids,
 or a pattern as of files. `show` writes the instance files and prints their paths.
 """
 
 from __future__ import annotations
 
 import argparse
-import statistics
 import sys
-import time
-from collections import Counter, defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass
 from fnmatch import fnmatch
 from functools import partial
+from os import cpu_count
 from pathlib import Path
 
-from recording import CONFIRMED, DIFFERENT, ROOT, SEED, add_sample, report, sampled
+from recording import CONFIRMED, DIFFERENT, ROOT, add_sample, report, sampled
 
 sys.path.insert(0, str(ROOT))
 
+from special_answers import Judgement, answers
 from special_counts import exact_counts
 from special_platforms import TABLE, Platform, platforms, recorded, table
 
@@ -49,6 +34,9 @@ from gspcli.cli.progress import progress
 from gspcli.workers import Workers
 
 FILES = ROOT / "build" / "special-platforms"
+PAGE = ROOT / "docs" / "completeness.md"
+#: What is between these lines of the page is written by ``solve --record``.
+BEGIN, END = "<!-- answers -->", "<!-- end of answers -->"
 
 
 def counted(platform: Platform, *, with_real: bool) -> dict[str, object]:
@@ -127,142 +115,41 @@ def _tried(platform: Platform, *, with_real: bool) -> dict[str, object]:
         return {"id": platform.id, "error": repr(error)[:300]}
 
 
-@dataclass(frozen=True)
-class Answer:
-    """What `gsp` says of one platform with one seed."""
-
-    verdict: str
-    found: int
-    multiple: int
-    real: int
-    certified: int
-    proof: str
-    seconds: float
-
-
-def answers(platform: Platform, seeds: int) -> tuple[str, list[Answer], str]:
-    """Return the answers for several seeds, or how the program failed."""
-    from gspcli.solver import solve
-
-    result = []
-    try:
-        for seed in range(SEED, SEED + seeds):
-            began = time.perf_counter()
-            solved = solve(platform.instance, seed=seed)
-            document = solved.to_json(everything=True)
-            seconds = time.perf_counter() - began
-            proof = document.get("proof")
-            by = "none" if proof is None else proof["by"]
-            if proof is not None and proof.get("modulo_random_prime"):
-                by += " modulo a prime"
-            counts = document["counts"]
-            result.append(
-                Answer(
-                    document["verdict"],
-                    counts["found"],
-                    sum(solution["multiplicity"] for solution in document["solutions"]),
-                    counts["real"],
-                    counts["certified"],
-                    by,
-                    seconds,
-                )
-            )
-    except Exception as error:
-        return platform.id, result, repr(error)[:200]
-    return platform.id, result, ""
-
-
-def judged(answer: Answer, exact: Mapping[str, str]) -> str:
-    """Return what is wrong with an answer, or ``right`` or ``incomplete``."""
-    finite = exact["finite"] == "yes"
-    distinct, multiple = int(exact["distinct"] or -1), int(exact["count"] or -1)
-    if finite and answer.verdict == "infinite":
-        return "false infinite"
-    if finite and max(answer.found, answer.certified) > distinct:
-        return "too many"
-    if answer.verdict == "incomplete":
-        real = exact["real"]
-        return "wrong real" if real and answer.real > int(real) else "incomplete"
-    if not finite:
-        return "right" if answer.verdict == "infinite" else "wrong complete"
-    if answer.found != distinct:
-        return "wrong complete"
-    if answer.multiple != multiple:
-        return "wrong multiplicity"
-    if exact["real"] and answer.real != int(exact["real"]):
-        return "wrong real"
-    return "right"
-
-
-HONEST = ("right", "incomplete")
-COLUMNS = (
-    "right",
-    "proved",
-    "incomplete",
-    "wrong complete",
-    "false infinite",
-    "wrong multiplicity",
-    "wrong real",
-    "too many",
-    "seeds",
-    "failed",
-)
-
-
-def solve_all(chosen: list[Platform], arguments: argparse.Namespace) -> int:
+def solve_all(chosen: list[Platform], every: list[Platform], arguments: argparse.Namespace) -> int:
     """Solve platforms and judge the answers; return the exit code."""
     known = recorded()
     chosen = sampled([p for p in chosen if p.id in known], arguments.sample)
-    tally: dict[str, Counter[str]] = defaultdict(Counter)
-    times: dict[str, list[float]] = defaultdict(list)
-    remarks: list[tuple[str, str]] = []
+    judgement = Judgement()
     work = Workers(arguments.jobs).as_completed(partial(answers, seeds=arguments.seeds), chosen)
     for name, found, failure in progress(work, total=len(chosen), label="solving"):
-        group, exact = name.partition("/")[0], known[name]
-        verdicts = [judged(answer, exact) for answer in found]
-        worst = next((v for v in verdicts if v not in HONEST), None)
-        if worst is None and "incomplete" in verdicts:
-            worst = "incomplete"
-        told = {(a.verdict, a.found, a.multiple, a.real) for a in found}
-        if failure:
-            worst = "failed"
-        elif worst in (None, "incomplete") and len(told) > 1:
-            worst = "seeds"
-        tally[group][worst or "right"] += 1
-        tally[group]["proved"] += not worst and all(a.proof != "none" for a in found)
-        times[group] += [a.seconds for a in found]
-        slow = max((a.seconds for a in found), default=0)
-        if worst or slow > arguments.slow:
-            told_text = "; ".join(
-                f"{a.verdict} {a.found}/{a.multiple}, {a.real} real" for a in found
-            )
-            expected = (
-                f"{exact['distinct']}/{exact['count']}, {exact['real'] or '?'} real"
-                if exact["finite"] == "yes"
-                else "infinite"
-            )
-            text = failure or f"{told_text}; exact: {expected}"
-            remarks.append((name, f"{worst or 'slow'}: {text} ({slow:.2f} s)"))
-    for name, text in sorted(remarks):
-        print(f"{name}: {text}")
-    print()
-    _print_table(tally, times)
-    total: Counter[str] = sum(tally.values(), Counter())
-    wrong = sum(total[c] for c in COLUMNS if c not in ("right", "proved", "incomplete"))
-    return DIFFERENT if wrong else CONFIRMED
+        judgement.add(name, found, failure, known[name], arguments.slow)
+    for name, remark in sorted(judgement.remarks.items()):
+        print(f"{name}: {remark}")
+    print(f"\n{judgement.text()}\n")
+    if arguments.record and len(chosen) == len(every):
+        _record(judgement, arguments.seeds)
+    if judgement.wrong:
+        return DIFFERENT
+    total = judgement.total
+    print(
+        f"confirmed: {len(chosen)} of {len(every)} platforms: none wrong, {total['right']} right, "
+        f"{total['proved']} of them proved, {judgement.proved_modulo_prime} of these modulo a "
+        f"random prime; {total['incomplete']} honestly incomplete"
+    )
+    return CONFIRMED
 
 
-def _print_table(tally: Mapping[str, Counter[str]], times: Mapping[str, list[float]]) -> None:
-    short = [column.replace("wrong ", "w. ").replace("false ", "f. ") for column in COLUMNS]
-    short = [column.replace("multiplicity", "mult.") for column in short]
-    print(f"{'group':16}" + "".join(f"{c:>12}" for c in short) + f"{'median s':>10}{'max s':>8}")
-    every = [*tally, "all"]
-    for group in every:
-        row = tally[group] if group in tally else sum(tally.values(), Counter())
-        taken = times[group] if group in tally else [t for ts in times.values() for t in ts]
-        cells = "".join(f"{row[c] or '':>12}" for c in COLUMNS)
-        middle = statistics.median(taken) if taken else 0
-        print(f"{group:16}{cells}{middle:>10.3f}{max(taken, default=0):>8.2f}")
+def _record(judgement: Judgement, seeds: int) -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    before, rest = text.split(BEGIN)
+    _, after = rest.split(END)
+    note = (
+        f"With {seeds} seeds each, on {cpu_count()} shared cores; of the proved ones "
+        f"{judgement.proved_modulo_prime} rest on random primes."
+    )
+    PAGE.write_text(
+        f"{before}{BEGIN}\n{judgement.markdown()}\n\n{note}\n{END}{after}", encoding="utf-8"
+    )
 
 
 def show(names: list[str], every: list[Platform]) -> int:
@@ -310,6 +197,8 @@ def main() -> int:
                 help="leave the real poses to a later run: they take most of the time",
             )
         else:
+            command.add_argument("--check", action="store_true", help="as without it")
+            command.add_argument("--record", action="store_true", help="write the page")
             command.add_argument("--seeds", type=int, default=2, metavar="N")
             command.add_argument("--slow", type=float, default=5.0, metavar="SECONDS")
     arguments = parser.parse_args()
@@ -319,7 +208,7 @@ def main() -> int:
     chosen = [p for p in every if not arguments.only or _matches(p.id, arguments.only)]
     if arguments.command == "count":
         return count(chosen, every, arguments)
-    return solve_all(chosen, arguments)
+    return solve_all(chosen, every, arguments)
 
 
 if __name__ == "__main__":
