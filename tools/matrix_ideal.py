@@ -127,7 +127,8 @@ def motions(ring: Ring) -> list[Polynomial]:
 def equations(instance: Instance, field: Homomorphism | Rationals) -> Ideal:
     """Return the ideal of the poses of an instance.
 
-    A DLL is the equation of Section 4, which holds at any distance where its lines are parallel.
+    A DLL is the equation of Section 4, which holds at any distance where its lines are parallel;
+    for the distance zero the one of which that is the square.
     """
     ring = Ring(field.prime)
     names = [*chain.from_iterable(ROTATION), *TRANSLATION, *BODY, RHO]
@@ -173,6 +174,9 @@ def _constraint(
         along, offset = (v, from_base) if kind is DPL else (u, from_platform)
         squared = ring.times(field.square(constraint.value), ring.square(along))
         return [ring.sum(ring.square(ring.cross(offset, along)), ring.times(-1, squared))]
+    if constraint.value.fraction == 0:
+        # The square of this is zero, too, but counts each pose twice.
+        return [moment, ring.dot(from_base, ring.cross(turned, v))]
     common = ring.dot(turned, v)
     # (R y + T - x) . (R u x v), of which T . (R u x v) is bilinear.
     triple = ring.dot(from_base, ring.cross(turned, v))

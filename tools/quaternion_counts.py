@@ -118,9 +118,11 @@ def equation(
         text += (
             " F=dt(turn(e,vec(qm(pure(y),pure(u)))),v)+2*dt(vec(qm(qm(f,pure(u)),g)),v)"
             "-dt(vec(qm(pure(x),pure(turn(e,u)))),v);"
-            f" i=i,F^2-{square}*(dt(u,u)*dt(v,v)-G^2);"
         )
-        return text
+        if value is None and constraint.value.fraction == 0:
+            # The square of this is zero, too, but counts each pose twice.
+            return text + " i=i,F;"
+        return text + f" i=i,F^2-{square}*(dt(u,u)*dt(v,v)-G^2);"
     cosine = field.cosine(constraint, unit) if value is None else value
     cosine *= field.norm(u) * field.norm(v)
     return text + f" i=i,G{'+' if kind is AHH else '-'}({cosine % field.prime});"
