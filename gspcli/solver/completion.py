@@ -17,7 +17,7 @@ from gspcli.solver.poses import PoseSet
 from gspcli.solver.search import Search
 
 
-def complete(search: Search, solutions: int, distinct: int) -> PoseSet:
+def complete(search: Search, solutions: int, distinct: int, spurious: int | None) -> PoseSet:
     """Return all poses if the counts are reached; what is missing is lost.
 
     Parameters
@@ -25,17 +25,20 @@ def complete(search: Search, solutions: int, distinct: int) -> PoseSet:
     search
         For the poses of the system.
     solutions, distinct
-        How many solutions it has, with multiplicity and without.
+        How many solutions it has, with multiplicity and without; poses, if it is known how many
+        others there are.
+    spurious
+        How many solutions are none, besides; None if that is not known.
     """
     multiple: list[MultiplePose] = []
     for _ in search.steps():
         if solutions > distinct and not multiple and len(search.found) < distinct:
-            multiple = _multiple(search)
+            multiple = [pose for pose in _multiple(search) if pose.is_pose or spurious is None]
         if len(search.found) + len(multiple) >= distinct:
             break
     numbers = _multiplicities(search.found, multiple, solutions, distinct)
     known = list(zip(multiple, numbers, strict=True)) if numbers else []
-    return _pose_set(search.found, known, search.pursuit.paths, solutions)
+    return _pose_set(search.found, known, search.pursuit.paths, solutions, spurious or 0)
 
 
 def _multiple(search: Search) -> list[MultiplePose]:
@@ -66,7 +69,11 @@ def _multiplicities(
 
 
 def _pose_set(
-    found: Collection, known: list[tuple[MultiplePose, int]], paths: int, solutions: int
+    found: Collection,
+    known: list[tuple[MultiplePose, int]],
+    paths: int,
+    solutions: int,
+    counted: int,
 ) -> PoseSet:
     """Return the simple poses, and the multiple ones with their multiplicities."""
     multiple = [pose for pose, _ in known if pose.is_pose]
@@ -74,7 +81,7 @@ def _pose_set(
     spurious = sum(number for pose, number in known if not pose.is_pose)
     reached = len(found) + sum(numbers) + spurious
     # More than were counted: the prime of the count is a bad one, or a proof is wrong.
-    excess = reached > solutions
+    excess = reached > solutions or solutions + counted > paths
     return PoseSet(
         quaternions=canonical_sign(
             np.concatenate([found.quaternions, *(pose.quaternion[None] for pose in multiple)])
@@ -88,8 +95,8 @@ def _pose_set(
         account=PathAccount(
             expected=paths,
             found=reached - spurious,
-            at_infinity=0 if excess else paths - solutions,
-            spurious=spurious,
+            at_infinity=0 if excess else paths - solutions - counted,
+            spurious=spurious if excess else spurious + counted,
             lost=paths - reached if excess else solutions - reached,
             basis=Basis.COUNT,
         ),

@@ -60,8 +60,13 @@ def solve_special(
     for search, side in zip(searches, count.sides, strict=True):
         assert side.solutions is not None
         # Where distinct solutions were not counted, only simple ones can be all.
-        distinct = side.solutions if side.distinct is None else side.distinct
-        parts.append(complete(search, side.solutions, distinct))
+        solutions, distinct = side.solutions, side.distinct
+        if distinct is None:
+            distinct = solutions
+        elif side.spurious is not None and side.spurious_distinct is not None:
+            solutions, distinct = solutions - side.spurious, distinct - side.spurious_distinct
+        known = None if side.distinct is None else side.spurious
+        parts.append(complete(search, solutions, distinct, known))
     return _proved(joined(parts), count)
 
 

@@ -16,7 +16,7 @@ from gspcli.solver.poses import PoseSet
 from gspcli.solver.search import Search
 
 #: No count says whether more means would find more.
-_STEPS = 2
+_STEPS = 3
 
 
 def without_count(search: Search) -> PoseSet:
