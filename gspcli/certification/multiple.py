@@ -25,13 +25,13 @@ Complex = NDArray[np.complex128]
 #: Bits in which multiple poses are approached; a pose of multiplicity m keeps a part 1/m of them.
 _PRECISION = 512
 #: Steps, and the length of the last one, of coordinates of at most about one.
-_STEPS, _CONVERGED = 120, 2.0**-80
+_STEPS, _CONVERGED = 250, 2.0**-80
+#: Convergence is linear if each of so many last steps is longer than this part of the one before.
+_STEADY, _SLOW = 8, 0.2
 #: A limit that is farther from where it was looked for than this is another one.
 _REACH = 1e-3
 #: Coordinates that differ by less are the same at the end.
 _SAME = 2.0**-60
-#: How far the ratio of two steps may be from 1 - 1/m for a step to be taken m times over.
-_STEADY = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,26 +121,23 @@ def _is_pose(system: System, R: list[list[acb]], T: list[acb]) -> bool:
 
 
 def _limit(system: System, start: list[acb], sides: tuple[int, ...]) -> list[acb] | None:
-    """Return where Newton's method converges to, linearly; None if it does not."""
+    """Return where Newton's method converges to, linearly; None if it does not.
+
+    A step covers the part 1/m of the way to a solution of multiplicity m, all the way down.
+    """
     patch = max(range(4), key=lambda k: float(abs(start[k])))
     point = [(x / start[patch]).mid() for x in start]
-    first, last, slow = point, 1.0, False
+    first, last, slow = point, 0.0, 0
     for _ in range(_STEPS):
         step = _step(system, point, patch, sides)
         if step is None:
             return None
         length = float(largest(step))
+        point = [(x - dx).mid() for x, dx in zip(point, step, strict=True)]
+        slow = slow + 1 if length > _SLOW * last > 0 else 0
         if length < _CONVERGED:
-            return point if slow and _gap(point, first) < _REACH else None
-        ratio = length / last
-        # A step covers the part 1/m of the way to a solution of multiplicity m.
-        times = round(1 / (1 - ratio)) if ratio < 1 - _STEADY else 1
-        steady = times > 1 and abs(1 - 1 / times - ratio) < _STEADY
-        slow |= steady
-        point = [
-            (x - (times if steady else 1) * dx).mid() for x, dx in zip(point, step, strict=True)
-        ]
-        last = 1.0 if steady else length
+            return point if slow >= _STEADY and _gap(point, first) < _REACH else None
+        last = length
     return None
 
 
