@@ -113,7 +113,8 @@ def _is_pose(system: System, R: list[list[acb]], T: list[acb]) -> bool:
         u, v, a, b = ([acb(x) for x in vector] for vector in (given.u, given.v, given.a, given.b))
         u, a = rotated(R, u), rotated(R, a)
         normal = cross(u, v)
-        if abs(dot(normal, normal)) < _SAME * dot(u, u).abs_lower() * dot(v, v).abs_lower():
+        # Complex directions may span an isotropic plane without being parallel.
+        if largest(normal) < _SAME * largest(u) * largest(v):
             across = cross([x + t - y for x, t, y in zip(a, T, b, strict=True)], v)
             if abs(dot(across, across) / dot(v, v) - given.value**2) > _SAME:
                 return False
