@@ -11,6 +11,7 @@ import click
 
 from gspcli import __version__
 from gspcli.cli.colour import coloured
+from gspcli.cli.sentences import SENTENCES
 from gspcli.errors import INTERRUPTED, GspError
 
 _TYPES = "What types are"
@@ -83,12 +84,16 @@ class CommandGroup(click.Group):
         widest = max(map(len, COMMANDS))
         for heading in dict.fromkeys(COMMANDS.values()):
             rows = [
-                (name.ljust(widest), command.get_short_help_str(limit=_WHOLE_SENTENCE))
+                (name.ljust(widest), SENTENCES.get(name) or self._sentence(ctx, name))
                 for name, its_heading in COMMANDS.items()
-                if its_heading == heading and (command := self.get_command(ctx, name)) is not None
+                if its_heading == heading
             ]
             with formatter.section(heading):
                 formatter.write_dl(rows)
+
+    def _sentence(self, ctx: click.Context, name: str) -> str:
+        command = self.get_command(ctx, name)
+        return "" if command is None else command.get_short_help_str(limit=_WHOLE_SENTENCE)
 
 
 def _unknown_command(name: str) -> str:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import subprocess
+import sys
 from collections.abc import Callable
 
 import click
@@ -10,6 +12,7 @@ import pytest
 
 from gspcli.cli.colour import coloured
 from gspcli.cli.main import COMMANDS, cli
+from gspcli.cli.sentences import SENTENCES
 
 Run = Callable[..., object]
 HEADINGS = [f"{heading}:" for heading in dict.fromkeys(COMMANDS.values())]
@@ -41,6 +44,21 @@ def test_help_exits_with_0_and_lists_every_command(gsp: Run) -> None:
     assert outcome.code == 0
     assert all(f"\n  {name} " in outcome.out for name in COMMANDS)
     assert "..." not in outcome.out.split("What types are:")[1]
+
+
+@pytest.mark.parametrize("name", SENTENCES)
+def test_the_sentences_are_those_of_the_help(name: str) -> None:
+    command = cli.get_command(click.Context(cli), name)
+    assert command is not None
+    assert SENTENCES[name] == command.get_short_help_str(limit=1000)
+
+
+def test_help_imports_no_command() -> None:
+    code = "import sys; from gspcli.cli.main import run; run(['--help']); print(*sys.modules)"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = set(run.stdout.splitlines()[-1].split())
+    commands = {f"gspcli.cli.{name.replace('-', '_')}" for name in SENTENCES}
+    assert not loaded & commands
 
 
 def test_help_groups_the_commands(gsp: Run) -> None:
