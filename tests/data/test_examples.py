@@ -14,8 +14,6 @@ EXPECTED = {
     for folder in INSTANCE_FOLDERS
     for name, record in data_json(folder, "expected.json")["examples"].items()
 }
-#: Platforms whose real poses are not recorded: the solver does not yet find all their poses.
-OPEN = {"reachy-mini-head", "rubin-camera", "t-top-head"}
 
 
 def test_every_example_has_its_record():
@@ -29,9 +27,6 @@ def test_the_solver_finds_the_recorded_counts(path):
     assert content == record["sha256"], "run python tools/build_example_counts.py"
     instance = load(path)
     assert instance.type.id == record["type"]
-    if record["dimension"] == 0 and "real" not in record:
-        assert path.stem in OPEN
-        return
     result = solve(instance, certify=False)
     if record["dimension"] > 0:
         assert result.verdict == "infinite"

@@ -1,0 +1,54 @@
+"""The site: `make docs` builds it into build/site from these pages and the docstrings."""
+
+import re
+from pathlib import Path
+
+import gspcli
+
+project = "gsp"
+author = "The gsp authors"
+project_copyright = author
+release = version = gspcli.__version__
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx.ext.viewcode",
+]
+html_theme = "furo"
+html_title = f"gsp {release}"
+exclude_patterns = ["conf.py"]
+# Headings can be linked as on GitHub.
+myst_heading_anchors = 4
+# Attributes of one name in several classes are not links to any of them.
+suppress_warnings = ["myst.header", "ref.python"]
+autodoc_typehints = "none"
+autodoc_member_order = "bysource"
+napoleon_google_docstring = False
+napoleon_use_ivar = True
+napoleon_use_rtype = False
+
+_README = Path(__file__).resolve().parents[1] / "README.md"
+_LITERAL = re.compile(r"(?<![`\w:])`([^`\n]+)`(?!`|_)")
+
+
+def _literals(app, what, name, obj, options, lines):
+    """Show names between single quotation marks as code, as the docstrings mean them."""
+    del app, what, name, obj, options
+    lines[:] = [_LITERAL.sub(r"``\1``", line) for line in lines]
+
+
+def _first_page(app, name, source):
+    """Put the README before the contents; what it links outside docs/ is only named here."""
+    del app
+    if name == "index":
+        text = _README.read_text(encoding="utf-8").replace("](docs/", "](")
+        text = re.sub(r"(?<!!)\[([^]]+)\]\([A-Z][^)]*\)", r"\1", text)
+        source[0] = text + "\n" + source[0]
+
+
+def setup(app):
+    """Connect what the docstrings and the first page need."""
+    app.connect("source-read", _first_page)
+    app.connect("autodoc-process-docstring", _literals, priority=400)
