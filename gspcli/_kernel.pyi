@@ -79,6 +79,7 @@ def count(
     max_work: int,
     max_entries: int,
     trace: bool = False,
+    moment_relations: bool = True,
     build: str = "",
 ) -> tuple[int, int, int, list[int], list[int], int, bool, int, tuple[Any, ...] | None]: ...
 def follow(

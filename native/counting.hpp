@@ -50,6 +50,9 @@ struct CountingProblem {
   const std::uint64_t* square_functions;  // (squares, kFunctions + moments)
   const std::uint64_t* weights;           // (squares,)
   const std::int64_t* owners;             // (squares,)
+  // Whether all quadrics that vanish on the motions are sought, or only those without moments:
+  // then the moments' definitions must be among the equations.
+  bool moment_relations;
   bool find_distinct;
   // For each group of equations the solutions are counted where none of its sides vanishes; those
   // equations are numbered behind the ones to be solved, and linear in coordinates but for squares.

@@ -251,7 +251,7 @@ nb::tuple count(std::uint64_t prime, std::uint64_t seed, unsigned blocks,
                 Array<std::uint64_t, 1> weights, Array<std::int64_t, 1> owners,
                 std::size_t equations,
                 const std::vector<std::vector<int>>& groups, bool find_distinct,
-                std::uint64_t max_work, std::uint64_t max_entries, bool trace,
+                std::uint64_t max_work, std::uint64_t max_entries, bool trace, bool moment_relations,
                 const std::string& build) {
   const std::size_t width = kFunctions + moments.shape(0);
   require(prime % 2 == 1 && (prime < (1u << 31) || prime >> 60 == 1),
@@ -275,10 +275,10 @@ nb::tuple count(std::uint64_t prime, std::uint64_t seed, unsigned blocks,
   };
   require(reduced(moments) && reduced(functions) && reduced(squares) && reduced(weights),
           "numbers must be reduced modulo the prime");
-  for (const auto& rows : {functions, squares})
-    for (std::size_t i = 0; i < rows.shape(0); ++i)
-      require(std::all_of(&rows(i, 17), &rows(i, 17) + 9, [](std::uint64_t x) { return x == 0; }),
-              "T x R enters by moments only");
+  for (std::size_t i = 0; i < squares.shape(0); ++i)
+    require(std::all_of(&squares(i, 17), &squares(i, 17) + 9,
+                        [](std::uint64_t x) { return x == 0; }),
+            "T x R is squared by moments only");
   const auto interrupted = [] {
     nb::gil_scoped_acquire acquire;
     if (PyErr_CheckSignals() != 0) throw nb::python_error();
@@ -296,6 +296,7 @@ nb::tuple count(std::uint64_t prime, std::uint64_t seed, unsigned blocks,
                                 squares.data(),
                                 weights.data(),
                                 owners.data(),
+                                moment_relations,
                                 find_distinct,
                                 groups,
                                 max_work,
@@ -340,7 +341,8 @@ NB_MODULE(_kernel, m) {
   m.def("count", &gsp::count, "prime"_a, nb::kw_only(), "seed"_a, "blocks"_a, "hessians"_a,
         "moments"_a, "functions"_a, "squares"_a, "weights"_a, "owners"_a, "equations"_a, "groups"_a,
         "find_distinct"_a,
-        "max_work"_a, "max_entries"_a, "trace"_a = false, "build"_a = "",
+        "max_work"_a, "max_entries"_a, "trace"_a = false,
+        "moment_relations"_a = true, "build"_a = "",
         "Count solutions modulo a prime; see gspcli.certification.counting.residue_counts.");
   gsp::bind_tubes(m, [](const std::string& name) { return gsp::build_named(name).follow; });
   gsp::bind_proofs(m, [](const std::string& name) { return gsp::build_named(name).prove; });

@@ -104,6 +104,8 @@ class MotionRing {
       } else if (k == 16) {
         const int from = local_[10] >= 0 ? 10 : 13;  // rho = T.T = U.U
         for (int i = 0; i < 3; ++i) add_to(quadric, local_[from + i], local_[from + i], c);
+      } else if (k > 16) {
+        add_moment(quadric, (k - 17) / 3, (k - 17) % 3, c);
       } else if (k >= 13) {
         for (int i = 0; i < 3; ++i)  // U = R^T T
           add_to(quadric, local_[1 + 3 * i + (k - 13)], local_[10 + i], c);
@@ -111,6 +113,18 @@ class MotionRing {
         for (int j = 0; j < 3; ++j)  // T = R U
           add_to(quadric, local_[1 + 3 * (k - 10) + j], local_[13 + j], c);
       }
+    }
+  }
+  // Adds a multiple of (T x R)_ij = (R x U)_ij.
+  void add_moment(Quadric& quadric, int i, int j, Residue c) const {
+    const auto rotation = [&](int a, int b) { return local_[1 + 3 * (a % 3) + b % 3]; };
+    const auto vector = [&](int from, int a) { return local_[from + a % 3]; };
+    if (local_[10] >= 0) {
+      add_to(quadric, rotation(i + 2, j), vector(10, i + 1), c);
+      add_to(quadric, rotation(i + 1, j), vector(10, i + 2), field_.negative(c));
+    } else {
+      add_to(quadric, rotation(i, j + 1), vector(13, j + 2), c);
+      add_to(quadric, rotation(i, j + 2), vector(13, j + 1), field_.negative(c));
     }
   }
   bool is_linear(const std::uint64_t* row) const {
@@ -241,6 +255,9 @@ class MotionRing {
   }
 
   std::vector<Quadric> relations() const {
+    // Coordinates among whose products relations are sought; the moments are the last ones.
+    const int used = count() - (problem_.moment_relations ? 0 : problem_.moments);
+    const int products_used = used * (used + 1) / 2;
     std::vector<Form> forms;
     for (const int k : coordinates_) forms.push_back(form_of(k));
     // Rows: the quartic monomials; columns: the products, whose dependences are the relations.
@@ -250,13 +267,13 @@ class MotionRing {
       return coordinates_[i] < 10 ? 0 : coordinates_[i] == 16 ? 2 : 1;
     };
     for (int w = 0; w <= 4; ++w)
-      for (int i = 0; i < count(); ++i)
+      for (int i = 0; i < used; ++i)
         for (int j = 0; j <= i; ++j)
           if (weight(i) + weight(j) == w) {
             column_of[pair(i, j)] = static_cast<int>(pair_at.size());
             pair_at.push_back(pair(i, j));
           }
-    for (int i = 0; i < count(); ++i)
+    for (int i = 0; i < used; ++i)
       for (int j = 0; j <= i; ++j) {
         QuarticForm quartic;
         for (const auto& [a, x] : forms[i])
@@ -266,7 +283,7 @@ class MotionRing {
         for (const auto& [m, value] : quartic)
           if (value != 0) rows[m].emplace_back(column_of[pair(i, j)], value);
       }
-    Echelon<F> products(field_, pairs());
+    Echelon<F> products(field_, products_used);
     for (const auto& [m, row] : rows) {
       products.accumulator.clear();
       for (const auto& [column, value] : row) products.accumulator.set(column, value);
@@ -274,7 +291,7 @@ class MotionRing {
     }
     products.back_substitute();
     std::vector<Quadric> result;
-    for (int column = 0; column < pairs(); ++column) {
+    for (int column = 0; column < products_used; ++column) {
       if (products.row_of(column) >= 0) continue;
       Quadric relation(pairs(), 0);
       relation[pair_at[column]] = 1;

@@ -16,7 +16,7 @@ from flint import acb, arb, ctx, fmpq
 from gspcli.certification import study
 from gspcli.certification.balls import rotated
 from gspcli.certification.counting.counts import DEFAULT_LIMIT, work_limit
-from gspcli.certification.counting.equations import equations
+from gspcli.certification.counting.equations import equations, with_moments
 from gspcli.certification.counting.exact_numbers import Element, Sum
 from gspcli.certification.counting.exact_platform import evaluated
 from gspcli.certification.counting.followed import FollowedElimination, NotFollowedError
@@ -84,7 +84,7 @@ def poses_by_elimination(
         poses: list[ApproximatePose] = []
         for signs in platform.choices:
             result, followed = trace(
-                platform.equations(signs),
+                with_moments(platform.equations(signs)),
                 platform.blocks,
                 platform.prime,
                 seed=platform.randomness.below(2**63),
@@ -95,7 +95,9 @@ def poses_by_elimination(
             if result.solutions == 0:
                 continue
             try:
-                algebra = FollowedElimination(equations(on_sides(rows, signs)), followed)
+                algebra = FollowedElimination(
+                    with_moments(equations(on_sides(rows, signs))), followed
+                )
                 poses += _poses(algebra, signs, platform.randomness)
             except (NotFollowedError, SpectrumError, ZeroDivisionError):
                 return None

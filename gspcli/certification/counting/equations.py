@@ -70,6 +70,14 @@ def equations(constraints: Sequence[EvaluatedConstraint]) -> Equations:
     return Equations(moments, result)
 
 
+def with_moments(given: Equations) -> Equations:
+    """Return equations with the definitions of the moments behind them."""
+    definitions = [
+        Equation({**moment, FUNCTIONS + k: -1}) for k, moment in enumerate(given.moments)
+    ]
+    return Equations(given.moments, [*given.equations, *definitions])
+
+
 def parallel_lines(
     row: EvaluatedConstraint, weights: Sequence[Any], *, in_base: bool
 ) -> tuple[Equation, Equation]:

@@ -133,8 +133,8 @@ class FollowedElimination:
             if position in self.forms:
                 _add_multiple(result, self.forms[position], value)
                 continue
-            for first, second in _products(position, study.TRANSLATION[0] in self.forms):
-                _add_product(result, self.forms[first], self.forms[second], value)
+            for first, second, sign in _products(position, study.TRANSLATION[0] in self.forms):
+                _add_product(result, self.forms[first], self.forms[second], value * sign)
         return result
 
     # --- one step
@@ -313,21 +313,30 @@ def _small_fraction(residue: int, prime: int) -> arb:
         numerator -= prime if numerator > prime // 2 else 0
         if abs(numerator) < _MAX_NUMERATOR:
             return arb(fmpq(numerator, denominator))
-    message = "the coordinates' relations depend on the lines of a DLL"
+    message = f"the relation {residue} of the coordinates modulo {prime} is no small fraction"
     raise NotFollowedError(message)
 
 
-def _products(position: int, has_translation: bool) -> list[tuple[int, int]]:
-    """Return the products of coordinates that add up to a function without a coordinate."""
+def _products(position: int, has_translation: bool) -> list[tuple[int, int, int]]:
+    """Return products of coordinates, and signs: a function without a coordinate is their sum."""
     rotation = study.ROTATION
     if position == study.RHO:
         vector = study.TRANSLATION if has_translation else study.BODY
-        return [(k, k) for k in vector]
+        return [(k, k, 1) for k in vector]
     if position in study.BODY:
         j = study.BODY.index(position)
-        return [(rotation[i][j], study.TRANSLATION[i]) for i in range(3)]
-    i = study.TRANSLATION.index(position)
-    return [(rotation[i][j], study.BODY[j]) for j in range(3)]
+        return [(rotation[i][j], study.TRANSLATION[i], 1) for i in range(3)]
+    if position in study.TRANSLATION:
+        i = study.TRANSLATION.index(position)
+        return [(rotation[i][j], study.BODY[j], 1) for j in range(3)]
+    i, j = divmod(position - study.MOMENT[0][0], 3)
+    turned = i if has_translation else j
+    after, last = (turned + 1) % 3, (turned + 2) % 3
+    if has_translation:  # (T x R)_ij
+        first, second = study.TRANSLATION[after], study.TRANSLATION[last]
+        return [(rotation[last][j], first, 1), (rotation[after][j], second, -1)]
+    first, second = study.BODY[last], study.BODY[after]  # (R x U)_ij
+    return [(rotation[i][after], first, 1), (rotation[i][last], second, -1)]
 
 
 def _solved(

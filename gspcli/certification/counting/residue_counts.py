@@ -178,9 +178,19 @@ def count(
 def trace(
     equations: Equations, blocks: Blocks, prime: int, *, seed: int, max_work: int
 ) -> tuple[ResidueCount, EliminationTrace]:
-    """Count solutions, and return how the elimination went; parameters are those of `count`."""
+    """Count solutions, and return how the elimination went; parameters are those of `count`.
+
+    The definitions of moments must be among the equations (`with_moments`).
+    """
     result, followed = _run(
-        equations, blocks, prime, seed=seed, max_work=max_work, find_distinct=False, trace=True
+        equations,
+        blocks,
+        prime,
+        seed=seed,
+        max_work=max_work,
+        find_distinct=False,
+        trace=True,
+        moment_relations=False,
     )
     assert followed is not None
     variables, coordinates, relations, quadrics, steps = followed

@@ -80,7 +80,10 @@ def test_all_poses_of_hexapods(name, real):
     assert sum(all(x.imag.is_zero() for x in pose.T) for pose in poses) == real
 
 
-@pytest.mark.parametrize("name", ["example-6.8", "six-planes", "fixture-3-2-1", "surfaces-pps"])
+@pytest.mark.parametrize(
+    "name",
+    ["example-6.8", "six-planes", "fixture-3-2-1", "surfaces-pps", "figure-2", "surfaces-ppp"],
+)
 def test_all_poses_of_other_platforms(name):
     instance = example(name)
     poses = poses_by_elimination(instance, BITS)
