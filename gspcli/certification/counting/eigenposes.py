@@ -16,8 +16,8 @@ from flint import acb, arb, ctx, fmpq
 from gspcli.certification import study
 from gspcli.certification.balls import rotated
 from gspcli.certification.counting.counts import DEFAULT_LIMIT, work_limit
+from gspcli.certification.counting.elements import Element, Sum
 from gspcli.certification.counting.equations import equations, with_moments
-from gspcli.certification.counting.exact_numbers import Element, Sum
 from gspcli.certification.counting.exact_platform import evaluated
 from gspcli.certification.counting.followed import FollowedElimination, NotFollowedError
 from gspcli.certification.counting.homomorphism import Randomness

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Sequence
 from fractions import Fraction
 
 from gspcli.catalogue.kinds import DLL, DLP, DPL, Kind
-from gspcli.certification.counting.exact_numbers import Element, Sum
+from gspcli.certification.counting.elements import Element, Sum
 from gspcli.certification.counting.exact_platform import ExactConstraint
 from gspcli.certification.counting.homomorphism import Requirements
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, Kind
-from gspcli.certification.counting.exact_numbers import Angle, Element, element, in_radians, squared
+from gspcli.certification.counting.elements import Element
+from gspcli.certification.counting.exact_numbers import Angle, element, in_radians, squared
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.primitives import Line, Plane, Point, Vector
 

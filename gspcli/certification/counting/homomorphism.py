@@ -23,13 +23,15 @@ from functools import cached_property
 
 from flint import fmpz, nmod
 
-from gspcli.certification.counting.exact_numbers import Element, NoElementError, Sum, Term
+from gspcli.certification.counting.elements import Element, NoElementError, Sum, Term
 
 #: Bits of the primes by which counts are established, and of those that are tried before.
 LARGE, SMALL = 61, 31
 #: A larger order leaves too few primes to choose from at random.
 _MAX_ORDER = 2**40
 _MAX_SMALL_ORDER = 2**22
+#: Each independent square root exists modulo every other prime only.
+_MAX_ROOTS = 14
 
 
 class Randomness:
@@ -70,6 +72,9 @@ class Requirements:
         self.transcendental = any(term.pi for term in self.terms)
         if self.transcendental and any(term.radians for term in self.terms):
             message = "pi beside cosines of radians"
+            raise NoElementError(message)
+        if self.independent_roots > _MAX_ROOTS:
+            message = f"{self.independent_roots} independent square roots"
             raise NoElementError(message)
         if self.order > _MAX_ORDER:
             message = f"angles whose cosines need roots of unity of order {self.order}"

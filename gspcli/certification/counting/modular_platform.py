@@ -5,18 +5,19 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import islice
 
 from flint import nmod
 
 from gspcli.catalogue.kinds import DLL, Kind
 from gspcli.certification.counting.coordinates import Blocks, choose
+from gspcli.certification.counting.elements import NoElementError
 from gspcli.certification.counting.equations import (
     Equation,
     Equations,
     equations,
     parallel_lines,
 )
-from gspcli.certification.counting.exact_numbers import NoElementError
 from gspcli.certification.counting.exact_platform import (
     EvaluatedConstraint,
     evaluated,
@@ -31,6 +32,9 @@ from gspcli.certification.counting.homomorphism import (
 )
 from gspcli.errors import IncompleteError
 from gspcli.geometry.instance import Instance
+
+#: Primes that are tried where one divides a denominator.
+_ATTEMPTS = 5
 
 
 class NotCountedError(IncompleteError):
@@ -128,12 +132,13 @@ class ModularPlatform:
         ]
 
     def _images(self, candidates: Iterator[Homomorphism]) -> tuple[int, list[EvaluatedConstraint]]:
-        for homomorphism in candidates:
+        for homomorphism in islice(candidates, _ATTEMPTS):
             try:
                 return homomorphism.prime, [evaluated(row, homomorphism) for row in self.exact]
             except ZeroDivisionError:
                 continue
-        raise AssertionError
+        message = "the solutions cannot be counted exactly: a number is divided by zero"
+        raise NotCountedError(message)
 
 
 def on_sides(

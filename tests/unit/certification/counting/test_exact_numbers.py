@@ -2,7 +2,8 @@ from fractions import Fraction
 
 import pytest
 
-from gspcli.certification.counting.exact_numbers import Element, NoElementError, element, in_radians
+from gspcli.certification.counting.elements import Element, NoElementError
+from gspcli.certification.counting.exact_numbers import element, in_radians
 from gspcli.geometry.expressions import parse_number
 from gspcli.geometry.instance import AngleUnit
 from gspcli.geometry.numbers import Number

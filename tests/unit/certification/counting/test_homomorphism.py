@@ -4,7 +4,8 @@ import itertools
 
 import pytest
 
-from gspcli.certification.counting.exact_numbers import NoElementError, element
+from gspcli.certification.counting.elements import NoElementError
+from gspcli.certification.counting.exact_numbers import element
 from gspcli.certification.counting.homomorphism import Requirements, homomorphisms
 from gspcli.geometry.expressions import parse_number
 
@@ -59,6 +60,12 @@ def test_primes_are_large_and_suit_the_angles():
 def test_the_same_text_gives_the_same_prime():
     first = [(h.prime, int(x)) for h, (x,) in images("cos(1)")]
     assert first == [(h.prime, int(x)) for h, (x,) in images("cos(1)")]
+
+
+def test_many_independent_roots_are_refused():
+    primes = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47)
+    with pytest.raises(NoElementError, match="15 independent square roots"):
+        Requirements([element(parse_number(f"sqrt({n})")) for n in primes])
 
 
 def test_pi_beside_exponentials_is_refused():

@@ -1,0 +1,190 @@
+"""Exact arithmetic with square roots, roots of unity, exponentials and pi.
+
+An element is a quotient of two sums of terms ``c sqrt(n) exp(2 pi i q) exp(i r) pi^k`` with
+rational c, q and r and integers n > 0 and k. Products of terms are terms, so sums of them are a
+ring, in which cosines and sines of ``2 pi q + r`` lie.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import NamedTuple
+
+HALF = Fraction(1, 2)
+
+
+class NoElementError(ValueError):
+    """A number lies outside the ring; the message says which part of it."""
+
+
+class Term(NamedTuple):
+    """What a term is, but for its rational factor.
+
+    Attributes
+    ----------
+    radicand
+        n of ``sqrt(n)``, a positive integer that is 1 or no square.
+    turn
+        q of ``exp(2 pi i q)``, in [0, 1/2): a half turn is the factor -1.
+    radians
+        r of ``exp(i r)``.
+    pi
+        The power of pi.
+    """
+
+    radicand: int
+    turn: Fraction
+    radians: Fraction
+    pi: int
+
+
+ONE = Term(1, Fraction(0), Fraction(0), 0)
+Sum = Mapping[Term, Fraction]
+
+
+def _square_root(n: int) -> int | None:
+    root = math.isqrt(n)
+    return root if root * root == n else None
+
+
+def collected(pairs: Iterable[tuple[Term, Fraction]]) -> dict[Term, Fraction]:
+    """Return the sum of terms, those whose roots have a rational quotient as one."""
+    result: dict[Term, Fraction] = {}
+    for given, factor in pairs:
+        turn = given.turn % 1
+        if turn >= HALF:
+            turn, factor = turn - HALF, -factor
+        term = Term(given.radicand, turn, given.radians, given.pi)
+        if term not in result and term.radicand != 1:
+            for other in result:
+                root = _square_root(other.radicand * term.radicand)
+                if root is not None and other[1:] == term[1:]:
+                    term, factor = other, factor * Fraction(root, other.radicand)
+                    break
+        result[term] = result.get(term, Fraction(0)) + factor
+    return {term: factor for term, factor in result.items() if factor != 0}
+
+
+def _scaled(terms: Sum, factor: Fraction) -> dict[Term, Fraction]:
+    return {term: factor * x for term, x in terms.items()}
+
+
+def _root(n: int) -> tuple[int, int]:
+    """Return m and k with ``sqrt(n) = k sqrt(m)``, m = 1 for a square."""
+    root = _square_root(n)
+    return (n, 1) if root is None else (1, root)
+
+
+def _times(a: Sum, b: Sum) -> dict[Term, Fraction]:
+    pairs = []
+    for s, x in a.items():
+        for t, y in b.items():
+            common = math.gcd(s.radicand, t.radicand)
+            radicand, square = _root((s.radicand // common) * (t.radicand // common))
+            term = Term(radicand, s.turn + t.turn, s.radians + t.radians, s.pi + t.pi)
+            pairs.append((term, x * y * common * square))
+    return collected(pairs)
+
+
+@dataclass(frozen=True)
+class Element:
+    """A number of the ring's quotient field.
+
+    Attributes
+    ----------
+    numerator, denominator
+        Sums of terms.
+    """
+
+    numerator: Sum
+    denominator: Sum
+
+    @classmethod
+    def of(cls, value: Fraction | int) -> Element:
+        """Return the element of a rational number."""
+        return cls({ONE: Fraction(value)} if value else {}, {ONE: Fraction(1)})
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether it is zero as a sum of terms; sums of roots of unity may hide other zeros."""
+        return not self.numerator
+
+    @property
+    def fraction(self) -> Fraction | None:
+        """The rational number that it is as a sum of terms, if it is one."""
+        if not self.numerator:
+            return Fraction(0)
+        if self.denominator.keys() == {ONE}:
+            # Terms with different roots are kept apart, so nothing else is rational.
+            if self.numerator.keys() != {ONE}:
+                return None
+            return self.numerator[ONE] / self.denominator[ONE]
+        term, factor = next(iter(self.denominator.items()))
+        for other, x in self.numerator.items():
+            root = _square_root(other.radicand * term.radicand)
+            if root is not None and other[1:] == term[1:]:
+                quotient = x * Fraction(root, term.radicand) / factor
+                rest = self - Element(_scaled(self.denominator, quotient), self.denominator)
+                return None if rest.numerator else quotient
+        return None
+
+    def __add__(self, other: Element) -> Element:
+        if self.denominator == other.denominator:
+            parts = [self.numerator, other.numerator]
+            denominator = self.denominator
+        else:
+            parts = [
+                _times(self.numerator, other.denominator),
+                _times(other.numerator, self.denominator),
+            ]
+            denominator = _times(self.denominator, other.denominator)
+        return Element(collected(pair for part in parts for pair in part.items()), denominator)
+
+    def __neg__(self) -> Element:
+        return Element(_scaled(self.numerator, Fraction(-1)), self.denominator)
+
+    def __sub__(self, other: Element) -> Element:
+        return self + -other
+
+    def __mul__(self, other: Element) -> Element:
+        return Element(
+            _times(self.numerator, other.numerator), _times(self.denominator, other.denominator)
+        )
+
+    def __truediv__(self, other: Element) -> Element:
+        if other.is_zero:
+            message = "a division by zero"
+            raise NoElementError(message)
+        if len(other.numerator) == 1:
+            [(term, factor)] = other.numerator.items()
+            inverse = Term(term.radicand, -term.turn, -term.radians, -term.pi)
+            one_over = collected([(inverse, 1 / (factor * term.radicand))])
+            return Element(
+                _times(_times(self.numerator, one_over), other.denominator), self.denominator
+            )
+        return Element(
+            _times(self.numerator, other.denominator), _times(self.denominator, other.numerator)
+        )
+
+    def sqrt(self) -> Element:
+        """Return the nonnegative square root of a nonnegative rational element.
+
+        Raises
+        ------
+        NoElementError
+            If the element is not rational.
+        """
+        value = self.fraction
+        if value is None or value < 0:
+            message = "a square root of an irrational number"
+            raise NoElementError(message)
+        if value == 0:
+            return self
+        radicand, root = _root(value.numerator * value.denominator)
+        return Element(
+            {ONE._replace(radicand=radicand): Fraction(root, value.denominator)},
+            {ONE: Fraction(1)},
+        )
