@@ -21,7 +21,7 @@ struct ProofEquation {
 struct ProofSystem {
   int quadrics;
   const double* hessian;  // (quadrics, 8, 8)
-  const double* moduli;   // likewise: of the terms of each entry, see `_Equations`
+  const double* moduli;   // likewise: of the terms of each entry, see `floating.Doubles`
   const ProofEquation* equation;
 };
 

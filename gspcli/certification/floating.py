@@ -23,9 +23,9 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
+from gspcli import _kernel
 from gspcli.certification import study
 from gspcli.certification.balls import OUTWARD, TINY
-from gspcli.certification.isolation import REACH
 from gspcli.certification.system import System
 
 Array = NDArray[np.float64]
@@ -37,7 +37,8 @@ Values = NDArray[Any]
 ROUNDING = 2.0**-45
 #: A coefficient differs from its double by at most this part of its bound.
 _CONVERSION = 2.0**-50
-_NEWTON_STEPS = 2
+#: Bits of what the kernel proves.
+ISOLATED, REAL, COMPLEX = 1, 2, 4
 
 
 class Proofs(NamedTuple):
@@ -81,49 +82,37 @@ def prove(system: System, R: Complex, T: Complex, sides: tuple[int, ...] | None 
     sides
         For each constraint the index of its equation; for each pose the nearest if None.
     """
-    equations = _Equations(system)
+    equations = Doubles(system)
     points, patches = study.study_points(R, T)
     chosen = equations.sides(points) if sides is None else np.tile(sides, (len(points), 1))
-    free = np.array([[k for k in range(8) if k != patch] for patch in range(8)])[patches]
-    rows = np.arange(len(points))[:, None]
-    for step in range(_NEWTON_STEPS + 1):
-        values, jacobian, value_moduli, jacobian_moduli = equations.at(points, chosen)
-        square = np.take_along_axis(jacobian, free[:, None, :], axis=2)
-        try:
-            inverse = np.linalg.inv(square)
-        except np.linalg.LinAlgError:
-            inverse = np.full_like(square, np.nan)
-        if step < _NEWTON_STEPS:
-            points[rows, free] -= (inverse @ values[..., None])[..., 0]
-    sizes = np.abs(inverse)
-    defect = np.abs(np.eye(7) - inverse @ square) + ROUNDING * (sizes @ np.abs(square))
-    moduli = np.take_along_axis(jacobian_moduli, free[:, None, :], axis=2)
-    a = (defect + sizes @ (ROUNDING * moduli)).sum(axis=2).max(axis=1) * OUTWARD + TINY
-    delta = np.abs(values) + ROUNDING * value_moduli + TINY
-    delta = (sizes @ delta[..., None])[..., 0].max(axis=1) * OUTWARD
-    curvatures = system.curvatures((np.abs(points) + REACH) * OUTWARD)
-    b = (sizes @ curvatures[..., None])[..., 0].max(axis=1) * OUTWARD
-    # As in `isolation`: any radius may be tried.
-    radius = np.minimum(REACH, (1 - a) / (2 * b))
-    q = (a + b * radius) * OUTWARD
-    isolated = (q < 1) & (delta * OUTWARD <= (1 - q) * radius)
-    error = delta / (1 - q) * OUTWARD
-    imaginary = np.abs(points.imag).max(axis=1)
-    deviation = deviations(points, error, R, T)
-    isolated &= np.isfinite(deviation)
-    return Proofs(
-        isolated,
-        isolated & ((2 * imaginary + error) * OUTWARD <= radius),
-        isolated & (imaginary > error),
-        deviation,
-    )
+    improved, error = np.empty_like(points), np.full(len(points), np.nan)
+    proved = np.zeros(len(points), np.uint8)
+    for one in np.unique(chosen, axis=0):
+        alike = (chosen == one).all(axis=1)
+        found = _kernel.prove(
+            equations.hessians[None],
+            equations.moduli[None],
+            equations.table(one),
+            points[None, alike],
+            patches[None, alike].astype(np.int32),
+        )
+        improved[alike], error[alike], proved[alike] = (part[0] for part in found)
+    deviation = deviations(improved, error, R, T)
+    isolated = ((proved & ISOLATED) > 0) & np.isfinite(deviation)
+    real, imaginary = (isolated & ((proved & bit) > 0) for bit in (REAL, COMPLEX))
+    return Proofs(isolated, real, imaginary, deviation)
 
 
-class _Equations:
+class Doubles:
     """The equations of a system in doubles.
 
-    Each of their values comes with the same expression of moduli: its error is at most
-    `ROUNDING` times that.
+    Attributes
+    ----------
+    hessians
+        Hessian matrices of the quadrics, shape (k, 8, 8).
+    moduli
+        Bounds of the moduli of the terms of each entry: the errors of what is computed with the
+        one are at most `ROUNDING` times the same expression of the other.
     """
 
     def __init__(self, system: System) -> None:
@@ -142,39 +131,14 @@ class _Equations:
             [values[:, [e.main for e in sides]].argmin(axis=1) for sides in self.equations], axis=1
         )
 
-    def at(
-        self, points: Complex, sides: NDArray[np.int64]
-    ) -> tuple[Complex, Complex, Array, Array]:
-        """Return values (n, 7) and Jacobian matrices (n, 7, 8), and the same of the moduli."""
-        values, jacobian = self._combined(*_quadrics(self.hessians, points), sides, -1)
-        moduli = _quadrics(self.moduli, np.abs(points))
-        value_moduli, jacobian_moduli = self._combined(*moduli, sides, 1)
-        return values, jacobian, value_moduli * OUTWARD, jacobian_moduli * OUTWARD
-
-    def _combined(
-        self, v: Values, g: Values, sides: NDArray[np.int64], sign: int
-    ) -> tuple[Values, Values]:
-        """Return e.f and the equations, ``A`` or ``N A + sign (B^2 + ...)``, and their gradients.
-
-        Parameters
-        ----------
-        v, g
-            Values (n, k) and gradients (n, k, 8) of the quadrics.
-        """
-        points = np.arange(len(v))
-        values, gradients = [v[:, 1]], [g[:, 1]]
-        for equations, side in zip(self.equations, sides.T, strict=True):
-            main = np.array([equation.main for equation in equations])[side]
-            value, gradient = v[points, main], g[points, main]
-            if equations[0].squares:
-                gradient = value[:, None] * g[:, 0] + v[:, :1] * gradient
-                value = v[:, 0] * value
-            for k in equations[0].squares:
-                value = value + sign * v[:, k] ** 2
-                gradient = gradient + sign * 2 * v[:, k, None] * g[:, k]
-            values.append(value)
-            gradients.append(gradient)
-        return np.stack(values, axis=1), np.stack(gradients, axis=1)
+    def table(self, sides: NDArray[np.int64]) -> NDArray[np.int32]:
+        """Return the quadrics of each equation for the kernel, shape (6, 3); -1 for none."""
+        rows = np.full((len(self.equations), 3), -1, np.int32)
+        for row, equations, side in zip(rows, self.equations, sides.tolist(), strict=True):
+            equation = equations[side]
+            row[0] = equation.main
+            row[1 : 1 + len(equation.squares)] = equation.squares
+        return rows
 
 
 def converted(coefficient: arb) -> tuple[float, float]:

@@ -22,7 +22,14 @@ from gspcli.certification.balls import dot, norm
 from gspcli.certification.centring import Centring
 from gspcli.certification.deciding import nearly_parallel
 from gspcli.certification.distinct import all_different, surely_different
-from gspcli.certification.floating import converted, deviations, form_hessians
+from gspcli.certification.floating import (
+    COMPLEX,
+    ISOLATED,
+    REAL,
+    converted,
+    deviations,
+    form_hessians,
+)
 from gspcli.certification.proving import FIRST_PRECISION
 from gspcli.certification.statement import Statement, statements
 from gspcli.certification.system import (
@@ -48,8 +55,6 @@ _PARTS = 4
 #: Absolute error of a cosine computed with `FIRST_PRECISION` bits, as a part of the unit of
 #: `converted`: far more than there is.
 _COSINE_ERROR = 2.0**-8
-#: Bits of the kernel's answers.
-_ISOLATED, _REAL, _COMPLEX = 1, 2, 4
 
 
 class Decided(NamedTuple):
@@ -241,11 +246,11 @@ class ValueProofs:
         entries = np.concatenate((turns.reshape(-1, 9), places), axis=1)
         tolerance = TOLERANCE * np.maximum(1, np.abs(entries).max(axis=1, initial=0))
         bits = proved.reshape(-1)
-        certified = ((bits & _ISOLATED) > 0) & ((bits & (_REAL | _COMPLEX)) > 0)
+        certified = ((bits & ISOLATED) > 0) & ((bits & (REAL | COMPLEX)) > 0)
         certified &= deviation <= tolerance
         if any(given.kind is DLL for given in self.statements):
             certified &= ~nearly_parallel(self.instance, turns)
-        real = certified & ((bits & _REAL) > 0)
+        real = certified & ((bits & REAL) > 0)
         entries, deviation = entries.reshape(*shape, 12), deviation.reshape(shape)
         certified = certified.reshape(shape)
         different = surely_different(entries, np.where(certified, deviation, np.inf))

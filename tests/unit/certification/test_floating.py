@@ -8,6 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from flint import acb, arb, ctx
+from floating_reference import evaluated, reference
 
 from gspcli.catalogue.kinds import DISTANCE_KINDS
 from gspcli.catalogue.types import all_types
@@ -15,8 +16,8 @@ from gspcli.certification import certify, decide
 from gspcli.certification.distinct import all_different
 from gspcli.certification.floating import (
     ROUNDING,
+    Doubles,
     Proofs,
-    _Equations,
     deviations,
     form_hessians,
     prove,
@@ -54,11 +55,11 @@ def points_of_all_sizes(count: int) -> np.ndarray:
 def test_errors_of_values_and_jacobians_are_bounded(names: str, known: Callable) -> None:
     points = points_of_all_sizes(40)
     with ctx.workprec(64):
-        equations = _Equations(System(known(names, 3).instance, 64))
+        equations = Doubles(System(known(names, 3).instance, 64))
         sides = equations.sides(points)
     with ctx.workprec(400):
         exact = System(known(names, 3).instance, 400)
-        values, jacobian, value_moduli, jacobian_moduli = equations.at(points, sides)
+        values, jacobian, value_moduli, jacobian_moduli = evaluated(equations, points, sides)
         for k, point in enumerate(points):
             there = exact.at([acb(x) for x in point.tolist()], sides[k].tolist())
             for i in range(7):
@@ -90,7 +91,7 @@ def test_deviations_bound_those_of_balls(radius: float) -> None:
 
 @pytest.mark.parametrize("names", SIGNATURES)
 @pytest.mark.parametrize("sided", [True, False])
-def test_a_known_solution_is_proved_and_within_itsdeviations(
+def test_a_known_solution_is_proved_and_within_its_deviation(
     names: str, sided: bool, known: Callable
 ) -> None:
     platform = known(names, 11, sided=sided)
@@ -161,6 +162,25 @@ def test_nearly_all_poses_are_proved_in_floating_point() -> None:
     assert np.mean(shares) > 0.95
 
 
+@pytest.mark.parametrize("number", [1, 700, 1500, 2300, 3100, 3850])
+def test_the_kernel_proves_what_the_reference_proves(number: int) -> None:
+    instance, _ = random_instance(all_types()[number - 1], np.random.default_rng(number))
+    poses = solve(instance, certify=False)
+    with ctx.workprec(64):
+        system = System(instance, 64)
+        R, T = poses.R[:100], poses.T[:100] / system.scale
+        found, expected = prove(system, R, T), reference(system, R, T)
+    # Its bounds of moduli are larger, by the root of two in each product.
+    assert not (found.isolated & ~expected.isolated).any()
+    assert (found.isolated >= expected.isolated).mean() > 0.95
+    known = found.isolated
+    assert not (found.real & expected.complex)[known].any()
+    assert not (found.complex & expected.real)[known].any()
+    ours, theirs = found.deviation[known], deviations(expected.points, expected.error, R, T)[known]
+    assert (ours < 10 * theirs + 1e-15).all()
+    assert (theirs < 10 * ours + 1e-15).all()
+
+
 def test_duplicates_count_once(dietmaier: Instance, forty: tuple[np.ndarray, np.ndarray]) -> None:
     R, T = forty
     decisions = decide(dietmaier, np.concatenate((R, R[7:9])), np.concatenate((T, T[7:9] + 1e-9)))
@@ -223,11 +243,11 @@ def test_coefficients_of_any_size_are_taken_exactly(known: Callable) -> None:
     instance = known("DPP DPP DPP DPP DPP DPP", 4).instance
     with ctx.workprec(20):
         rough = System(instance, 20)
-        equations = _Equations(rough)
+        equations = Doubles(rough)
     with ctx.workprec(200):
         exact = System(instance, 200)
         points = points_of_all_sizes(5)
-        values, _, moduli, _ = equations.at(points, np.zeros((5, 6), int))
+        values, _, moduli, _ = evaluated(equations, points, np.zeros((5, 6), int))
         for k, point in enumerate(points):
             there = exact.at([acb(x) for x in point.tolist()], (0,) * 6)[0]
             for i in range(7):
