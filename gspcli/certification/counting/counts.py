@@ -165,7 +165,7 @@ def _count(instance: Instance, seed: int, limit: float | None, *, values_free: b
     for index in range(_MOST_PRIMES):
         platform = ModularPlatform(instance, seed, values_free=values_free, index=index)
         results = _results(platform, max_work, same=values_free)
-        max_work -= sum(result.counted.work for result in results)
+        max_work = max(0, max_work - sum(result.counted.work for result in results))
         one = _assembled(platform, results)
         found = one if found is None else _confirmed(found, one)
         if max(found.error, found.distinct_error) < _ENOUGH:
@@ -203,7 +203,7 @@ def _results(platform: ModularPlatform, max_work: int, *, same: bool) -> list[_R
     results: list[_Result] = []
     lines = platform.parallel_lines()
     for signs in platform.choices[:1] if same else platform.choices:
-        left = max_work - sum(result.counted.work for result in results)
+        left = max(0, max_work - sum(result.counted.work for result in results))
         run = partial(
             count,
             platform.equations(signs),
