@@ -40,6 +40,7 @@ COMMANDS = {
     "measure": _MOVING,
     "track": _MOVING,
     "analyze": _MOVING,
+    "clearance": _MOVING,
     "view": _ALONG,
     "export": _ALONG,
 }
