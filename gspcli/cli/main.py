@@ -41,6 +41,7 @@ COMMANDS = {
     "track": _MOVING,
     "analyze": _MOVING,
     "clearance": _MOVING,
+    "scan": _MOVING,
     "view": _ALONG,
     "export": _ALONG,
 }
