@@ -141,6 +141,12 @@ STEPS = (
         "tools/verify_solve.py all --check --jobs {jobs} --work {work}",
         sample="--sample 3",
     ),
+    Step(
+        "tracks",
+        ("data/verification/tracks.csv", "data/trajectories/*"),
+        "tools/verify_tracks.py --check --jobs {jobs}",
+        sample="--sample 2",
+    ),
     Step("view", ("data/view/*",), "tools/build_view.py --check"),
     Step(
         "distribution",

@@ -100,7 +100,7 @@ def command(
     }
     limits = six["tolerance"] or _stated_tolerances(instance)
     at = None if point is None else _numbers(point, (3,), "point")
-    R, T, numbers = _poses(instance, mode, pose, euler, pivot)
+    R, T, numbers = poses_to_analyze(instance, mode, pose, euler, pivot)
     given = wrenches(instance, R, T, point=at, length=length)
     errors = None if limits is None else accuracy(given, limits)
     reactions = None if load is None else given.reactions(*_load(load, given.point))
@@ -123,7 +123,7 @@ def _tidy(row: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _poses(
+def poses_to_analyze(
     instance: Instance, mode: int | None, pose: str | None, euler: str | None, pivot: str | None
 ) -> tuple[Array, Array, list[int | None]]:
     """Return poses, shapes (n, 3, 3) and (n, 3), and their numbers as modes."""

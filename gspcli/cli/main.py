@@ -41,6 +41,8 @@ COMMANDS = {
     "measure": _MOVING,
     "track": _MOVING,
     "analyze": _MOVING,
+    "clearance": _MOVING,
+    "scan": _MOVING,
     "view": _ALONG,
     "export": _ALONG,
 }

@@ -12,7 +12,12 @@ from gspcli.cli.poses import pose_format, pose_options, text_of
 from gspcli.errors import IncompleteError
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from gspcli.motion import Event, Track
+
+    Array = NDArray[np.float64]
 
 _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
@@ -32,6 +37,12 @@ _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
     help="Compare with all poses at the last row; follow those born on the way, too.",
 )
 @click.option("--allow-loss", is_flag=True, help="Exit with 0 though a mode ends on the way.")
+@click.option(
+    "--clearance",
+    "clear",
+    is_flag=True,
+    help="Add how far all values may change with proof that nothing is singular (gsp clearance).",
+)
 @click.option("--no-certify", is_flag=True, help="Do not prove that no branch is changed.")
 @pose_options
 @click.option(
@@ -46,6 +57,7 @@ def command(
     delta: bool,
     everything: bool,
     allow_loss: bool,
+    clear: bool,
     no_certify: bool,
     euler: str | None,
     pivot: str | None,
@@ -99,7 +111,7 @@ def command(
         certify=not no_certify,
         jobs=jobs,
     )
-    rows = _rows(result)
+    rows = _rows(result, _clearances(result) if clear else None)
     emit(output, _table(result, rows), document=_document(result, rows))
     if output.format != "json":
         for event in result.events:
@@ -120,7 +132,20 @@ def command(
         raise IncompleteError(message)
 
 
-def _rows(result: Track) -> list[dict[str, Any]]:
+def _clearances(result: Track) -> Array:
+    """Return the clearance of each pose, shape (m, r)."""
+    import numpy as np
+
+    from gspcli.motion.clearances import clearances, range_weights
+
+    found = np.full(result.T.shape[:2], np.nan)
+    there = ~np.isnan(result.T[..., 0])
+    weights = range_weights(result.instance)
+    found[there] = clearances(result.instance, result.R[there], result.T[there], weights=weights)
+    return found
+
+
+def _rows(result: Track, clearances: Array | None) -> list[dict[str, Any]]:
     rows = []
     for k, t in enumerate(result.t.tolist()):
         for m, mode in enumerate(result.modes.tolist()):
@@ -137,6 +162,8 @@ def _rows(result: Track) -> list[dict[str, Any]]:
                     "condition": condition,
                 }
             )
+            if clearances is not None:
+                rows[-1]["clearance"] = float(clearances[m, k])
     return rows
 
 
@@ -146,6 +173,8 @@ def _table(result: Track, rows: list[dict[str, Any]]) -> Table:
         for key in ("t", "mode", *_POSE)
     ]
     columns.append(Column("condition", align="right"))
+    if rows and "clearance" in rows[0]:
+        columns.append(Column("clearance", align="right"))
     instance = result.instance
     title = ": ".join(part for part in (instance.name, instance.type.id) if part)
     kept = len(result.modes) - len(result.events)

@@ -11,12 +11,16 @@ there is for all w exactly one solution within r, the smaller root of
 ``kappa r^2 / 2 - (1 - q) r + beta``, if ``q + sqrt(2 kappa beta) < 1``, and it is not singular. So
 the box holds no singularity of the mode.
 
+The theorem holds in any norm. Near a singularity z moves mainly along the first singular vector of
+Y, and what matters is the second derivative along it. So several norms are tried, which weigh the
+components of z along the singular vectors by ``(s_1 / s_k)^a``; a ball in these is within that in
+the Euclidean norm.
+
 Errors of rounding are bounded as there, with twice the constants.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 
@@ -30,8 +34,12 @@ Array = NDArray[np.float64]
 
 #: How far from z second derivatives are bounded; z has norm one. The best of these is taken.
 REACHES = (0.125, 0.03, 0.008, 0.002, 0.0005)
+#: The exponents a of the norms. The best is taken, too.
+EXPONENTS = (0.0, 0.3, 0.5, 0.7, 0.85, 1.0)
 _ROUNDING = 2.0**-45
 _OUTWARD = 1 + 2.0**-30
+#: What computed singular vectors and products with them may be off, relatively.
+_BASIS = 2.0**-46
 #: All combinations of signs up to a common one: the corners of a box, shape (32, 6).
 SIGNS = np.array([(1, *rest) for rest in product((1, -1), repeat=5)], float)
 
@@ -43,7 +51,10 @@ class Box:
     Attributes
     ----------
     measure
-        ``q + sqrt(2 kappa beta)``, shape (n,): below one, everything else is proved.
+        ``q + sqrt(2 kappa beta)``, shape (n,), infinite if it is not below one: else everything
+        here is proved.
+    q, root
+        Its two terms with the least kappa, whether or not there is a proof, shape (n,).
     radius
         How far from z the solutions are at most, shape (n,).
     shifts
@@ -53,6 +64,8 @@ class Box:
     """
 
     measure: Array
+    q: Array
+    root: Array
     radius: Array
     shifts: Array
     rest: Array
@@ -75,43 +88,64 @@ class Neighbourhood:
         self.platform = platform
         self.points = points
         self.values = values
-        equations = platform.equations
         jacobian = platform.jacobian(points, values)
         square = np.concatenate((jacobian, points[:, None]), axis=1)
         # A singular matrix gives numbers that prove nothing.
         with np.errstate(all="ignore"):
             regular = np.abs(np.linalg.det(square)) > 0
         safe = np.where(regular[:, None, None], square, np.eye(8))
-        #: Approximate inverses without the column of the patch, shape (n, 8, 7).
-        self.inverse = np.linalg.inv(safe)[:, :, :7]
         whole = np.linalg.inv(safe)
-        self.sizes = np.linalg.norm(self.inverse, axis=1)
-        gradients = np.einsum("kqij,nj->nkqi", equations.hessians, points)
-        quadrics = np.einsum("nkqi,ni->nkq", gradients, points) / 2
+        #: Approximate inverses without the column of the patch, shape (n, 8, 7).
+        self.inverse = whole[:, :, :7]
+        self.defect = np.linalg.norm(whole @ safe - np.eye(8), axis=(1, 2))
+        self._jets()
+
+    def _jets(self) -> None:
+        """Prepare the quadrics at the points, with their gradients and sizes."""
+        equations, z = self.platform.equations, self.points
+        gradients = np.einsum("kqij,nj->nkqi", equations.hessians, z)
+        quadrics = np.einsum("nkqi,ni->nkq", gradients, z) / 2
         self._a, self._b = quadrics[..., 0], quadrics[..., 1]
         self._ga, self._gb = gradients[:, :, 0], gradients[:, :, 1]
-        e = np.concatenate((points[:, :4], np.zeros_like(points[:, :4])), axis=1)
+        e = np.concatenate((z[:, :4], np.zeros_like(z[:, :4])), axis=1)
         self._n, self._gn = np.sum(e * e, axis=1)[:, None], 2 * e[:, None]
+        n, gn = self._n, np.broadcast_to(self._gn, self._ga.shape)
         form = equations.shapes
         #: What c multiplies in the equations, and its gradient.
         self.factors = np.select(
             [form == Shape.PLAIN, form == Shape.PRODUCT],
-            [np.broadcast_to(self._n, self._a.shape), np.broadcast_to(self._n**2, self._a.shape)],
-            self._n**2 - self._b**2,
+            [np.broadcast_to(n, self._a.shape), np.broadcast_to(n**2, self._a.shape)],
+            n**2 - self._b**2,
         )
         slope = form[:, None]
         self.factor_gradients = np.select(
             [slope == Shape.PLAIN, slope == Shape.PRODUCT],
-            [
-                np.broadcast_to(self._gn, self._ga.shape),
-                np.broadcast_to(2 * self._n[..., None] * self._gn, self._ga.shape),
-            ],
-            2 * (self._n[..., None] * self._gn - self._b[..., None] * self._gb),
+            [gn, 2 * n[..., None] * gn],
+            2 * (n[..., None] * gn - self._b[..., None] * self._gb),
         )
-        self.defect = np.linalg.norm(whole @ safe - np.eye(8), axis=(1, 2))
+        self.hessians = self._second_derivatives()
 
-    def _changes(self, widths: Array) -> tuple[Array, Array, Array, Array]:
-        """Return first-order and whole changes of c by a width, and bounds of c, (n, 6) each."""
+    def _second_derivatives(self) -> Array:
+        """Return those of the Study condition and the six equations at the points, (n, 7, 8, 8)."""
+        equations = self.platform.equations
+        turning = np.diag([2.0] * 4 + [0.0] * 4)
+        c = self.platform.coefficients(self.values)[..., None, None]
+        n, a, b = (x[..., None, None] for x in (self._n, self._a, self._b))
+        ga, gb, gn = self._ga, self._gb, np.broadcast_to(self._gn, self._ga.shape)
+        ha, hb = equations.hessians[:, 0], equations.hessians[:, 1]
+        plain = ha - c * turning
+        moved = ga - c[..., 0] * gn
+        squared_b = 2 * (b * hb + _outer(gb, gb))
+        product = (a - c * n) * turning + n * plain + 2 * _outer(gn, moved) - squared_b
+        square_n = 2 * (n * turning + _outer(gn, gn))
+        lines = 2 * (a * ha + _outer(ga, ga)) - c * (square_n - squared_b)
+        form = equations.shapes[:, None, None]
+        every = np.select([form == Shape.PLAIN, form == Shape.PRODUCT], [plain, product], lines)
+        study = np.broadcast_to(np.roll(np.eye(8), 4, axis=0), (len(every), 1, 8, 8))
+        return np.concatenate((study, every), axis=1)
+
+    def _changes(self, widths: Array) -> tuple[Array, Array]:
+        """Return first-order and whole changes of c by a width, shape (n, 6) each."""
         equations, v = self.platform.equations, self.values
         laws = equations.laws
         angle = np.isin(laws, (Law.COSINE, Law.SINE))
@@ -119,9 +153,7 @@ class Neighbourhood:
         slope = np.select([laws == Law.SQUARE, laws == Law.LINEAR], [2 * v, np.ones_like(v)], turn)
         first = slope * widths
         second = np.select([laws == Law.SQUARE, angle], [widths**2, widths**2 / 2], 0.0)
-        whole = np.abs(first) + second
-        c = self.platform.coefficients(v)
-        return first, whole, c - whole, c + whole
+        return first, np.abs(first) + second
 
     def box(self, widths: Array) -> Box:
         """Return what is known when each value changes by at most a width.
@@ -132,38 +164,67 @@ class Neighbourhood:
             Internal units, shape (6,) or (n, 6).
         """
         widths = np.broadcast_to(widths, self.values.shape)
-        first, whole, low, high = self._changes(widths)
-        equations = self.platform.equations
-        largest = np.maximum(np.abs(low), np.abs(high))
-        inverse, sizes = self.inverse[:, :, 1:], self.sizes[:, 1:]
-        amounts = whole * np.abs(self.factors)
-        # The largest of a convex function over a box is at a corner.
-        corners = np.einsum("nik,nk,sk->nsi", inverse, amounts, SIGNS)
-        beta = np.linalg.norm(corners, axis=2).max(axis=1)
-        plain = equations.shapes == Shape.PLAIN
-        common = np.einsum("nik,nk,sk->nsi", inverse, np.where(plain, whole, 0.0), SIGNS)
-        slopes = np.linalg.norm(self.factor_gradients, axis=2)
-        q = np.linalg.norm(common, axis=2).max(axis=1) * 2 * np.sqrt(self._n[:, 0])
-        q += (sizes * whole * np.where(plain, 0.0, slopes)).sum(axis=1)
+        first, whole = self._changes(widths)
+        largest = np.abs(self.platform.coefficients(self.values)) + whole
         errors, gradient_errors = self._errors(largest)
         residual = np.abs(self._residuals()) + errors
-        beta = beta + (self.sizes * residual).sum(axis=1) + _ROUNDING
-        q = q + self.defect + (self.sizes * gradient_errors).sum(axis=1)
+        spreads = [(reach, self._spread(whole, largest, reach)) for reach in REACHES]
+        count = len(self.points)
+        best = {name: np.full(count, np.inf) for name in ("measure", "radius", "rest", "root", "q")}
+        left, scales, right = np.linalg.svd(self.inverse, full_matrices=False)
+        for exponent in EXPONENTS:
+            weights = (scales[:, :1] / scales) ** exponent
+            norm = _Norm(left, weights, self.inverse)
+            found = self._in_norm(norm, first, whole, residual, gradient_errors, right, spreads)
+            better = found["root"] + found["q"] < best["root"] + best["q"]
+            better |= found["measure"] < best["measure"]
+            better &= found["measure"] <= best["measure"]
+            best = {name: np.where(better, found[name], best[name]) for name in best}
+        shifts = np.einsum("nik,nk->nki", self.inverse[:, :, 1:], first * self.factors)
+        return Box(shifts=shifts, **best)
+
+    def _in_norm(
+        self,
+        norm: _Norm,
+        first: Array,
+        whole: Array,
+        residual: Array,
+        gradient_errors: Array,
+        right: Array,
+        spreads: list[tuple[float, Array]],
+    ) -> dict[str, Array]:
+        """Return the numbers of `Box` in one norm, for the best reach."""
+        plain = self.platform.equations.shapes == Shape.PLAIN
+        sizes = norm.sizes
+        amounts = whole * np.abs(self.factors)
+        # The largest of a convex function over a box is at a corner.
+        beta = norm.corners(amounts) + (sizes * residual).sum(axis=1) + norm.weight * _ROUNDING
+        slopes = norm.slopes(self.factor_gradients)
+        q = norm.corners(np.where(plain, whole, 0.0)) * norm.slopes(self._gn)[:, 0]
+        q += (sizes[:, 1:] * whole * np.where(plain, 0.0, slopes)).sum(axis=1)
+        q += norm.weight * self.defect + (sizes * gradient_errors).sum(axis=1)
         beta, q = beta * _OUTWARD, q * _OUTWARD + 2.0**-40
-        measure, radius, kappa = np.full((3, len(beta)), np.inf)
-        for reach, bound in self._kappas(low, high, largest):
-            found, r = self._contraction(beta, q, bound * _OUTWARD, reach)
-            better = found < measure
-            measure = np.where(better, found, measure)
-            radius = np.where(better, r, radius)
-            kappa = np.where(better, bound, kappa)
-        shifts = np.einsum("nik,nk->nki", inverse, first * self.factors)
-        # What z moves beside the first order: by the second-order part of c, by q and by kappa.
-        beyond = (sizes * (whole - np.abs(first)) * np.abs(self.factors)).sum(axis=1)
-        with np.errstate(invalid="ignore"):
-            rest = beyond + q * radius + kappa * radius**2 / 2
-        rest += (self.sizes * residual).sum(axis=1)
-        return Box(measure, radius, shifts, rest * _OUTWARD)
+        flat = norm.flattened(self.hessians)
+        combined = np.einsum("nrk,nkij->nrij", right, flat)
+        norms = (
+            np.abs(np.linalg.eigvalsh(combined)).max(axis=2)
+            + _BASIS * np.abs(flat).sum(axis=(1, 2, 3))[:, None]
+        )
+        along = np.linalg.norm(norm.stretched * norms, axis=1)
+        found = {name: np.full(len(q), np.inf) for name in ("measure", "radius", "rest", "root")}
+        beyond = (sizes[:, 1:] * (whole - np.abs(first)) * np.abs(self.factors)).sum(axis=1)
+        beyond += (sizes * residual).sum(axis=1)
+        for reach, spread in spreads:
+            kappa = (along + (sizes * spread).sum(axis=1)) * _OUTWARD
+            measure, radius = self._contraction(beta, q, kappa, reach)
+            with np.errstate(invalid="ignore", over="ignore"):
+                rest = (beyond + q * radius + kappa * radius**2 / 2) * _OUTWARD
+                root = np.sqrt(2 * kappa * beta)
+            better = measure < found["measure"]
+            for name, new in (("measure", measure), ("radius", radius), ("rest", rest)):
+                found[name] = np.where(better, new, found[name])
+            found["root"] = np.minimum(found["root"], root)
+        return found | {"q": q}
 
     def _contraction(
         self, beta: Array, q: Array, kappa: Array, reach: float
@@ -205,54 +266,76 @@ class Neighbourhood:
         value = np.concatenate((one, value), axis=1) * _ROUNDING
         return value, 4 * value
 
-    def _kappas(self, low: Array, high: Array, largest: Array) -> Iterator[tuple[float, Array]]:
-        """Yield bounds of kappa over the values within each reach, shape (n,)."""
-        equations = self.platform.equations
-        if (equations.shapes == Shape.PLAIN).all():
-            yield REACHES[0], self._kappa_of_plain(low, high)
-            return
-        spectral = np.stack(
-            [equations.spectral_between(a, b) for a, b in zip(low, high, strict=True)]
-        )
-        for reach in REACHES:
-            yield reach, self._kappa(spectral, high - low, largest, reach)
+    def _spread(self, whole: Array, largest: Array, reach: float) -> Array:
+        """Bound how much second derivatives differ from those at the points, shape (n, 7).
 
-    def _kappa(self, spectral: Array, spread: Array, largest: Array, reach: float) -> Array:
+        Over all values, and within reach: by the third derivatives.
+        """
         equations = self.platform.equations
         form = equations.shapes
-        size_e = np.sqrt(self._n) + reach
         sa, sb = equations.spectral[:, 0], equations.spectral[:, 1]
-        ga, gb = np.linalg.norm(self._ga, axis=2), np.linalg.norm(self._gb, axis=2)
-        first_a, first_b = ga + sa * reach, gb + sb * reach
-        value_a = np.abs(self._a) + first_a * reach
+        first_n = 2 * (np.sqrt(self._n) + reach)
+        first_a = np.linalg.norm(self._ga, axis=2) + sa * reach
+        first_b = np.linalg.norm(self._gb, axis=2) + sb * reach
         value_b = np.abs(self._b) + first_b * reach
-        first_n, value_n = 2 * size_e, size_e**2
-        # Of A - c N: at z, and how far it moves with c and within reach.
-        c = self.platform.coefficients(self.values)
-        moved = np.linalg.norm(self._ga - c[..., None] * self._gn, axis=2)
-        moved_first = moved + spectral * reach + spread * first_n
-        moved_value = np.abs(self._a - c * self._n) + spread * value_n + moved_first * reach
-        of_b = 2 * (value_b * sb + first_b**2)
-        curvature = np.select(
-            [form == Shape.PLAIN, form == Shape.PRODUCT],
-            [spectral, 2 * moved_value + value_n * spectral + 2 * first_n * moved_first + of_b],
-            2 * (value_a * sa + first_a**2) + largest * (4 * value_n + 2 * first_n**2 + of_b),
-        )
-        kappa: Array = self.sizes[:, 0] + (self.sizes[:, 1:] * curvature).sum(axis=1)
-        return kappa
+        square_n = 3 * first_n**2
+        square_b = 2 * (value_b * sb + first_b**2)
+        # Third derivatives of N (A - c N) - B^2 and of A^2 - c (N^2 - B^2).
+        product = 3 * (2 * (first_a + largest * first_n) + (sa + 2 * largest) * first_n)
+        product = (product + 6 * sb * first_b) * reach + whole * square_n
+        lines = 6 * sa * first_a + largest * (12 * first_n + 6 * sb * first_b)
+        lines = lines * reach + whole * (square_n + square_b)
+        plain = np.broadcast_to(2 * whole, product.shape)
+        every = np.select([form == Shape.PLAIN, form == Shape.PRODUCT], [plain, product], lines)
+        rounding = 2.0**-40 * (1 + equations.moduli.sum(axis=1) ** 2 + 8 * largest)
+        return np.concatenate((np.zeros_like(every[:, :1]), every + rounding), axis=1)
 
-    def _kappa_of_plain(self, low: Array, high: Array) -> Array:
-        """Return the same if all equations are quadrics, in the directions of the inverse."""
-        equations = self.platform.equations
-        turning = np.diag([2.0] * 4 + [0.0] * 4)
-        middle, half = (low + high) / 2, (high - low) / 2
-        hessians = equations.hessians[None, :, 0] - middle[..., None, None] * turning
-        study = np.broadcast_to(np.roll(np.eye(8), 4, axis=0), (len(low), 1, 8, 8))
-        hessians = np.concatenate((study, hessians), axis=1)
-        _, scales, directions = np.linalg.svd(self.inverse, full_matrices=False)
-        combined = np.einsum("nrk,nkij->nrij", directions, hessians)
-        norms = np.abs(np.linalg.eigvalsh(combined)).max(axis=2)
-        spread = 2 * half + 2.0**-45 * (equations.moduli[:, 0] + np.abs(middle))
-        kappa = np.sqrt(np.sum((scales * norms) ** 2, axis=1)) * (1 + 1e-9)
-        total: Array = kappa + (self.sizes[:, 1:] * spread).sum(axis=1)
-        return total
+
+class _Norm:
+    """The norm of w U^T x, for x orthogonal to the point, and matrices in it.
+
+    Parameters
+    ----------
+    left
+        U, singular vectors, shape (n, 8, 7).
+    weights
+        w, at least one, shape (n, 7).
+    inverse
+        Y, shape (n, 8, 7).
+    """
+
+    def __init__(self, left: Array, weights: Array, inverse: Array) -> None:
+        self.basis = left / weights[:, None]
+        self.weight = weights.max(axis=1)
+        self.inverse = np.einsum("nir,nik->nrk", left, inverse) * weights[..., None]
+        error = _BASIS * self.weight[:, None] * np.linalg.norm(inverse, axis=1)
+        #: Not below the norms of the columns of Y, shape (n, 7).
+        self.sizes = np.linalg.norm(self.inverse, axis=1) + error
+        self._error = error
+        #: Not below the singular values times their weights, shape (n, 7).
+        self.stretched = np.linalg.norm(self.inverse, axis=2) + error.sum(axis=1, keepdims=True)
+
+    def corners(self, amounts: Array) -> Array:
+        """Bound the norms of Y times all vectors within amounts, shape (n,)."""
+        moved = np.einsum("nrk,nk,sk->nsr", self.inverse[:, :, 1:], amounts, SIGNS)
+        error = (self._error[:, 1:] * amounts).sum(axis=1)
+        bound: Array = np.linalg.norm(moved, axis=2).max(axis=1) + error
+        return bound
+
+    def slopes(self, gradients: Array) -> Array:
+        """Bound the norms of linear functions, ``(n, k, 8) -> (n, k)``."""
+        bound = np.linalg.norm(np.einsum("nki,nir->nkr", gradients, self.basis), axis=2)
+        return np.asarray(bound + _BASIS * np.linalg.norm(gradients, axis=2))
+
+    def flattened(self, hessians: Array) -> Array:
+        """Return quadratic functions in the coordinates of the norm, (n, 7, 7, 7)."""
+        return np.asarray(
+            np.einsum("nir,nkij,njs->nkrs", self.basis, hessians, self.basis, optimize=True)
+        )
+
+
+def _outer(a: Array, b: Array) -> Array:
+    """Return the symmetric part of ``a b^T``."""
+    product_ = a[..., :, None] * b[..., None, :]
+    symmetric: Array = (product_ + np.swapaxes(product_, -1, -2)) / 2
+    return symmetric

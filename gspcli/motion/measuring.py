@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DLL
-from gspcli.errors import GspError
+from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import measured
@@ -39,7 +39,7 @@ def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
 
     Raises
     ------
-    GspError
+    ArgumentError
         If the arrays have other shapes or numbers that are not finite.
     """
     R, T = np.asarray(R, float), np.asarray(T, float)
@@ -48,12 +48,12 @@ def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
             f"R has shape {R.shape} and T {T.shape}, expected (..., 3, 3) and (..., 3) with the "
             "same leading axes"
         )
-        raise GspError(message)
+        raise ArgumentError(message)
     for name, part in (("R", R), ("T", T)):
         if not np.isfinite(part).all():
             index = tuple(np.argwhere(~np.isfinite(part))[0].tolist())
-            message = f"{name}{list(index)} is {part[index]}, expected a finite number"
-            raise GspError(message)
+            message = f"found {part[index]}, expected a finite number"
+            raise ArgumentError(message, f"{name}{list(index)}")
     arrangement = Arrangement.of(instance)
     rotations, translations = R.reshape(-1, 3, 3), T.reshape(-1, 3)
     values = np.empty((len(rotations), len(arrangement.kinds)))

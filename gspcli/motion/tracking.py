@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.catalogue.kinds import DLL
 from gspcli.certification.folds import Fold, prove_fold
 from gspcli.defaults import SEED
-from gspcli.errors import GspError, IncompleteError, NotFiniteError
+from gspcli.errors import ArgumentError, IncompleteError, NotFiniteError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.numbers import Number
@@ -100,6 +100,8 @@ class Track:
         Whether, with ``everything``, the modes at the last row are exactly the real poses there.
     segments
         Of how many proved (or followed) parts the modes are made.
+    poses_at_end
+        With ``everything``: all real poses (R, T) at the last row, found without following.
     """
 
     instance: Instance
@@ -112,6 +114,7 @@ class Track:
     events: tuple[Event, ...]
     complete: bool | None
     segments: int
+    poses_at_end: tuple[Array, Array] | None = None
 
     @cached_property
     def conditions(self) -> Array:
@@ -179,7 +182,7 @@ def track(
 
     Raises
     ------
-    GspError
+    ArgumentError
         If an argument has a wrong shape or number.
     NotFiniteError, IncompleteError
         If the poses at an end of the trajectory are infinitely many or could not all be found.
@@ -188,7 +191,7 @@ def track(
     times = np.arange(1.0, len(rows) + 1) if t is None else _checked(t, "t", (len(rows),))
     if not (np.diff(times) > 0).all():
         message = "t must increase from row to row"
-        raise GspError(message)
+        raise ArgumentError(message, "t")
     R, T = _all_poses(instance, rows[0], seed, jobs)
     numbers = np.arange(1, len(R) + 1)
     if near is not None:
@@ -197,17 +200,46 @@ def track(
         for mode in modes:
             if not 1 <= mode <= len(R):
                 message = f"found mode {mode}, expected one of the {len(R)} at the first row"
-                raise GspError(message)
+                raise ArgumentError(message)
         chosen = [mode - 1 for mode in modes]
     else:
         chosen = list(range(len(R)))
-    platform = MovingPlatform(at_values(instance, rows[0]))
     options = FollowOptions(certify=certify, jobs=jobs)
-    run = _Run(platform, times, rows, options)
+    run = _Run(MovingPlatform(at_values(instance, rows[0])), times, rows, options)
     forward = run.follow(R[chosen], T[chosen], numbers[chosen])
     if not everything:
         return forward
     return _with_births(run, forward, _all_poses(instance, rows[-1], seed, jobs))
+
+
+def track_from(
+    instance: Instance,
+    values: ArrayLike,
+    R: ArrayLike,
+    T: ArrayLike,
+    *,
+    options: FollowOptions | None = None,
+) -> Track:
+    """Follow given modes while the values change; as `track`, without solving anything.
+
+    Parameters
+    ----------
+    instance
+        Geometry and units; its values are not used.
+    values
+        Shape (r, 6).
+    R, T
+        Poses at the first row, shapes (n, 3, 3) and (n, 3); they are numbered from 1.
+    options
+        How to follow.
+    """
+    rows = _checked(values, "values", (None, 6))
+    times = np.arange(1.0, len(rows) + 1)
+    R, T = np.asarray(R, float), np.asarray(T, float)
+    run = _Run(
+        MovingPlatform(at_values(instance, rows[0])), times, rows, options or FollowOptions()
+    )
+    return run.follow(R, T, np.arange(1, len(R) + 1))
 
 
 def at_values(instance: Instance, values: Array) -> Instance:
@@ -229,12 +261,12 @@ def _checked(given: ArrayLike, name: str, shape: tuple[int | None, ...]) -> Arra
     )
     if not fits or not array.size:
         expected = ", ".join("rows" if n is None else str(n) for n in shape)
-        message = f"{name} has shape {array.shape}, expected ({expected})"
-        raise GspError(message)
+        message = f"found shape {array.shape}, expected ({expected})"
+        raise ArgumentError(message, name)
     if not np.isfinite(array).all():
         index = np.argwhere(~np.isfinite(array))[0].tolist()
-        message = f"{name}{index} is {array[tuple(index)]}, expected a finite number"
-        raise GspError(message)
+        message = f"found {array[tuple(index)]}, expected a finite number"
+        raise ArgumentError(message, f"{name}{index}")
     return array
 
 
@@ -257,7 +289,7 @@ def _listed(values: Array) -> str:
 def _nearest(R: Array, T: Array, pose: tuple[ArrayLike, ArrayLike]) -> int:
     if not len(R):
         message = "there is no real pose at the first row to be near to"
-        raise GspError(message)
+        raise ArgumentError(message)
     length = np.ptp(T, axis=0).max() or 1.0
     difference = np.abs(R - np.asarray(pose[0])).max(axis=(1, 2))
     return int(
@@ -456,4 +488,5 @@ def _with_births(run: _Run, forward: Track, last: tuple[Array, Array]) -> Track:
         events=(*forward.events, *began),
         complete=complete,
         segments=forward.segments + back.segments,
+        poses_at_end=last,
     )

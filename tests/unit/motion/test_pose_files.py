@@ -130,11 +130,11 @@ def test_json_of_solve():
     pose = {"real": True, "R": np.eye(3).tolist(), "T": [1, 2, 3]}
     table = read_poses(json.dumps({"solutions": [pose, pose]}), "p", PLAIN)
     assert table.R.shape == (2, 3, 3)
-    wrong = [pose, {**pose, "real": False}, {**pose, "T": [1, 2]}, 5]
+    wrong = [pose, {**pose, "real": False}, {**pose, "T": [1, 2]}, "x"]
     assert mistakes(json.dumps({"solutions": wrong})) == [
         "p.csv: solutions[2]: found a pose that is not real, expected a real one: leave out --all",
         "p.csv: solutions[3]: found no T of 3 finite numbers",
-        "p.csv: solutions[4]: found '5', expected a pose with R and T",
+        "p.csv: solutions[4]: found 'x', expected a pose with R and T",
     ]
 
 

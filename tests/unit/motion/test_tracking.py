@@ -189,10 +189,13 @@ def test_crossing_a_plane_is_no_fold():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"values": np.zeros(6)}, r"values has shape \(6,\), expected \(rows, 6\)"),
-        ({"values": np.full((2, 6), np.nan)}, r"values\[0, 0\] is nan, expected a finite number"),
+        ({"values": np.zeros(6)}, r"^values: found shape \(6,\), expected \(rows, 6\)"),
+        (
+            {"values": np.full((2, 6), np.nan)},
+            r"^values\[0, 0\]: found nan, expected a finite number",
+        ),
         ({"t": [1, 1, 2]}, "t must increase"),
-        ({"t": [1, 2]}, r"t has shape \(2,\), expected \(3\)"),
+        ({"t": [1, 2]}, r"^t: found shape \(2,\), expected \(3\)"),
         ({"modes": [3]}, "found mode 3, expected one of the 2 at the first row"),
     ],
 )

@@ -1,0 +1,49 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+HEXAPOD = str(Path(__file__).parents[2] / "data" / "examples" / "platform-6-6.yaml")
+
+
+def test_table(gsp):
+    run = gsp("clearance", HEXAPOD)
+    assert (run.code, run.err) == (0, "")
+    lines = run.out.splitlines()
+    assert lines[0] == "General 6-6 platform: DPP DPP DPP DPP DPP DPP"
+    assert lines[2].split()[:5] == ["mode", "proved", "free", "fold", "at"]
+    assert [line.split()[0] for line in lines[4:6]] == ["1", "2"]
+    assert lines[-1].startswith("clearances in units of 1 unit for distances, 1 deg for angles")
+
+
+def test_refined_bounds_are_nearer(gsp):
+    ratios = []
+    for more in ((), ("--refine",)):
+        run = gsp("clearance", HEXAPOD, "--mode", "1", "--format", "json", *more)
+        document = json.loads(run.out)
+        assert document["schema"] == "gsp.clearance/1"
+        (mode,) = document["modes"]
+        assert mode["lower"] < mode["upper"]
+        assert len(mode["values"]) == 6
+        ratios.append(mode["ratio"])
+    assert ratios[1] < ratios[0] < 4
+    assert ratios[1] < 2
+
+
+def test_a_column_of_track(gsp, tmp_path):
+    path = tmp_path / "values.csv"
+    path.write_text("1\n2.53\n2.535\n", encoding="utf-8")
+    run = gsp("track", HEXAPOD, path, "--mode", "1", "--clearance", "--format", "csv")
+    head, *rows = run.out.splitlines()
+    assert head.endswith("condition,clearance")
+    single = gsp("clearance", HEXAPOD, "--mode", "1", "--format", "json")
+    lower = json.loads(single.out)["modes"][0]["lower"]
+    assert float(rows[0].split(",")[-1]) == pytest.approx(lower, rel=0.05)
+
+
+def test_mistakes(gsp):
+    run = gsp("clearance", HEXAPOD, "--mode", "1", "--pose", "1")
+    assert run.code == 2
+    assert "give either --mode or --pose" in run.err

@@ -1,0 +1,49 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+HEXAPOD = str(Path(__file__).parents[2] / "data" / "examples" / "platform-6-6.yaml")
+
+
+def test_nodes(gsp):
+    run = gsp("scan", HEXAPOD, "--vary", "1=2.5:2.6:3", "--format", "csv")
+    assert (run.code, run.err) == (0, "")
+    head, *rows = run.out.splitlines()
+    assert head == "1,modes,condition"
+    assert [row.split(",")[0] for row in rows] == ["2.5", "2.55", "2.6"]
+    assert all(int(row.split(",")[1]) % 2 == 0 for row in rows)
+
+
+def test_folds(gsp):
+    run = gsp("scan", HEXAPOD, "--vary", "1=2.3:2.8:6", "--folds", "--format", "json")
+    document = json.loads(run.out)
+    assert document["schema"] == "gsp.scan/1"
+    assert document["vary"] == {"1": pytest.approx([2.3, 2.4, 2.5, 2.6, 2.7, 2.8])}
+    assert document["folds"]
+    assert all(abs(fold["change"]) == 2 for fold in document["folds"])
+
+
+@pytest.mark.parametrize(
+    ("vary", "message"),
+    [
+        ("7=1:2:3", "error: --vary: found '7=1:2:3', expected N=LOW:HIGH:COUNT, such as 1=5:7:200"),
+        ("1=2:1:3", "expected LOW below HIGH and at least two values"),
+        ("1=1:x:3", "expected N=LOW:HIGH:COUNT"),
+        ("1=1:2:9999999", "expected at most 1000000"),
+    ],
+)
+def test_mistakes(gsp, vary, message):
+    run = gsp("scan", HEXAPOD, "--vary", vary)
+    assert run.code == 2
+    assert run.out == ""
+    assert message in run.err
+
+
+def test_pictures(gsp, tmp_path):
+    for arguments in (("--vary", "1=2.4:2.6:4"), ("--vary", "1=2.4:2.6:4", "--vary", "4=1.9:2:3")):
+        path = tmp_path / "map.svg"
+        assert gsp("scan", HEXAPOD, *arguments, "--folds", "-o", path).code == 0
+        assert path.read_bytes().startswith(b"<?xml")
