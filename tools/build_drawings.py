@@ -22,6 +22,7 @@ from gspcli.catalogue.kinds import ALL, DLL, KINDS, Kind
 from gspcli.catalogue.realization import REALIZATIONS
 from gspcli.cli.main import run
 from gspcli.pictures.chains import chain_drawing
+from gspcli.resources import instance_files
 
 IMAGES = ROOT / "docs" / "images"
 DRAWINGS = {
@@ -30,6 +31,11 @@ DRAWINGS = {
     "figure-14": ["realize", "@figure-2"],
     "figure-15": ["realize", "@figure-3"],
     "figure-16": ["realize", "@figure-4"],
+    **{
+        f"platforms/{name}": ["view", f"@{name}"]
+        for name, path in instance_files().items()
+        if path.parent.name == "platforms"
+    },
 }
 #: Each constraint in all its realizations; DLL and ALL of the same lines are one more.
 CHAINS = [*((kind,) for kind in KINDS), (DLL, ALL)]

@@ -88,11 +88,12 @@ def command(
       gsp view @example-6.8
       gsp view platform.yaml --set 1=5.2 -o platform.html
       gsp view platform.yaml --mode 3 --from=-40,25 -o figure.pdf
-      gsp track platform.yaml moves.csv | gsp view platform.yaml --track - --open
+      gsp track platform.yaml moves.csv --format csv | gsp view platform.yaml --track -
     """
     if spec == track == "-":
         message = "SPEC and --track cannot both be standard input"
         raise click.UsageError(message)
+    from gspcli.cli.summary import summary
     from gspcli.pictures.drawing import drawing
     from gspcli.pictures.page import page
     from gspcli.pictures.staging import scene_of
@@ -111,7 +112,8 @@ def command(
     start, names = _start(result, mode), not no_names
     content: str | bytes
     if output.format == _PAGE:
-        scene = scene_of(result, tracks)
+        said = " ".join(f"{line}." for line in summary(result, certify=True))
+        scene = scene_of(result, tracks, summary=said)
         first = len(scene.series) - len(tracks) if tracks else None
         content = page(scene, start, first, view, names=names)
     else:

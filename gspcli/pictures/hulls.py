@@ -9,8 +9,11 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: Points nearer to a plane than this fraction of the extent lie in it.
-_FLAT = 1e-9
+#: Points nearer to a plane or line than this fraction of the extent are drawn in it: measured
+#: bodies are flat only up to their last decimals.
+_FLAT = 2e-3
+#: Points nearer to each other than this fraction of their coordinates are one.
+_SAME = 1e-9
 
 
 def convex_hull(points: Array) -> tuple[Array, ...]:
@@ -25,9 +28,9 @@ def convex_hull(points: Array) -> tuple[Array, ...]:
     offsets = points - points.mean(axis=0)
     extent = np.abs(offsets).max()
     _, singular, axes = np.linalg.svd(offsets, full_matrices=True)
-    dimension = int((singular > _FLAT * max(extent, np.abs(points).max())).sum())
-    if dimension == 0:
+    if extent <= _SAME * np.abs(points).max():
         return ()
+    dimension = int((singular > _FLAT * singular[0]).sum())
     if dimension == 1:
         along = offsets @ axes[0]
         return (points[[along.argmin(), along.argmax()]],)
@@ -39,7 +42,7 @@ def convex_hull(points: Array) -> tuple[Array, ...]:
         normal = np.cross(b - a, c - a)
         norm = np.linalg.norm(normal)
         if norm <= _FLAT * extent**2:
-            continue
+            continue  # a sliver is no face
         heights = (points - a) @ (normal / norm)
         flat = np.abs(heights) <= _FLAT * extent
         if (heights[~flat] > 0).all() or (heights[~flat] < 0).all():
@@ -62,7 +65,7 @@ def _polygon(points: Array, normal: Array) -> Array:
         chain: list[int] = []
         for k in indices:
             while len(chain) > 1 and _turn(flat[chain[-2]], flat[chain[-1]], flat[k]) <= (
-                _FLAT * size**2
+                _SAME * size**2
             ):
                 chain.pop()
             chain.append(k)

@@ -58,8 +58,11 @@ def mechanism_drawing(
         draw_body(paper, scene.platform, PLATFORM, 1.0, R, T, named=True)
         placed = [(chain, _ends(scene, chain, mode, size)) for chain in mechanism.chains]
         # The nearest chain last, each as a whole.
-        eye = paper.view.axes[2]
-        placed.sort(key=lambda pair: float((pair[1].platform + pair[1].base) @ eye))
+
+        def depth(ends: Ends) -> float:
+            return round(float((ends.platform + ends.base) @ paper.view.axes[2]) / scene.size, 6)
+
+        placed.sort(key=lambda pair: depth(pair[1]))
         for rank, (chain, ends) in enumerate(placed):
             own = fitting(ends, size)
             joints = mounted(chain.realization, ends, own)

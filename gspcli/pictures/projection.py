@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 
 #: Depths become layers of this many steps.
 _LAYERS = 10.0
+#: Decimals, in sizes, to which places on paper are rounded.
+_DECIMALS = 7
 #: Of the panel beside what is drawn, as a fraction of its extent: room for names.
 _MARGIN = 0.05
 
@@ -79,7 +81,8 @@ class Paper:
 
     def project(self, points: Array) -> tuple[Array, float]:
         """Return points (n, 3) on paper, (n, 2), and the layer of their middle."""
-        seen = points @ self.view.axes.T
+        # Rounded, so that the last bits of a solution do not change the drawing.
+        seen = self.size * np.round(points @ self.view.axes.T / self.size, _DECIMALS)
         if self.fixed is not None:
             return seen[:, :2], self.fixed
         return seen[:, :2], 10 + float(seen[:, 2].mean()) / self.size * _LAYERS

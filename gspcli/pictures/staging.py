@@ -85,7 +85,11 @@ class _Placed(NamedTuple):
 
 
 def scene_of(
-    result: SolveResult, tracks: Sequence[Poses] = (), *, only: int | None = None
+    result: SolveResult,
+    tracks: Sequence[Poses] = (),
+    *,
+    only: int | None = None,
+    summary: str = "",
 ) -> Scene:
     """Return the scene of a result: its assembly modes, its motions, and tracks if given.
 
@@ -98,6 +102,8 @@ def scene_of(
     only
         The index of one mode, if nothing else is to be shown: lines and planes are then drawn
         no larger than it needs.
+    summary
+        What is said of the result; its account if empty.
     """
     instance, arrangement = result.instance, result.arrangement
     shown = [_modes(result, only)]
@@ -119,7 +125,7 @@ def scene_of(
     return Scene(
         title=instance.name or kind.id,
         type_id=f"{kind.id} (type {kind.number}, {kind.platform_class.id})",
-        summary=_summary(result),
+        summary=summary or f"{result.poses.account_text}.",
         length_unit=units.length,
         angle_unit=units.angle.value,
         size=staged.size,
@@ -139,7 +145,8 @@ def best_mode(result: SolveResult) -> int:
     It is the best conditioned one, and of several the highest.
     """
     count = result.counts.real
-    heights = result.T[:count, 2].real
+    # Rounded: those that differ by rounding errors are equal, and the first of them counts.
+    heights = (result.T[:count, 2].real / result.arrangement.length).round(6)
     conditions = [float(f"{value:.6g}") for value in result.conditions[:count]]
     return min(range(count), key=lambda k: (conditions[k], -heights[k]), default=0)
 
@@ -178,14 +185,6 @@ def _motions(result: SolveResult) -> list[Poses]:
         )
         for number, motion in enumerate(real, start=1)
     ]
-
-
-def _summary(result: SolveResult) -> str:
-    counts = result.counts
-    words = f"{counts.real or 'no'} real of {counts.found} poses found"
-    if counts.found:
-        words += f", {counts.certified} certified"
-    return f"{words}; {result.expected} expected of the type; {result.verdict}."
 
 
 def _names(constraints: Sequence[Constraint]) -> list[tuple[str, str]]:

@@ -70,3 +70,12 @@ def test_a_direction_is_two_angles(gsp: Callable) -> None:
     outcome = gsp("view", "@octahedral-3-3", "--from", "up")
     assert outcome.code == 2
     assert "--from up: expected two angles in degrees" in outcome.err
+
+
+def test_what_gsp_track_writes_can_be_seen(gsp: Callable, tmp_path: Path) -> None:
+    values, track, target = (tmp_path / name for name in ("v.csv", "t.csv", "view.html"))
+    values.write_text("t,1\n0,1.5\n1,1.6\n2,1.4\n", encoding="utf-8")
+    assert gsp("track", "@octahedral-3-3", values, "-o", track).code == 0
+    outcome = gsp("view", "@octahedral-3-3", "--track", track, "-o", target)
+    assert outcome.code == 0
+    assert "3 poses (trajectory of mode 4)" in outcome.err

@@ -35,6 +35,13 @@ def test_less_than_a_plane(points: np.ndarray, corners: list[int]) -> None:
     assert [len(face) for face in convex_hull(points)] == corners
 
 
+def test_a_measured_plate_is_one_polygon() -> None:
+    turns = np.arange(6) * np.pi / 3
+    plate = np.column_stack((np.cos(turns), np.sin(turns), 1e-4 * (-1.0) ** np.arange(6)))
+    (face,) = convex_hull(plate + 1000.0)
+    assert len(face) == 6
+
+
 def test_every_point_is_inside_the_hull() -> None:
     points = np.random.default_rng(7).normal(size=(12, 3))
     faces = convex_hull(points)
