@@ -168,7 +168,8 @@ def _pose(entry: object) -> Pose:
             return _rotation(numbers[:4]), numbers[4:].astype(complex), None
         return numbers[:9].reshape(3, 3).astype(complex), numbers[9:].astype(complex), None
     if not isinstance(entry, Mapping):
-        message = f"found {entry!r}, expected a pose: {_EXPECTED}"
+        found = f"{entry:g}" if isinstance(entry, float) else repr(entry)
+        message = f"found {found}, expected a pose: {_EXPECTED}"
         raise ValueError(message)
     parts = {
         key + suffix: _array(entry[key + suffix], shape, key + suffix)

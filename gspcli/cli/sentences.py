@@ -25,6 +25,8 @@ SENTENCES = {
     "measure": "Measure the values of constraints at given poses (inverse kinematics).",
     "track": "Follow assembly modes while the values change, and prove that none jumps.",
     "analyze": "Analyze assembly modes: screws, Jacobian matrix, forces, stiffness and accuracy.",
+    "clearance": "Bound how far all values may change before a mode can meet a singularity.",
+    "scan": "Count the real assembly modes where one or two values vary.",
     "view": "Show a platform, all its assembly modes and how it moves.",
     "export": "Write a platform as a file for another program.",
 }

@@ -49,6 +49,8 @@ CALLS = [
     ["count", "--type", "6PP", "--geometry", "generic,3-3"],
     ["analyze", "@rubin-m2"],
     ["analyze", "@octahedral-3-3", "--mode", "1", "--load", "0,0,-9.81", "--tolerance", "0.001"],
+    ["clearance", "@octahedral-3-3", "--mode", "1"],
+    ["scan", "@octahedral-3-3", "--vary", "1=1.4:1.6:5"],
     ["track", "@octahedral-3-3", "{folder}/values.csv"],
     ["measure", "@dietmaier", "--pose", "0.1,0.2,1.5,1,0.1,0,0"],
     ["sample", "3D3A PH PH PH", "--count", "20", "--jobs", "1"],

@@ -19,5 +19,8 @@ def test_the_tour(gsp: Callable, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     for command in COMMANDS:
         if "--check" in command:
             continue  # a test of its own, and a long one
-        outcome = gsp(*shlex.split(command))
+        words = shlex.split(command)
+        if words[0] == "certify" and Path(words[-1]).suffix in (".out", ".phc"):
+            continue  # what another program has answered
+        outcome = gsp(*words)
         assert outcome.code == 0, (command, outcome.err)

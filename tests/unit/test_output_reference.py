@@ -27,7 +27,7 @@ OTHERS = [
     ["analyze", "@platform-6-3"],
 ]
 #: Commands that print no table: they write files, or are asked one thing at a time.
-WITHOUT = {"new", "count", "export", "maximize-real", "view"}
+WITHOUT = {"new", "count", "export", "maximize-real", "view", "clearance", "scan"}
 
 
 @pytest.mark.parametrize("words", OTHERS, ids=" ".join)

@@ -41,5 +41,5 @@ def test_an_installed_wheel_is_complete(tmp_path: Path) -> None:
         check=False,
     )
     assert run.returncode == 0, run.stderr
-    assert "complete: all 64 of the type" in run.stdout
-    assert "complete: all 40 of the type" in run.stdout
+    assert "complete, proved: all 64 of the type" in run.stdout
+    assert "complete, proved: all 40 of the type" in run.stdout
