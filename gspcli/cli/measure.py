@@ -8,7 +8,7 @@ import click
 
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.cli.poses import pose_format, pose_options, text_of
+from gspcli.cli.poses import pose_format, pose_options, text_of, warn_of_range
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
@@ -59,7 +59,8 @@ def command(
     instance = load_instance(spec)
     form = pose_format(instance, euler, pivot)
     table = read_pose(pose, form) if pose is not None else read_poses(*text_of(str(poses)), form)
-    rows = _rows(instance, table, measure(instance, table.R, table.T).tolist())
+    values = measure(instance, table.R, table.T)
+    rows = _rows(instance, table, values.tolist())
     document = None
     if output.format == "json":
         document = {
@@ -71,6 +72,7 @@ def command(
             ],
         }
     emit(output, _table(instance, rows), document=document)
+    warn_of_range(instance, [row["t"] for row in rows], values)
 
 
 def _rows(instance: Instance, table: PoseTable, values: list[list[float]]) -> list[dict[str, Any]]:

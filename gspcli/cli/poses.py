@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -12,8 +12,13 @@ import click
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from gspcli.geometry.instance import Instance
     from gspcli.motion import PoseFormat
+
+    Array = NDArray[np.float64]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -58,3 +63,20 @@ def text_of(path: str) -> tuple[str, str]:
     except UnicodeDecodeError as error:
         message = f"{name}: found {error.reason}, expected text in UTF-8"
         raise GspError(message) from error
+
+
+def warn_of_range(instance: Instance, t: Sequence[float], values: Array) -> None:
+    """Say on standard error which values are outside the ranges of the instance, if any."""
+    from gspcli.motion import out_of_range
+
+    outside = out_of_range(instance, values)
+    for k, constraint in enumerate(instance.constraints):
+        rows = outside[:, k].nonzero()[0].tolist()
+        if rows and constraint.limits is not None:
+            low, high = constraint.limits
+            more = f" (and at {len(rows) - 1} more rows)" if len(rows) > 1 else ""
+            click.echo(
+                f"t = {t[rows[0]]:g}: the value {values[rows[0], k]:.6g} of constraint {k + 1} is "
+                f"outside its range from {low} to {high}{more}",
+                err=True,
+            )

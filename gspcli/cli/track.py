@@ -8,7 +8,7 @@ import click
 
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.cli.poses import pose_format, pose_options, text_of
+from gspcli.cli.poses import pose_format, pose_options, text_of, warn_of_range
 from gspcli.errors import IncompleteError
 
 if TYPE_CHECKING:
@@ -28,6 +28,14 @@ _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 @click.option("--mode", type=click.IntRange(min=1), metavar="K", help="Follow only mode K.")
 @click.option(
     "--near", metavar="NUMBERS", help="Follow only the mode nearest to x,y,z,qw,qx,qy,qz."
+)
+@click.option(
+    "--steps",
+    type=click.IntRange(min=1),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="Write N rows for each row of VALUES, evenly between it and the next one.",
 )
 @click.option("--delta", is_flag=True, help="VALUES are added to those of SPEC.")
 @click.option(
@@ -54,6 +62,7 @@ def command(
     values: str,
     mode: int | None,
     near: str | None,
+    steps: int,
     delta: bool,
     everything: bool,
     allow_loss: bool,
@@ -85,6 +94,7 @@ def command(
       gsp track platform.yaml values.csv -o poses.csv
       gsp track platform.yaml path.csv --euler ZYX --mode 1 --format json
       gsp track platform.yaml values.csv --all --allow-loss
+      gsp track platform.yaml values.csv --steps 20 --format csv | gsp view platform.yaml --track -
     """
     if mode is not None and near is not None:
         message = "give either --mode or --near"
@@ -96,7 +106,7 @@ def command(
 
     instance = load_instance(spec)
     form = pose_format(instance, euler, pivot)
-    table = read_values(*text_of(values), instance, form, delta=delta)
+    table = read_values(*text_of(values), instance, form, delta=delta).subdivided(steps)
     pose = None
     if near is not None:
         given = read_pose(near, form)
@@ -113,6 +123,7 @@ def command(
     )
     rows = _rows(result, _clearances(result) if clear else None)
     emit(output, _table(result, rows), document=_document(result, rows))
+    warn_of_range(instance, table.t.tolist(), table.values)
     if output.format != "json":
         for event in result.events:
             click.echo(_sentence(event), err=True)

@@ -1,7 +1,7 @@
 """Platforms that move: what poses measure, and what poses do when the values change."""
 
 from gspcli.motion.following import FollowOptions, MovingPlatform
-from gspcli.motion.measuring import measure
+from gspcli.motion.measuring import measure, out_of_range
 from gspcli.motion.pose_files import PoseFormat, PoseTable, read_pose, read_poses
 from gspcli.motion.tracking import Event, Track, track
 from gspcli.motion.value_files import ValueTable, read_values
@@ -15,6 +15,7 @@ __all__ = [
     "Track",
     "ValueTable",
     "measure",
+    "out_of_range",
     "read_pose",
     "read_poses",
     "read_values",

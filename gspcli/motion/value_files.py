@@ -36,6 +36,15 @@ class ValueTable:
     t: Array
     values: Array
 
+    def subdivided(self, steps: int) -> ValueTable:
+        """Return the same trajectory with so many rows for each step between rows."""
+        if steps == 1:
+            return self
+        rows = np.arange(len(self.t))
+        parts = np.linspace(0, len(rows) - 1, steps * (len(rows) - 1) + 1)
+        columns = [np.interp(parts, rows, column) for column in self.values.T]
+        return ValueTable(np.interp(parts, rows, self.t), np.stack(columns, axis=1))
+
 
 def read_values(
     text: str, name: str, instance: Instance, form: PoseFormat, *, delta: bool = False

@@ -90,3 +90,20 @@ def test_mistakes(gsp, arguments, message):
     assert run.code == 2
     assert run.out == ""
     assert message in run.err
+
+
+def test_values_outside_their_range_are_told(gsp, tmp_path):
+    text = Path(HEXAPOD).read_text(encoding="utf-8")
+    path = tmp_path / "spec.yaml"
+    path.write_text(text.replace("value: 2.53", "value: 2.53, range: [2, 3]"), encoding="utf-8")
+    poses = gsp("solve", HEXAPOD, "--format", "csv").out
+    (tmp_path / "poses.csv").write_text(poses, encoding="utf-8")
+    assert gsp("measure", path, tmp_path / "poses.csv").err == ""
+    run = gsp("measure", path, "--pose", "9,0,0,1,0,0,0")
+    assert run.code == 0
+    assert run.err.startswith("t = 1: the value ")
+    assert run.err.endswith(" of constraint 1 is outside its range from 2 to 3\n")
+    values = tmp_path / "values.csv"
+    values.write_text("1\n2.53\n1.99\n1.98\n", encoding="utf-8")
+    told = gsp("track", path, values).err
+    assert "t = 2: the value 1.99 of constraint 1 is outside its range from 2 to 3 (and" in told

@@ -37,6 +37,15 @@ def test_differences(hexapod):
     assert np.allclose(table.values, [STATED, np.array(STATED) + 1])
 
 
+def test_rows_in_between(hexapod):
+    table = read_values("t,1\n0,1\n1,3\n4,2\n", "v", hexapod, PLAIN).subdivided(2)
+    assert table.t.tolist() == [0, 0.5, 1, 2.5, 4]
+    assert table.values[:, 0].tolist() == [1, 2, 3, 2.5, 2]
+    assert table.subdivided(1) is table
+    one = read_values("t,1\n0,1\n", "v", hexapod, PLAIN).subdivided(5)
+    assert one.values.shape == (1, 6)
+
+
 def test_poses_are_measured(hexapod):
     table = read_values("t,x,y,z,qw,qx,qy,qz\n3,1,2,3,1,0,0,0\n", "v", hexapod, PLAIN)
     assert table.t.tolist() == [3]
