@@ -53,7 +53,8 @@ def solve_infinite(
     best = max(answers, key=lambda x: (any(motion.real for motion in x.motions), len(x.motions)))
     best = best.decided(*decide(instance, best.R, best.T)) if len(best.R) else best
     if best.motions:
-        return replace(best, proof=proof)
+        # With a DLL the count may mean parallel lines: the samples are evidence, no proof.
+        return best if DLL in arrangement.kinds else replace(best, proof=proof)
     if DLL not in arrangement.kinds:
         # No sample was found, but paths must end on the set: those that are lost or seemed to
         # end at infinity.
