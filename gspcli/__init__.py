@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.building import angle, distance, hexapod, instance
     from gspcli.geometry.instance import Constraint, Instance, Units
     from gspcli.geometry.numbers import Number
-    from gspcli.geometry.primitives import Line, Plane, Point
+    from gspcli.geometry.primitives import Cone, Line, Plane, Point
     from gspcli.motion import measure, track
     from gspcli.pictures.notebook import notebook_view
     from gspcli.solver import solve, solve_values
@@ -40,6 +40,7 @@ __version__ = "0.1.0"
 #: Where each public name lives; nothing is imported before it is used.
 _HOMES = {
     "ArgumentError": "gspcli.errors",
+    "Cone": "gspcli.geometry.primitives",
     "Constraint": "gspcli.geometry.instance",
     "Family": "gspcli.catalogue.types",
     "GspError": "gspcli.errors",
@@ -82,6 +83,7 @@ _HOMES = {
 
 __all__ = [
     "ArgumentError",
+    "Cone",
     "Constraint",
     "Family",
     "GspError",

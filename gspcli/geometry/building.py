@@ -26,7 +26,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number, Real
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point
-from gspcli.geometry.ranges import wrong_value
+from gspcli.geometry.ranges import wrong_half_angle, wrong_value
 from gspcli.wording import listed, shown
 
 _SORTS = {Primitive.POINT: "point", Primitive.LINE: "line", Primitive.PLANE: "plane"}
@@ -309,6 +309,16 @@ def checked(instance: Instance) -> Instance:
         if row.side is not Side.BOTH and not row.kind.has_sides:
             message = f"found a side for {row.kind}, expected one only for DPH and DHP"
             raise ArgumentError(message, f"constraints[{index}].side")
+        for where, primitive in (("platform", row.platform), ("base", row.base)):
+            cone = primitive.cone if isinstance(primitive, Point) else None
+            if cone and (wrong := wrong_half_angle(cone.half_angle, instance.units.angle)):
+                message = f"found {cone.half_angle}, {wrong}"
+                raise ArgumentError(message, f"constraints[{index}].{where}.cone.half_angle")
+            if cone and not any(
+                other.kind is DPP and primitive == getattr(other, where) for other in rows
+            ):
+                message = "found a cone at a point without a leg (DPP), whose direction it limits"
+                raise ArgumentError(message, f"constraints[{index}].{where}.cone")
     if len(rows) != CONSTRAINTS:
         message = f"found {len(rows)} constraints, expected exactly six"
         raise ArgumentError(message, "constraints")

@@ -80,6 +80,37 @@ def _unit(exact: Vector) -> Array:
 
 
 @dataclass(frozen=True)
+class Cone:
+    """How far a joint can tilt: a cone fixed in the body of the joint.
+
+    Each leg (DPP) from the joint leaves it in a direction, towards the joint at its other end, that
+    makes at most the half angle with the axis.
+
+    Attributes
+    ----------
+    axis
+        A nonzero vector in the frame of the body, of any length.
+    half_angle
+        In the angle unit of the instance, above 0 and below 180 degrees.
+    """
+
+    axis: Vector
+    half_angle: Number
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "axis", exact_direction(self.axis, "axis"))
+        try:
+            object.__setattr__(self, "half_angle", Number.of(self.half_angle))
+        except ArgumentError as error:
+            raise error.within("half_angle") from None
+
+    @cached_property
+    def unit(self) -> Array:
+        """The unit vector along the axis, shape (3,)."""
+        return _unit(self.axis)
+
+
+@dataclass(frozen=True)
 class Point:
     """A point.
 
@@ -87,6 +118,8 @@ class Point:
     ----------
     position
         Coordinates in the frame of the body; three numbers of any kind are made exact.
+    cone
+        How far the legs from it can tilt, or None. It restricts motion, as ranges of values do.
 
     Examples
     --------
@@ -95,6 +128,7 @@ class Point:
     """
 
     position: Vector
+    cone: Cone | None = None
     primitive = Primitive.POINT
 
     def __post_init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Which values the constraints of each kind can have."""
+"""Which values the constraints of each kind can have, and which half angles cones."""
 
 from __future__ import annotations
 
@@ -42,3 +42,10 @@ def wrong_value(kind: Kind, value: Number, unit: AngleUnit) -> str:
     elif not -1 <= quarters <= 1:
         return f"expected an angle of {kind.short} from -{quarter} to {quarter} ({unit.value})"
     return ""
+
+
+def wrong_half_angle(value: Number, unit: AngleUnit) -> str:
+    """Return what is wrong with the half angle of a cone, or nothing."""
+    if 0 < turns(value, unit) < 2:
+        return ""
+    return f"expected a half angle above 0 and below {_QUARTER_TEXT[unit][1]} ({unit.value})"

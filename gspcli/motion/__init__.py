@@ -1,7 +1,8 @@
 """Platforms that move: what poses measure, and what poses do when the values change."""
 
+from gspcli.geometry.limits import out_of_range
 from gspcli.motion.following import FollowOptions, MovingPlatform
-from gspcli.motion.measuring import measure, out_of_range
+from gspcli.motion.measuring import measure
 from gspcli.motion.pose_files import PoseFormat, PoseTable, read_pose, read_poses
 from gspcli.motion.tracking import Event, Track, track
 from gspcli.motion.value_files import ValueTable, read_values

@@ -15,8 +15,6 @@ Array = NDArray[np.float64]
 
 #: Poses measured at a time: their intermediate arrays stay in the cache of a core.
 _CHUNK = 2000
-#: Values are outside a range if they are by more than this, relatively.
-_ROUNDING = 1e-12
 
 
 def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
@@ -66,25 +64,3 @@ def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
     values[:, skew] = np.abs(values[:, skew])
     values[:, arrangement.angles] /= arrangement.in_radians
     return values.reshape(*T.shape[:-1], len(arrangement.kinds))
-
-
-def out_of_range(instance: Instance, values: Array) -> NDArray[np.bool_]:
-    """Return which values are outside the ranges of their constraints, shape (..., 6).
-
-    By more than the rounding of doubles; a constraint without a range has none outside. Distances
-    to planes are compared with their sign.
-
-    Parameters
-    ----------
-    instance
-        The platform with its ranges.
-    values
-        In the units of the instance, shape (..., 6).
-    """
-    outside = np.zeros(values.shape, bool)
-    for k, constraint in enumerate(instance.constraints):
-        if constraint.limits is not None:
-            low, high = (limit.value for limit in constraint.limits)
-            room = _ROUNDING * max(abs(low), abs(high))
-            outside[..., k] = (values[..., k] < low - room) | (values[..., k] > high + room)
-    return outside

@@ -188,6 +188,8 @@ def _schema_of(schema: dict[str, Any], model: type[Section]) -> None:
     for entry in schema["properties"].values():
         entry.pop("default", None)
         entry.pop("title", None)
+    if model.needs:
+        schema["dependentRequired"] = {key: [other] for key, other in model.needs.items()}
 
 
 class Section(BaseModel):
@@ -197,6 +199,8 @@ class Section(BaseModel):
     ----------
     one_of
         Keys of which exactly one must be given.
+    needs
+        Keys that make sense only beside another one.
     """
 
     model_config = ConfigDict(
@@ -207,6 +211,7 @@ class Section(BaseModel):
         defer_build=True,
     )
     one_of: ClassVar[tuple[str, ...]] = ()
+    needs: ClassVar[dict[str, str]] = {}
 
     @model_validator(mode="before")
     @classmethod
@@ -243,6 +248,11 @@ class Section(BaseModel):
             what = listed(given, "and") if given else "none of them"
             message = f"found {what}, expected exactly one of {listed(cls.one_of)}"
             problems.append(Problem(section.location, section.path, message))
+        for needy, other in cls.needs.items():
+            if needy in kept and other not in kept and given:
+                place = kept[Scalar(needy)]
+                message = f"found a {needy} at a {given[0]}, expected one only at a {other}"
+                problems.append(Problem(place.location, place.path, message))
         return locate(kept, section.location, section.path)
 
 
@@ -269,14 +279,25 @@ class PlaneModel(Section):
     normal: Direction
 
 
+class ConeModel(Section):
+    """How far a joint can tilt: the directions of its legs, at most the half angle off the axis."""
+
+    axis: Direction
+    half_angle: Real = Field(description="Above 0 and below 180 degrees, in the unit of angles.")
+
+
 class PrimitiveModel(Section):
     """A point, a line or a plane, in the frame of its body."""
 
     one_of = ("point", "line", "plane")
+    needs = {"cone": "point"}
 
     point: Vector | SkipJsonSchema[None] = None
     line: LineModel | SkipJsonSchema[None] = None
     plane: PlaneModel | SkipJsonSchema[None] = None
+    cone: ConeModel | SkipJsonSchema[None] = Field(
+        None, description="Of a point: which directions the point-point distances from it can have."
+    )
 
 
 Pair = Annotated[

@@ -10,15 +10,15 @@ from functools import cached_property
 from pathlib import Path
 from typing import BinaryIO, TextIO
 
-from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, KINDS_BY_NAME, Kind
+from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, DPP, KINDS_BY_NAME, Kind
 from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES
 from gspcli.errors import Problem, SpecError, TypeNameError
 from gspcli.geometry.expressions import parse_number
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
-from gspcli.geometry.ranges import wrong_value
+from gspcli.geometry.primitives import Cone, Geometry, Line, Plane, Point, Vector
+from gspcli.geometry.ranges import wrong_half_angle, wrong_value
 from gspcli.spec.document import Mapping, Scalar, Sequence, Value, decode, parse, parse_correct
 from gspcli.spec.meaning import remarks
 from gspcli.spec.models import ConstraintModel, InstanceModel, PrimitiveModel
@@ -219,7 +219,12 @@ def _geometry(model: PrimitiveModel | None) -> Geometry | None:
         return Line(_vector(model.line.point), _vector(model.line.direction))
     if model.plane is not None:
         return Plane(_vector(model.plane.point), _vector(model.plane.normal))
-    return None if model.point is None else Point(_vector(model.point))
+    if model.point is None:
+        return None
+    cone = model.cone
+    return Point(
+        _vector(model.point), None if cone is None else Cone(_vector(cone.axis), cone.half_angle)
+    )
 
 
 Body = dict[str, Geometry | None]
@@ -254,6 +259,7 @@ class _Reader:
         constraints = [self._constraint(*pair) for pair in zip(nodes, models, strict=True)]
         self._check_repetitions(nodes, constraints)
         self._check_numbers(nodes)
+        self._check_cones(constraints)
         complete = tuple(constraint for constraint in constraints if constraint is not None)
         units = self.model.units
         if self.problems or units is None or len(complete) != CONSTRAINTS:
@@ -363,6 +369,26 @@ class _Reader:
             )
             self._note(node, message)
             break
+
+    def _check_cones(self, constraints: list[Constraint | None]) -> None:
+        """Check the half angles of cones, and that each limits at least one leg."""
+        legs = [row for row in constraints if row is not None and row.kind is DPP]
+        ends = ({row.platform_name for row in legs}, {row.base_name for row in legs})
+        bodies = (("platform", self.platform), ("base", self.base))
+        for (where, body), joined in zip(bodies, ends, strict=True):
+            for name, geometry in (body or {}).items():
+                if not isinstance(geometry, Point) or geometry.cone is None:
+                    continue
+                node = self.root[Scalar(where)][name][Scalar("cone")]
+                written, angle = node[Scalar("half_angle")], geometry.cone.half_angle
+                if self.unit is not None and (wrong := wrong_half_angle(angle, self.unit)):
+                    self._note(written, f"found {shown(written)}, {wrong}")
+                if name not in joined and None not in constraints:
+                    message = (
+                        f"found a cone at {name}, which no point-point distance uses: "
+                        "a cone limits the directions of legs"
+                    )
+                    self._note(node, message)
 
     def _check_type(self, instance: Instance) -> None:
         if self.model.type is None:

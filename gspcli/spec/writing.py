@@ -99,7 +99,11 @@ def _primitive(geometry: Geometry) -> str:
     position = _vector(geometry.position)
     match geometry:
         case Point():
-            return f"{{point: {position}}}"
+            cone = geometry.cone
+            if cone is None:
+                return f"{{point: {position}}}"
+            limit = f"{{axis: {_vector(cone.axis)}, half_angle: {cone.half_angle}}}"
+            return f"{{point: {position}, cone: {limit}}}"
         case Line():
             return f"{{line: {{point: {position}, direction: {_vector(geometry.direction)}}}}}"
         case Plane():

@@ -80,3 +80,29 @@ def test_plain_texts_stay_plain(text):
 )
 def test_others_are_quoted(text):
     assert scalar(text) == f'"{text}"'
+
+
+def test_cones_read_back():
+    text = dumps(loads(CONES))
+    assert "B1: {point: [1, 0, 0], cone: {axis: [0, -1/3, 2], half_angle: 30.5}}" in text
+    assert loads(text) == loads(CONES)
+
+
+CONES = """\
+gsp: 1
+units: {length: mm, angle: deg}
+platform:
+  P1: {point: [0, 0, 0], cone: {axis: [0, 0, -1], half_angle: sqrt(2)}}
+  P2: {point: [0, 1, 0]}
+base:
+  B1: {point: [1, 0, 0], cone: {axis: [0, -1/3, 2], half_angle: 30.5}}
+  B2: {point: [0, 3, 0]}
+  B3: {point: [0, 0, 4]}
+constraints:
+  - {distance: [P1, B1], value: 2, range: [1/2, 3]}
+  - {distance: [P1, B2], value: 2}
+  - {distance: [P1, B3], value: 2}
+  - {distance: [P2, B1], value: 2}
+  - {distance: [P2, B2], value: 2}
+  - {distance: [P2, B3], value: 2}
+"""

@@ -1,0 +1,159 @@
+"""What a machine can do: ranges of values and cones of joints, at poses.
+
+Neither restricts the poses that six values have; both restrict which of them the machine can take.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.catalogue.kinds import DPP
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.poses import apply
+from gspcli.geometry.primitives import Cone, Point
+
+Array = NDArray[np.float64]
+
+#: What is beyond a limit is so by more than this, relatively (of angles: of a radian).
+_ROUNDING = 1e-12
+
+
+@dataclass(frozen=True)
+class JointCone:
+    """The cone of a joint as it limits one leg.
+
+    Attributes
+    ----------
+    constraint
+        The index of the leg.
+    body
+        Where the joint is, ``platform`` or ``base``.
+    name
+        The name of the joint.
+    cone
+        Its axis, fixed in the body, and its half angle.
+    """
+
+    constraint: int
+    body: Literal["platform", "base"]
+    name: str
+    cone: Cone
+
+
+def joint_cones(instance: Instance) -> tuple[JointCone, ...]:
+    """Return the cones of an instance, one for each leg and joint that has one."""
+    found = []
+    for k, row in enumerate(instance.constraints):
+        if row.kind is DPP:
+            ends: Sequence[tuple[Literal["platform", "base"], str, object]] = (
+                ("platform", row.platform_name, row.platform),
+                ("base", row.base_name, row.base),
+            )
+            found += [
+                JointCone(k, body, name, joint.cone)
+                for body, name, joint in ends
+                if isinstance(joint, Point) and joint.cone is not None
+            ]
+    return tuple(found)
+
+
+def has_limits(instance: Instance) -> bool:
+    """Return whether any constraint has a range or any joint of a leg a cone."""
+    ranges = any(row.limits is not None for row in instance.constraints)
+    return ranges or bool(joint_cones(instance))
+
+
+def tilts(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
+    """Return how far legs are tilted from the axes of their cones.
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    R, T
+        Poses, shapes (..., 3, 3) and (..., 3).
+
+    Returns
+    -------
+    Array
+        Angles in the unit of the instance in the order of `joint_cones`, shape (..., cones). The
+        direction of a leg leads from the joint of the cone to its other end; NaN at length zero.
+    """
+    R, T = np.asarray(R, float), np.asarray(T, float)
+    arrangement = Arrangement.of(instance)
+    r = arrangement.placed(R, T).r
+    cones = joint_cones(instance)
+    found = np.empty((*T.shape[:-1], len(cones)))
+    for k, joint in enumerate(cones):
+        leg, axis = r[..., joint.constraint, :], joint.cone.unit
+        direction, axis = (
+            (leg, np.broadcast_to(axis, leg.shape))
+            if joint.body == "base"
+            else (-leg, apply(R, np.broadcast_to(axis, leg.shape)))
+        )
+        across = np.linalg.norm(np.cross(axis, direction), axis=-1)
+        along = np.einsum("...i,...i->...", axis, direction)
+        length = np.hypot(across, along)
+        found[..., k] = np.where(length > 0, np.arctan2(across, along), np.nan)
+    return found / arrangement.in_radians
+
+
+def out_of_range(instance: Instance, values: Array) -> NDArray[np.bool_]:
+    """Return which values are outside the ranges of their constraints, shape (..., 6).
+
+    By more than the rounding of doubles; a constraint without a range has none outside. Distances
+    to planes are signed, and compared on the side that the constraint asks for; if that is both,
+    their moduli are.
+
+    Parameters
+    ----------
+    instance
+        The platform with its ranges.
+    values
+        In the units of the instance, shape (..., 6).
+    """
+    outside = np.zeros(values.shape, bool)
+    for k, constraint in enumerate(instance.constraints):
+        if constraint.limits is not None:
+            value = values[..., k]
+            if constraint.kind.has_sides and constraint.side is not Side.POSITIVE:
+                value = np.abs(value) if constraint.side is Side.BOTH else -value
+            low, high = (limit.value for limit in constraint.limits)
+            room = _ROUNDING * max(abs(low), abs(high))
+            outside[..., k] = (value < low - room) | (value > high + room)
+    return outside
+
+
+def out_of_cone(instance: Instance, R: ArrayLike, T: ArrayLike) -> NDArray[np.bool_]:
+    """Return which cones are left at poses, shape (..., cones), in the order of `joint_cones`.
+
+    By more than the rounding of doubles. A leg of length zero has no direction and leaves none.
+    """
+    angles = np.array([joint.cone.half_angle.value for joint in joint_cones(instance)])
+    room = _ROUNDING / instance.units.angle.in_radians
+    outside: NDArray[np.bool_] = tilts(instance, R, T) > angles + room
+    return outside
+
+
+def within_limits(
+    instance: Instance, values: Array, R: ArrayLike, T: ArrayLike
+) -> NDArray[np.bool_]:
+    """Return at which poses all ranges and cones are kept, shape (...).
+
+    Parameters
+    ----------
+    instance
+        The platform with its limits.
+    values
+        What the constraints measure at the poses, shape (..., 6), distances to planes signed.
+    R, T
+        The poses, shapes (..., 3, 3) and (..., 3).
+    """
+    left = np.concatenate((out_of_range(instance, values), out_of_cone(instance, R, T)), axis=-1)
+    return np.asarray(~left.any(axis=-1))

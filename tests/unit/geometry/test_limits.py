@@ -1,0 +1,116 @@
+"""Ranges of values and cones of joints at poses."""
+
+import numpy as np
+import pytest
+
+import gspcli
+from gspcli.errors import ArgumentError
+from gspcli.geometry.limits import (
+    joint_cones,
+    out_of_cone,
+    out_of_range,
+    tilts,
+    within_limits,
+)
+from gspcli.geometry.poses import rotation_from_quaternion
+from gspcli.motion import measure
+
+UP = [0, 0, 1]
+
+
+def hexapod(base_cone=None, platform_cone=None):
+    ring = np.array([[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [2, 1, 0], [1, 2, 1]])
+    return gspcli.instance(
+        gspcli.distance(
+            gspcli.Point(p.tolist(), platform_cone),
+            gspcli.Point(p.tolist(), base_cone),
+            2,
+            range=("3/2", 3),
+        )
+        for p in ring
+    )
+
+
+def test_the_tilt_of_a_leg_is_measured_in_the_body_of_its_joint():
+    instance = hexapod(gspcli.Cone(UP, 30), gspcli.Cone([0, 0, -3], 40))
+    assert [(c.constraint, c.body) for c in joint_cones(instance)][:2] == [
+        (0, "platform"),
+        (0, "base"),
+    ]
+    # Moved aside by as much as it is high: every leg is tilted by 45 degrees.
+    angles = tilts(instance, np.eye(3), np.array([2.0, 0, 2]))
+    assert np.allclose(angles, 45)
+    # Turned about a leg, that keeps its tilt in the base, and all tilts are those of its body.
+    turned = rotation_from_quaternion(np.array([np.cos(0.2), 0, np.sin(0.2), 0]))
+    angles = tilts(instance, turned, np.array([0, 0, 2.0]))
+    legs = instance.constraints[2]
+    leg = turned @ legs.platform.point + [0, 0, 2] - legs.base.point
+    seen = turned.T @ -leg / np.linalg.norm(leg)
+    assert np.isclose(np.cos(np.radians(angles[4])), -seen[2])
+    assert np.isclose(np.cos(np.radians(angles[5])), leg[2] / np.linalg.norm(leg))
+
+
+def test_moving_base_and_platform_together_changes_nothing():
+    rng = np.random.default_rng(3)
+    R = rotation_from_quaternion(rng.normal(size=4))
+    T = rng.normal(size=3)
+    turn = rotation_from_quaternion(rng.normal(size=4))
+    axis = np.array([0.3, 0.1, 1.0])
+    one, other = hexapod(gspcli.Cone(axis.tolist(), 50)), hexapod()
+    rows = [
+        gspcli.distance(
+            row.platform,
+            gspcli.Point((turn @ row.base.point).tolist(), gspcli.Cone((turn @ axis).tolist(), 50)),
+            2,
+        )
+        for row in other.constraints
+    ]
+    moved = gspcli.instance(rows)
+    assert np.allclose(tilts(one, R, T), tilts(moved, turn @ R, turn @ T))
+
+
+def test_limits_are_kept_or_left():
+    instance = hexapod(gspcli.Cone(UP, 30))
+    T = np.array([[0, 0, 2.0], [0, 0, 1.4], [0, 0, 3.0], [2, 0, 2], [0, 0, 3 + 1e-9]])
+    R = np.broadcast_to(np.eye(3), (5, 3, 3))
+    values = measure(instance, R, T)
+    assert within_limits(instance, values, R, T).tolist() == [True, False, True, False, False]
+    assert out_of_cone(instance, R, T).any(axis=1).tolist() == [False] * 3 + [True, False]
+
+
+@pytest.mark.parametrize(
+    ("side", "outside"),
+    [
+        ("positive", [True, False, True, True]),
+        ("negative", [True, True, False, True]),
+        ("both", [True, False, False, True]),
+    ],
+)
+def test_the_range_of_a_distance_to_a_plane_is_on_its_side(side, outside):
+    floor = gspcli.Plane([0, 0, 0], UP)
+    rows = [
+        gspcli.distance(gspcli.Point([k, k * k, 0]), floor, 1, side=side, range=(1, 2))
+        for k in range(3)
+    ]
+    rows += [gspcli.distance(gspcli.Point([k, 1, k]), gspcli.Point([1, k, 0]), 1) for k in range(3)]
+    instance = gspcli.instance(rows)
+    values = np.array([[0.5], [1.5], [-1.5], [2.5]]) * np.ones(6)
+    assert out_of_range(instance, values)[:, 0].tolist() == outside
+    assert not out_of_range(instance, values)[:, 3:].any()
+
+
+def test_a_cone_needs_a_leg_and_a_sensible_angle():
+    with pytest.raises(ArgumentError, match="half_angle: found 180, expected a half angle above 0"):
+        hexapod(gspcli.Cone(UP, 180))
+    with pytest.raises(ArgumentError, match="axis: found the zero vector"):
+        gspcli.Cone([0, 0, 0], 30)
+    with pytest.raises(ArgumentError, match="half_angle"):
+        gspcli.Cone(UP, "x")
+    limited = gspcli.Point([0, 0, 0], gspcli.Cone(UP, 30))
+    line = gspcli.Line([0, 0, 0], UP)
+    rows = [gspcli.distance(limited, line, 1)]
+    rows += [gspcli.distance(gspcli.Point([k, 1, 0]), line, 1) for k in range(5)]
+    with pytest.raises(
+        ArgumentError, match=r"platform\.cone: found a cone at a point without a leg"
+    ):
+        gspcli.instance(rows)
