@@ -207,7 +207,7 @@ def main() -> int:
 
 
 def measure_rest(report: Report, folder: Path, *, quick: bool) -> None:
-    """Measure batches, threads, the shell, memory, and the cost over all signatures."""
+    """Measure batches, threads, the shell, memory, and the cost over all families."""
     _say("batches")
     report.throughputs = [
         throughput(type_text, size // 10 if quick else size, jobs, SEED, certify=certify)
@@ -222,7 +222,7 @@ def measure_rest(report: Report, folder: Path, *, quick: bool) -> None:
     ]
     _say("shell")
     report.dietmaier = shell(data_path("examples", "dietmaier.yaml"), 3 if quick else 9)
-    _say("all signatures")
+    _say("all families")
     began = time.monotonic()
     for cost in costs(SEED, 60 if quick else 1):
         report.sweep.append(cost)

@@ -23,8 +23,8 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.poses import rotation_from_quaternion
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
+from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.resources import data_path
 from gspcli.spec import load
 

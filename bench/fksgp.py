@@ -24,7 +24,7 @@ from bench.peers import Answer, no_answer
 from gspcli.catalogue.kinds import DPP
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.poses import study_from_pose
+from gspcli.geometry.quaternions import study_from_pose
 
 NAME = "fkSGP"
 #: An instance is solved this often; the median counts.

@@ -16,13 +16,13 @@ from gspcli.continuation.accounts import random_start
 from gspcli.continuation.quadrics import NORM
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import Structure
-from gspcli.export.equations import Equation, equations, expanded
-from gspcli.export.motions import study_affine
+from gspcli.export.motion_coordinates import study_affine
+from gspcli.export.polynomial_systems import SumOfProducts, equations, expanded
 from gspcli.export.polynomials import Monomial, Polynomial, Style
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.poses import Field, pose_from_study
-from gspcli.solver.systems import target_systems
+from gspcli.geometry.quaternions import Field, pose_from_study
+from gspcli.solver.study_systems import target_systems
 
 #: Coefficients with their monomials in the unknowns.
 Terms = list[tuple[complex, Monomial]]
@@ -79,11 +79,11 @@ class Homotopy:
 
 def structure_of(instance: Instance) -> tuple[Structure, tuple[int, ...]]:
     """Return the structure of an instance in canonical order, and that order."""
-    [system] = target_systems(Arrangement.of(instance).normalised)
+    [system] = target_systems(Arrangement.of(instance).normalized)
     return system.structure.canonical(), system.structure.order
 
 
-def stated_equations(instance: Instance) -> list[Equation]:
+def stated_equations(instance: Instance) -> list[SumOfProducts]:
     """Return the equations of an instance with rational numbers as sums of products.
 
     Raises
@@ -161,7 +161,7 @@ def _monomial(pair: tuple[int, int]) -> Monomial:
     return tuple(NAMES[k - 1] for k in sorted(pair) if k)
 
 
-def _scaled(equation: Equation) -> list[Product]:
+def _scaled(equation: SumOfProducts) -> list[Product]:
     """Return an equation scaled so that the coefficients have norm one."""
     size = np.linalg.norm([float(value) for value in expanded(equation).terms.values()])
     return [Product(terms(p, 1 / size), None if q.value == 1 else terms(q)) for p, q in equation]

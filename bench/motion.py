@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.types import GspType, all_types
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.poses import rotation_from_quaternion, rotation_from_vector
+from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
 from gspcli.motion import FollowOptions, MovingPlatform, measure
 from gspcli.solver.generate import random_instance
 from gspcli.spec import loads

@@ -17,7 +17,7 @@ from bench.processes import run
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import measured
-from gspcli.geometry.poses import rotation_from_quaternion
+from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.solver import solve, solve_values
 from gspcli.spec import dumps
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.homotopy import UNKNOWNS, poses
-from gspcli.geometry.poses import Field
+from gspcli.geometry.quaternions import Field
 from gspcli.solver import SolveResult
 
 #: A pose of a peer this near to one of ours, relative to its size, is the same. Ours are mostly

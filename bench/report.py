@@ -116,7 +116,7 @@ class Report:
         if missing:
             text += f"\nNot installed, so not measured: {', '.join(missing)}.\n"
         if self.quick:
-            text += "\n**A quick run**: one instance a case, a sample of the signatures.\n"
+            text += "\n**A quick run**: one instance a case, a sample of the families.\n"
         return text
 
     def _bars(self) -> str:
@@ -300,7 +300,7 @@ _SWEEP = """## Cost and the number of solutions
 
 ![cost over the number of solutions](images/cost.svg)
 
-One random one-sided platform of each of {count} signatures, uncertified ([data](cost.csv)):
+One random one-sided platform of each of {count} families, uncertified ([data](cost.csv)):
 {verdicts}. Where paths are tracked, a path takes {each} (median); the time grows as the count to
 the power {slope:.2f} (least squares). The slowest is {slowest}: {longest} for {paths} paths. Peak
 memory of the process that did all this, keeping all start systems: {memory:.0f} MB.

@@ -1,4 +1,4 @@
-"""How the cost grows with the number of solutions: one platform of each of the 896 signatures."""
+"""How the cost grows with the number of solutions: one platform of each of the 896 families."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Cost:
 
 
 def costs(seed: int, step: int) -> Iterator[Cost]:
-    """Yield the cost for every `step`-th signature that has a finite number of solutions."""
+    """Yield the cost for every `step`-th family that has a finite number of solutions."""
     finite = (family for family in all_families() if family_counts(family).one_sided)
     for family in islice(finite, 0, None, step):
         gsp_type = family.types[0]

@@ -1,6 +1,6 @@
 // Linear equations and eigenvectors of small complex matrices, one matrix in each lane.
 //
-// Nothing here branches between lanes: equations are solved by orthogonalisation, which needs no
+// Nothing here branches between lanes: equations are solved by orthogonalization, which needs no
 // pivots, and the QR algorithm takes as many steps as the slowest lane needs.
 //
 // Included by intersection.cpp in each of its builds: all in an anonymous namespace, so that the

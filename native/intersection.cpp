@@ -130,7 +130,7 @@ class System {
 
   // A unitary basis of the points on all planes.
   void complement(Point (&basis)[n + 1]) const {
-    Point all[kCoordinates];  // conjugates of the planes, orthogonalised, then the basis
+    Point all[kCoordinates];  // conjugates of the planes, orthogonalized, then the basis
     for (int k = 0; k < kCoordinates; ++k) {
       for (int i = 0; i < kCoordinates; ++i)
         all[k][i] = k < kPlanes ? conjugate(plane[k][i])

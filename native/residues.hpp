@@ -77,7 +77,7 @@ struct Residues61 : ResidueOperations<Residues61, std::uint64_t> {
   static constexpr bool kCounted = true;
   static constexpr int kCapacity = 60;
 
-  // The division by the normalised divisor 8 p is that of Moeller and Granlund, "Improved division
+  // The division by the normalized divisor 8 p is that of Moeller and Granlund, "Improved division
   // by invariant integers", IEEE Trans. Comput. 60 (2011), algorithm 4.
   explicit Residues61(std::uint64_t p)
       : prime(p),

@@ -7,7 +7,7 @@ namespace gsp {
 
 // Forms in the Study parameters (e, f), real, (4, 8) each: heights over planes and moments of lines,
 // squares (of spheres, then of cylinders), heights along the axes of the cylinders, three normals of
-// each pair of lines, N T. See gspcli.geometry.measures.
+// each pair of lines, N T. See gspcli.geometry.distance_forms.
 struct Measures {
   int heights, spheres, cylinders, pairs;
   const double* form;

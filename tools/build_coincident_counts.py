@@ -33,7 +33,7 @@ from gspcli.catalogue.coincidence import Sharing, coincident_types
 from gspcli.catalogue.kinds import DPP
 from gspcli.catalogue.overconstraint import over_constraint
 from gspcli.catalogue.types import CONSTRAINTS, GspType
-from gspcli.cli.progress import progress
+from gspcli.cli.progress_bars import progress
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
 from gspcli.solver.generate import random_instance

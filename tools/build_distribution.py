@@ -16,7 +16,7 @@ from recording import ROOT, parser, save
 sys.path.insert(0, str(ROOT))
 
 from gspcli.catalogue.parsing import parse_type
-from gspcli.cli.progress import progress
+from gspcli.cli.progress_bars import progress
 from gspcli.cli.sample import histogram
 from gspcli.reality.sampling import Sample, Tally, sample
 from gspcli.workers import Workers

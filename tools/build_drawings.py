@@ -21,7 +21,7 @@ sys.path.insert(0, str(ROOT))
 from gspcli.catalogue.kinds import ALL, DLL, KINDS, Kind
 from gspcli.catalogue.realization import REALIZATIONS
 from gspcli.cli.main import run
-from gspcli.pictures.chains import chain_drawing
+from gspcli.pictures.chain_panels import chain_drawing
 from gspcli.resources import instance_files
 
 IMAGES = ROOT / "docs" / "images"

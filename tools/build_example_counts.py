@@ -3,11 +3,11 @@
     python tools/build_example_counts.py [--check [--sample N]] [NAME ...]
 
 The complex counts (`quaternion_counts`) are independent of the package's solvers and of its
-statements of the constraints (`gspcli.geometry.polynomials`); two primes must agree. Square roots,
-sines and cosines in an instance exist modulo the chosen primes and are kept consistent
-(`residues`). Of the real platforms the same is also counted with random values: the count of the
-geometry. The cosine of an angle that is no multiple of 30 degrees is replaced by a random residue,
-so such a count is that of the instance's geometry with generic angles.
+statements of the constraints (`gspcli.geometry.constraint_polynomials`); two primes must agree.
+Square roots, sines and cosines in an instance exist modulo the chosen primes and are kept
+consistent (`residues`). Of the real platforms the same is also counted with random values: the
+count of the geometry. The cosine of an angle that is no multiple of 30 degrees is replaced by a
+random residue, so such a count is that of the instance's geometry with generic angles.
 
 The real poses are those that the package's solver finds; `certified` says how many of the distinct
 solutions are proved, with whether they are real, by interval arithmetic. That the list is complete
@@ -32,7 +32,7 @@ from residues import NoRootError, Residues, primes
 
 sys.path.insert(0, str(ROOT))
 
-from gspcli.cli.progress import progress
+from gspcli.cli.progress_bars import progress
 from gspcli.geometry.instance import Instance
 from gspcli.resources import INSTANCE_FOLDERS
 from gspcli.solver.api import solve

@@ -1,6 +1,6 @@
-"""Build `data/start-systems/`: solved generic systems of the 119 families of six quadrics.
+"""Build `data/start-systems/`: solved generic systems of the 119 monomials of six spaces.
 
-Every family is solved by monodromy from several seeds, each from its own random system and point;
+Every monomial is solved by monodromy from several seeds, each from its own random system and point;
 all seeds must find the same number of solutions and each passes a trace test. The first seed's
 solutions are tracked to the systems that are stored. The same command gives the same bytes.
 
@@ -21,16 +21,16 @@ from recording import ROOT, parser, sampled, save
 
 sys.path.insert(0, str(ROOT))
 
-from gspcli.cli.progress import progress
+from gspcli.cli.progress_bars import progress
 from gspcli.continuation.monodromy import (
-    SolvedFamily,
+    GenericSolutions,
     move,
     random_phases,
     random_quadrics,
-    solve_family,
+    solve_generic,
 )
 from gspcli.continuation.quadrics import LETTERS, ComplexArray
-from gspcli.continuation.start import canonical_families, distinct, generic_factors, pack_points
+from gspcli.continuation.start import canonical_monomials, distinct, generic_factors, pack_points
 from gspcli.continuation.systems import EQUATIONS
 
 FOLDER = ROOT / "data" / "start-systems"
@@ -45,32 +45,32 @@ def stored_factors(seed: int) -> ComplexArray:
 
 
 def solutions_of_stored(
-    families: str, solved: SolvedFamily, factors: ComplexArray, rng: np.random.Generator
+    spaces: str, solved: GenericSolutions, factors: ComplexArray, rng: np.random.Generator
 ) -> ComplexArray:
-    """Track the solutions of a solved system to the stored system of its family."""
-    target = generic_factors(factors.astype(np.complex128), families)[0]
+    """Track the solutions of a solved system to the stored system of its spaces."""
+    target = generic_factors(factors.astype(np.complex128), spaces)[0]
     for _ in range(5):
         start = solved.quadrics * random_phases(rng, EQUATIONS, 1)
-        ends = move(families, start, target, solved.points)
+        ends = move(spaces, start, target, solved.points)
         if len(ends) == len(solved.points) and distinct(ends):
             return ends
-    message = f"{families}: solutions lost on the way to the stored system"
+    message = f"{spaces}: solutions lost on the way to the stored system"
     raise SystemExit(message)
 
 
-def solved_at_stored(families: str, number: int, factors: ComplexArray) -> NDArray[np.complex64]:
-    """Return the packed solutions of the stored system of a family, solved from every seed."""
-    solved = [solve_family(families, np.random.default_rng([s, number + 1])) for s in SEEDS]
+def solved_at_stored(spaces: str, number: int, factors: ComplexArray) -> NDArray[np.complex64]:
+    """Return the packed solutions of the stored system of six spaces, solved from every seed."""
+    solved = [solve_generic(spaces, np.random.default_rng([s, number + 1])) for s in SEEDS]
     found = [len(s.points) for s in solved]
     if len(set(found)) != 1:
-        message = f"{families}: the seeds {SEEDS} disagree: {found}"
+        message = f"{spaces}: the seeds {SEEDS} disagree: {found}"
         raise SystemExit(message)
     rng = np.random.default_rng([SEEDS[0], number + 1, 1])
-    return pack_points(solutions_of_stored(families, solved[0], factors, rng))
+    return pack_points(solutions_of_stored(spaces, solved[0], factors, rng))
 
 
 def recorded() -> dict[str, NDArray[np.complex64]]:
-    """Return the packed solutions on record, by family."""
+    """Return the packed solutions on record, by monomial."""
     counts = json.loads((FOLDER / "manifest.json").read_text(encoding="utf-8"))["counts"]
     parts = np.split(np.load(FOLDER / "points.npy"), np.cumsum(list(counts.values()))[:-1])
     return dict(zip(counts, parts, strict=True))
@@ -86,16 +86,16 @@ def npy(array: NDArray[np.complex64]) -> bytes:
 def main() -> int:
     """Solve, compare, write; return the exit code."""
     arguments = parser(__doc__, sample=True).parse_args()
-    families = canonical_families()
+    monomials = canonical_monomials()
     factors = stored_factors(SEEDS[0])
-    chosen = sampled(families, arguments.sample if arguments.check else None)
-    points = {} if len(chosen) == len(families) else recorded()
-    for name in progress(chosen, total=len(chosen), label="solving families"):
-        points[name] = solved_at_stored(name, families.index(name), factors)
-    counts = {name: len(points[name]) for name in families}
+    chosen = sampled(monomials, arguments.sample if arguments.check else None)
+    points = {} if len(chosen) == len(monomials) else recorded()
+    for name in progress(chosen, total=len(chosen), label="solving systems"):
+        points[name] = solved_at_stored(name, monomials.index(name), factors)
+    counts = {name: len(points[name]) for name in monomials}
     files: dict[str, bytes] = {
         "factors.npy": npy(factors),
-        "points.npy": npy(np.concatenate([points[name] for name in families])),
+        "points.npy": npy(np.concatenate([points[name] for name in monomials])),
     }
     manifest = {
         "what": "generic systems of six quadrics on the Study quadric with all their solutions",
@@ -112,7 +112,7 @@ def main() -> int:
     return save(
         {FOLDER / name: data for name, data in files.items()},
         check=arguments.check,
-        confirmed=f"{len(chosen)} of {len(families)} systems with {solutions} solutions",
+        confirmed=f"{len(chosen)} of {len(monomials)} systems with {solutions} solutions",
     )
 
 

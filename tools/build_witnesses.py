@@ -39,12 +39,12 @@ from gspcli.catalogue.counts import all_families, family_counts, mirrored
 from gspcli.catalogue.kinds import ALL, Kind
 from gspcli.catalogue.types import CONSTRAINTS, Family
 from gspcli.catalogue.witnesses import Witness, read_row, witness_text
-from gspcli.cli.progress import progress
+from gspcli.cli.progress_bars import progress
 from gspcli.defaults import SEED
 from gspcli.errors import GspError
 from gspcli.reality.maximize import Search, multiplier
 from gspcli.reality.platforms import Platforms
-from gspcli.reality.witnesses import certified_real, real_instance, rows_of, witness_instance
+from gspcli.reality.witness_proofs import certified_real, real_instance, rows_of, witness_instance
 from gspcli.workers import Workers
 
 FOLDER = ROOT / "data" / "witnesses"

@@ -21,7 +21,7 @@ sys.path.insert(0, str(ROOT))
 from gspcli.catalogue.counts import family_counts
 from gspcli.catalogue.types import CLASSES, Family, families
 from gspcli.certification.counting import count_exactly, count_geometry
-from gspcli.cli.progress import progress
+from gspcli.cli.progress_bars import progress
 from gspcli.solver.generate import random_instance
 
 #: What is left to chance when a count equals the generic one: random tests of the border basis.

@@ -134,7 +134,7 @@ STEPS = (
         "solve",
         (
             "data/verification/platforms-6-6.csv",
-            "data/verification/signatures.csv",
+            "data/verification/families.csv",
             "data/verification/manifest.json",
             "docs/completeness.md",
         ),

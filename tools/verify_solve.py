@@ -1,11 +1,11 @@
 """Verify that the solver finds all poses of random platforms, and record it in the data.
 
     python tools/verify_solve.py platforms [--count 100000] [--jobs 2]
-    python tools/verify_solve.py signatures [--each 10] [--jobs 2]
+    python tools/verify_solve.py families [--each 10] [--jobs 2]
     python tools/verify_solve.py all [--check [--sample N]]
     python tools/verify_solve.py show TASK INSTANCE
 
-`platforms` solves random real platforms with six DPP, `signatures` several random platforms of
+`platforms` solves random real platforms with six DPP, `families` several random platforms of
 each of the 896 families (kinds up to the kinds of angles), both sides of every plane. Each instance
 has a hidden real pose, from which its values are measured. What must hold of every result:
 
@@ -56,8 +56,8 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.poses import Field, rotation_from_quaternion
 from gspcli.geometry.primitives import Point, vector
+from gspcli.geometry.quaternions import Field, rotation_from_quaternion
 from gspcli.geometry.residuals import residuals
 from gspcli.solver import PoseSet, SolveResult, solve
 from gspcli.solver.generate import random_instance
@@ -232,7 +232,7 @@ def verify_platforms(task: Task) -> list[Finding]:
 
 
 @cache
-def signatures() -> dict[str, Family]:
+def families_by_name() -> dict[str, Family]:
     """Return the families by name, such as ``3D3A PL PL LP``."""
     return {family.id: family for platform_class in CLASSES for family in families(platform_class)}
 
@@ -240,15 +240,15 @@ def signatures() -> dict[str, Family]:
 def random_member(task: Task, number: int) -> tuple[Instance, Pose]:
     """Return one of the random instances of a family."""
     rng = task.rng(number)
-    types = signatures()[task.name].types
+    types = families_by_name()[task.name].types
     return random_instance(types[rng.integers(len(types))], rng)
 
 
-def verify_signature(task: Task) -> list[Finding]:
+def verify_family(task: Task) -> list[Finding]:
     """Solve random platforms of a family; an exception is a finding, so that the run goes on."""
     findings = []
     for number in range(task.count):
-        expected = generic_counts(signatures()[task.name].types[0]).two_sided
+        expected = generic_counts(families_by_name()[task.name].types[0]).two_sided
         try:
             findings.append(verify_member(task, number, expected))
         except Exception as error:
@@ -441,7 +441,7 @@ def summary(manifest: Mapping[str, Mapping[str, Any]]) -> str:
 def shown(name: str, number: int) -> Instance:
     """Return an instance of a run, its doubles written out."""
     task = Task(name, 0, SEED)
-    if name in signatures():
+    if name in families_by_name():
         return random_member(task, number)[0]
     arrangement, _ = random_platform(task.rng(number))
 
@@ -470,10 +470,10 @@ def platform_tasks(count: int) -> list[Task]:
     return [Task(f"chunk {i}", size, SEED) for i, size in enumerate(sizes)]
 
 
-def signature_tasks(each: int) -> list[Task]:
+def family_tasks(each: int) -> list[Task]:
     """Return the tasks of a run over the families, those with the most solutions first."""
     by_size = sorted(
-        signatures().values(), key=lambda family: -generic_counts(family.types[0]).two_sided
+        families_by_name().values(), key=lambda family: -generic_counts(family.types[0]).two_sided
     )
     return [Task(family.id, each, SEED) for family in by_size]
 
@@ -485,12 +485,12 @@ def main() -> int:
     add = partial(commands.add_parser, formatter_class=argparse.ArgumentDefaultsHelpFormatter)
     helps = {
         "platforms": "random platforms with six DPP",
-        "signatures": "random platforms of all 896 families",
+        "families": "random platforms of all 896 families",
         "all": "both",
     }
     for name, text in helps.items():
         command = add(name, help=text)
-        if name != "signatures":
+        if name != "families":
             command.add_argument(
                 "--count", type=int, default=100_000, help="platforms with six DPP"
             )
@@ -509,12 +509,12 @@ def main() -> int:
         print(dumps(shown(arguments.task, arguments.instance)), end="")
         return 0
     runs: list[tuple[str, str, Callable[[Task], list[Finding]], list[Task]]] = []
-    if arguments.command != "signatures":
+    if arguments.command != "families":
         options = f"platforms --count {arguments.count}"
         runs.append(("platforms-6-6", options, verify_platforms, platform_tasks(arguments.count)))
     if arguments.command != "platforms":
-        options = f"signatures --each {arguments.each}"
-        runs.append(("signatures", options, verify_signature, signature_tasks(arguments.each)))
+        options = f"families --each {arguments.each}"
+        runs.append(("families", options, verify_family, family_tasks(arguments.each)))
     origin = sources_sha256(SOURCES)
     bad, platforms = 0, 0
     different: list[str] = []

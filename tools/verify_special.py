@@ -30,7 +30,7 @@ from special_answers import Judgement, answers
 from special_counts import exact_counts
 from special_platforms import TABLE, Platform, platforms, recorded, table
 
-from gspcli.cli.progress import progress
+from gspcli.cli.progress_bars import progress
 from gspcli.workers import Workers
 
 FILES = ROOT / "build" / "special-platforms"

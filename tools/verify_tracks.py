@@ -35,7 +35,7 @@ import gspcli
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.types import GspType, all_types, type_by_number
 from gspcli.defaults import SEED
-from gspcli.geometry.poses import rotation_from_vector
+from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import MovingPlatform, PoseFormat, Track, measure, read_values, track
 from gspcli.motion.following import Stop
 from gspcli.solver.generate import random_instance

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 from pathlib import Path
 
-from gspcli.atlas.equations import Function, ModularEquation, quadrics
+from gspcli.atlas.modular_equations import Function, ModularEquation, quadrics
 from gspcli.certification import study
 from gspcli.errors import GspError, IncompleteError, NotFiniteError
 from gspcli.export.programs import msolve_input

@@ -13,7 +13,7 @@ from typing import Any
 
 from gspcli.atlas.tasks import Task
 from gspcli.atlas.trace import Trace
-from gspcli.atlas.tracking import Tracked
+from gspcli.atlas.tracked_counts import Tracked
 from gspcli.errors import GspError
 from gspcli.progress import Progress, silent
 from gspcli.workers import HERE, Workers

@@ -27,7 +27,7 @@ from gspcli.catalogue.counts import (
     family_of,
     law,
 )
-from gspcli.catalogue.intersections import intersection_number
+from gspcli.catalogue.intersection_numbers import intersection_number
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import Family
 from gspcli.defaults import SEED
@@ -49,7 +49,7 @@ COLUMNS = {
         "two_sided_certified": "as certified, likewise",
     },
     NUMBERS_FILE: {
-        "families": "families of the six quadrics",
+        "spaces": "spaces of the six quadrics",
         "number": "generic number of their common points with N not zero on the Study quadric; "
         "a theorem",
         "monodromy": "from data/start-systems",
@@ -63,7 +63,7 @@ METHODS = {
     "paths from the start system are tracked, and the ends proved in ball arithmetic to be near "
     "different simple poses.",
     "trace": "Of the poses of the same platform, sides chosen: second difference of the sum of "
-    "the functions of a family along a general pencil, relative to the size of the sum; the best "
+    "the functions of a space along a general pencil, relative to the size of the sum; the best "
     f"of up to three pencils. It is passed if it is below {TOLERANCE} times what it becomes "
     "without one pose. Both numbers are measured in floating point and depend on the processor in "
     "their last digits.",
@@ -120,7 +120,7 @@ def contents(results: Results, seed: int = SEED) -> dict[str, str]:
         If anything counted contradicts the theorems.
     """
     known = {task: result for task, result in results.items() if task.seed == seed}
-    numbers = [_number(families, known, seed) for families in monodromy_counts()]
+    numbers = [_number(spaces, known, seed) for spaces in monodromy_counts()]
     rows = [_family(family, known, seed) for family in all_families()]
     files = {NUMBERS_FILE: _csv(NUMBERS_FILE, numbers), FAMILIES_FILE: _csv(FAMILIES_FILE, rows)}
     manifest = {
@@ -151,11 +151,11 @@ def differences(folder: Path, files: Mapping[str, str]) -> list[str]:
     ]
 
 
-def _number(families: str, results: Results, seed: int) -> Row:
-    number, monodromy = intersection_number(families), monodromy_counts()[families]
-    orders = _orders(families, 1, results, seed)
-    _agree(families, number, [monodromy, *orders])
-    return {"families": families, "number": number, "monodromy": monodromy, "orders": orders}
+def _number(spaces: str, results: Results, seed: int) -> Row:
+    number, monodromy = intersection_number(spaces), monodromy_counts()[spaces]
+    orders = _orders(spaces, 1, results, seed)
+    _agree(spaces, number, [monodromy, *orders])
+    return {"spaces": spaces, "number": number, "monodromy": monodromy, "orders": orders}
 
 
 def _family(family: Family, results: Results, seed: int) -> Row:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cache
 from random import Random
 
-from gspcli.atlas.equations import ModularEquation, random_platform, random_quadrics
 from gspcli.atlas.groebner import quotient_dimension
-from gspcli.atlas.tracking import Tracked, tracked
+from gspcli.atlas.modular_equations import ModularEquation, random_platform, random_quadrics
+from gspcli.atlas.tracked_counts import Tracked, tracked
 from gspcli.catalogue.counts import all_families, law
 from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind
 from gspcli.catalogue.types import CONSTRAINTS
@@ -30,7 +30,7 @@ class Task:
     Attributes
     ----------
     subject
-        Six letters for general quadrics of six families, or the kinds of the distances of a
+        Six letters for general quadrics of six spaces, or the kinds of the distances of a
         platform, such as ``DPL DPL DLP``.
     sides
         2 if DPH and DHP distances are to leave the side open.
@@ -92,8 +92,8 @@ def all_tasks(*, seed: int = SEED, characteristics: Sequence[int] = (0, *PRIMES)
 
 def _tasks(characteristic: int, seed: int) -> Iterator[Task]:
     if characteristic:
-        for families in monodromy_counts():
-            yield Task(families, 1, characteristic, seed)
+        for spaces in monodromy_counts():
+            yield Task(spaces, 1, characteristic, seed)
     for family in all_families():
         subject = " ".join(kind.name for kind in family.distances)
         one_sided = Task(subject, 1, characteristic, seed)

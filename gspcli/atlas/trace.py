@@ -1,7 +1,7 @@
 """Trace tests: whether the solutions of a system move as all of them together must.
 
 Five of the equations cut out a curve. Let the sixth, G = 0 or G H = tau N^2 with factors of a
-family F, move through the systems with G + s k for a general member k of F. On the curve, the
+space F, move through the systems with G + s k for a general member k of F. On the curve, the
 functions m / k with m in F have poles only where k = 0, and so has s, of the same order. So the
 sum of m / k over *all* solutions is a polynomial in s of degree one: its second differences are
 zero. Those over a part of the solutions are not, unless the part is made of all solutions on some
@@ -78,8 +78,8 @@ def trace_test(target: System, points: ComplexArray, seed: int) -> Trace:
     for attempt, options in enumerate(_ATTEMPTS):
         rng = np.random.default_rng([seed, attempt])
         moving = moving_equation(target.structure)
-        family = target.structure.families[moving]
-        member = random_quadrics(family, rng)[0]
+        space = target.structure.spaces[moving]
+        member = random_quadrics(space, rng)[0]
         ends = track(
             System(target.structure, coefficients),
             _moved(coefficients, target.structure, moving, member),
@@ -88,8 +88,8 @@ def trace_test(target: System, points: ComplexArray, seed: int) -> Trace:
         )
         if not (ends.status == PathStatus.REGULAR).all():
             continue
-        middle = _functions(family, member, points)
-        one, other = (_functions(family, member, ends.points[k::2]) for k in range(2))
+        middle = _functions(space, member, points)
+        one, other = (_functions(space, member, ends.points[k::2]) for k in range(2))
         found = _trace(np.concatenate(list(one - 2 * middle + other), axis=1), middle)
         best = min(best, found, key=lambda trace: trace.ratio)
         if best.ratio < _GOOD:
@@ -103,9 +103,9 @@ def moving_equation(structure: Structure) -> int:
     With three angles it is one of them: the other five would leave a curve in pieces, one for
     each orientation. Otherwise it is a distance, not a product if there is another one.
     """
-    if structure.families.count("a") == 3:
-        return structure.families.index("a")
-    distances = [i for i in range(EQUATIONS) if structure.families[i] != "a"]
+    if structure.spaces.count("a") == 3:
+        return structure.spaces.index("a")
+    distances = [i for i in range(EQUATIONS) if structure.spaces[i] != "a"]
     return min(distances, key=lambda i: structure.products[i])
 
 
@@ -122,9 +122,9 @@ def _moved(
     return Coefficients(g, h, tau)
 
 
-def _functions(family: str, member: ComplexArray, points: ComplexArray) -> ComplexArray:
-    """Return m / k for an orthonormal basis of the members m of a family."""
-    basis = np.linalg.qr(BASES[family].T)[0].T
+def _functions(space: str, member: ComplexArray, points: ComplexArray) -> ComplexArray:
+    """Return m / k for an orthonormal basis of the members m of a space."""
+    basis = np.linalg.qr(BASES[space].T)[0].T
     return np.asarray(evaluate(basis, points) / evaluate(member[None], points))
 
 

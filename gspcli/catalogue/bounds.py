@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 from gspcli.catalogue.constraints import LowestDegrees, constraint_facts
 from gspcli.catalogue.kinds import DISTANCE_KINDS, DLL, DPH, DPP, Kind
+from gspcli.catalogue.recorded_varieties import LAZARD, MOURRAIN_16, ROTATIONS, varieties
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES, Family, GspType
-from gspcli.catalogue.varieties import LAZARD, MOURRAIN_16, ROTATIONS, varieties
 
 _NUMBER_WORDS = ("no", "one", "two", "three", "four", "five", "six")
 #: The letters of the surfaces in the order of Table 3.

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from enum import Enum
 from functools import cache
 
-from gspcli.catalogue.intersections import intersection_number
+from gspcli.catalogue.intersection_numbers import intersection_number
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.catalogue.types import CLASSES, CONSTRAINTS, Family, GspType, PlatformClass, families
 from gspcli.errors import DataError
@@ -22,11 +22,11 @@ from gspcli.resources import data_path
 FOLDER = "counts"
 FAMILIES_FILE = "families.csv"
 NUMBERS_FILE = "intersection-numbers.csv"
-#: The families of quadrics in Study coordinates, in their canonical order.
+#: The spaces of quadrics in Study coordinates, in their canonical order.
 LETTERS = "apqls"
-#: The family of each kind of distance; the angles are of family a.
+#: The space of each kind of distance; the angles are of space a.
 LETTER: dict[Kind, str] = {DPP: "s", DPL: "p", DLP: "q", DPH: "p", DHP: "q", DLL: "l"}
-#: The kinds that are products of two quadrics of their family.
+#: The kinds that are products of two quadrics of their space.
 PRODUCTS = frozenset({DPL, DLP, DLL})
 
 
@@ -51,7 +51,7 @@ _MEANINGS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Counts:
+class GenericCounts:
     """The generic counts of a type.
 
     Attributes
@@ -79,7 +79,7 @@ class Counts:
 
 
 def letters(distances: tuple[Kind, ...]) -> str:
-    """Return the families of the six quadrics or products, in canonical order.
+    """Return the spaces of the six quadrics or products, in canonical order.
 
     >>> letters((DPP, DPL, DLP, DLL))
     'aapqls'
@@ -103,12 +103,12 @@ def law(distances: tuple[Kind, ...]) -> int:
     return int(2**products * intersection_number(letters(distances)))
 
 
-def generic_counts(gsp_type: GspType) -> Counts:
+def generic_counts(gsp_type: GspType) -> GenericCounts:
     """Return the generic counts of a type; the kinds of its angles make no difference."""
     return _recorded()[gsp_type.distances]
 
 
-def family_counts(family: Family) -> Counts:
+def family_counts(family: Family) -> GenericCounts:
     """Return the generic counts that all types of a family share."""
     return _recorded()[family.distances]
 
@@ -126,11 +126,11 @@ def all_families() -> Iterator[Family]:
 
 
 @cache
-def _recorded() -> dict[tuple[Kind, ...], Counts]:
+def _recorded() -> dict[tuple[Kind, ...], GenericCounts]:
     rows = {row["family"]: row for row in _rows(FAMILIES_FILE)}
     try:
         return {
-            family.distances: Counts(
+            family.distances: GenericCounts(
                 int(row["one_sided"]),
                 int(row["two_sided"]),
                 tuple(map(Method, row["confirmed"].split("+") if row["confirmed"] else [])),

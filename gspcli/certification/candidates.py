@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import Location, Problem, SpecError
-from gspcli.geometry.poses import rotation_from_quaternion
+from gspcli.geometry.quaternions import rotation_from_quaternion
 
 _SHAPES = {"R": (3, 3), "T": (3,), "quaternion": (4,)}
 #: Accepted spellings of the columns of a CSV file, by key.

@@ -19,8 +19,8 @@ from gspcli.certification.locating import (
     Located,
     Locator,
 )
-from gspcli.geometry.poses import Field, cross, dot
 from gspcli.geometry.primitives import Line
+from gspcli.geometry.quaternions import Field, cross, dot
 
 Complex = NDArray[np.complex128]
 Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ class Collection:
     locator
         Of the instance.
     sides
-        For each constraint the index of the equation of the system (`System.equations`).
+        For each constraint the index of the equation of the system (`BallSystem.equations`).
 
     Attributes
     ----------

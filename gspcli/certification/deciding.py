@@ -9,11 +9,11 @@ from flint import ctx
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DLL
+from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.centring import Centring
 from gspcli.certification.distinct import all_different
 from gspcli.certification.floating import prove
 from gspcli.certification.proving import FIRST_PRECISION, certify
-from gspcli.certification.system import System
 from gspcli.defaults import TOLERANCE
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.primitives import Line
@@ -55,7 +55,7 @@ def decide(instance: Instance, R: ArrayLike, T: ArrayLike) -> Decisions:
     if not Centring.of(instance).is_none:
         return _by_balls(instance, rotations, translations)
     with ctx.workprec(FIRST_PRECISION):
-        system = System(instance, FIRST_PRECISION)
+        system = BallSystem(instance, FIRST_PRECISION)
         places = translations / system.scale
         proofs = prove(system, rotations, places)
     entries = np.concatenate((rotations.reshape(-1, 9), places), axis=1)

@@ -11,7 +11,7 @@ The Hessian matrices of the quadrics need 4 roundings (no more of the forms of `
 monomial), a gradient 8, a value 16 more. So with products of complex numbers a value errs by less
 than gamma_41, and the difference of products of two of those by less than gamma_90, as do
 derivatives. `ROUNDING` is more than twice that. Bounds are sums and products of nonnegative
-numbers, and are rounded outward at the end, as in `System.curvatures`.
+numbers, and are rounded outward at the end, as in `BallSystem.curvatures`.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 
 from gspcli import _kernel
 from gspcli.certification import study
+from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.balls import OUTWARD, TINY
-from gspcli.certification.system import System
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -70,7 +70,9 @@ def form_hessians() -> Array:
 
 # Whatever is not a number proves nothing.
 @np.errstate(all="ignore")
-def prove(system: System, R: Complex, T: Complex, sides: tuple[int, ...] | None = None) -> Proofs:
+def prove(
+    system: BallSystem, R: Complex, T: Complex, sides: tuple[int, ...] | None = None
+) -> Proofs:
     """Prove what double precision can about approximate poses.
 
     Parameters
@@ -115,7 +117,7 @@ class Doubles:
         one are at most `ROUNDING` times the same expression of the other.
     """
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: BallSystem) -> None:
         self.equations = system.equations
         nearest, bounds = np.zeros((2, len(system.forms), study.COUNT))
         for row, form in enumerate(system.forms):

@@ -23,8 +23,8 @@ from dataclasses import dataclass
 import numpy as np
 from flint import acb, acb_mat, arb
 
+from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.balls import OUTWARD, floats_above, largest
-from gspcli.certification.system import System
 
 #: Largest radius of a uniqueness ball. Coordinates of e are at most about one.
 REACH = 1 / 8
@@ -101,7 +101,7 @@ class _Newton:
 
 
 def refine_point(
-    system: System, centre: Sequence[acb], patch: int, sides: tuple[int, ...]
+    system: BallSystem, centre: Sequence[acb], patch: int, sides: tuple[int, ...]
 ) -> list[acb] | Isolation:
     """Improve a point by Newton's method, then try to prove that a solution is near.
 
@@ -140,7 +140,7 @@ def refine_point(
 
 
 def _newton(
-    system: System, centre: list[acb], patch: int, sides: tuple[int, ...]
+    system: BallSystem, centre: list[acb], patch: int, sides: tuple[int, ...]
 ) -> _Newton | None:
     values, full = system.at(centre, sides)
     rows = full.tolist()
@@ -157,7 +157,9 @@ def _newton(
     return _Newton(centre, jacobian, inverse, step, length) if length.is_finite() else None
 
 
-def _prove(system: System, newton: _Newton, patch: int, sides: tuple[int, ...]) -> Isolation | None:
+def _prove(
+    system: BallSystem, newton: _Newton, patch: int, sides: tuple[int, ...]
+) -> Isolation | None:
     # A number stands for that multiple of the identity.
     defect = newton.inverse * newton.jacobian - 1
     a = float(floats_above(defect.entries()).reshape(7, 7).sum(axis=1).max() * OUTWARD)

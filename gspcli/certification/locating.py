@@ -18,11 +18,11 @@ from flint import acb, ctx
 from numpy.typing import NDArray
 
 from gspcli.certification import study
+from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.balls import largest
 from gspcli.certification.isolation import Isolation, refine_point
 from gspcli.certification.measures import as_stated
-from gspcli.certification.poses import PoseBall, pose_of_point
-from gspcli.certification.system import System
+from gspcli.certification.pose_balls import PoseBall, pose_of_point
 from gspcli.geometry.instance import Instance
 
 Complex = NDArray[np.complex128]
@@ -134,12 +134,12 @@ class Locator:
     def __init__(self, instance: Instance, frames: Frames) -> None:
         self.instance = instance
         self.frames = frames
-        self._systems: dict[int, System] = {}
+        self._systems: dict[int, BallSystem] = {}
 
-    def system(self, precision: int) -> System:
+    def system(self, precision: int) -> BallSystem:
         """Return the equations at a precision, which must be the working one."""
         if precision not in self._systems:
-            self._systems[precision] = System(self.instance, precision)
+            self._systems[precision] = BallSystem(self.instance, precision)
         return self._systems[precision]
 
     def locate(
@@ -154,7 +154,7 @@ class Locator:
         low
             What is to be added to them, if they are known to more than doubles; shape (n, 8).
         sides
-            For each constraint the index of its equation (`System.equations`).
+            For each constraint the index of its equation (`BallSystem.equations`).
         """
         precision = FIRST_PRECISION if low is None else 2 * FIRST_PRECISION
         with ctx.workprec(LAST_PRECISION):
@@ -235,7 +235,7 @@ class Locator:
         return None
 
 
-def _located(system: System, isolation: Isolation) -> Located | None:
+def _located(system: BallSystem, isolation: Isolation) -> Located | None:
     """Return the pose of a solution if it is proved to be one and known well enough."""
     real = isolation.real
     pose = pose_of_point(isolation.point)

@@ -1,9 +1,9 @@
 """Proofs for many platforms of one geometry at a time: what differs is the values.
 
-The theorem is that of `isolation`, the equations those of `system`, the bounds of rounding errors
-those of `floating`; the native kernel computes them for as many points as it has lanes. A value
-enters few coefficients, linearly as its square, itself or its cosine, so that the balls
-of all others are rounded to doubles once. Values are doubles here, meant exactly.
+The theorem is that of `isolation`, the equations those of `ball_system`, the bounds of rounding
+errors those of `floating`; the native kernel computes them for as many points as it has lanes. A
+value enters few coefficients, linearly as its square, itself or its cosine, so that the balls of
+all others are rounded to doubles once. Values are doubles here, meant exactly.
 """
 
 from __future__ import annotations
@@ -18,6 +18,15 @@ from numpy.typing import NDArray
 from gspcli import _kernel
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.certification import study
+from gspcli.certification.ball_system import (
+    Form,
+    base_height,
+    mutual_moment,
+    platform_height,
+    rotation_form,
+    scaled,
+    square_distance,
+)
 from gspcli.certification.balls import dot, norm
 from gspcli.certification.centring import Centring
 from gspcli.certification.deciding import nearly_parallel
@@ -32,19 +41,10 @@ from gspcli.certification.floating import (
 )
 from gspcli.certification.proving import FIRST_PRECISION
 from gspcli.certification.statement import Statement, statements
-from gspcli.certification.system import (
-    Form,
-    base_height,
-    mutual_moment,
-    platform_height,
-    rotation_form,
-    scaled,
-    square_distance,
-)
 from gspcli.defaults import TOLERANCE
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.poses import quaternion_product
+from gspcli.geometry.quaternions import quaternion_product
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -76,7 +76,7 @@ class Decided(NamedTuple):
     different: NDArray[np.bool_]
 
 
-class _Equation(NamedTuple):
+class _ValueEquation(NamedTuple):
     """``A + w t N = 0``, or that times N minus the squares; t is a function of the value."""
 
     main: int
@@ -129,28 +129,28 @@ class ValueProofs:
         self._forms.append(form)
         return len(self._forms) - 1
 
-    def _equation(self, given: Statement) -> _Equation:
-        """Return the equation of `System`, with a distance or an angle's cosine of zero."""
+    def _equation(self, given: Statement) -> _ValueEquation:
+        """Return the equation of `BallSystem`, with a distance or an angle's cosine of zero."""
         kind, a, b, u, v = given.kind, given.a, given.b, given.u, given.v
         if not kind.is_distance:
-            return _Equation(self._add(rotation_form(v, u)), (), -norm(u) * norm(v))
+            return _ValueEquation(self._add(rotation_form(v, u)), (), -norm(u) * norm(v))
         if kind is DPP:
-            return _Equation(self._add(square_distance(a, b, arb(0))), (), arb(-1))
+            return _ValueEquation(self._add(square_distance(a, b, arb(0))), (), arb(-1))
         if kind is DLL:
             moment, cosine = mutual_moment(a, b, u, v), rotation_form(v, u)
             squares = (self._add(moment), self._add(cosine))
             weight = dot(u, u) * dot(v, v)
-            return _Equation(self._add({study.NORM: arb(0)}), squares, weight, turned=True)
+            return _ValueEquation(self._add({study.NORM: arb(0)}), squares, weight, turned=True)
         height = base_height(a, b, v) if v else platform_height(a, b, u)
         if kind in (DPL, DLP):
             axis = dot(u or v, u or v)
             main = self._add(scaled(square_distance(a, b, arb(0)), axis))
-            return _Equation(main, (self._add(height),), -axis)
+            return _ValueEquation(main, (self._add(height),), -axis)
         if kind is DHP:
             height = scaled(height, arb(-1))
         elif kind is not DPH:
             raise ValueError(kind)
-        return _Equation(self._add(height), (), -norm(u or v))
+        return _ValueEquation(self._add(height), (), -norm(u or v))
 
     def _parameters(self, rows: Array, choices: Array) -> tuple[Array, Array]:
         """Return the functions of the values (b, k, 6) and bounds for `converted`."""

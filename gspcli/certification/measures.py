@@ -1,8 +1,8 @@
 """The constraints measured as they are stated, on a pose in balls.
 
 What is measured here is the distance or the angle itself (paper, Section 4), not the polynomial
-that `system` solves: a check of the one against the other. Neither uses the floating-point
-statement in `gspcli.geometry.polynomials`.
+that `ball_system` solves: a check of the one against the other. Neither uses the floating-point
+statement in `gspcli.geometry.constraint_polynomials`.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from flint import acb, arb
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP
+from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.balls import cross, dot, largest, norm, rotated
-from gspcli.certification.poses import PoseBall
+from gspcli.certification.pose_balls import PoseBall
 from gspcli.certification.statement import Statement
-from gspcli.certification.system import System
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Measurement:
     height: arb | None = None
 
 
-def measure(system: System, pose: PoseBall) -> list[Measurement]:
+def measure(system: BallSystem, pose: PoseBall) -> list[Measurement]:
     """Measure all constraints on a real pose."""
     R = [[entry.real for entry in row] for row in pose.rotation]
     T = [entry.real for entry in pose.translation]
@@ -83,7 +83,7 @@ def residual(measurements: Sequence[Measurement]) -> arb:
     return largest([m.value - m.stated for m in measurements])
 
 
-def as_stated(system: System, pose: PoseBall, *, real: bool) -> bool:
+def as_stated(system: BallSystem, pose: PoseBall, *, real: bool) -> bool:
     """Whether the constraints are proved to hold as they are stated.
 
     Only for the distance of two lines does the equation hold elsewhere: where they are parallel,

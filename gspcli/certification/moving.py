@@ -7,7 +7,7 @@ square of the value, the value itself, or the cosine or sine of an angle:
 * product, ``N (A - c N) = B^2``: PL and LP, A the quadric of PP, B the height along the line;
 * lines, ``A^2 = c (N^2 - B^2)``: LL, with the mutual moment A and ``B = N Ru . v``.
 
-Directions are divided by their lengths here, unlike in `system`.
+Directions are divided by their lengths here, unlike in `ball_system`.
 """
 
 from __future__ import annotations
@@ -22,9 +22,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.certification import study
-from gspcli.certification.balls import OUTWARD, TINY, norm
-from gspcli.certification.statement import Statement, length_scale, statements
-from gspcli.certification.system import (
+from gspcli.certification.ball_system import (
     Form,
     base_height,
     mutual_moment,
@@ -33,6 +31,8 @@ from gspcli.certification.system import (
     scaled,
     square_distance,
 )
+from gspcli.certification.balls import OUTWARD, TINY, norm
+from gspcli.certification.statement import Statement, length_scale, statements
 from gspcli.geometry.instance import Instance
 
 Array = NDArray[np.float64]

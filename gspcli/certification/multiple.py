@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.certification import study
+from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.balls import cross, dot, largest, rotated
 from gspcli.certification.locating import Locator, dot4
-from gspcli.certification.system import System
 
 Complex = NDArray[np.complex128]
 
@@ -105,7 +105,7 @@ def multiple_poses(
             )
 
 
-def _is_pose(system: System, R: list[list[acb]], T: list[acb]) -> bool:
+def _is_pose(system: BallSystem, R: list[list[acb]], T: list[acb]) -> bool:
     """Whether no parallel lines have another distance, as well as so many digits tell."""
     for given in system.statements:
         if given.kind is not DLL:
@@ -121,7 +121,7 @@ def _is_pose(system: System, R: list[list[acb]], T: list[acb]) -> bool:
     return True
 
 
-def _limit(system: System, start: list[acb], sides: tuple[int, ...]) -> list[acb] | None:
+def _limit(system: BallSystem, start: list[acb], sides: tuple[int, ...]) -> list[acb] | None:
     """Return where Newton's method converges to, linearly; None if it does not.
 
     A step covers the part 1/m of the way to a solution of multiplicity m, all the way down.
@@ -142,7 +142,9 @@ def _limit(system: System, start: list[acb], sides: tuple[int, ...]) -> list[acb
     return None
 
 
-def _step(system: System, point: list[acb], patch: int, sides: tuple[int, ...]) -> list[acb] | None:
+def _step(
+    system: BallSystem, point: list[acb], patch: int, sides: tuple[int, ...]
+) -> list[acb] | None:
     values, jacobian = system.at(point, sides)
     rows = [[x.mid() for x in row] for row in jacobian.tolist()]
     for row in rows:

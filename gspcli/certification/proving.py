@@ -10,15 +10,15 @@ from flint import acb, ctx
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.certification import study
+from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.balls import float_above, largest
 from gspcli.certification.centring import Centring
 from gspcli.certification.certificates import Certificate, Certificates, Outcome
 from gspcli.certification.distinct import close_pairs, same
 from gspcli.certification.isolation import Isolation, refine_point
 from gspcli.certification.measures import Measurement, as_stated, measure, residual
-from gspcli.certification.poses import PoseBall, pose_of_floats, pose_of_point
+from gspcli.certification.pose_balls import PoseBall, pose_of_floats, pose_of_point
 from gspcli.certification.statement import length_scale
-from gspcli.certification.system import System
 from gspcli.defaults import MAX_PRECISION, TOLERANCE
 from gspcli.errors import ArgumentError
 from gspcli.geometry.building import checked
@@ -46,7 +46,7 @@ class _Candidate:
         self.outcome = Outcome.NOT_ISOLATED
         self.is_open = True
 
-    def attempt(self, system: System, tolerance: float) -> None:
+    def attempt(self, system: BallSystem, tolerance: float) -> None:
         """Try to decide everything about the candidate at the precision of the system."""
         tolerance *= self.size
         self.precision = system.precision
@@ -76,7 +76,7 @@ class _Candidate:
             self.point = list(result.centre) if not nearest > tolerance else self.start
             self.outcome = Outcome.TOO_FAR
 
-    def _judge(self, system: System, real: bool | None) -> tuple[Outcome, bool]:
+    def _judge(self, system: BallSystem, real: bool | None) -> tuple[Outcome, bool]:
         """Return the outcome of a solution nearby, and whether something is still open."""
         assert self.pose is not None
         if any(not m.value.overlaps(m.stated) for m in self.measurements):
@@ -89,7 +89,7 @@ class _Candidate:
         )
         return Outcome.CERTIFIED, real is None or side_unknown
 
-    def certificate(self, system: System, **relations: Any) -> Certificate:
+    def certificate(self, system: BallSystem, **relations: Any) -> Certificate:
         """Return the record of what was proved."""
         isolation = self.isolation
         if isolation is None:
@@ -201,7 +201,7 @@ def certify(
     precision = FIRST_PRECISION
     while True:
         with ctx.workprec(precision):
-            system = System(instance, precision)
+            system = BallSystem(instance, precision)
             _attempt_open(system, candidates, tolerance)
             unknown, equal = _unknown_and_same(candidates)
             for index in {k for pair in unknown for k in pair}:
@@ -216,7 +216,7 @@ def _in_frames(pose: PoseBall, centring: Centring, scale: float) -> PoseBall:
     return PoseBall(pose.rotation, [entry / scale for entry in translation])
 
 
-def _attempt_open(system: System, candidates: Sequence[_Candidate], tolerance: float) -> None:
+def _attempt_open(system: BallSystem, candidates: Sequence[_Candidate], tolerance: float) -> None:
     for candidate in candidates:
         if not candidate.is_open:
             continue
@@ -245,7 +245,7 @@ def _unknown_and_same(candidates: Sequence[_Candidate]) -> tuple[Pairs, Pairs]:
 
 
 def _record(
-    system: System, candidates: Sequence[_Candidate], unknown: Pairs, equal: Pairs
+    system: BallSystem, candidates: Sequence[_Candidate], unknown: Pairs, equal: Pairs
 ) -> Certificates:
     same_as: dict[int, int] = {}
     for i, j in sorted(equal):

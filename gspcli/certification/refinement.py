@@ -9,12 +9,12 @@ from itertools import chain
 
 from flint import arb, ctx
 
+from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.balls import float_above
 from gspcli.certification.centring import Centring
 from gspcli.certification.certificates import Certificate
 from gspcli.certification.isolation import Isolation, refine_point
-from gspcli.certification.poses import pose_of_point
-from gspcli.certification.system import System
+from gspcli.certification.pose_balls import pose_of_point
 from gspcli.errors import IncompleteError
 from gspcli.geometry.instance import Instance
 
@@ -83,7 +83,7 @@ def refine(instance: Instance, certificate: Certificate, digits: int) -> Refined
     precision = isolation.precision
     while precision <= _BITS_A_DIGIT * (digits + 16) + 2 * isolation.precision:
         with ctx.workprec(precision):
-            system = System(centring.applied(instance), precision)
+            system = BallSystem(centring.applied(instance), precision)
             result = refine_point(system, centre, isolation.patch, isolation.sides)
             if isinstance(result, Isolation):
                 centre = list(result.centre)

@@ -17,7 +17,7 @@ import numpy as np
 from flint import fmpz_mat
 from numpy.typing import NDArray
 
-from gspcli.geometry.poses import Field, study_from_pose
+from gspcli.geometry.quaternions import Field, study_from_pose
 
 #: Positions of the forms in the list that `forms` returns: N, then N times R (rows), T, U, rho
 #: and W with W[i][j] = (T x R e_j)_i (rows), then e . f.

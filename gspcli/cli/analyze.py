@@ -11,7 +11,7 @@ import click
 
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.cli.poses import pose_format, pose_options
+from gspcli.cli.pose_options import pose_format, pose_options
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.output import Column, Output, Table, emit, output_options, write_whole
-from gspcli.cli.progress import progress
-from gspcli.cli.workers import worker_options
+from gspcli.cli.progress_bars import progress
+from gspcli.cli.worker_options import worker_options
 from gspcli.defaults import SEED
 from gspcli.errors import CheckFailed, IncompleteError
 
@@ -60,7 +60,7 @@ def summary(output: Output) -> None:
       gsp atlas summary
       gsp atlas summary --format markdown
     """
-    from gspcli.atlas.summary import bound_summaries, class_summaries, trace_extremes
+    from gspcli.atlas.count_summary import bound_summaries, class_summaries, trace_extremes
     from gspcli.catalogue.counts import Method, all_families, family_counts
 
     confirmed = [family_counts(family).confirmed for family in all_families()]
@@ -148,8 +148,9 @@ def verify(
 ) -> None:
     """Count again and compare with the record; exit with 1 if anything differs.
 
-    Without --fast everything is counted: platforms of all types, and general quadrics of
-    the 119 families. That takes hours; --work FILE lets it be interrupted and taken up again.
+    Without --fast everything is counted: platforms of all types, and general quadrics for
+    the 119 intersection numbers. That takes hours; --work FILE lets it be interrupted and taken up
+    again.
 
     \b
     Examples:

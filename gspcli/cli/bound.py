@@ -9,10 +9,10 @@ import click
 
 from gspcli.catalogue.bounds import BOUND_MEANINGS, BOUND_NAMES, Bounds, family_bounds, type_bounds
 from gspcli.catalogue.constraints import Degrees, constraint_facts
-from gspcli.catalogue.counts import Counts, family_counts, generic_counts
+from gspcli.catalogue.counts import GenericCounts, family_counts, generic_counts
 from gspcli.catalogue.kinds import Kind
+from gspcli.catalogue.recorded_varieties import coordinates_label
 from gspcli.catalogue.types import Family, GspType
-from gspcli.catalogue.varieties import coordinates_label
 from gspcli.catalogue.witnesses import best_real
 from gspcli.cli.names import read_names
 from gspcli.cli.output import Column, Output, Table, emit, output_options
@@ -53,7 +53,7 @@ def _bounds(subject: GspType | Family) -> Bounds:
     return type_bounds(subject) if isinstance(subject, GspType) else family_bounds(subject)
 
 
-def _counts(subject: GspType | Family) -> Counts:
+def _counts(subject: GspType | Family) -> GenericCounts:
     return generic_counts(subject) if isinstance(subject, GspType) else family_counts(subject)
 
 
@@ -146,7 +146,7 @@ def constraint_table(kinds: Sequence[Kind], title: str) -> Table:
     )
 
 
-def bound_table(bounds: Bounds, counts: Counts, real: int | None) -> Table:
+def bound_table(bounds: Bounds, counts: GenericCounts, real: int | None) -> Table:
     """Return rows: the bounds that apply with their reasons, the counts, the best known real."""
     applying = [(name, bound) for name, bound in bounds.items() if bound is not None]
     rows = [

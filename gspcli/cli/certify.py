@@ -10,8 +10,8 @@ import click
 from gspcli.cli.digits import DECIMALS, decimals, digit_table, digits_option, refined
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.cli.poses import text_of
-from gspcli.cli.progress import working
+from gspcli.cli.pose_options import text_of
+from gspcli.cli.progress_bars import working
 from gspcli.defaults import MAX_PRECISION, TOLERANCE
 from gspcli.errors import CheckFailed, IncompleteError
 

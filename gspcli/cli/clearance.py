@@ -9,8 +9,8 @@ import click
 from gspcli.cli.analyze import poses_to_analyze
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.cli.poses import pose_options
-from gspcli.cli.progress import progress
+from gspcli.cli.pose_options import pose_options
+from gspcli.cli.progress_bars import progress
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance

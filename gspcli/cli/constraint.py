@@ -11,7 +11,7 @@ from gspcli.catalogue.constraints import ConstraintFacts, Degrees, constraint_fa
 from gspcli.catalogue.kinds import KINDS
 from gspcli.catalogue.parsing import parse_kinds
 from gspcli.catalogue.realization import realization
-from gspcli.catalogue.varieties import LAZARD, MOURRAIN, coordinates_label, varieties
+from gspcli.catalogue.recorded_varieties import LAZARD, MOURRAIN, coordinates_label, varieties
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 
 _LEGEND = (

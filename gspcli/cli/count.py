@@ -9,7 +9,7 @@ import click
 from gspcli import __version__
 from gspcli.cli.names import load_instance, read_type
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.cli.progress import progress
+from gspcli.cli.progress_bars import progress
 from gspcli.defaults import SEED
 from gspcli.errors import NotFiniteError
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.cli.progress import progress, working
+from gspcli.cli.progress_bars import progress, working
 
 if TYPE_CHECKING:
     from gspcli.symbolic.triangular import TriangularSet

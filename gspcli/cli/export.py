@@ -115,8 +115,8 @@ def _model(instance: Instance, mode: int | None) -> str:
 
 
 def _system(instance: Instance, target: str, coordinates: str, digits: int) -> str:
-    from gspcli.export.equations import system
-    from gspcli.export.motions import MOTIONS
+    from gspcli.export.motion_coordinates import MOTIONS
+    from gspcli.export.polynomial_systems import system
     from gspcli.export.programs import EXACT, PROGRAMS, RATIONAL
 
     found = system(instance, MOTIONS[coordinates]())

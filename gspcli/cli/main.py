@@ -67,7 +67,7 @@ class CommandGroup(click.Group):
             f"gspcli.cli.{cmd_name.replace('-', '_')}"
         ).command
         if ctx.resilient_parsing:
-            from gspcli.cli.completion import add_completion
+            from gspcli.cli.shell_completion import add_completion
 
             add_completion(command)
         return command

@@ -12,8 +12,8 @@ from click.core import ParameterSource
 
 from gspcli.cli.names import is_file, load_instance, read_type
 from gspcli.cli.output import Output, check_writable, write, write_whole
-from gspcli.cli.progress import progress
-from gspcli.cli.workers import worker_options
+from gspcli.cli.progress_bars import progress
+from gspcli.cli.worker_options import worker_options
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED, CheckFailed, GspError, IncompleteError
 
@@ -97,7 +97,7 @@ def command(
     given = load_instance(names[0]) if len(names) == 1 and is_file(names[0]) else None
     gsp_type = read_type(names) if given is None else given.type
     if show:
-        from gspcli.reality.witnesses import known_instance
+        from gspcli.reality.witness_proofs import known_instance
 
         _reject_search_options()
         write(output, dumps(known_instance(gsp_type)))
@@ -105,7 +105,7 @@ def command(
 
     from gspcli.reality.maximize import Search, multiplier, reduced
     from gspcli.reality.state import State, read_state
-    from gspcli.reality.witnesses import DEFAULT_UNITS, platform_of
+    from gspcli.reality.witness_proofs import DEFAULT_UNITS, platform_of
 
     kinds, start, length, units = gsp_type.kinds, None, 1.0, DEFAULT_UNITS
     if given is not None:
@@ -197,7 +197,7 @@ def _searched(
 
 def _witness(state: State, each: int, units: Units, length: float) -> tuple[Instance, int]:
     """Return the instance and how many real poses of it are certified."""
-    from gspcli.reality.witnesses import certified_real, real_instance
+    from gspcli.reality.witness_proofs import certified_real, real_instance
 
     assert state.platform is not None
     instance = real_instance(state.platform, each * state.real, units=units, length=length)

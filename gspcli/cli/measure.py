@@ -8,7 +8,7 @@ import click
 
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.cli.poses import pose_format, pose_options, text_of, warn_of_range
+from gspcli.cli.pose_options import pose_format, pose_options, text_of, warn_of_range
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance

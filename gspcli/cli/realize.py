@@ -138,7 +138,7 @@ def _platform_drawn(spec: str, built: Mechanism, fmt: str) -> bytes:
 
 def _chains_drawn(built: Mechanism, fmt: str) -> bytes:
     """Return the drawing of the different chains of a mechanism."""
-    from gspcli.pictures.chains import chain_drawing
+    from gspcli.pictures.chain_panels import chain_drawing
 
     used: dict[Realization, list[int]] = {}
     for index, mounted in enumerate(built.chains):

@@ -21,7 +21,7 @@ from gspcli.cli.output import (
     write,
     write_whole,
 )
-from gspcli.cli.workers import worker_options
+from gspcli.cli.worker_options import worker_options
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED, GspError
 
@@ -88,7 +88,7 @@ def command(
       gsp sample 3D3A PL PL LP --format csv
       gsp sample 6PH --one-sided --count 5000 -o planes.svg
     """
-    from gspcli.cli.progress import progress
+    from gspcli.cli.progress_bars import progress
     from gspcli.reality.sampling import Sample, Tally, sample
 
     if folder is not None:
@@ -124,7 +124,7 @@ def _make(folder: Path) -> None:
 
 def _save(folder: Path, wanted: Sample, tally: Tally) -> None:
     """Write the platforms of which the number of real solutions is not known."""
-    from gspcli.reality.witnesses import rounded
+    from gspcli.reality.witness_proofs import rounded
     from gspcli.spec import dumps
 
     for (piece, index), why in sorted(tally.doubtful.items()):

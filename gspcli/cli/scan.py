@@ -18,7 +18,7 @@ from gspcli.cli.output import (
     output_options,
     write,
 )
-from gspcli.cli.progress import progress
+from gspcli.cli.progress_bars import progress
 from gspcli.errors import GspError, IncompleteError
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import click
 from gspcli.cli.digits import decimals, digit_table, digits_option, refined
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Output, emit, output_options
-from gspcli.cli.progress import working
+from gspcli.cli.progress_bars import working
 from gspcli.defaults import SEED
 from gspcli.errors import GspError, IncompleteError, NotFiniteError
 
@@ -165,7 +165,7 @@ def command(
 
 def _pose(near: str, euler: str | None, in_radians: float) -> tuple[Any, Any]:
     """Read the pose that others are compared with."""
-    from gspcli.cli.poses import text_of
+    from gspcli.cli.pose_options import text_of
     from gspcli.motion import PoseFormat, read_pose, read_poses
 
     form = PoseFormat(euler, in_radians=in_radians)
@@ -188,7 +188,7 @@ def _sorted(result: SolveResult, shown: Shown, R: Any, T: Any) -> Shown:
 
     import numpy as np
 
-    from gspcli.geometry.poses import vector_from_rotation
+    from gspcli.geometry.quaternions import vector_from_rotation
 
     chosen = np.array([k for k in shown.indices if result.real[k]], dtype=int)
     moved = np.linalg.norm(result.T[chosen].real - T, axis=1)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.cli.progress import progress, working
+from gspcli.cli.progress_bars import progress, working
 from gspcli.errors import CheckFailed
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import click
 
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import DRAWINGS, Output, check_writable, output_options, write
-from gspcli.cli.poses import text_of
+from gspcli.cli.pose_options import text_of
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:

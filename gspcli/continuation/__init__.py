@@ -2,8 +2,8 @@
 
 The engine knows no platform words. Its public face:
 
-- `quadrics`: coefficients of the functions 1, R, T, U, T x R, T.T; the five families.
+- `quadrics`: coefficients of the functions 1, R, T, U, T x R, T.T; the five spaces.
 - `systems`: `Structure` and `System`, what is to be solved.
-- `following`: `follow`, from the solutions of one system to those of another.
+- `parameter_homotopy`: `follow`, from the solutions of one system to those of another.
 - `solve`: `solve_system` and `solve_systems`, which return `SystemSolutions`.
 """

@@ -49,7 +49,7 @@ ENDGAME = EndgameOptions()
 
 
 @dataclass(frozen=True, eq=False)
-class Ends:
+class WindingEnds:
     """The ends of k paths."""
 
     points: ComplexArray
@@ -68,7 +68,7 @@ def find_ends(
     radius: float,
     tracker: TrackerOptions = CAREFUL,
     options: EndgameOptions = ENDGAME,
-) -> Ends:
+) -> WindingEnds:
     """Find the ends of paths from their points at ``t = 1 - radius``.
 
     The circle is made smaller until the ends computed from all points and from every other point
@@ -86,7 +86,7 @@ def find_ends(
         Settings.
     """
     count = len(points)
-    best = Ends(
+    best = WindingEnds(
         np.full((count, 8), np.nan, dtype=np.complex128),
         np.zeros(count, dtype=np.int64),
         np.full(count, np.inf),
@@ -116,7 +116,7 @@ def _circle(
     radius: float,
     tracker: TrackerOptions,
     options: EndgameOptions,
-) -> Ends:
+) -> WindingEnds:
     """Follow paths around t = 1 until they return, and average."""
     count = len(points)
     ends = np.full((count, 8), np.nan, dtype=np.complex128)
@@ -156,4 +156,4 @@ def _circle(
         samples = [s[going] for s in samples]
         if not len(under_way):
             break
-    return Ends(ends, winding, error)
+    return WindingEnds(ends, winding, error)

@@ -1,6 +1,6 @@
 """Generic solution counts from nothing: monodromy loops and trace tests.
 
-All pairs (system of a family, solution of it) form an irreducible variety, because the systems
+All pairs (system in six given spaces, solution) form an irreducible variety, because the systems
 through a given point form a linear space. So loops in the space of systems permute the solutions
 of one generic system transitively, and one solution, made by choosing the system through a
 chosen point, leads to all. That all are there is confirmed by trace tests.
@@ -27,7 +27,7 @@ class MonodromyError(Exception):
 
 
 @dataclass(frozen=True, eq=False)
-class SolvedFamily:
+class GenericSolutions:
     """A generic system of six quadrics with all its solutions."""
 
     quadrics: ComplexArray
@@ -57,16 +57,16 @@ def random_point(rng: np.random.Generator) -> ComplexArray:
     return np.asarray(point / np.linalg.norm(point))
 
 
-def random_quadrics(families: str, rng: np.random.Generator) -> ComplexArray:
-    """Return random quadrics of norm 1, one of each family named, shape (len(families), 27)."""
-    rows = np.array([random_complex(rng, len(BASES[x])) @ BASES[x] for x in families])
+def random_quadrics(spaces: str, rng: np.random.Generator) -> ComplexArray:
+    """Return random quadrics of norm 1, one of each space named, shape (len(spaces), 27)."""
+    rows = np.array([random_complex(rng, len(BASES[x])) @ BASES[x] for x in spaces])
     return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))
 
 
-def _through(point: ComplexArray, families: str, quadrics: ComplexArray) -> ComplexArray:
-    """Return the nearest quadrics of the same families that vanish at a point."""
+def _through(point: ComplexArray, spaces: str, quadrics: ComplexArray) -> ComplexArray:
+    """Return the nearest quadrics of the same spaces that vanish at a point."""
     rows = []
-    for letter, quadric in zip(families, quadrics, strict=True):
+    for letter, quadric in zip(spaces, quadrics, strict=True):
         basis = np.linalg.qr(BASES[letter].T)[0].T
         values = basis @ monomials(point)
         rows.append(
@@ -76,13 +76,13 @@ def _through(point: ComplexArray, families: str, quadrics: ComplexArray) -> Comp
     return np.array(rows)
 
 
-def _system(families: str, quadrics: ComplexArray) -> System:
+def _system(spaces: str, quadrics: ComplexArray) -> System:
     zero = np.zeros(EQUATIONS, dtype=np.complex128)
-    return System(Structure(families), Coefficients(quadrics, np.zeros_like(quadrics), zero))
+    return System(Structure(spaces), Coefficients(quadrics, np.zeros_like(quadrics), zero))
 
 
 def move(
-    families: str,
+    spaces: str,
     start: ComplexArray,
     target: ComplexArray,
     points: ComplexArray,
@@ -95,7 +95,7 @@ def move(
     ndarray
         Shape (at most P, 8).
     """
-    results = track(_system(families, start), _system(families, target), points, options=options)
+    results = track(_system(spaces, start), _system(spaces, target), points, options=options)
     return np.asarray(results.points[0][results.status[0] == PathStatus.REGULAR])
 
 
@@ -107,12 +107,12 @@ def _merge(points: ComplexArray, others: ComplexArray) -> ComplexArray:
     return points
 
 
-def solve_family(families: str, rng: np.random.Generator) -> SolvedFamily:
+def solve_generic(spaces: str, rng: np.random.Generator) -> GenericSolutions:
     """Solve a random generic system of six quadrics by monodromy.
 
     Parameters
     ----------
-    families
+    spaces
         Six letters.
     rng
         Source of every random choice.
@@ -123,35 +123,35 @@ def solve_family(families: str, rng: np.random.Generator) -> SolvedFamily:
         If the loops do not come to rest or a trace test fails.
     """
     point = random_point(rng)
-    base = _through(point, families, random_quadrics(families, rng))
+    base = _through(point, spaces, random_quadrics(spaces, rng))
     points, quiet, loops = point[None], 0, 0
     while quiet < _QUIET_LOOPS:
         if loops == _MAX_LOOPS:
-            message = f"{families}: still new solutions after {loops} loops ({len(points)})"
+            message = f"{spaces}: still new solutions after {loops} loops ({len(points)})"
             raise MonodromyError(message)
-        corners = [base, *(random_quadrics(families, rng) for _ in range(2)), base]
+        corners = [base, *(random_quadrics(spaces, rng) for _ in range(2)), base]
         ends = points
         for start, target in pairwise(corners):
-            ends = move(families, start * random_phases(rng, EQUATIONS, 1), target, ends)
+            ends = move(spaces, start * random_phases(rng, EQUATIONS, 1), target, ends)
         merged = _merge(points, ends)
         quiet = quiet + 1 if len(merged) == len(points) else 0
         points, loops = merged, loops + 1
-    trace = trace_defects(families, base, points, rng).max()
+    trace = trace_defects(spaces, base, points, rng).max()
     if not trace < 1e-8:
-        message = f"{families}: the trace test fails ({len(points)} solutions, defect {trace:.1e})"
+        message = f"{spaces}: the trace test fails ({len(points)} solutions, defect {trace:.1e})"
         raise MonodromyError(message)
-    return SolvedFamily(base, points, loops, float(trace))
+    return GenericSolutions(base, points, loops, float(trace))
 
 
 def trace_defects(
-    families: str, quadrics: ComplexArray, points: ComplexArray, rng: np.random.Generator
+    spaces: str, quadrics: ComplexArray, points: ComplexArray, rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Return the relative defect of one trace test for each family present.
+    """Return the relative defect of one trace test for each space present.
 
     Five equations define a curve. On it, in the chart where a quadric k of the sixth equation's
-    family is 1, the solutions of ``g + s k = 0`` are the sections with parallel hyperplanes, so
+    space is 1, the solutions of ``g + s k = 0`` are the sections with parallel hyperplanes, so
     the sum of another coordinate m / k over *all* of them is an affine function of s, and over
-    part of them in general is not (if the curve is irreducible; each family's curve is tried).
+    part of them in general is not (if the curve is irreducible; each space's curve is tried).
 
     Returns
     -------
@@ -159,15 +159,15 @@ def trace_defects(
         Second differences of the sums, relative to the sum of absolute values.
     """
     defects = []
-    for letter in sorted(set(families)):
-        i = families.index(letter)
+    for letter in sorted(set(spaces)):
+        i = spaces.index(letter)
         chart, coordinate = random_quadrics(letter * 2, rng)
         step = random_phases(rng, 1)[0]
         sums, size = [], 0.0
         for s in (-step, 0.0, step):
             shifted = quadrics.copy()
             shifted[i] += s * chart
-            ends = points if s == 0 else move(families, quadrics, shifted, points)
+            ends = points if s == 0 else move(spaces, quadrics, shifted, points)
             top, bottom = evaluate(np.array([coordinate, chart]), ends).T
             sums.append((top / bottom).sum())
             size += float(np.abs(top / bottom).sum())

@@ -27,7 +27,7 @@ _BATCH_PATHS = 65_536
 
 
 @dataclass(frozen=True, eq=False)
-class Ends:
+class PursuedEnds:
     """Where k paths ended, simple solutions or not.
 
     Attributes
@@ -44,9 +44,9 @@ class Ends:
     low: ComplexArray
     simple: NDArray[np.bool_]
 
-    def take(self, index: NDArray[np.bool_]) -> Ends:
+    def take(self, index: NDArray[np.bool_]) -> PursuedEnds:
         """Return some of the ends."""
-        return Ends(self.points[index], self.low[index], self.simple[index])
+        return PursuedEnds(self.points[index], self.low[index], self.simple[index])
 
 
 class Pursuit:
@@ -91,11 +91,11 @@ class Pursuit:
         """The number of paths: the generic count of the structure."""
         return len(self._start.points)
 
-    def first(self) -> Ends:
+    def first(self) -> PursuedEnds:
         """Return the ends of the first attempt at all paths."""
         return self._ends(self._results)
 
-    def deeply(self, index: NDArray[np.intp], attempt: int = 0) -> Ends:
+    def deeply(self, index: NDArray[np.intp], attempt: int = 0) -> PursuedEnds:
         """Follow some paths with 32 digits up to the target itself.
 
         Parameters
@@ -122,12 +122,12 @@ class Pursuit:
             ends = settle(self._start, self._target, self._results, self.seed, self._jobs)
         return solutions_of(ends, self.scale, self.seed)
 
-    def _ends(self, results: PathResults) -> Ends:
+    def _ends(self, results: PathResults) -> PursuedEnds:
         points = results.points[0].copy()
         low = results.low[0].copy() if len(results.low) else np.zeros_like(points)
         for part in (points, low):
             part[:, 4:] *= self.scale
-        return Ends(points, low, clearly_simple(results)[0])
+        return PursuedEnds(points, low, clearly_simple(results)[0])
 
 
 def pursue(

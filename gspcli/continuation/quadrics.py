@@ -1,4 +1,4 @@
-"""Quadrics in Study coordinates: their coefficients, the five families, the swap of p and q.
+"""Quadrics in Study coordinates: their coefficients, the five spaces, the swap of p and q.
 
 A Study point is ``z = (e0, e1, e2, e3, f0, f1, f2, f3)`` in C^8 up to scale, with
 ``e.f = 0``. It stands for the motion ``x -> R x + T`` of the unit quaternion ``e / sqrt(N)``,
@@ -8,10 +8,10 @@ A Study point is ``z = (e0, e1, e2, e3, f0, f1, f2, f3)`` in C^8 up to scale, wi
 
 and is stored as its 27 coefficients: ten of A (row by row, ``i <= j``), sixteen of B (row by
 row), c. The functions of the motion that are quadrics after multiplication by N are constants
-of this module; a family is the linear space that some of them span:
+of this module; a space is the linear space that some of them span:
 
 ====== ================ ===========
-family functions        dimension
+space  functions        dimension
 ====== ================ ===========
 a      1, R             10
 p      1, R, T          13
@@ -34,7 +34,7 @@ Number = TypeVar("Number", np.float64, np.complex128)
 
 COEFFICIENTS: Final = 27
 LETTERS: Final = "apqls"
-"""The families in their canonical order."""
+"""The spaces in their canonical order."""
 
 _ROW, _COLUMN = np.triu_indices(4)
 _CROSS = ((1, 2, 3), (2, 3, 1), (3, 1, 2))
@@ -140,7 +140,7 @@ BASES: Final[dict[str, FloatArray]] = {
     "l": np.vstack([_A, MOMENT.reshape(9, 27)]),
     "s": np.vstack([_A, TRANSLATION, BODY_TRANSLATION, RHO[None]]),
 }
-"""For each family a basis ``(dimension, 27)``."""
+"""For each space a basis ``(dimension, 27)``."""
 
 _SIGN = np.array([1.0, -1.0, -1.0, -1.0])
 _CONJUGATION = np.r_[_SIGN[_ROW] * _SIGN[_COLUMN], np.outer(_SIGN, _SIGN).ravel(), 1.0]
@@ -150,7 +150,7 @@ _POINT_CONJUGATION = np.r_[_SIGN, _SIGN]
 def swap_quadrics(quadrics: NDArray[Number]) -> NDArray[Number]:
     """Return the quadrics ``Q(z*)``, ``z* = (e*, f*)``: base and platform exchanged.
 
-    ``z*`` is the inverse motion, so that T becomes -U and U becomes -T: the family p becomes
+    ``z*`` is the inverse motion, so that T becomes -U and U becomes -T: the space p becomes
     q and q becomes p; the others stay. The map is its own inverse.
     """
     return np.multiply(quadrics, _CONJUGATION, dtype=quadrics.dtype)
@@ -161,6 +161,6 @@ def swap_points(points: NDArray[Number]) -> NDArray[Number]:
     return np.multiply(points, _POINT_CONJUGATION, dtype=points.dtype)
 
 
-def swap_letters(families: str) -> str:
-    """Return the families with p and q exchanged."""
-    return families.translate(str.maketrans("pq", "qp"))
+def swap_letters(spaces: str) -> str:
+    """Return the spaces with p and q exchanged."""
+    return spaces.translate(str.maketrans("pq", "qp"))

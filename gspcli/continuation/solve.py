@@ -35,7 +35,7 @@ def solve_system(
     Raises
     ------
     ValueError
-        If more than three equations are of family a.
+        If more than three equations are of space a.
     """
     return next(solve_systems([target], seed=seed, jobs=jobs, options=options))
 

@@ -1,6 +1,6 @@
 """Start systems: generic systems of every structure with all their solutions.
 
-Stored are the 119 families of six quadrics up to the exchange of p and q. What they need else is
+Stored are the 119 monomials of six spaces up to the exchange of p and q. What they need else is
 derived: the exchange, and for products ``G H = tau N^2`` the start ``tau = 0`` with generic G and
 H, whose solutions are those of the 2^m systems with one factor of each product.
 """
@@ -40,8 +40,8 @@ class StartSystem:
     """All solutions, shape (paths, 8), of single precision at least: the tracker corrects them."""
 
 
-def canonical_families() -> list[str]:
-    """Return the 119 families a^i p^j q^k l^m s^n with i <= 3 and j >= k, sorted by letters."""
+def canonical_monomials() -> list[str]:
+    """Return the 119 monomials a^i p^j q^k l^m s^n with i <= 3 and j >= k, sorted by letters."""
     exponents = product(range(4), *[range(EQUATIONS + 1)] * 4)
     chosen = [n for n in exponents if sum(n) == EQUATIONS and n[1] >= n[2]]
     return ["".join(x * k for x, k in zip(LETTERS, n, strict=True)) for n in chosen]
@@ -50,7 +50,7 @@ def canonical_families() -> list[str]:
 def pack_points(points: ComplexArray) -> ComplexArray:
     """Return Study points (n, 8) as stored: divided by e0, without it, in a fixed order."""
     affine = points[:, 1:] / points[:, :1]
-    # Rounded, because solutions of some families share their rotation.
+    # Rounded, because solutions of some monomials share their rotation.
     keys = np.round(affine.real, 5)
     return affine[np.lexsort(keys.T[::-1])].astype(np.complex64)
 
@@ -64,13 +64,13 @@ def distinct(points: ComplexArray) -> bool:
 
 @cache
 def _stored() -> tuple[ComplexArray, ComplexArray, dict[str, slice]]:
-    """Return the factors (2, 6, 5, 27), all points (n, 8), and where each family's are."""
+    """Return the factors (2, 6, 5, 27), all points (n, 8), and where each monomial's are."""
     manifest = json.loads(data_path(FOLDER, "manifest.json").read_text(encoding="utf-8"))
     factors = np.load(data_path(FOLDER, "factors.npy")).astype(np.complex128)
     affine = np.load(data_path(FOLDER, "points.npy")).astype(np.complex128)
     slices, begin = {}, 0
-    for families, count in manifest["counts"].items():
-        slices[families] = slice(begin, begin + count)
+    for spaces, count in manifest["counts"].items():
+        slices[spaces] = slice(begin, begin + count)
         begin += count
     if begin != len(affine):
         message = f"{FOLDER}: the manifest counts {begin} points, the file has {len(affine)}"
@@ -79,43 +79,43 @@ def _stored() -> tuple[ComplexArray, ComplexArray, dict[str, slice]]:
     return factors, points / np.linalg.norm(points, axis=1, keepdims=True), slices
 
 
-def generic_factors(factors: ComplexArray, families: str) -> tuple[ComplexArray, ComplexArray]:
-    """Return the first and second factors (6, 27) of a canonical family from the stored table."""
-    index = [LETTERS.index(x) for x in families]
+def generic_factors(factors: ComplexArray, spaces: str) -> tuple[ComplexArray, ComplexArray]:
+    """Return the first and second factors (6, 27) of a canonical monomial from the stored table."""
+    index = [LETTERS.index(x) for x in spaces]
     g, h = factors[:, np.arange(EQUATIONS), index]
     return g, h
 
 
 @cache
-def _base(families: str) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """Return first and second factors and the solutions of a family in canonical order."""
+def _base(spaces: str) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """Return first and second factors and the solutions of a monomial in canonical order."""
     factors, points, slices = _stored()
-    if families in slices:
-        return *generic_factors(factors, families), points[slices[families]]
-    swapped = Structure(swap_letters(families))
+    if spaces in slices:
+        return *generic_factors(factors, spaces), points[slices[spaces]]
+    swapped = Structure(swap_letters(spaces))
     order = np.argsort(swapped.order)
-    mirror = swapped.canonical().families
+    mirror = swapped.canonical().spaces
     if mirror not in slices:
-        message = f"no start system for the families {families!r}: at most three may be a"
+        message = f"no start system for the spaces {spaces!r}: at most three may be a"
         raise ValueError(message)
     g, h = generic_factors(factors, mirror)
     return swap_quadrics(g)[order], swap_quadrics(h)[order], swap_points(points[slices[mirror]])
 
 
-def intersection_number(families: str) -> int:
-    """Return the stored generic number of solutions of six quadrics of the given families.
+def intersection_number(spaces: str) -> int:
+    """Return the stored generic number of solutions of six quadrics of the given spaces.
 
     Raises
     ------
     ValueError
-        If more than three are of family a, so that there is no finite number.
+        If more than three are of space a, so that there is no finite number.
     """
-    return len(_base(Structure(families).canonical().families)[2])
+    return len(_base(Structure(spaces).canonical().spaces)[2])
 
 
 def path_count(structure: Structure) -> int:
     """Return the generic number of solutions of a structure: 2^products times I."""
-    return int(2 ** sum(structure.products) * intersection_number(structure.families))
+    return int(2 ** sum(structure.products) * intersection_number(structure.spaces))
 
 
 @cache
@@ -125,18 +125,18 @@ def start_system(structure: Structure) -> StartSystem:
     Raises
     ------
     ValueError
-        If more than three equations are of family a.
+        If more than three equations are of space a.
     DataError
         If the stored solutions do not lead to those of the products.
     """
     if structure != structure.canonical():
         message = "the structure must be in canonical order"
         raise ValueError(message)
-    g, h, points = _base(structure.families)
+    g, h, points = _base(structure.spaces)
     products = structure.is_product
     zero = np.zeros(EQUATIONS, dtype=np.complex128)
-    base = System(Structure(structure.families), Coefficients(g, np.zeros_like(h), zero))
-    coefficients = Coefficients(g, np.where(products[:, None], h, 0), zero).normalised()
+    base = System(Structure(structure.spaces), Coefficients(g, np.zeros_like(h), zero))
+    coefficients = Coefficients(g, np.where(products[:, None], h, 0), zero).normalized()
     system = System(structure, coefficients)
     if not products.any():
         return StartSystem(system, points)

@@ -28,11 +28,11 @@ _OF_DEGREE = np.eye(3)[_DEGREE_IN_F]
 
 @dataclass(frozen=True, order=True)
 class Structure:
-    """The shape of a system: which family each equation is of, and which are products.
+    """The shape of a system: which space of quadrics each equation is of, and which are products.
 
     Parameters
     ----------
-    families
+    spaces
         Six letters of ``apqls`` (`gspcli.continuation.quadrics`).
     products
         For each equation whether it is ``G H = tau N^2`` (else ``G = 0``).
@@ -43,12 +43,12 @@ class Structure:
         If there are not six of both, or a letter is unknown.
     """
 
-    families: str
+    spaces: str
     products: tuple[bool, ...] = (False,) * EQUATIONS
 
     def __post_init__(self) -> None:
-        if len(self.families) != EQUATIONS or not set(self.families) <= set(LETTERS):
-            message = f"families must be six letters of {LETTERS!r}, not {self.families!r}"
+        if len(self.spaces) != EQUATIONS or not set(self.spaces) <= set(LETTERS):
+            message = f"spaces must be six letters of {LETTERS!r}, not {self.spaces!r}"
             raise ValueError(message)
         if len(self.products) != EQUATIONS:
             message = f"products must be six truth values, not {len(self.products)}"
@@ -64,13 +64,13 @@ class Structure:
     @cached_property
     def order(self) -> tuple[int, ...]:
         """Positions of the equations in canonical order: by letter, quadrics before products."""
-        key = [(LETTERS.index(x), p) for x, p in zip(self.families, self.products, strict=True)]
+        key = [(LETTERS.index(x), p) for x, p in zip(self.spaces, self.products, strict=True)]
         return tuple(sorted(range(EQUATIONS), key=key.__getitem__))
 
     def canonical(self) -> Structure:
         """Return the same structure with its equations in canonical order."""
         return Structure(
-            "".join(self.families[i] for i in self.order),
+            "".join(self.spaces[i] for i in self.order),
             tuple(self.products[i] for i in self.order),
         )
 
@@ -85,7 +85,7 @@ class Coefficients(NamedTuple):
     tau: ComplexArray
     """Right-hand sides of the products, shape (..., 6); zero where there is none."""
 
-    def normalised(self) -> Coefficients:
+    def normalized(self) -> Coefficients:
         """Return the same equations with every factor scaled to norm 1."""
         size_g, size_h = (np.sqrt((x.real**2 + x.imag**2).sum(axis=-1)) for x in self[:2])
         size_g[size_g == 0] = size_h[size_h == 0] = 1.0
@@ -94,7 +94,7 @@ class Coefficients(NamedTuple):
         )
 
     def balanced(self) -> tuple[Coefficients, FloatArray]:
-        """Return the normalised equations in e and f / scale, and the scales (...).
+        """Return the normalized equations in e and f / scale, and the scales (...).
 
         The scale, a power of two, makes the coefficients of e e, e f and f f alike in size, so
         that the unit of length does not matter.
@@ -109,7 +109,7 @@ class Coefficients(NamedTuple):
         slope = np.where(known, ratio, 0.0).sum(axis=-2) @ [1.0, 2.0]
         weight = known.sum(axis=-2) @ [1.0, 4.0]
         scale = np.exp2(-np.rint(slope / np.maximum(1.0, weight)))
-        return self.in_units(scale).normalised(), scale
+        return self.in_units(scale).normalized(), scale
 
     def in_units(self, scale: FloatArray) -> Coefficients:
         """Return the equations in e and f / scale, for scales of shape (...)."""
@@ -145,7 +145,7 @@ class System:
     Attributes
     ----------
     structure
-        Families and products.
+        Spaces and products.
     coefficients
         The numbers, no leading axes.
     """
@@ -169,7 +169,7 @@ class System:
         Parameters
         ----------
         structure
-            Families and products.
+            Spaces and products.
         g
             Quadrics, shape (6, 27).
         h
@@ -213,9 +213,9 @@ class System:
         coefficients = Coefficients(*(x[order] for x in self.coefficients))
         return System(self.structure.canonical(), coefficients)
 
-    def normalised(self) -> System:
+    def normalized(self) -> System:
         """Return the same equations with every factor scaled to norm 1."""
-        return System(self.structure, self.coefficients.normalised())
+        return System(self.structure, self.coefficients.normalized())
 
     def scaled(self, g: ComplexArray, h: ComplexArray) -> System:
         """Return the same equations with their factors multiplied by `g` and `h`, shape (6,)."""

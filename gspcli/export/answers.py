@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from gspcli.certification.candidates import Candidates
 from gspcli.errors import Problem, SpecError
-from gspcli.export.motions import DUAL, INVERSE, QUATERNION, ROTATION, TRANSLATION
-from gspcli.geometry.poses import dot, pose_from_study
+from gspcli.export.motion_coordinates import DUAL, INVERSE, QUATERNION, ROTATION, TRANSLATION
+from gspcli.geometry.quaternions import dot, pose_from_study
 
 Points = NDArray[np.complex128]
 

@@ -243,7 +243,7 @@ def _name(instance: Instance) -> str:
 
 
 def _quaternion(R: Array) -> Array:
-    from gspcli.geometry.poses import quaternion_from_rotation
+    from gspcli.geometry.quaternions import quaternion_from_rotation
 
     return np.asarray(quaternion_from_rotation(R))
 

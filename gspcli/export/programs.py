@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from gspcli import __version__
-from gspcli.export.equations import System
+from gspcli.export.polynomial_systems import PolynomialSystem
 from gspcli.export.polynomials import Monomial, Polynomial, Style
 
 DIGITS = 40
@@ -22,7 +22,7 @@ _STYLE = Style()
 _WIDTH = 95
 
 
-def rounded(system: System, digits: int = DIGITS) -> System:
+def rounded(system: PolynomialSystem, digits: int = DIGITS) -> PolynomialSystem:
     """Return a system with decimal fractions, of so many digits, for its irrational constants."""
     from gspcli.certification.balls import decimal_near
 
@@ -31,7 +31,7 @@ def rounded(system: System, digits: int = DIGITS) -> System:
     return replace(system, polynomials=rows, constants={})
 
 
-def msolve(system: System, digits: int = DIGITS) -> str:
+def msolve(system: PolynomialSystem, digits: int = DIGITS) -> str:
     """Return the input of msolve."""
     exact = rounded(system, digits)
     return msolve_input(exact.names, (row.cleared for row in exact.polynomials), 0)
@@ -45,7 +45,7 @@ def msolve_input(
     return f"{','.join(names)}\n{characteristic}\n" + ",\n".join(texts) + "\n"
 
 
-def phcpack(system: System, digits: int = DIGITS) -> str:
+def phcpack(system: PolynomialSystem, digits: int = DIGITS) -> str:
     """Return the input of PHCpack's ``phc -b``; it computes in doubles."""
     del digits
     exact = rounded(system, 20)
@@ -58,7 +58,7 @@ def phcpack_input(rows: Iterable[str]) -> str:
     return f"{len(texts)}\n" + "".join(f"{text};\n" for text in texts)
 
 
-def macaulay2(system: System, digits: int = DIGITS) -> str:
+def macaulay2(system: PolynomialSystem, digits: int = DIGITS) -> str:
     """Return a script for ``M2 --script``."""
     exact = rounded(system, digits)
     rows = ",\n".join(_STYLE.written(row.cleared) for row in exact.polynomials)
@@ -78,7 +78,7 @@ def macaulay2(system: System, digits: int = DIGITS) -> str:
     )
 
 
-def singular(system: System, digits: int = DIGITS) -> str:
+def singular(system: PolynomialSystem, digits: int = DIGITS) -> str:
     """Return a script for ``Singular -q``."""
     exact = rounded(system, digits)
     rows = ",\n".join(_STYLE.written(row.cleared) for row in exact.polynomials)
@@ -108,7 +108,7 @@ def singular(system: System, digits: int = DIGITS) -> str:
     )
 
 
-def hcjl(system: System, digits: int = DIGITS) -> str:
+def hcjl(system: PolynomialSystem, digits: int = DIGITS) -> str:
     """Return a script for Julia with HomotopyContinuation.jl."""
     del digits
     style = Style(quotient="//")
@@ -130,7 +130,7 @@ def hcjl(system: System, digits: int = DIGITS) -> str:
     )
 
 
-def sympy(system: System, digits: int = DIGITS) -> str:
+def sympy(system: PolynomialSystem, digits: int = DIGITS) -> str:
     """Return a Python module that defines ``unknowns`` and ``system`` with exact constants."""
     del digits
     style = Style(power="**")
@@ -153,7 +153,7 @@ def sympy(system: System, digits: int = DIGITS) -> str:
 
 
 #: The programs by the names that the command line gives them.
-PROGRAMS: dict[str, Callable[[System, int], str]] = {
+PROGRAMS: dict[str, Callable[[PolynomialSystem, int], str]] = {
     "msolve": msolve,
     "phcpack": phcpack,
     "macaulay2": macaulay2,
@@ -167,7 +167,7 @@ RATIONAL = ("msolve", "macaulay2", "singular")
 EXACT = ("sympy",)
 
 
-def _head(system: System) -> str:
+def _head(system: PolynomialSystem) -> str:
     return (
         f"gsp {__version__}: {len(system.polynomials)} polynomials in {len(system.names)} unknowns"
     )

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, Kind
 from gspcli.geometry.instance import Instance, Side
-from gspcli.geometry.poses import Field, apply
 from gspcli.geometry.primitives import Geometry, Point
+from gspcli.geometry.quaternions import Field, apply
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -211,7 +211,7 @@ class Arrangement(Bodies):
         return max(self.extent, float(abs(values[..., self.distances]).max())) or 1.0
 
     @cached_property
-    def normalised(self) -> Arrangement:
+    def normalized(self) -> Arrangement:
         """The same with lengths of order one, and frames at the centres of the points.
 
         `restored` takes its translations back.
@@ -230,7 +230,7 @@ class Arrangement(Bodies):
         )
 
     def restored(self, R: Field, T: Field, length: float | None = None) -> Field:
-        """Return translations of `in_units_of` (`normalised` if None) in the given frames."""
+        """Return translations of `in_units_of` (`normalized` if None) in the given frames."""
         unit = self.length if length is None else length
         return unit * T + self.base_centre - apply(R, self.platform_centre)
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli import _kernel
-from gspcli.geometry.poses import normalised
+from gspcli.geometry.quaternions import normalized
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -37,4 +37,4 @@ def made_real(points: Complex) -> Array:
     """Return real representatives of real points, norm 1, shape (..., n + 1)."""
     flat = points.reshape(-1, points.shape[-1])
     pivot = flat[np.arange(len(flat)), np.abs(flat).argmax(axis=1)]
-    return np.asarray(normalised((flat * (1 / pivot)[:, None]).real).reshape(points.shape))
+    return np.asarray(normalized((flat * (1 / pivot)[:, None]).real).reshape(points.shape))

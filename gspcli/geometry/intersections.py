@@ -4,7 +4,7 @@ A plane is a vector p of length 4, its equation ``p . z = 0``; a quadric is a sy
 order 4, its equation ``z^T Q z = 0``. By Bezout's theorem n quadrics and 3 - n planes meet in 2^n
 points counted with multiplicity, or in infinitely many. The native kernel finds them for many
 systems at a time, and says where its answer is not to be trusted; those systems are for
-`gspcli.geometry.quadrics`, which expects everything.
+`gspcli.geometry.quadric_intersections`, which expects everything.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli import _kernel
-from gspcli.geometry.poses import Field
+from gspcli.geometry.quaternions import Field
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

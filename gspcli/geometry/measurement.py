@@ -3,7 +3,7 @@
 The quantities are those of the paper's Section 4, in floating point and also at complex poses:
 a distance is the complex square root of the complex square. A pose may be anything in leading
 batch axes; the constraints are the last axis of values and the first of each derivative. All
-follow by the chain rule from the polynomials of `gspcli.geometry.polynomials`.
+follow by the chain rule from the polynomials of `gspcli.geometry.constraint_polynomials`.
 
 A twist (omega, tau) moves the pose to ``exp([s omega]x) R`` and ``T + s tau``: a rotation in
 the axes of the base about the origin of the platform, and a translation.
@@ -17,8 +17,8 @@ import numpy as np
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.geometry.arrangement import Bodies
-from gspcli.geometry.polynomials import COSINE, Gradient, Hessian, polynomial
-from gspcli.geometry.poses import Field, cross, dot
+from gspcli.geometry.constraint_polynomials import COSINE, Gradient, Hessian, polynomial
+from gspcli.geometry.quaternions import Field, cross, dot
 
 #: Lines that meet at a smaller angle than this (radians) are measured as parallel ones.
 _PARALLEL = 1e-9

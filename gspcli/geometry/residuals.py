@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import jacobian, measured
-from gspcli.geometry.poses import Field, apply, cross
+from gspcli.geometry.quaternions import Field, apply, cross
 
 Array = NDArray[np.float64]
 

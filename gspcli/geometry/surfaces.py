@@ -21,10 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli import _kernel
+from gspcli.geometry.distance_forms import Measures
 from gspcli.geometry.intersections import generic_points
-from gspcli.geometry.measures import Measures
-from gspcli.geometry.poses import Field, normalised
-from gspcli.geometry.quadrics import all_roots
+from gspcli.geometry.quadric_intersections import all_roots
+from gspcli.geometry.quaternions import Field, normalized
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -204,7 +204,7 @@ def intersection(planes: Field, quadrics: Field, accuracy: float = _EPS) -> Inte
     return Intersection(
         points=_affine(frame, roots.points[finite]),
         multiplicity=roots.multiplicity[finite],
-        distant=normalised(roots.points[~finite & simple] @ frame.T),
+        distant=normalized(roots.points[~finite & simple] @ frame.T),
         samples=_affine(frame, samples),
         infinite=len(samples) > 0,
         lost=roots.lost + int(roots.multiplicity[lost].sum()),

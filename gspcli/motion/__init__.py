@@ -4,7 +4,7 @@ from gspcli.geometry.limits import out_of_range
 from gspcli.motion.following import FollowOptions, MovingPlatform
 from gspcli.motion.measuring import measure
 from gspcli.motion.pose_files import PoseFormat, PoseTable, read_pose, read_poses
-from gspcli.motion.tracking import Event, Track, track
+from gspcli.motion.trajectories import Event, Track, track
 from gspcli.motion.value_files import ValueTable, read_values
 
 __all__ = [

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.poses import (
+from gspcli.geometry.quaternions import (
     ROTATION_FORMS,
     TRANSLATION_FORMS,
     apply,

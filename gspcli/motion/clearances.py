@@ -21,7 +21,7 @@ from gspcli.geometry.measurement import jacobian
 from gspcli.motion.enclosures import Neighbourhood
 from gspcli.motion.following import MovingPlatform, Stop
 from gspcli.motion.measuring import measure
-from gspcli.motion.tracking import Event, track_from
+from gspcli.motion.trajectories import Event, track_from
 
 Array = NDArray[np.float64]
 

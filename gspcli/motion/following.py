@@ -12,7 +12,7 @@ from gspcli import _kernel
 from gspcli.certification.moving import Law, MovingEquations, Shape, moving_equations
 from gspcli.continuation.tracker import helpful
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.poses import pose_from_study, study_from_pose
+from gspcli.geometry.quaternions import pose_from_study, study_from_pose
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

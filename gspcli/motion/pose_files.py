@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from gspcli.errors import Location, Problem, SpecError
 from gspcli.geometry.euler import rotation_from_euler
-from gspcli.geometry.poses import apply, rotation_from_quaternion
+from gspcli.geometry.quaternions import apply, rotation_from_quaternion
 from gspcli.motion.number_tables import NumberTable, check, wrong_number
 from gspcli.wording import shown
 

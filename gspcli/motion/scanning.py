@@ -13,7 +13,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.residuals import condition_numbers
-from gspcli.motion.tracking import track
+from gspcli.motion.trajectories import track
 from gspcli.motion.value_files import stated_values
 from gspcli.solver import solve_values
 

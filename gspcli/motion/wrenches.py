@@ -17,7 +17,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import jacobian
-from gspcli.geometry.poses import apply, cross
+from gspcli.geometry.quaternions import apply, cross
 
 Array = NDArray[np.float64]
 

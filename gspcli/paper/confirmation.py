@@ -13,7 +13,7 @@ from gspcli.catalogue.types import GspType
 from gspcli.defaults import SEED
 from gspcli.errors import CheckFailed
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.poses import apply, cross, dot
+from gspcli.geometry.quaternions import apply, cross, dot
 from gspcli.paper.table3 import Entry, compute
 from gspcli.progress import Progress, silent
 from gspcli.solver import SolveResult, solve

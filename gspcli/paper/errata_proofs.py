@@ -13,8 +13,8 @@ from gspcli.catalogue.bounds import type_bounds
 from gspcli.catalogue.constraints import constraint_facts
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, KINDS_BY_NAME
 from gspcli.catalogue.realization import realization
+from gspcli.catalogue.recorded_varieties import LAZARD, MOURRAIN, MOURRAIN_16, varieties
 from gspcli.catalogue.types import CLASSES, all_types
-from gspcli.catalogue.varieties import LAZARD, MOURRAIN, MOURRAIN_16, varieties
 from gspcli.errors import CheckFailed
 from gspcli.paper import table1, table2, table3
 
@@ -34,7 +34,7 @@ def class_size() -> str:
 
 def degree_of_mourrain() -> str:
     """Prove that the variety in 25 coordinates has degree 84, twice, and the one in 16 has 40."""
-    from gspcli.catalogue.intersections import mourrain_degree
+    from gspcli.catalogue.intersection_numbers import mourrain_degree
     from gspcli.symbolic.coordinates import system
     from gspcli.symbolic.varieties import hilbert_function, sampled_hilbert_function
 
@@ -60,7 +60,7 @@ def degree_of_mourrain() -> str:
 
 def lowest_degrees() -> str:
     """Prove the lowest degrees of DHP, DLP and DLL."""
-    from gspcli.symbolic.constraints import lowest_degree
+    from gspcli.symbolic.constraint_equations import lowest_degree
 
     found = []
     for kind in (DHP, DLP, DLL):

@@ -1,4 +1,4 @@
-"""Convex hulls of a dozen points: the shape by which a body is recognised."""
+"""Convex hulls of a dozen points: the shape by which a body is recognized."""
 
 from __future__ import annotations
 

@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL, Primitive
 from gspcli.catalogue.mechanism import Mechanism, MountedChain
-from gspcli.pictures.chains import draw_links
+from gspcli.pictures.chain_panels import draw_links
 from gspcli.pictures.drawing import draw_body
 from gspcli.pictures.figures import BASE, PLATFORM, styled, written
-from gspcli.pictures.joints import draw_joint
+from gspcli.pictures.joint_symbols import draw_joint
 from gspcli.pictures.mounting import Ends, fitting, mounted, stretched
 from gspcli.pictures.projection import Paper, View
 from gspcli.pictures.scene import Body, Element, Scene

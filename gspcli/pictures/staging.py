@@ -13,8 +13,8 @@ from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Constraint
 from gspcli.geometry.measurement import measured
-from gspcli.geometry.poses import quaternion_from_rotation
 from gspcli.geometry.primitives import Geometry, Point
+from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.residuals import condition_numbers, sides_of
 from gspcli.pictures.guides import guides
 from gspcli.pictures.hulls import convex_hull

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import AHH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
-from gspcli.geometry.poses import cross, dot
+from gspcli.geometry.quaternions import cross, dot
 from gspcli.pictures.scene import Stroke, Style
 
 Array = NDArray[np.float64]

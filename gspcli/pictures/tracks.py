@@ -11,7 +11,7 @@ from itertools import islice
 import numpy as np
 
 from gspcli.errors import Location, Problem, SpecError
-from gspcli.geometry.poses import rotation_from_quaternion
+from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.pictures.staging import Poses
 
 #: Names of the columns of a pose; those of `gsp solve` are accepted too.

@@ -3,7 +3,7 @@
 After P. Dietmaier (1998): take a conjugate pair of solutions that is close to a fold, move the
 platform so that the pair comes together and becomes real, and keep all real solutions from
 coming together meanwhile. A step is the shortest change of the platform's numbers that does this
-to first order (`gspcli.reality.folds`), of limited length. After each step all solutions
+to first order (`gspcli.reality.fold_distances`), of limited length. After each step all solutions
 are followed along a random complex path; the search accepts no step that loses a real one.
 
 It works on *reduced* platforms: distances to planes and of lines are zero. A plane can be moved
@@ -23,12 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, Kind
-from gspcli.continuation.following import follow
+from gspcli.continuation.parameter_homotopy import follow
 from gspcli.continuation.solve import solve_systems
 from gspcli.continuation.systems import Structure, System
 from gspcli.defaults import SEED
-from gspcli.geometry.poses import pose_from_study
-from gspcli.reality.folds import Folds, folds, moved
+from gspcli.geometry.quaternions import pose_from_study
+from gspcli.reality.fold_distances import Folds, folds, moved
 from gspcli.reality.platforms import Platforms, random_platforms
 from gspcli.reality.recognition import reality
 from gspcli.reality.step import shortest_step

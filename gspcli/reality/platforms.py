@@ -15,8 +15,8 @@ from gspcli.continuation.solve import solve_systems
 from gspcli.continuation.systems import System
 from gspcli.geometry.arrangement import Bodies
 from gspcli.geometry.measurement import measured
-from gspcli.geometry.poses import dot, normalised, rotation_from_quaternion
-from gspcli.solver.systems import systems_of
+from gspcli.geometry.quaternions import dot, normalized, rotation_from_quaternion
+from gspcli.solver.study_systems import systems_of
 
 Array = NDArray[np.float64]
 
@@ -72,7 +72,7 @@ def random_platforms(kinds: Sequence[Kind], count: int, rng: np.random.Generator
     shape = (count, len(kinds))
     distance = np.array([kind.is_distance for kind in kinds])[:, None]
     y, x = rng.uniform(-1, 1, size=(2, *shape, 3)) * distance
-    u, v = normalised(rng.normal(size=(2, *shape, 3)))
+    u, v = normalized(rng.normal(size=(2, *shape, 3)))
     u *= np.array([kind.platform is not Primitive.POINT for kind in kinds])[:, None]
     v *= np.array([kind.base is not Primitive.POINT for kind in kinds])[:, None]
     R = rotation_from_quaternion(rng.normal(size=(count, 4)))

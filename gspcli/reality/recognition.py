@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.geometry.poses import normalised
+from gspcli.geometry.quaternions import normalized
 
 #: The error of a solution of norm 1 is about the condition number times this, ...
 _EPS = float(np.finfo(float).eps)
@@ -52,7 +52,7 @@ def reality(points: NDArray[np.complex128], condition: NDArray[np.float64]) -> R
     condition
         Their condition numbers, shape (n,).
     """
-    z = normalised(points)
+    z = normalized(points)
     error = _EPS * condition
     height = np.linalg.norm(z.imag, axis=-1)
     real = height < _REAL * error

@@ -38,7 +38,7 @@ def shortest_step(normals: Array, least: Array) -> Array | None:
 
 
 def nonnegative_least_squares(matrix: Array, goal: Array) -> Array:
-    """Return the x >= 0 that minimises ``|matrix @ x - goal|``, shape (m, n), (m,) -> (n,).
+    """Return the x >= 0 that minimizes ``|matrix @ x - goal|``, shape (m, n), (m,) -> (n,).
 
     Lawson and Hanson, chapter 23, on the normal equations (Bro and de Jong 1997).
     """

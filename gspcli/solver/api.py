@@ -16,7 +16,7 @@ from gspcli.geometry.building import checked
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.solver.arguments import problems_of, value_rows, whole
-from gspcli.solver.poses import PoseSet
+from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.result import SolveResult, stable_order
 

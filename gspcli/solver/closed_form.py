@@ -19,8 +19,8 @@ from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.measures import Measures, measures
-from gspcli.geometry.poses import (
+from gspcli.geometry.distance_forms import Measures, measures
+from gspcli.geometry.quaternions import (
     Field,
     apply,
     canonical_sign,
@@ -36,7 +36,7 @@ from gspcli.geometry.surfaces import (
     surfaces,
 )
 from gspcli.solver.infinity import finite_pose
-from gspcli.solver.poses import PoseSet
+from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.rotations import Rotations, angle_forms, rotations
 from gspcli.solver.self_motion import Motion, local_motion
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from gspcli.errors import GspError
 from gspcli.geometry.euler import check_sequence, euler_from_rotation
-from gspcli.geometry.poses import vector_from_rotation
+from gspcli.geometry.quaternions import vector_from_rotation
 
 if TYPE_CHECKING:
     from gspcli.solver.result import SolveResult

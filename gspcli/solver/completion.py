@@ -12,8 +12,8 @@ import numpy as np
 from gspcli.certification.collecting import Collection
 from gspcli.certification.multiple import MultiplePose, multiple_poses
 from gspcli.continuation.paths import Basis, PathAccount
-from gspcli.geometry.poses import canonical_sign
-from gspcli.solver.poses import PoseSet
+from gspcli.geometry.quaternions import canonical_sign
+from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.search import Search
 
 

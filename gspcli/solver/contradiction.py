@@ -1,6 +1,6 @@
 """Why a platform has no real pose: the fewest of its constraints that contradict each other.
 
-Subsystems are solved by minimisation (Levenberg and Marquardt) from many random poses: numerical
+Subsystems are solved by minimization (Levenberg and Marquardt) from many random poses: numerical
 evidence, which can miss a pose, and is called so wherever it is shown.
 """
 
@@ -14,7 +14,11 @@ from numpy.typing import NDArray
 from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import jacobian, measured
-from gspcli.geometry.poses import rotation_from_quaternion, rotation_from_vector, unit_quaternion
+from gspcli.geometry.quaternions import (
+    rotation_from_quaternion,
+    rotation_from_vector,
+    unit_quaternion,
+)
 
 Array = NDArray[np.float64]
 
@@ -43,7 +47,7 @@ def contradiction(arrangement: Arrangement, *, seed: int = SEED) -> tuple[int, .
         Their indices: for each of them there is a pose that satisfies all the others of the
         list. Empty if a pose was found that satisfies all.
     """
-    platform = arrangement.normalised
+    platform = arrangement.normalized
     needed = list(range(len(platform.kinds)))
     if _is_satisfied(platform, needed, seed):
         return ()
@@ -55,7 +59,7 @@ def contradiction(arrangement: Arrangement, *, seed: int = SEED) -> tuple[int, .
 
 
 def _is_satisfied(platform: Arrangement, chosen: list[int], seed: int) -> bool:
-    """Return whether some of the constraints are satisfied where the minimisation ends."""
+    """Return whether some of the constraints are satisfied where the minimization ends."""
     part = replace(
         platform,
         kinds=tuple(platform.kinds[k] for k in chosen),

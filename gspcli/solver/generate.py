@@ -17,8 +17,8 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.poses import rotation_from_quaternion, rotation_from_vector
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
+from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
 from gspcli.geometry.residuals import condition_numbers
 
 Array = NDArray[np.float64]

@@ -16,7 +16,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.residuals import residuals
 from gspcli.solver.closed_form import solve_closed_form
-from gspcli.solver.poses import PoseSet
+from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.proof import Proof
 from gspcli.solver.self_motion import Motion
 from gspcli.solver.tracking import poses_by_paths, solve_by_tracking

@@ -1,6 +1,6 @@
 """Whether a regular solution is at infinity, decided in extended precision.
 
-A solution with a very small homogenising coordinate (N of a rotation, s of a translation) is at
+A solution with a very small homogenizing coordinate (N of a rotation, s of a translation) is at
 infinity or merely far away, and double precision may not tell which. Here Newton's
 method is run in fixed-point arithmetic of many digits, the coefficients taken as exact, and what is
 left of the coordinate is compared with what the last digit of the coefficients can do to it:
@@ -21,8 +21,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.geometry.measures import Measures
-from gspcli.geometry.poses import ROTATION_FORMS, TRANSLATION_FORMS, Field, normalised
+from gspcli.geometry.distance_forms import Measures
+from gspcli.geometry.quaternions import ROTATION_FORMS, TRANSLATION_FORMS, Field, normalized
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -95,7 +95,7 @@ def refined_rotation(forms: Array, e: Complex) -> tuple[Complex, bool | None]:
         return e, None
     z, changes = refined
     point = _rounded(z)
-    return normalised(point), _differs(complex(z @ z), 2 * changes @ point)
+    return normalized(point), _differs(complex(z @ z), 2 * changes @ point)
 
 
 def _rotation_equations(given: list[Digits], z: Digits) -> list[Any]:

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL, Kind
-from gspcli.continuation.following import follow_each
+from gspcli.continuation.parameter_homotopy import follow_each
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.solve import solve_system
@@ -28,16 +28,16 @@ from gspcli.continuation.start import path_count
 from gspcli.continuation.systems import Coefficients, System
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.conjugates import find_real_points
-from gspcli.geometry.poses import (
+from gspcli.geometry.quaternions import (
     canonical_sign,
     pose_from_study,
     quaternion_from_rotation,
     unit_quaternion,
 )
 from gspcli.solver.parallel_lines import polish_parallel_lines
-from gspcli.solver.poses import PoseSet
+from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.proof import Ground, Proof
-from gspcli.solver.systems import coefficients_of, side_choices
+from gspcli.solver.study_systems import coefficients_of, side_choices
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
@@ -263,7 +263,7 @@ class _Geometry:
             inner.kinds, inner.y, inner.x, inner.u, inner.v, values.reshape(-1, 6)
         )
         ordered = Coefficients(*(x[:, list(structure.order)] for x in coefficients))
-        targets = ordered.in_units(start.scale).normalised()
+        targets = ordered.in_units(start.scale).normalized()
         ends = follow_each(start.system, start.points, targets, jobs=jobs)
         points = ends.points
         points[..., 4:] *= start.scale

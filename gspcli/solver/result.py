@@ -15,9 +15,9 @@ from gspcli import __version__
 from gspcli.continuation.paths import PathAccount, Verdict
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance, Side
-from gspcli.geometry.poses import Field
+from gspcli.geometry.quaternions import Field
 from gspcli.geometry.residuals import condition_numbers, residuals, sides_of
-from gspcli.solver.poses import PoseSet
+from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.self_motion import Motion
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.conjugates import find_real_points
 from gspcli.geometry.intersections import generic_points
-from gspcli.geometry.poses import Field, dot, rotated_forms
-from gspcli.geometry.quadrics import all_roots
+from gspcli.geometry.quadric_intersections import all_roots
+from gspcli.geometry.quaternions import Field, dot, rotated_forms
 from gspcli.geometry.surfaces import certainly_not_zero
 from gspcli.solver.infinity import refined_rotation
 

@@ -12,9 +12,9 @@ from gspcli.certification.counting import poses_by_elimination
 from gspcli.certification.distinct import same
 from gspcli.certification.isolation import Isolation
 from gspcli.certification.locating import AtInfinity, Locator
-from gspcli.continuation.pursuit import Ends, Pursuit
+from gspcli.continuation.pursuit import PursuedEnds, Pursuit
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.poses import Field, pose_from_study, unit_quaternion
+from gspcli.geometry.quaternions import Field, pose_from_study, unit_quaternion
 
 #: Bits in which all poses are computed by elimination, and the largest number for which that is
 #: worth it: some seconds.
@@ -32,7 +32,7 @@ class Search:
     arrangement
         The platform in floating point.
     locator
-        Of the exact instance, with points in the coordinates of ``arrangement.normalised``.
+        Of the exact instance, with points in the coordinates of ``arrangement.normalized``.
     pursuit
         The paths.
     sides
@@ -78,7 +78,7 @@ class Search:
         self._locate(self.pursuit.deeply(np.arange(self.pursuit.paths), attempt=1))
         yield
 
-    def _add_simple(self, ends: Ends) -> NDArray[np.bool_]:
+    def _add_simple(self, ends: PursuedEnds) -> NDArray[np.bool_]:
         """Add the ends that floating point can prove; return which."""
         R, T, quaternions = self._in_frames(ends.points)
         finite = np.isfinite(T).all(axis=1)
@@ -86,7 +86,7 @@ class Search:
         proved[finite] = self.found.add_doubles(R[finite], T[finite], quaternions[finite])
         return proved
 
-    def _locate(self, ends: Ends) -> None:
+    def _locate(self, ends: PursuedEnds) -> None:
         """Add the poses near ends, and their conjugates."""
         new = ~self._is_known(ends)
         located = self.locator.locate(ends.points[new], ends.low[new], self.sides)
@@ -113,12 +113,12 @@ class Search:
         return all((sign < 0) == (side == 1) for sign, side, asked in each if asked == 0)
 
     def _in_frames(self, points: Field) -> tuple[Field, Field, Field]:
-        """Return R, T and quaternions of Study points of the normalised arrangement."""
+        """Return R, T and quaternions of Study points of the normalized arrangement."""
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             R, T = pose_from_study(points[:, :4], points[:, 4:])
             return R, self.arrangement.restored(R, T), unit_quaternion(points[:, :4])
 
-    def _is_known(self, ends: Ends) -> NDArray[np.bool_]:
+    def _is_known(self, ends: PursuedEnds) -> NDArray[np.bool_]:
         """Return which ends are proved poses as well as doubles tell, shape (k,)."""
         R, T, _ = self._in_frames(ends.points)
         here, known = (

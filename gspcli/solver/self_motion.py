@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL, DLP, DPL, DPP, Kind
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.constraint_polynomials import COSINE, polynomial
 from gspcli.geometry.measurement import by_twist, velocities
-from gspcli.geometry.polynomials import COSINE, polynomial
-from gspcli.geometry.poses import (
+from gspcli.geometry.quaternions import (
     Field,
     cross,
     dot,
@@ -123,12 +123,12 @@ class _System:
 
     def __init__(self, arrangement: Arrangement) -> None:
         self.outer = arrangement
-        self.given = arrangement.normalised
+        self.given = arrangement.normalized
         self.targets = self.given.values.copy()
         self.targets[self.given.angles] = self.given.cosines(self.given.values)
 
     def inward(self, R: Field, T: Field) -> Field:
-        """Return the translation of a pose for the normalised arrangement."""
+        """Return the translation of a pose for the normalized arrangement."""
         back = T - self.outer.base_centre + R @ self.outer.platform_centre
         return back / self.outer.length
 

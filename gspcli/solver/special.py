@@ -12,10 +12,10 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.solver.completion import complete
 from gspcli.solver.infinite import solve_infinite
-from gspcli.solver.poses import PoseSet, joined
+from gspcli.solver.pose_set import PoseSet, joined
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.search import Search
-from gspcli.solver.systems import side_choices
+from gspcli.solver.study_systems import side_choices
 from gspcli.solver.uncounted import without_count
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import jacobian, measured
-from gspcli.geometry.poses import Field
+from gspcli.geometry.quaternions import Field
 from gspcli.geometry.residuals import residuals
 
 

@@ -16,7 +16,7 @@ from gspcli.continuation.solutions import SystemSolutions
 from gspcli.continuation.systems import System
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.conjugates import find_real_points, made_real
-from gspcli.geometry.poses import (
+from gspcli.geometry.quaternions import (
     Field,
     canonical_sign,
     pose_from_study,
@@ -24,9 +24,9 @@ from gspcli.geometry.poses import (
     unit_quaternion,
 )
 from gspcli.solver.parallel_lines import judge_parallel_lines, polish_parallel_lines
-from gspcli.solver.poses import PoseSet
+from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.self_motion import Motion
-from gspcli.solver.systems import target_systems
+from gspcli.solver.study_systems import target_systems
 
 Complex = NDArray[np.complex128]
 
@@ -72,7 +72,7 @@ def pursue_each(
 
     def systems() -> Iterator[System]:
         for arrangement in arrangements:
-            targets = target_systems(arrangement.normalised)
+            targets = target_systems(arrangement.normalized)
             waiting.append((arrangement, len(targets)))
             yield from targets
 

@@ -11,8 +11,8 @@ from itertools import islice
 import numpy as np
 
 from gspcli.continuation.paths import PathAccount
-from gspcli.geometry.poses import canonical_sign
-from gspcli.solver.poses import PoseSet
+from gspcli.geometry.quaternions import canonical_sign
+from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.search import Search
 
 #: No count says whether more means would find more.

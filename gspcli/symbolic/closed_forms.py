@@ -7,7 +7,11 @@ from functools import cache
 
 from gspcli.errors import GspError
 from gspcli.symbolic.angles import derive_angles, derive_example_6_2
-from gspcli.symbolic.surfaces import INTERSECTIONS, derive_example_6_8, derive_intersection
+from gspcli.symbolic.surface_intersections import (
+    INTERSECTIONS,
+    derive_example_6_8,
+    derive_intersection,
+)
 from gspcli.symbolic.triangular import TriangularSet
 
 _OTHERS: dict[str, Callable[[], TriangularSet]] = {

@@ -14,7 +14,7 @@ from random import Random
 
 from gspcli.catalogue.kinds import Kind
 from gspcli.symbolic.coordinates import CoordinateSystem
-from gspcli.symbolic.motions import Motion, monomials, rank
+from gspcli.symbolic.rational_motions import Motion, monomials, rank
 from gspcli.symbolic.samples import sample
 from gspcli.symbolic.varieties import coordinates_at
 

@@ -9,7 +9,7 @@ import sympy
 from sympy import Expr
 
 from gspcli.catalogue.kinds import Kind, Primitive
-from gspcli.symbolic.constraints import (
+from gspcli.symbolic.constraint_equations import (
     ANGLE,
     DISTANCE,
     SymbolicEquation,

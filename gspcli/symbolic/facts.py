@@ -7,8 +7,8 @@ from dataclasses import asdict
 from typing import Any
 
 from gspcli.catalogue.kinds import Kind
-from gspcli.catalogue.varieties import varieties
-from gspcli.symbolic.constraints import (
+from gspcli.catalogue.recorded_varieties import varieties
+from gspcli.symbolic.constraint_equations import (
     FIXED_ORIENTATION,
     difference_degree,
     equation,

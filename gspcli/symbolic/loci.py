@@ -13,7 +13,7 @@ import sympy
 from sympy import Expr, Matrix, Symbol
 
 from gspcli.catalogue.kinds import Kind, Primitive
-from gspcli.symbolic.constraints import setting, squared_distance
+from gspcli.symbolic.constraint_equations import setting, squared_distance
 from gspcli.symbolic.coordinates import MOTIONS, motion_blocks
 from gspcli.symbolic.forms import Frame, Vector, evaluate, inner
 
@@ -85,7 +85,7 @@ def _axis(axis: Vector | None) -> Vector:
 
 def _plane_directions(directions: tuple[Vector, ...], normal: Matrix) -> dict[str, Matrix]:
     """Return two orthonormal directions perpendicular to a normal from `_unit`."""
-    # The stereographic parametrisation is conformal: its tangents are orthogonal.
+    # The stereographic parametrization is conformal: its tangents are orthogonal.
     parameters = sorted(normal.free_symbols, key=str)
     s, t = parameters
     scale = (1 + s**2 + t**2) / 2

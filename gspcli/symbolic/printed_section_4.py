@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from gspcli.errors import CheckFailed
-from gspcli.symbolic.motions import Exact, random_motion, random_vector
+from gspcli.symbolic.rational_motions import Exact, random_motion, random_vector
 
 _X, _Y, _Z = np.eye(3, dtype=int).astype(object)
 

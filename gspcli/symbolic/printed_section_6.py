@@ -11,7 +11,7 @@ from sympy import Expr, Matrix, Poly, Rational, Symbol, radsimp, symbols, sympif
 
 from gspcli.errors import CheckFailed
 from gspcli.symbolic.closed_forms import derive
-from gspcli.symbolic.triangular import parametrise
+from gspcli.symbolic.triangular import parametrize
 
 #: An instance of equation (12) in the paper's frame, s2, s3, s5 and s6 of unit length.
 _ANGLES = {
@@ -24,7 +24,7 @@ _ANGLES = {
 
 def equation_12() -> str:
     """Prove that no h2 of (12) has degree 3 in r32 in both of its coefficients."""
-    first, unknowns = parametrise(derive("AAA").at(_ANGLES))
+    first, unknowns = parametrize(derive("AAA").at(_ANGLES))
     _require(first.degree() == 8 and first.is_irreducible, "h1 is reducible")
     r32 = Poly(first.gen, domain=first.domain)
     products = [r32**k * factor for factor in (unknowns["r31"], r32**0) for k in range(4)]

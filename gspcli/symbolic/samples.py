@@ -2,7 +2,7 @@
 
 They are built from the geometry alone — an offset of the given length perpendicular to the
 directions of the two primitives, a rotation through the given angle — so that they test the
-equations of `gspcli.symbolic.constraints` from outside.
+equations of `gspcli.symbolic.constraint_equations` from outside.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from random import Random
 import numpy as np
 
 from gspcli.catalogue.kinds import Kind, Primitive
-from gspcli.symbolic.motions import (
+from gspcli.symbolic.rational_motions import (
     Exact,
     Motion,
     cayley,

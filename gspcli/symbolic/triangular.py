@@ -257,15 +257,15 @@ class TriangularSet:
     def at(self, parameters: Mapping[str, Any]) -> list[Polynomial]:
         """Return the elements for rational parameters, as polynomials in the unknowns over QQ."""
         values = self.values({k: QQ.convert(v) for k, v in parameters.items()}, QQ.one)
-        return specialise([item.polynomial for item in self.elements], values, self.variables)
+        return specialize([item.polynomial for item in self.elements], values, self.variables)
 
     def system_at(self, parameters: Mapping[str, Any]) -> list[Polynomial]:
         """Return the system for rational parameters, as polynomials in the unknowns over QQ."""
         values = {k: QQ.convert(v) for k, v in parameters.items()}
-        return specialise([item.polynomial for item in self.system], values, self.variables)
+        return specialize([item.polynomial for item in self.system], values, self.variables)
 
 
-def specialise(
+def specialize(
     polynomials: Sequence[Polynomial], values: Values, variables: Sequence[str]
 ) -> list[Polynomial]:
     """Put rational numbers for all generators but the unknowns; the result is over QQ."""
@@ -274,7 +274,7 @@ def specialise(
     return [evaluate(polynomial, known, ring.one) for polynomial in polynomials]
 
 
-def parametrise(elements: Sequence[Polynomial]) -> tuple[Poly, dict[str, Poly]]:
+def parametrize(elements: Sequence[Polynomial]) -> tuple[Poly, dict[str, Poly]]:
     """Solve a numerical triangular set whose elements after the first are linear.
 
     Parameters

@@ -27,7 +27,7 @@ from gspcli.symbolic.coordinates import (
     CoordinateSystem,
     cofactors,
 )
-from gspcli.symbolic.motions import (
+from gspcli.symbolic.rational_motions import (
     Motion,
     Residues,
     monomials,

@@ -14,9 +14,9 @@ import pytest
 _SCRIPT = """
 import fcntl, struct, sys, termios
 from gspcli.cli.main import run
-from gspcli.cli import progress
+from gspcli.cli import progress_bars
 from gspcli.cli.output import terminal
-progress._PATIENCE_SECONDS = 1e6
+progress_bars._PATIENCE_SECONDS = 1e6
 widths, words = [int(word) for word in sys.argv[1].split(",")], sys.argv[2:]
 show = terminal.show
 def resize(width):

@@ -23,7 +23,7 @@ from gspcli.catalogue.counts import (
     law,
     mirrored,
 )
-from gspcli.catalogue.intersections import intersection_number
+from gspcli.catalogue.intersection_numbers import intersection_number
 from gspcli.catalogue.kinds import DLL, DPH, DPL, DPP
 from gspcli.catalogue.types import all_types
 from gspcli.resources import data_path
@@ -45,10 +45,10 @@ def test_the_manifest_describes_the_files() -> None:
 
 def test_the_119_numbers_were_found_in_two_more_ways() -> None:
     rows = _rows(NUMBERS_FILE)
-    assert {row["families"]: int(row["monodromy"]) for row in rows} == monodromy_counts()
+    assert {row["spaces"]: int(row["monodromy"]) for row in rows} == monodromy_counts()
     assert len(rows) == 119
     for row in rows:
-        assert int(row["number"]) == intersection_number(row["families"])
+        assert int(row["number"]) == intersection_number(row["spaces"])
         assert row["orders"].split() == [row["number"]] * len(PRIMES)
         assert row["number"] == row["monodromy"]
 

@@ -20,7 +20,7 @@ from gspcli.catalogue.witnesses import (
     witness,
     witness_text,
 )
-from gspcli.reality.witnesses import certified_real, known_instance, rows_of, witness_instance
+from gspcli.reality.witness_proofs import certified_real, known_instance, rows_of, witness_instance
 from gspcli.resources import data_json, data_path
 from gspcli.spec import dumps, loads
 

@@ -19,8 +19,8 @@ from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.types import CLASSES, GspType, all_types
 from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.poses import Field
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
+from gspcli.geometry.quaternions import Field
 from gspcli.solver import SolveResult, solve
 from gspcli.solver.generate import random_instance
 

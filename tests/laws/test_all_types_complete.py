@@ -28,12 +28,12 @@ def test_random_platforms_with_six_dpp_are_solved_completely(tool):
 def test_random_platforms_of_every_class_are_solved_completely(tool):
     families = [
         family
-        for family in tool.signatures().values()
+        for family in tool.families_by_name().values()
         if generic_counts(family.types[0]).two_sided <= MANY
     ]
     assert len(families) > 200
     for family in families[::3]:
-        (finding,) = tool.verify_signature(tool.Task(family.id, 1, tool.SEED))
+        (finding,) = tool.verify_family(tool.Task(family.id, 1, tool.SEED))
         assert finding.problems == (), family.id
 
 
@@ -145,8 +145,8 @@ def test_a_record_that_is_not_the_manifests_is_seen(tool, tmp_path, monkeypatch)
     for path in tool.RECORDS.iterdir():
         (tmp_path / path.name).write_bytes(path.read_bytes())
     monkeypatch.setattr(tool, "RECORDS", tmp_path)
-    assert list(tool.differences("signatures", {}, whole=False)) == []
-    record = tmp_path / "signatures.csv"
+    assert list(tool.differences("families", {}, whole=False)) == []
+    record = tmp_path / "families.csv"
     record.write_text(record.read_text().replace(",40,", ",41,", 1))
-    (difference,) = tool.differences("signatures", {}, whole=False)
+    (difference,) = tool.differences("families", {}, whole=False)
     assert "not the file of the manifest" in difference

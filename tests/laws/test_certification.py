@@ -15,8 +15,8 @@ from gspcli.certification import Certificates, certify
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.poses import rotation_from_quaternion
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
+from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.solver import solve
 from gspcli.solver.closed_form import solve_closed_form
 from gspcli.solver.generate import random_instance
@@ -151,7 +151,7 @@ def test_poses_that_are_off_are_never_certified(
 
 @few
 @given(platforms)
-def test_copies_are_recognised(key: tuple[str, int]) -> None:
+def test_copies_are_recognized(key: tuple[str, int]) -> None:
     instance, R, T, real = platform(key)
     result = certify(instance, np.concatenate((R, R)), np.concatenate((T, T)))
     assert result.certified == 2 * len(R)

@@ -21,21 +21,21 @@ from gspcli.continuation.systems import Structure, System
 SEEDS = st.integers(0, 2**32 - 1)
 
 
-def real_system(families: str, rng: np.random.Generator) -> System:
+def real_system(spaces: str, rng: np.random.Generator) -> System:
     """Random real quadrics through a random real Study point."""
     e, f = rng.standard_normal((2, 4))
     values = monomials(np.r_[e, f - e * (e @ f) / (e @ e)])
     rows = []
-    for letter in families:
+    for letter in spaces:
         row = rng.standard_normal(len(BASES[letter])) @ BASES[letter]
         rows.append(row - (row @ values) / (BASES["a"][0] @ values) * BASES["a"][0])
-    return System.of(Structure(families), rows)
+    return System.of(Structure(spaces), rows)
 
 
 def in_order(target: System, order: np.ndarray) -> System:
     """The same quadrics in another order."""
-    families = "".join(target.structure.families[i] for i in order)
-    return System.of(Structure(families), target.coefficients.g[order])
+    spaces = "".join(target.structure.spaces[i] for i in order)
+    return System.of(Structure(spaces), target.coefficients.g[order])
 
 
 def match(a: np.ndarray, b: np.ndarray) -> None:
@@ -48,10 +48,10 @@ def match(a: np.ndarray, b: np.ndarray) -> None:
 
 
 @settings(max_examples=8)
-@given(seed=SEEDS, families=st.sampled_from(["ssssss", "apqlss", "pppqqs", "aallsp"]))
-def test_seed_and_order(seed, families):
+@given(seed=SEEDS, spaces=st.sampled_from(["ssssss", "apqlss", "pppqqs", "aallsp"]))
+def test_seed_and_order(seed, spaces):
     rng = np.random.default_rng(seed)
-    target = real_system(families, rng)
+    target = real_system(spaces, rng)
     solutions = solve_system(target)
     assert solutions.account.verdict == "complete"
     again = solve_system(in_order(target, rng.permutation(6)), seed=seed)
@@ -59,10 +59,10 @@ def test_seed_and_order(seed, families):
 
 
 @settings(max_examples=8)
-@given(seed=SEEDS, families=st.sampled_from(["ssssss", "aplsss", "pppqss", "aaqlsp"]))
-def test_swap(seed, families):
-    target = real_system(families, np.random.default_rng(seed))
-    swapped = System.of(Structure(swap_letters(families)), swap_quadrics(target.coefficients.g))
+@given(seed=SEEDS, spaces=st.sampled_from(["ssssss", "aplsss", "pppqss", "aaqlsp"]))
+def test_swap(seed, spaces):
+    target = real_system(spaces, np.random.default_rng(seed))
+    swapped = System.of(Structure(swap_letters(spaces)), swap_quadrics(target.coefficients.g))
     match(solve_system(target).points, swap_points(solve_system(swapped).points))
 
 
@@ -77,9 +77,9 @@ def test_unit_of_length(seed, exponent):
     match(solve_system(target).points, scaled)
 
 
-@pytest.mark.parametrize("families", ["ssssss", "apqlss"])
-def test_real_systems_have_conjugate_solutions(families):
-    points = solve_system(real_system(families, np.random.default_rng(11))).points
+@pytest.mark.parametrize("spaces", ["ssssss", "apqlss"])
+def test_real_systems_have_conjugate_solutions(spaces):
+    points = solve_system(real_system(spaces, np.random.default_rng(11))).points
     match(points, points.conj())
 
 

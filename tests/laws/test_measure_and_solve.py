@@ -11,7 +11,7 @@ from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.types import GspType, all_types
 from gspcli.geometry.instance import Side
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.poses import rotation_from_quaternion
+from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.motion import measure
 from gspcli.solver import solve
 from gspcli.solver.generate import random_instance

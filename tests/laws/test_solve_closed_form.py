@@ -16,8 +16,8 @@ from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.types import GspType, type_by_number
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.poses import apply, rotation_from_quaternion
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
+from gspcli.geometry.quaternions import apply, rotation_from_quaternion
 from gspcli.solver import SolveResult, solve, solve_values
 from gspcli.solver.generate import random_instance
 

@@ -14,8 +14,8 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.poses import rotation_from_quaternion
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
+from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.residuals import residuals
 from gspcli.solver.closed_form import solve_closed_form
 from gspcli.solver.tracking import solve_by_tracking

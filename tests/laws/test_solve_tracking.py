@@ -11,11 +11,11 @@ from matching import pose_set_distance
 from gspcli.catalogue.types import all_types, type_by_number
 from gspcli.continuation.quadrics import evaluate
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.poses import study_from_pose
+from gspcli.geometry.quaternions import study_from_pose
 from gspcli.solver import solve
 from gspcli.solver.closed_form import solve_closed_form
 from gspcli.solver.generate import random_instance
-from gspcli.solver.systems import target_systems
+from gspcli.solver.study_systems import target_systems
 from gspcli.solver.tracking import solve_by_tracking
 
 seeds = st.integers(0, 10**6)
@@ -25,7 +25,7 @@ seeds = st.integers(0, 10**6)
 def test_a_pose_satisfies_the_quadrics_of_its_sides(number, seed):
     instance, (R, T) = random_instance(type_by_number(number), np.random.default_rng(seed))
     arrangement = Arrangement.of(instance)
-    inner = arrangement.normalised
+    inner = arrangement.normalized
     inward = (T - arrangement.base_centre + R @ arrangement.platform_centre) / arrangement.length
     point = np.concatenate(study_from_pose(R, inward))
     errors = []

@@ -24,8 +24,8 @@ from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.types import all_types
 from gspcli.certification import Certificates, certify, read_candidates
 from gspcli.export.answers import read_answer
-from gspcli.export.equations import system
-from gspcli.export.motions import MOTIONS
+from gspcli.export.motion_coordinates import MOTIONS
+from gspcli.export.polynomial_systems import system
 from gspcli.export.programs import PROGRAMS
 from gspcli.geometry.instance import Instance
 from gspcli.resources import data_path

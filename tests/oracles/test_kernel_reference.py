@@ -87,16 +87,16 @@ def follow(products, start, target, z, tolerance=1e-8):
 
 
 @pytest.mark.parametrize(
-    ("families", "products", "paths"),
+    ("spaces", "products", "paths"),
     [("ssssss", "000000", 4), ("apqlss", "000000", 3), ("apqlss", "011100", 3)],
 )
-def test_kernel_against_reference(families, products, paths):
-    structure = Structure(families, tuple(x == "1" for x in products)).canonical()
+def test_kernel_against_reference(spaces, products, paths):
+    structure = Structure(spaces, tuple(x == "1" for x in products)).canonical()
     mask = np.array(structure.products)
     rng = np.random.default_rng(13)
     start = start_system(structure)
     origin = random_start(start, 14, 0)
-    g, h = (random_quadrics(structure.families, rng) for _ in range(2))
+    g, h = (random_quadrics(structure.spaces, rng) for _ in range(2))
     target = System.of(structure, g, h, np.where(mask, 0.2 + 0.1j, 0))
     points = start.points[rng.choice(len(start.points), paths, replace=False)]
     results = track(origin, target, points)

@@ -12,7 +12,7 @@ from gspcli.cli.main import run
 from gspcli.export.mjcf import TIME_STEP, mjcf
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import jacobian, measured
-from gspcli.geometry.poses import rotation_from_vector
+from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.resources import instance_files
 from gspcli.solver import solve

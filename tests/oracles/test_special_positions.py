@@ -18,7 +18,7 @@ from gspcli.catalogue.kinds import DLL, DPP
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import jacobian, measured
-from gspcli.geometry.poses import Field, normalised, rotation_from_quaternion
+from gspcli.geometry.quaternions import Field, normalized, rotation_from_quaternion
 from gspcli.geometry.residuals import residuals
 from gspcli.solver import SolveResult, solve
 from gspcli.solver.generate import random_instance
@@ -189,8 +189,8 @@ def nearly_parallel(angle: float) -> tuple[Arrangement, Field, Field]:
     y, x = rng.uniform(-1, 1, (2, 6, 3))
     R, T = rotation_from_quaternion(rng.normal(size=4)), rng.uniform(-1, 1, 3)
     u, v = np.zeros((2, 6, 3))
-    v[5] = normalised(rng.normal(size=3))
-    across = normalised(np.cross(v[5], [1.0, 2.0, 3.0]))
+    v[5] = normalized(rng.normal(size=3))
+    across = normalized(np.cross(v[5], [1.0, 2.0, 3.0]))
     u[5] = (np.cos(angle) * v[5] + np.sin(angle) * across) @ R
     arrangement = Arrangement(
         kinds=(DPP,) * 5 + (DLL,),

@@ -12,7 +12,7 @@ TOOL = Path(__file__).parents[2] / "tools" / "verify_solve.py"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("run", [["platforms", "--count", "5000"], ["signatures", "--each", "1"]])
+@pytest.mark.parametrize("run", [["platforms", "--count", "5000"], ["families", "--each", "1"]])
 def test_random_platforms_are_solved_completely(run):
     done = subprocess.run(
         [sys.executable, str(TOOL), *run, "--no-record"], capture_output=True, text=True

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.certification import study
+from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.balls import OUTWARD, TINY
 from gspcli.certification.floating import ROUNDING, Doubles, _quadrics
 from gspcli.certification.isolation import REACH
-from gspcli.certification.system import System
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -34,7 +34,7 @@ class Reference(NamedTuple):
 
 
 @np.errstate(all="ignore")
-def reference(system: System, R: Complex, T: Complex) -> Reference:
+def reference(system: BallSystem, R: Complex, T: Complex) -> Reference:
     """Prove what can be proved about poses; T in units of the scale of the system."""
     equations = Doubles(system)
     points, patches = study.study_points(R, T)

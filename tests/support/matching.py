@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gspcli.geometry.poses import Field
+from gspcli.geometry.quaternions import Field
 
 
 def pose_set_distance(

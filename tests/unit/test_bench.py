@@ -28,7 +28,7 @@ from bench.peers import Answer, compare
 from bench.report import Bar, duration, table
 from bench.sweep import Cost, plot
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.poses import study_from_pose
+from gspcli.geometry.quaternions import study_from_pose
 from gspcli.solver import SolveResult, solve
 from gspcli.spec import dumps, loads
 
@@ -200,7 +200,7 @@ def test_bars_and_tables() -> None:
     assert [duration(x) for x in (12.3, 0.0456, 7e-6)] == ["12 s", "46 ms", "7 µs"]
 
 
-def test_the_plot_has_a_dot_for_each_signature() -> None:
+def test_the_plot_has_a_dot_for_each_family() -> None:
     rows = [Cost(f"f{n}", "paths", n, n, 2, "complete", 0.1 * n) for n in (8, 40, 4096)]
     one_less = plot(rows[::2])
     assert plot(rows).count(b"<use") == one_less.count(b"<use") + 1

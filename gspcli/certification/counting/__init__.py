@@ -1,6 +1,7 @@
 """Exact counts of solutions by linear algebra modulo a random prime (docs/exact-counts.md)."""
 
-from gspcli.certification.counting.counts import (
+from gspcli.certification.counting.eigenposes import ApproximatePose, poses_by_elimination
+from gspcli.certification.counting.exact_counts import (
     DEFAULT_LIMIT,
     ExactCount,
     SideCount,
@@ -9,7 +10,6 @@ from gspcli.certification.counting.counts import (
     exact_count,
     geometry_count,
 )
-from gspcli.certification.counting.eigenposes import ApproximatePose, poses_by_elimination
 from gspcli.certification.counting.modular_platform import NotCountedError
 
 __all__ = [

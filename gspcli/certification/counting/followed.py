@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from flint import acb, arb, arb_mat, fmpq
 
 from gspcli.certification import study
-from gspcli.certification.counting.equations import Equations, Function
+from gspcli.certification.counting.motion_equations import Function, MotionEquations
 from gspcli.certification.counting.residue_counts import EliminationTrace, Step
 
 #: A polynomial, by packed exponents; and a vector over normal monomials, by their positions.
@@ -49,7 +49,7 @@ class FollowedElimination:
         How the elimination went modulo a prime.
     """
 
-    def __init__(self, equations: Equations, trace: EliminationTrace) -> None:
+    def __init__(self, equations: MotionEquations, trace: EliminationTrace) -> None:
         self.variables = len(trace.variables)
         self._units = [1 << (_BITS * i) for i in range(self.variables)]
         #: For each function of the motion that is a coordinate, an affine form in the variables.
@@ -97,7 +97,9 @@ class FollowedElimination:
 
     # --- generators
 
-    def _first_generators(self, equations: Equations, trace: EliminationTrace) -> list[Polynomial]:
+    def _first_generators(
+        self, equations: MotionEquations, trace: EliminationTrace
+    ) -> list[Polynomial]:
         forms = [self.forms[k] for k in trace.coordinates]
         result = []
         for relation in trace.relations:
@@ -354,7 +356,7 @@ def _solved(
 
 
 def _affine_forms(
-    equations: Equations, trace: EliminationTrace, units: Sequence[int]
+    equations: MotionEquations, trace: EliminationTrace, units: Sequence[int]
 ) -> dict[int, Polynomial]:
     """Return the coordinates in use as affine forms, by the linear equations."""
     forms: dict[int, Polynomial] = {study.NORM: {0: _ONE}}

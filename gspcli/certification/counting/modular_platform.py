@@ -10,14 +10,8 @@ from itertools import islice
 from flint import nmod
 
 from gspcli.catalogue.kinds import DLL, Kind
-from gspcli.certification.counting.coordinates import Blocks, choose
+from gspcli.certification.counting.coordinate_choice import Blocks, choose
 from gspcli.certification.counting.elements import NoElementError
-from gspcli.certification.counting.equations import (
-    Equation,
-    Equations,
-    equations,
-    parallel_lines,
-)
 from gspcli.certification.counting.exact_platform import (
     EvaluatedConstraint,
     evaluated,
@@ -29,6 +23,12 @@ from gspcli.certification.counting.homomorphism import (
     Randomness,
     Requirements,
     homomorphisms,
+)
+from gspcli.certification.counting.motion_equations import (
+    MotionEquation,
+    MotionEquations,
+    equations,
+    parallel_lines,
 )
 from gspcli.errors import IncompleteError
 from gspcli.geometry.instance import Instance
@@ -114,11 +114,11 @@ class ModularPlatform:
         """The kinds of the constraints."""
         return tuple(row.kind for row in self.exact)
 
-    def equations(self, signs: Sequence[int]) -> Equations:
+    def equations(self, signs: Sequence[int]) -> MotionEquations:
         """Return the equations modulo the prime for a choice of sides."""
         return equations(on_sides(self.rows, signs))
 
-    def parallel_lines(self) -> list[tuple[Equation, Equation]]:
+    def parallel_lines(self) -> list[tuple[MotionEquation, MotionEquation]]:
         """Return for each DLL what is zero where its lines are parallel, and have its distance."""
         in_base = Blocks.TRANSLATION in self.blocks
         return [

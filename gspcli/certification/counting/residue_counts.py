@@ -13,8 +13,13 @@ from numpy.typing import NDArray
 
 from gspcli import _kernel
 from gspcli.certification import study
-from gspcli.certification.counting.coordinates import Blocks
-from gspcli.certification.counting.equations import FUNCTIONS, Equation, Equations, Function
+from gspcli.certification.counting.coordinate_choice import Blocks
+from gspcli.certification.counting.motion_equations import (
+    FUNCTIONS,
+    Function,
+    MotionEquation,
+    MotionEquations,
+)
 
 #: More residues than this are not kept at once (1 GB).
 MAX_ENTRIES = 2**27
@@ -124,13 +129,13 @@ def _matrix(functions: Sequence[Function], width: int, prime: int) -> NDArray[np
 
 
 def count(
-    equations: Equations,
+    equations: MotionEquations,
     blocks: Blocks,
     prime: int,
     *,
     seed: int,
     max_work: int,
-    conditions: Sequence[Equation] = (),
+    conditions: Sequence[MotionEquation] = (),
     groups: Sequence[Sequence[int]] = (),
     find_distinct: bool = True,
     build: str = "",
@@ -176,7 +181,7 @@ def count(
 
 
 def trace(
-    equations: Equations, blocks: Blocks, prime: int, *, seed: int, max_work: int
+    equations: MotionEquations, blocks: Blocks, prime: int, *, seed: int, max_work: int
 ) -> tuple[ResidueCount, EliminationTrace]:
     """Count solutions, and return how the elimination went; parameters are those of `count`.
 
@@ -201,10 +206,10 @@ def trace(
 
 
 def _run(
-    equations: Equations,
+    equations: MotionEquations,
     blocks: Blocks,
     prime: int,
-    conditions: Sequence[Equation] = (),
+    conditions: Sequence[MotionEquation] = (),
     groups: Sequence[Sequence[int]] = (),
     **options: Any,
 ) -> tuple[ResidueCount, tuple[Any, ...] | None]:

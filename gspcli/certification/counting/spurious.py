@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from itertools import chain, combinations
 
-from gspcli.certification.counting.equations import Equation
+from gspcli.certification.counting.motion_equations import MotionEquation
 from gspcli.certification.counting.residue_counts import ResidueCount
 
 #: More DLLs with parallel lines at once are not told apart.
@@ -18,7 +18,7 @@ _MOST = 3
 
 
 def spurious(
-    lines: Sequence[tuple[Equation, Equation]],
+    lines: Sequence[tuple[MotionEquation, MotionEquation]],
     result: ResidueCount,
     run: Callable[..., ResidueCount],
 ) -> tuple[int, int] | None:

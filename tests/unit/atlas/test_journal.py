@@ -10,7 +10,7 @@ from gspcli.atlas import journal as module
 from gspcli.atlas.journal import Result, append, carry_out, read_journal
 from gspcli.atlas.tasks import Task
 from gspcli.atlas.trace import Trace
-from gspcli.atlas.tracking import Tracked
+from gspcli.atlas.tracked_counts import Tracked
 from gspcli.errors import GspError
 from gspcli.workers import Workers
 

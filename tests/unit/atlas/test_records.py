@@ -11,7 +11,7 @@ from gspcli.atlas.journal import Result
 from gspcli.atlas.records import Verdict, contents, verdict
 from gspcli.atlas.tasks import PRIMES, Task
 from gspcli.atlas.trace import Trace
-from gspcli.atlas.tracking import Tracked
+from gspcli.atlas.tracked_counts import Tracked
 from gspcli.defaults import SEED
 from gspcli.errors import CheckFailed
 

@@ -12,11 +12,11 @@ from gspcli.continuation.solve import solve_system
 from gspcli.continuation.systems import Structure, System
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.generate import random_instance
-from gspcli.solver.systems import target_systems
+from gspcli.solver.study_systems import target_systems
 
 SEED = 4
 ANGLES = {"3D3A": 3, "4D2A": 2, "5D1A": 1}
-#: Every family moves, as a quadric and as a product.
+#: Every space moves, as a quadric and as a product.
 TYPES = (
     "3D3A PH PH PH",
     "3D3A PL LP LL",

@@ -23,8 +23,8 @@ from gspcli.catalogue.kinds import (
     Primitive,
 )
 from gspcli.catalogue.parsing import parse_name
+from gspcli.catalogue.recorded_varieties import coordinates_label, varieties
 from gspcli.catalogue.types import CLASSES, Family, GspType, all_types, families
-from gspcli.catalogue.varieties import coordinates_label, varieties
 from gspcli.resources import data_json
 
 FAMILIES = [family for platform_class in CLASSES for family in families(platform_class)]

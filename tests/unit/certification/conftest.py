@@ -13,8 +13,8 @@ import pytest
 from gspcli.catalogue.kinds import AHH, ALL, DLL, DLP, DPH, DPL, DPP, KINDS_BY_NAME, Kind, Primitive
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.poses import cross, rotation_from_quaternion
 from gspcli.geometry.primitives import Line, Plane, Point, vector
+from gspcli.geometry.quaternions import cross, rotation_from_quaternion
 
 Triple = list[Fraction]
 RADIANS = Units("m", AngleUnit.RADIAN)

@@ -7,7 +7,7 @@ import pytest
 
 from gspcli.certification import read_candidates
 from gspcli.errors import SpecError
-from gspcli.geometry.poses import rotation_from_quaternion
+from gspcli.geometry.quaternions import rotation_from_quaternion
 
 E = [0.5, 0.1, -0.7, 0.3]
 R = rotation_from_quaternion(np.array(E))

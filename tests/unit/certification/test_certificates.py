@@ -11,20 +11,20 @@ from flint import acb, arb, ctx, fmpq
 from gspcli.catalogue.kinds import DISTANCE_KINDS
 from gspcli.catalogue.parsing import parse_type
 from gspcli.certification import Certificate, Certificates, Outcome, certify, decide
+from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.isolation import Isolation, refine_point
-from gspcli.certification.poses import pose_of_point
-from gspcli.certification.system import System
+from gspcli.certification.pose_balls import pose_of_point
 from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.poses import pose_from_study
 from gspcli.geometry.primitives import vector
+from gspcli.geometry.quaternions import pose_from_study
 from gspcli.geometry.residuals import residuals, sides_of
 from gspcli.solver.generate import random_instance
 
 SHIFT = np.array([1, -1, 1])
-SIGNATURES = [
+TYPES = [
     *(" ".join([kind.name] * 6) for kind in DISTANCE_KINDS),
     "DPP DPL DLP DPH DHP DLL",
     "DPP DPL DLL ALL ALH AHH",
@@ -33,7 +33,7 @@ SIGNATURES = [
 ]
 
 
-@pytest.mark.parametrize("names", SIGNATURES)
+@pytest.mark.parametrize("names", TYPES)
 @pytest.mark.parametrize("sided", [True, False])
 def test_a_known_solution_is_certified_and_contained(
     names: str, sided: bool, known: Callable
@@ -62,7 +62,7 @@ def test_a_known_solution_is_certified_and_contained(
     assert [signs[side] for side in certificate.sides] == list(sides_of(arrangement, R, T))
 
 
-@pytest.mark.parametrize("names", SIGNATURES)
+@pytest.mark.parametrize("names", TYPES)
 @pytest.mark.parametrize("size", [1e-4, 1e-2, 1.0])
 def test_a_perturbed_solution_fails(names: str, size: float, known: Callable) -> None:
     platform = known(names, 12)
@@ -154,7 +154,7 @@ def complex_solutions(instance: Instance, starts: int, seed: int) -> list[list[c
     source = np.random.default_rng(seed)
     found = []
     with ctx.workprec(128):
-        system = System(instance, 128)
+        system = BallSystem(instance, 128)
         for _ in range(starts):
             point = source.standard_normal(8) + 1j * source.standard_normal(8)
             point[0] = 1
@@ -172,7 +172,7 @@ def complex_solutions(instance: Instance, starts: int, seed: int) -> list[list[c
 def test_complex_solutions_are_real_or_come_in_pairs(names: str, known: Callable) -> None:
     instance = known(names, 21, sided=False).instance
     points = np.array(complex_solutions(instance, 60, 1))
-    R, T = pose_from_study(points[:, :4], points[:, 4:] * System(instance, 64).scale)
+    R, T = pose_from_study(points[:, :4], points[:, 4:] * BallSystem(instance, 64).scale)
     result = certify(instance, R, T)
     assert result.certified == len(points) > 10
     assert {item.real for item in result} <= {True, False}
@@ -211,7 +211,7 @@ def test_an_instance_with_a_number_that_does_not_exist_is_refused(known: Callabl
     with pytest.raises(GspError, match=r"^constraints\[5\]\.value: found acos\(2\), which is no"):
         certify(wrong, [R], [T])
     with ctx.workprec(64):
-        assert not System(wrong, 64).is_finite
+        assert not BallSystem(wrong, 64).is_finite
 
 
 def test_lines_that_meet_are_certified(known: Callable) -> None:
@@ -289,7 +289,7 @@ def parallel_at_home(value: int) -> Instance:
 def test_parallel_lines_are_measured_as_stated() -> None:
     """The equation of a DLL of distance zero holds there, simply; the distance does not."""
     instance = parallel_at_home(0)
-    system = System(instance, 64)
+    system = BallSystem(instance, 64)
     with ctx.workprec(64):
         home = [acb(1), *[acb(0)] * 7]
         assert isinstance(refine_point(system, home, 0, (0,) * 6), Isolation)

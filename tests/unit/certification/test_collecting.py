@@ -9,7 +9,7 @@ import pytest
 
 from gspcli.certification.collecting import Collection
 from gspcli.certification.locating import Frames, Locator
-from gspcli.geometry.poses import quaternion_from_rotation, study_from_pose
+from gspcli.geometry.quaternions import quaternion_from_rotation, study_from_pose
 
 FRAMES = Frames(1.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 SIDES = (0,) * 6

@@ -13,6 +13,7 @@ from floating_reference import evaluated, reference
 from gspcli.catalogue.kinds import DISTANCE_KINDS
 from gspcli.catalogue.types import all_types
 from gspcli.certification import certify, decide
+from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.distinct import all_different
 from gspcli.certification.floating import (
     ROUNDING,
@@ -23,15 +24,14 @@ from gspcli.certification.floating import (
     prove,
 )
 from gspcli.certification.isolation import Isolation, refine_point
-from gspcli.certification.poses import pose_of_floats, pose_of_point
+from gspcli.certification.pose_balls import pose_of_floats, pose_of_point
 from gspcli.certification.study import TRANSLATION, study_points
-from gspcli.certification.system import System
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.poses import rotation_from_quaternion
+from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.solver import solve
 from gspcli.solver.generate import random_instance
 
-SIGNATURES = [
+TYPES = [
     *(" ".join([kind.name] * 6) for kind in DISTANCE_KINDS),
     "DPP DPL DLP DPH DHP DLL",
     "DPL DLP DLL ALL ALH AHH",
@@ -40,7 +40,7 @@ SIGNATURES = [
 
 def proofs(instance: Instance, R: np.ndarray, T: np.ndarray) -> Proofs:
     with ctx.workprec(64):
-        system = System(instance, 64)
+        system = BallSystem(instance, 64)
         R, T = np.asarray(R, complex), np.asarray(T, complex)
         return prove(system, R.reshape(-1, 3, 3), T.reshape(-1, 3) / system.scale)
 
@@ -51,14 +51,14 @@ def points_of_all_sizes(count: int) -> np.ndarray:
     return points * 10.0 ** rng.uniform(-6, 6, size=(count, 8))
 
 
-@pytest.mark.parametrize("names", SIGNATURES)
+@pytest.mark.parametrize("names", TYPES)
 def test_errors_of_values_and_jacobians_are_bounded(names: str, known: Callable) -> None:
     points = points_of_all_sizes(40)
     with ctx.workprec(64):
-        equations = Doubles(System(known(names, 3).instance, 64))
+        equations = Doubles(BallSystem(known(names, 3).instance, 64))
         sides = equations.sides(points)
     with ctx.workprec(400):
-        exact = System(known(names, 3).instance, 400)
+        exact = BallSystem(known(names, 3).instance, 400)
         values, jacobian, value_moduli, jacobian_moduli = evaluated(equations, points, sides)
         for k, point in enumerate(points):
             there = exact.at([acb(x) for x in point.tolist()], sides[k].tolist())
@@ -89,7 +89,7 @@ def test_deviations_bound_those_of_balls(radius: float) -> None:
                 assert pose.deviation(pose_of_floats(rotation, place, 1.0))[1] <= float(bound)
 
 
-@pytest.mark.parametrize("names", SIGNATURES)
+@pytest.mark.parametrize("names", TYPES)
 @pytest.mark.parametrize("sided", [True, False])
 def test_a_known_solution_is_proved_and_within_its_deviation(
     names: str, sided: bool, known: Callable
@@ -100,7 +100,7 @@ def test_a_known_solution_is_proved_and_within_its_deviation(
     assert found.isolated.all()
     assert found.real.all()
     assert not found.complex.any()
-    scale = System(platform.instance, 64).scale
+    scale = BallSystem(platform.instance, 64).scale
     exact = [x for row in platform.R for x in row] + [x / Fraction(scale) for x in platform.T]
     given = [*R.ravel().tolist(), *(T / scale).tolist()]
     errors = [abs(x - Fraction(y)) for x, y in zip(exact, given, strict=True)]
@@ -108,7 +108,7 @@ def test_a_known_solution_is_proved_and_within_its_deviation(
     assert found.deviation[0] < 1e-7
 
 
-@pytest.mark.parametrize("names", SIGNATURES)
+@pytest.mark.parametrize("names", TYPES)
 def test_what_is_proved_is_proved_in_balls_too(names: str, known: Callable) -> None:
     """From near and from far, at solutions and at none."""
     platform = known(names, 5)
@@ -121,7 +121,7 @@ def test_what_is_proved_is_proved_in_balls_too(names: str, known: Callable) -> N
         if not found.isolated[0]:
             continue
         with ctx.workprec(128):
-            system = System(platform.instance, 128)
+            system = BallSystem(platform.instance, 128)
             points, patches = study_points(pose[0][None], pose[1][None] / system.scale)
             point = [acb(x) for x in points[0].tolist()]
             proof = refine_point(system, point, int(patches[0]), system.sides_at(point))
@@ -167,7 +167,7 @@ def test_the_kernel_proves_what_the_reference_proves(number: int) -> None:
     instance, _ = random_instance(all_types()[number - 1], np.random.default_rng(number))
     poses = solve(instance, certify=False)
     with ctx.workprec(64):
-        system = System(instance, 64)
+        system = BallSystem(instance, 64)
         R, T = poses.R[:100], poses.T[:100] / system.scale
         found, expected = prove(system, R, T), reference(system, R, T)
     # Its bounds of moduli are larger, by the root of two in each product.
@@ -242,10 +242,10 @@ def test_coefficients_of_any_size_are_taken_exactly(known: Callable) -> None:
     """A coefficient that cancels is known worse than its double: its bound says so."""
     instance = known("DPP DPP DPP DPP DPP DPP", 4).instance
     with ctx.workprec(20):
-        rough = System(instance, 20)
+        rough = BallSystem(instance, 20)
         equations = Doubles(rough)
     with ctx.workprec(200):
-        exact = System(instance, 200)
+        exact = BallSystem(instance, 200)
         points = points_of_all_sizes(5)
         values, _, moduli, _ = evaluated(equations, points, np.zeros((5, 6), int))
         for k, point in enumerate(points):

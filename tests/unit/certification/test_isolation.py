@@ -9,10 +9,10 @@ import pytest
 from flint import acb, arb, ctx
 
 from gspcli.certification import certify
+from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.balls import float_above, largest
 from gspcli.certification.isolation import Isolation, _newton, _prove, refine_point
-from gspcli.certification.poses import pose_of_point
-from gspcli.certification.system import System
+from gspcli.certification.pose_balls import pose_of_point
 
 ONE = acb(1)
 
@@ -60,7 +60,7 @@ def test_a_ball_is_the_same_in_another_patch(known: Callable) -> None:
     R, T = platform.floats
     first = certify(platform.instance, [R], [T])[0].isolation
     with ctx.workprec(64):
-        system = System(platform.instance, 64)
+        system = BallSystem(platform.instance, 64)
         for patch in range(4):
             scaled = [(x / first.centre[patch]).mid() for x in first.centre]
             scaled[patch] = ONE
@@ -77,7 +77,7 @@ def test_the_error_is_bounded_even_by_a_poor_inverse(share: float, known: Callab
     R, T = platform.floats
     solution = certify(platform.instance, [R], [T])[0].isolation
     with ctx.workprec(64):
-        system = System(platform.instance, 64)
+        system = BallSystem(platform.instance, 64)
         moved = [x if k == solution.patch else x + 1e-7 for k, x in enumerate(solution.centre)]
         moved = [x.mid() for x in moved]
         newton = _newton(system, moved, solution.patch, solution.sides)
@@ -95,7 +95,7 @@ def test_too_poor_an_inverse_proves_nothing(known: Callable) -> None:
     R, T = platform.floats
     solution = certify(platform.instance, [R], [T])[0].isolation
     with ctx.workprec(64):
-        system = System(platform.instance, 64)
+        system = BallSystem(platform.instance, 64)
         newton = _newton(system, list(solution.centre), solution.patch, solution.sides)
         for factor in (0, 2, -1):
             poor = replace(newton, inverse=newton.inverse * factor)
@@ -108,7 +108,7 @@ def test_all_of_the_uniqueness_ball_leads_to_the_one_solution(known: Callable) -
     solution = certify(platform.instance, [R], [T])[0].isolation
     source = np.random.default_rng(3)
     with ctx.workprec(64):
-        system = System(platform.instance, 64)
+        system = BallSystem(platform.instance, 64)
         for _ in range(20):
             shift = source.uniform(-1, 1, 8) + 1j * source.uniform(-1, 1, 8)
             shift *= solution.uniqueness / np.abs(shift).max()

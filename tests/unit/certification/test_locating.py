@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gspcli.certification.locating import Frames, Locator
-from gspcli.geometry.poses import study_from_pose
+from gspcli.geometry.quaternions import study_from_pose
 
 FRAMES = Frames(1.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 

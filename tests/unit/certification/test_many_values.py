@@ -14,7 +14,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.solver.generate import random_instance
-from gspcli.solver.systems import side_choices
+from gspcli.solver.study_systems import side_choices
 from gspcli.solver.tracking import solve_by_tracking
 
 TYPES = (

@@ -8,7 +8,7 @@ import numpy as np
 
 from gspcli.certification.locating import Frames, Locator
 from gspcli.certification.multiple import multiple_poses
-from gspcli.geometry.poses import study_from_pose
+from gspcli.geometry.quaternions import study_from_pose
 
 FRAMES = Frames(1.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 SIDES = (0,) * 6

@@ -58,7 +58,7 @@ def normals(v: Array) -> tuple[Array, Array]:
 
 
 def constraint(kind: str, rng: np.random.Generator, pose: tuple[Array, Array]) -> tuple:
-    """A random constraint that holds at a pose: family, is a product, G, H, tau."""
+    """A random constraint that holds at a pose: space, is a product, G, H, tau."""
     r, t = pose
     y, x, v, n = rng.standard_normal((4, 3))
     v, n = v / np.linalg.norm(v), n / np.linalg.norm(n)
@@ -89,8 +89,8 @@ def platform(kinds: str, rng: np.random.Generator) -> tuple[System, Array, Array
     """A random platform of the kinds given, and the pose that its values come from."""
     r, t = rotation(rng), rng.standard_normal(3)
     rows = [constraint(kind, rng, (r, t)) for kind in kinds.split()]
-    families, products, g, h, tau = zip(*rows, strict=True)
-    return System.of(Structure("".join(families), tuple(products)), g, h, tau), r, t
+    spaces, products, g, h, tau = zip(*rows, strict=True)
+    return System.of(Structure("".join(spaces), tuple(products)), g, h, tau), r, t
 
 
 def point_at_a_line(distance: float, rng: np.random.Generator) -> System:
@@ -103,8 +103,8 @@ def point_at_a_line(distance: float, rng: np.random.Generator) -> System:
     x = r @ y + t + distance * side[0]
     a, b = (point_plane(y, x, m, 0.0) for m in side)
     rows.append(("p", True, a + 1j * b, a - 1j * b, distance * distance))
-    families, products, g, h, tau = zip(*rows, strict=True)
-    return System.of(Structure("".join(families), tuple(products)), g, h, tau)
+    spaces, products, g, h, tau = zip(*rows, strict=True)
+    return System.of(Structure("".join(spaces), tuple(products)), g, h, tau)
 
 
 def legs(y: Sequence[Array], x: Sequence[Array], d: Sequence[float]) -> System:

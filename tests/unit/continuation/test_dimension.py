@@ -24,13 +24,13 @@ def sphere(build):
     x = np.random.default_rng(1).standard_normal((6, 3))
     # T = (1.5, 0, 0): f = (T / 2) e.
     point = np.array([1, 0, 0, 0, 0, 0.75, 0, 0], dtype=complex)
-    return build.legs(x, x, [1.5] * 6).normalised(), point / np.linalg.norm(point)
+    return build.legs(x, x, [1.5] * 6).normalized(), point / np.linalg.norm(point)
 
 
 @pytest.fixture(scope="module")
 def simple(build):
     system, _, _ = build.platform("PP " * 6, np.random.default_rng(2))
-    system = system.normalised()
+    system = system.normalized()
     points = solve_system(system).points
     return system, points / np.linalg.norm(points, axis=1, keepdims=True)
 
@@ -54,7 +54,7 @@ def test_a_surface_of_solutions_has_two_tangents(sphere):
 
 
 def test_a_double_solution_has_a_kernel_but_no_tangents(build):
-    system = build.point_at_a_line(0.0, np.random.default_rng(8)).normalised()
+    system = build.point_at_a_line(0.0, np.random.default_rng(8)).normalized()
     solutions = solve_system(system)
     [double] = solutions.points[solutions.multiplicity == 2]
     double = double / np.linalg.norm(double)
@@ -99,10 +99,10 @@ def test_split_finds_the_two_solutions_that_a_double_one_is(build):
     double = double / np.linalg.norm(double)
     g, h, tau = system.coefficients
     near = System(system.structure, Coefficients(g + 1e-10 * np.eye(6)[:, :1] * NORM, h, tau))
-    guesses = split(near.normalised(), double)
+    guesses = split(near.normalized(), double)
     assert guesses is not None
     guesses /= np.linalg.norm(guesses, axis=1, keepdims=True)
-    moved, converged = correct(near.normalised(), guesses)
+    moved, converged = correct(near.normalized(), guesses)
     assert converged.all()
     assert 1e-7 < np.sqrt(1 - abs(np.vdot(*moved)) ** 2) < 1e-3
 

@@ -58,7 +58,7 @@ def test_functions_of_the_motion(point):
         np.testing.assert_allclose(forms @ m, values, atol=1e-13)
 
 
-def test_dimensions_of_the_families():
+def test_dimensions_of_the_spaces():
     ranks = {letter: np.linalg.matrix_rank(basis) for letter, basis in BASES.items()}
     assert ranks == {"a": 10, "p": 13, "q": 13, "l": 19, "s": 17}
 

@@ -7,9 +7,9 @@ import hashlib
 import numpy as np
 import pytest
 
-from gspcli.continuation.monodromy import solve_family, trace_defects
+from gspcli.continuation.monodromy import solve_generic, trace_defects
 from gspcli.continuation.start import (
-    canonical_families,
+    canonical_monomials,
     distinct,
     intersection_number,
     path_count,
@@ -19,14 +19,14 @@ from gspcli.continuation.systems import Structure
 from gspcli.resources import data_json, data_path
 
 
-def test_there_are_119_families():
-    families = canonical_families()
-    assert len(families) == len(set(families)) == 119
+def test_there_are_119_spaces():
+    spaces = canonical_monomials()
+    assert len(spaces) == len(set(spaces)) == 119
 
 
 def test_manifest_describes_the_files():
     manifest = data_json("start-systems", "manifest.json")
-    assert list(manifest["counts"]) == canonical_families()
+    assert list(manifest["counts"]) == canonical_monomials()
     assert manifest["solutions"] == sum(manifest["counts"].values())
     size = 0
     for name, expected in manifest["sha256"].items():
@@ -37,7 +37,7 @@ def test_manifest_describes_the_files():
 
 
 @pytest.mark.parametrize(
-    ("families", "known"),
+    ("spaces", "known"),
     [
         # 6-6 platforms (Ronga and Vust 1995); Lazard's variety; three planes leave three quadrics.
         ("ssssss", 40),
@@ -48,8 +48,8 @@ def test_manifest_describes_the_files():
         ("aaasss", 16),
     ],
 )
-def test_known_counts(families, known):
-    assert intersection_number(families) == known
+def test_known_counts(spaces, known):
+    assert intersection_number(spaces) == known
 
 
 def test_counts_are_symmetric_under_the_swap():
@@ -58,20 +58,20 @@ def test_counts_are_symmetric_under_the_swap():
         intersection_number("aaaass")
 
 
-@pytest.mark.parametrize("families", canonical_families())
-def test_stored_points_solve_the_stored_systems(families):
-    start = start_system(Structure(families))
+@pytest.mark.parametrize("spaces", canonical_monomials())
+def test_stored_points_solve_the_stored_systems(spaces):
+    start = start_system(Structure(spaces))
     # Stored in single precision.
     assert np.abs(start.system.values(start.points)).max() < 1e-6
     assert distinct(start.points)
 
 
 @pytest.mark.parametrize(
-    ("families", "products"),
+    ("spaces", "products"),
     [("pppppp", (1,) * 6), ("aqqqqs", (0, 1, 1, 0, 1, 0)), ("plllss", (1, 0, 1, 1, 0, 0))],
 )
-def test_derived_start_systems(families, products):
-    structure = Structure(families, tuple(map(bool, products))).canonical()
+def test_derived_start_systems(spaces, products):
+    structure = Structure(spaces, tuple(map(bool, products))).canonical()
     start = start_system(structure)
     assert len(start.points) == path_count(structure)
     assert distinct(start.points)
@@ -79,17 +79,17 @@ def test_derived_start_systems(families, products):
     assert not start.system.coefficients.tau.any()
 
 
-@pytest.mark.parametrize("families", ["ssssss", "aaappp", "ppqqll", "aaplls", "plllll"])
-def test_monodromy_from_another_seed_agrees(families):
-    solved = solve_family(families, np.random.default_rng(2003))
-    assert len(solved.points) == intersection_number(families)
+@pytest.mark.parametrize("spaces", ["ssssss", "aaappp", "ppqqll", "aaplls", "plllll"])
+def test_monodromy_from_another_seed_agrees(spaces):
+    solved = solve_generic(spaces, np.random.default_rng(2003))
+    assert len(solved.points) == intersection_number(spaces)
 
 
 def test_trace_test_notices_a_missing_solution():
     rng = np.random.default_rng(6)
-    for families in ("ssssss", "aaappp", "llllll"):
-        solved = solve_family(families, rng)
-        complete = trace_defects(families, solved.quadrics, solved.points, rng)
-        missing = trace_defects(families, solved.quadrics, solved.points[:-1], rng)
+    for spaces in ("ssssss", "aaappp", "llllll"):
+        solved = solve_generic(spaces, rng)
+        complete = trace_defects(spaces, solved.quadrics, solved.points, rng)
+        missing = trace_defects(spaces, solved.quadrics, solved.points[:-1], rng)
         assert complete.max() < 1e-9
         assert missing.max() > 1e-6

@@ -15,10 +15,10 @@ def random_coefficients(rng: np.random.Generator) -> Coefficients:
     )
 
 
-@pytest.mark.parametrize("families", ["sssss", "ssssssx"[1:], "sssssS"])
-def test_wrong_families(families):
+@pytest.mark.parametrize("spaces", ["sssss", "ssssssx"[1:], "sssssS"])
+def test_wrong_spaces(spaces):
     with pytest.raises(ValueError, match="six letters"):
-        Structure(families)
+        Structure(spaces)
 
 
 def test_canonical_order():

@@ -22,9 +22,7 @@ def homotopy():
     structure = Structure("pplsss", PRODUCTS).canonical()
     start = start_system(structure)
     rng = np.random.default_rng(7)
-    rows = [
-        np.array([random_quadrics(structure.families, rng) for _ in range(3)]) for _ in range(2)
-    ]
+    rows = [np.array([random_quadrics(structure.spaces, rng) for _ in range(3)]) for _ in range(2)]
     products = np.array(structure.products)
     targets = Coefficients(
         rows[0], np.where(products[:, None], rows[1], 0), np.where(products, 0.3, 0) * np.ones(6)

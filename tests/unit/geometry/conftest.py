@@ -9,7 +9,7 @@ import pytest
 
 from gspcli.catalogue.kinds import KINDS
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.poses import Field, rotation_from_quaternion
+from gspcli.geometry.quaternions import Field, rotation_from_quaternion
 
 
 def _arrangement_of_all_kinds(rng: np.random.Generator) -> Arrangement:

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from gspcli.geometry.conjugates import find_real_points, made_real
-from gspcli.geometry.poses import normalised
+from gspcli.geometry.quaternions import normalized
 
 
 def nearest(points: np.ndarray) -> list[bool]:
     """The definition: compare the conjugate of every point with all points."""
-    z = normalised(points)
+    z = normalized(points)
     real = []
     for i, conjugate in enumerate(z.conj()):
         products = z.conj() @ conjugate
@@ -45,7 +45,7 @@ def test_random_sets_against_the_definition(size, seed):
     assert real.tolist() == nearest(points)
     assert not representatives[real].imag.any()
     np.testing.assert_allclose(np.linalg.norm(representatives, axis=1), 1, rtol=1e-14)
-    overlaps = np.abs((normalised(points).conj() * representatives).sum(axis=1))
+    overlaps = np.abs((normalized(points).conj() * representatives).sum(axis=1))
     np.testing.assert_allclose(overlaps, 1, rtol=1e-12)
 
 

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from gspcli.errors import GspError
 from gspcli.geometry.euler import euler_from_rotation, rotation_from_euler
-from gspcli.geometry.poses import vector_from_rotation
+from gspcli.geometry.quaternions import vector_from_rotation
 
 SEQUENCES = ["".join(axes) for axes in itertools.permutations("xyz")]
 

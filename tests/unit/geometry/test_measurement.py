@@ -7,12 +7,12 @@ import pytest
 
 from gspcli.catalogue.kinds import DLL, KINDS
 from gspcli.geometry.arrangement import Arrangement, Bodies
+from gspcli.geometry.constraint_polynomials import polynomial
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.measurement import hessian, jacobian, measured
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.polynomials import polynomial
-from gspcli.geometry.poses import Field, rotation_from_quaternion
 from gspcli.geometry.primitives import Line, Plane, Point, vector
+from gspcli.geometry.quaternions import Field, rotation_from_quaternion
 from gspcli.geometry.residuals import residuals
 
 

@@ -9,8 +9,8 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.poses import rotation_from_quaternion
 from gspcli.geometry.primitives import Plane, Point, vector
+from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.residuals import condition_numbers, residuals, sides_of
 
 
@@ -83,11 +83,11 @@ def test_condition_of_a_singular_pose_is_infinite_or_huge(arrangement_of_all_kin
     assert condition_numbers(repeated, *random_pose(rng)) > 1e12
 
 
-def test_normalised_arrangement_has_the_same_poses(arrangement_of_all_kinds, random_pose):
+def test_normalized_arrangement_has_the_same_poses(arrangement_of_all_kinds, random_pose):
     rng = np.random.default_rng(8)
     arrangement = six_of(arrangement_of_all_kinds(rng))
     R, T = random_pose(rng)
-    inner = arrangement.normalised
+    inner = arrangement.normalized
     values = measured(inner, R, T)
     values[:5] *= arrangement.length
     np.testing.assert_allclose(

@@ -10,9 +10,9 @@ import pytest
 from gspcli.catalogue.kinds import ALL, DISTANCE_KINDS, DLL, DLP, DPL, DPP
 from gspcli.catalogue.types import GspType
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.distance_forms import measures
 from gspcli.geometry.measurement import measured
-from gspcli.geometry.measures import measures
-from gspcli.geometry.poses import dot, normalised, rotation_from_quaternion
+from gspcli.geometry.quaternions import dot, normalized, rotation_from_quaternion
 from gspcli.geometry.surfaces import surfaces
 from gspcli.solver.generate import random_instance
 
@@ -21,7 +21,7 @@ TRIPLES = list(combinations_with_replacement(DISTANCE_KINDS, 3))
 
 def arrangement_of(kinds, seed: int) -> Arrangement:
     instance, _ = random_instance(GspType.of((*kinds, ALL, ALL, ALL)), np.random.default_rng(seed))
-    return Arrangement.of(instance).normalised
+    return Arrangement.of(instance).normalized
 
 
 @pytest.mark.parametrize("kinds", TRIPLES, ids=lambda kinds: "-".join(kind.name for kind in kinds))
@@ -33,7 +33,7 @@ def test_surfaces_at_random_poses(kinds, field):
     e, T = rng.normal(size=(5, 4)), rng.normal(size=(5, 3))
     if field == "complex":
         e, T = e + 1j * rng.normal(size=e.shape), T + 1j * rng.normal(size=T.shape)
-    e = normalised(e)
+    e = normalized(e)
     shapes = measures(given)
     distances = rng.uniform(1, 2, size=(5, 3))
     found = surfaces(shapes, e.astype(complex), distances)
@@ -78,7 +78,7 @@ def test_surfaces_at_random_poses(kinds, field):
 
 def test_skewness_is_the_squared_sine():
     given = arrangement_of((DPP, DLL, DLL), 3)
-    e = normalised(np.random.default_rng(4).normal(size=(6, 4)))
+    e = normalized(np.random.default_rng(4).normal(size=(6, 4)))
     found = surfaces(measures(given), e.astype(complex), np.ones((6, 3)))
     w = given.u[1:3] @ rotation_from_quaternion(e).swapaxes(1, 2)
     sines = np.linalg.norm(np.cross(w, given.v[1:3]), axis=-1)

@@ -7,7 +7,7 @@ import gspcli
 from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import measured
-from gspcli.geometry.poses import rotation_from_quaternion
+from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.motion import measure
 from gspcli.motion.measuring import _CHUNK
 from gspcli.resources import data_path

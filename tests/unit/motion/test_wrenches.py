@@ -5,7 +5,7 @@ import pytest
 
 import gspcli
 from gspcli.errors import ArgumentError
-from gspcli.geometry.poses import rotation_from_vector
+from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import MovingPlatform, measure
 from gspcli.motion.accuracy import accuracy
 from gspcli.motion.enclosures import SIGNS

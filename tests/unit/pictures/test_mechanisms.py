@@ -9,7 +9,7 @@ from gspcli.catalogue.joints import Axis, Joint
 from gspcli.catalogue.kinds import ALL, DLL, DPL, DPP, KINDS, Kind
 from gspcli.catalogue.mechanism import mechanism
 from gspcli.catalogue.realization import REALIZATIONS, Realization, outside, realization
-from gspcli.pictures.chains import chain_drawing
+from gspcli.pictures.chain_panels import chain_drawing
 from gspcli.pictures.mechanisms import mechanism_drawing
 from gspcli.pictures.mounting import Ends, mounted
 from gspcli.pictures.staging import best_mode, scene_of

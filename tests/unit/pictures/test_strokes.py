@@ -12,8 +12,8 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.poses import rotation_from_vector
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
+from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.pictures.scene import Stroke, Style
 from gspcli.pictures.strokes import Ends, Sizes, angle_strokes, connection, distance_strokes
 

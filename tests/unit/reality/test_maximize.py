@@ -13,13 +13,13 @@ from gspcli.catalogue.kinds import DHP, DLL, DPH
 from gspcli.catalogue.parsing import parse_type
 from gspcli.errors import GspError
 from gspcli.geometry.instance import AngleUnit, Units
-from gspcli.geometry.poses import pose_from_study
-from gspcli.reality.folds import free_numbers, moved, neighbours
+from gspcli.geometry.quaternions import pose_from_study
+from gspcli.reality.fold_distances import free_numbers, moved, neighbours
 from gspcli.reality.maximize import Search, Solved, multiplier, reduced, solved
 from gspcli.reality.platforms import Platforms, random_platforms
 from gspcli.reality.state import State, read_state
 from gspcli.reality.step import nonnegative_least_squares, shortest_step
-from gspcli.reality.witnesses import certified_real, platform_of, poses, real_instance
+from gspcli.reality.witness_proofs import certified_real, platform_of, poses, real_instance
 
 MIXED = "DPP DPL DLP DPH DHP ALL"
 

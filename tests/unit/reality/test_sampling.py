@@ -10,7 +10,7 @@ import pytest
 from gspcli.catalogue.kinds import AHH, AHL, ALH, KINDS
 from gspcli.catalogue.parsing import parse_type
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.poses import pose_from_study
+from gspcli.geometry.quaternions import pose_from_study
 from gspcli.geometry.residuals import residuals
 from gspcli.reality.platforms import random_platforms
 from gspcli.reality.recognition import Reality, reality

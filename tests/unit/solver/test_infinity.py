@@ -9,8 +9,8 @@ import pytest
 
 from gspcli.catalogue.types import type_by_number
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.measures import measures
-from gspcli.geometry.poses import dot, normalised, rotation_from_quaternion, study_from_pose
+from gspcli.geometry.distance_forms import measures
+from gspcli.geometry.quaternions import dot, normalized, rotation_from_quaternion, study_from_pose
 from gspcli.solver.closed_form import solve_closed_form
 from gspcli.solver.generate import random_instance
 from gspcli.solver.infinity import finite_pose, refined_rotation
@@ -35,7 +35,7 @@ def test_a_null_quaternion_is_no_rotation_and_one_near_it_is(seed):
     rng = np.random.default_rng(seed)
     e = null_quaternion(rng)
     assert refined_rotation(forms_through(e, rng), e)[1] is False
-    near = normalised(e + 1e-9 * e.conj())
+    near = normalized(e + 1e-9 * e.conj())
     forms = forms_through(near, rng)
     refined, decided = refined_rotation(forms, near + 1e-8 * rng.normal(size=4))
     assert decided is True
@@ -53,7 +53,7 @@ def test_a_point_on_no_intersection_is_not_decided():
 def test_a_finite_pose_is_refined_to_itself(number):
     arrangement = Arrangement.of(
         random_instance(type_by_number(number), np.random.default_rng(number))[0]
-    ).normalised
+    ).normalized
     poses = solve_closed_form(arrangement)
     angles, distances = arrangement.angles, arrangement.values[arrangement.distances]
     forms = angle_forms(
@@ -78,7 +78,7 @@ def test_nearly_null_rotations_are_found_or_lost_but_never_infinite(small):
     solved = 0
     for triple in range(0, 56, 5):
         e = null_quaternion(rng)
-        R = rotation_from_quaternion(normalised(e + small * e.conj() / 2))
+        R = rotation_from_quaternion(normalized(e + small * e.conj() / 2))
         instance, _ = random_instance(type_by_number(1 + 20 * triple), rng)
         given = Arrangement.of(instance)
         v, values = given.v.copy(), given.values.copy()

@@ -7,7 +7,7 @@ import pytest
 
 from gspcli.catalogue.types import type_by_number
 from gspcli.defaults import SEED
-from gspcli.geometry.poses import quaternion_from_rotation
+from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.resources import data_path
 from gspcli.solver import solve
 from gspcli.solver.generate import random_instance

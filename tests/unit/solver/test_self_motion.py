@@ -8,7 +8,7 @@ import pytest
 from gspcli.catalogue.kinds import AHH, DPP
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import measured
-from gspcli.geometry.poses import rotation_from_quaternion
+from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.residuals import residuals
 from gspcli.solver.self_motion import local_motion
 

@@ -7,7 +7,7 @@ from sympy import QQ, ZZ, Matrix, Poly, Rational, eye, groebner, ring, symbols
 
 from gspcli.symbolic.angles import ORDER
 from gspcli.symbolic.closed_forms import derive
-from gspcli.symbolic.triangular import coefficients, evaluate, parametrise
+from gspcli.symbolic.triangular import coefficients, evaluate, parametrize
 
 R_NAMES = [f"r{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)]
 
@@ -58,7 +58,7 @@ def test_equation_12_has_eight_solutions_and_all_are_rotations():
     _, given = _instance(random.Random(8))
     triangular = derive("AAA")
     assert triangular.degrees == (8, 1, 1, 1, 1, 1, 1, 1, 1)
-    first, unknowns = parametrise(triangular.at(given))
+    first, unknowns = parametrize(triangular.at(given))
     assert first.degree() == 8
     assert first.gcd(first.diff()).degree() == 0
     one = Poly(1, first.gen, domain=QQ)
@@ -74,7 +74,7 @@ def _random_angles() -> dict[str, Rational]:
 
 
 def test_h1_of_equation_12_has_no_spurious_factor():
-    first, _ = parametrise(derive("AAA").at(_random_angles()))
+    first, _ = parametrize(derive("AAA").at(_random_angles()))
     assert first.degree() == 8
     assert first.is_irreducible
 

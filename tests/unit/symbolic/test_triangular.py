@@ -8,7 +8,7 @@ from sympy import QQ, ZZ, Matrix, Poly, Rational, ring, symbols
 
 from gspcli.symbolic.closed_forms import CASES, derive
 from gspcli.symbolic.eliminations import determinant
-from gspcli.symbolic.surfaces import (
+from gspcli.symbolic.surface_intersections import (
     INTERSECTIONS,
     cylinder_coefficients,
     plane_coefficients,
@@ -19,7 +19,7 @@ from gspcli.symbolic.triangular import (
     coefficient,
     coefficients,
     evaluate,
-    parametrise,
+    parametrize,
     symbols_of,
 )
 
@@ -78,7 +78,7 @@ def test_the_set_has_as_many_solutions_and_all_solve_the_surfaces(case):
     rng = random.Random(f"count {case}")
     given = _instance(case, _vector(rng), rng)
     triangular = derive(case)
-    first, unknowns = parametrise(triangular.at(given))
+    first, unknowns = parametrize(triangular.at(given))
     assert first.degree() == SOLUTIONS[case]
     assert first.gcd(first.diff()).degree() == 0
     one = Poly(1, first.gen, domain=QQ)
@@ -92,7 +92,7 @@ def test_no_spurious_factor(case):
     rng = random.Random(f"irreducible {case}")
     triangular = derive(case)
     given = {name: rng.randint(-9, 9) for name in triangular.parameters}
-    first, _ = parametrise(triangular.at(given))
+    first, _ = parametrize(triangular.at(given))
     assert first.degree() == SOLUTIONS[case]
     assert first.is_irreducible
 

@@ -14,7 +14,7 @@ import pytest
 import sympy
 from sympy import Matrix
 
-from gspcli.catalogue.varieties import varieties
+from gspcli.catalogue.recorded_varieties import varieties
 from gspcli.resources import data_json
 from gspcli.symbolic.coordinates import (
     EXPRESSIONS,
@@ -25,7 +25,7 @@ from gspcli.symbolic.coordinates import (
     motion_blocks,
     system,
 )
-from gspcli.symbolic.motions import monomials, random_motion, rank, residues
+from gspcli.symbolic.rational_motions import monomials, random_motion, rank, residues
 from gspcli.symbolic.varieties import (
     equations,
     hilbert_function,

@@ -3,26 +3,27 @@
 import pytest
 
 from gspcli.certification import study
-from gspcli.certification.counting.coordinates import DEGREES, Blocks
-from gspcli.certification.counting.equations import Equation, Equations
+from gspcli.certification.counting.coordinate_choice import DEGREES, Blocks
+from gspcli.certification.counting.motion_equations import MotionEquation, MotionEquations
 from gspcli.certification.counting.residue_counts import Outcome, count
 
 PRIMES = (2**31 - 1, 2**60 + 33, 2**61 - 1)
 T = Blocks.TRANSLATION
 
 
-def fixed_translation() -> list[Equation]:
+def fixed_translation() -> list[MotionEquation]:
     return [
-        Equation({position: 1, study.NORM: 5 - k}) for k, position in enumerate(study.TRANSLATION)
+        MotionEquation({position: 1, study.NORM: 5 - k})
+        for k, position in enumerate(study.TRANSLATION)
     ]
 
 
-def entry(i: int, j: int, value: int, prime: int) -> Equation:
-    return Equation({study.ROTATION[i][j]: 1, study.NORM: -value % prime})
+def entry(i: int, j: int, value: int, prime: int) -> MotionEquation:
+    return MotionEquation({study.ROTATION[i][j]: 1, study.NORM: -value % prime})
 
 
-def run(equations: list[Equation], prime: int, blocks: Blocks = T, **options):
-    return count(Equations([], equations), blocks, prime, seed=1, max_work=10**9, **options)
+def run(equations: list[MotionEquation], prime: int, blocks: Blocks = T, **options):
+    return count(MotionEquations([], equations), blocks, prime, seed=1, max_work=10**9, **options)
 
 
 @pytest.mark.parametrize("prime", PRIMES)
@@ -55,7 +56,7 @@ def test_all_builds_and_primes_agree_on_every_set_of_coordinates():
         found = set()
         for prime in PRIMES:
             rows = [
-                Equation(
+                MotionEquation(
                     {k: (7 * i + 3) ** (k + 2) % prime for k in range(13) if T in blocks or k < 10}
                 )
                 if i < 3
@@ -64,7 +65,8 @@ def test_all_builds_and_primes_agree_on_every_set_of_coordinates():
             ]
             if T not in blocks:
                 rows[:3] = [
-                    Equation({0: i + 2, 13 + i: 1, 1: i * i + 1, 5: 3 * i + 1}) for i in range(3)
+                    MotionEquation({0: i + 2, 13 + i: 1, 1: i * i + 1, 5: 3 * i + 1})
+                    for i in range(3)
                 ]
             for build in ("", "portable"):
                 result = run(rows, prime, blocks, build=build)

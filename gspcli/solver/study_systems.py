@@ -2,7 +2,7 @@
 
 Times N, an angle, a one-sided DPH or DHP, the mutual moment of two lines and a DPP are each one
 quadric in the Study parameters (e, f). DPL, DLP and DLL are products of two quadrics of one
-family, ``G H = tau N^2``: with orthonormal a, b perpendicular to the line, and A, B the
+space, ``G H = tau N^2``: with orthonormal a, b perpendicular to the line, and A, B the
 distances to the planes through it with these normals, ``(A + iB)(A - iB) = d^2 N^2``; with the
 mutual moment M and the cosine C of two lines, ``(M + idC)(M - idC) = d^2 N^2``.
 """
@@ -21,7 +21,7 @@ from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DLP, DPH, DPL, DPP, Ki
 from gspcli.continuation.quadrics import BASES, COEFFICIENTS, NORM
 from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.poses import cross, dot
+from gspcli.geometry.quaternions import cross, dot
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -32,7 +32,7 @@ Scalars = NDArray[Any]
 def target_systems(arrangement: Arrangement) -> list[System]:
     """Return a system for each combination of sides asked for, all of one structure.
 
-    The arrangement should be `Arrangement.normalised`: lengths of order one, points near the
+    The arrangement should be `Arrangement.normalized`: lengths of order one, points near the
     origins.
     """
     values = arrangement.targets.copy()
@@ -127,7 +127,7 @@ class QuadricEquation(NamedTuple):
     """Constraints of one form as ``G = 0`` or, if there is a second factor, ``G H = tau N^2``."""
 
     letter: str
-    """The family of the quadrics."""
+    """The space of the quadrics."""
     g: Scalars
     """Shape (..., 27)."""
     h: Complex | None = None
@@ -197,7 +197,7 @@ def _outer(b: Array, a: Array) -> Array:
 
 
 def _combined(letter: str, *coefficients: Array) -> Array:
-    """Return a combination of the functions of a family, given by parts of (..., k)."""
+    """Return a combination of the functions of a space, given by parts of (..., k)."""
     return np.asarray(np.concatenate(coefficients, axis=-1) @ BASES[letter])
 
 

@@ -1,8 +1,8 @@
-"""How many common points general quadrics of six families have, from intersection theory.
+"""How many common points general quadrics of six spaces have, from intersection theory.
 
 The motions are the open part g N != 0 of a smooth projective variety Y, the (e, f, g) with
 e.f = 0, e != 0 and (f, g) != 0 up to (e, f, g) ~ (r e, r t f, t g). Blown up along B_t, and then
-along what is left of B_p and B_q, it is a compactification on which the families a, p, q, l and
+along what is left of B_p and B_q, it is a compactification on which the spaces a, p, q, l and
 the differences of two members of s are without base points, so that the numbers are products of
 divisor classes. The centres are products of projective lines. Proof: docs/counts.md, Theorem 1.
 """
@@ -21,7 +21,7 @@ _POWERS = tuple(sum(comb(i + 3, 3) * 2 ** (3 - k - i) for i in range(4 - k)) for
 
 #: A divisor class: coefficients of h, x and the exceptional divisors over B_t, B_p and B_q.
 Divisor = tuple[int, int, int, int, int]
-#: Of e, of the differences of members of s, and of the members of each family.
+#: Of e, of the differences of members of s, and of the members of each space.
 _DIFFERENCE: Divisor = (0, 1, -1, 0, 0)
 _CLASSES: dict[str, Divisor] = {
     "a": (2, 0, 0, 0, 0),
@@ -134,12 +134,12 @@ def _degree(h: int, x: int, t: int, p: int, q: int) -> int:
 
 
 @cache
-def intersection_number(families: str) -> int:
-    """Return the number of common points, with N not zero, of general members of six families.
+def intersection_number(spaces: str) -> int:
+    """Return the number of common points, with N not zero, of general members of six spaces.
 
     Parameters
     ----------
-    families
+    spaces
         Six letters of ``apqls``, in any order.
 
     Raises
@@ -150,11 +150,11 @@ def intersection_number(families: str) -> int:
     >>> intersection_number("ssssss"), intersection_number("pppqqq"), intersection_number("llllll")
     (40, 20, 64)
     """
-    if len(families) != DIMENSION or not set(families) <= set(_CLASSES):
-        message = f"families must be six letters of {''.join(_CLASSES)!r}, not {families!r}"
+    if len(spaces) != DIMENSION or not set(spaces) <= set(_CLASSES):
+        message = f"spaces must be six letters of {''.join(_CLASSES)!r}, not {spaces!r}"
         raise ValueError(message)
-    spheres = families.count("s")
-    divisors = [_CLASSES[letter] for letter in families if letter != "s"]
+    spheres = spaces.count("s")
+    divisors = [_CLASSES[letter] for letter in spaces if letter != "s"]
     # One member of s, and its differences from the others.
     divisors += [_CLASSES["s"]] * (spheres > 0) + [_DIFFERENCE] * (spheres - 1)
     total = 0
@@ -168,7 +168,7 @@ def intersection_number(families: str) -> int:
 def mourrain_degree() -> int:
     """Return the degree of the motions in the 25 coordinates R, T, U, rho and T x R.
 
-    Of six general linear functions five can be made free of rho: a family of class x without base
+    Of six general linear functions five can be made free of rho: a space of class x without base
     points. The sixth has class 2x - 2h, as a member of s on Y, and base points only where
     g = f.f = 0, which the curve of the other five misses.
 

@@ -5,7 +5,7 @@ import pytest
 
 from gspcli.geometry.conjugates import find_real_points
 from gspcli.geometry.intersections import generic_points
-from gspcli.geometry.quadrics import all_roots
+from gspcli.geometry.quadric_intersections import all_roots
 
 
 def random_forms(rng: np.random.Generator, n: int, field: str, batch: int) -> np.ndarray:

@@ -9,10 +9,10 @@ the constraint as stated wherever ``N != 0``:
 * LL: ``d^2 (|u|^2 |v|^2 - (u . v)^2) = M^2`` with the mutual moment M. For d = 0 this is the
   square of ``M = 0``, which is taken instead.
 
-No direction is normalised, so only square roots of lengths and cosines of angles (and whatever
+No direction is normalized, so only square roots of lengths and cosines of angles (and whatever
 the input itself contains) are irrational. These equations are written down on their own, apart
-from those that are solved (`gspcli.geometry.polynomials`, `gspcli.solver.systems`): a mistake
-there makes no wrong certificate.
+from those that are solved (`gspcli.geometry.constraint_polynomials`,
+`gspcli.solver.study_systems`): a mistake there makes no wrong certificate.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.certification import study
 from gspcli.certification.balls import OUTWARD, cross, dot, floats_above, norm
-from gspcli.certification.poses import PoseBall
+from gspcli.certification.pose_balls import PoseBall
 from gspcli.certification.statement import Statement, length_scale, statements
 from gspcli.geometry.instance import Instance, Side
 
@@ -45,7 +45,7 @@ class BallEquation:
     squares: tuple[int, ...] = ()
 
 
-class System:
+class BallSystem:
     """The equations of an instance at the working precision.
 
     Lengths are in units of `length_scale`, a power of two, so that all coordinates are of a

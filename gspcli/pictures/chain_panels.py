@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.catalogue.realization import Realization
 from gspcli.pictures.figures import BASE, INK, PLATFORM, SOFT, styled, written
-from gspcli.pictures.joints import draw_joint
+from gspcli.pictures.joint_symbols import draw_joint
 from gspcli.pictures.mounting import Ends, MountedJoint, mounted
 from gspcli.pictures.projection import Paper, View
 from gspcli.pictures.strokes import perpendicular

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.export.constants import Constants
-from gspcli.export.motions import Motion
+from gspcli.export.motion_coordinates import Motion
 from gspcli.export.polynomials import Polynomial, cross, dot
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
@@ -23,11 +23,11 @@ from gspcli.geometry.primitives import Line, Plane
 _ONE = Polynomial.constant(1)
 _SIGNS = {Side.POSITIVE: 1, Side.NEGATIVE: -1}
 #: An equation as a sum of products of two polynomials, which is zero.
-Equation = tuple[tuple[Polynomial, Polynomial], ...]
+SumOfProducts = tuple[tuple[Polynomial, Polynomial], ...]
 
 
 @dataclass(frozen=True)
-class System:
+class PolynomialSystem:
     """Polynomials to be zero.
 
     Attributes
@@ -45,19 +45,19 @@ class System:
     constants: Mapping[str, Number]
 
 
-def system(instance: Instance, motion: Motion) -> System:
+def system(instance: Instance, motion: Motion) -> PolynomialSystem:
     """Return the constraints of an instance and the relations of the coordinates."""
     rows, constants = equations(instance, motion)
     polynomials = [constants.reduced(expanded(row)) for row in rows]
-    return System(motion.names, (*polynomials, *motion.relations), constants.names)
+    return PolynomialSystem(motion.names, (*polynomials, *motion.relations), constants.names)
 
 
-def expanded(equation: Equation) -> Polynomial:
+def expanded(equation: SumOfProducts) -> Polynomial:
     """Return the polynomial of an equation."""
     return sum((p * q for p, q in equation), start=Polynomial({}))
 
 
-def equations(instance: Instance, motion: Motion) -> tuple[list[Equation], Constants]:
+def equations(instance: Instance, motion: Motion) -> tuple[list[SumOfProducts], Constants]:
     """Return one equation for each constraint, and the irrational numbers in them.
 
     For DLL also lines that become parallel satisfy the equation, whatever their distance.
@@ -67,7 +67,7 @@ def equations(instance: Instance, motion: Motion) -> tuple[list[Equation], Const
     return rows, constants
 
 
-def _equation(row: Constraint, unit: AngleUnit, motion: Motion, exact: Constants) -> Equation:
+def _equation(row: Constraint, unit: AngleUnit, motion: Motion, exact: Constants) -> SumOfProducts:
     y, x = exact.vector(row.platform.position), exact.vector(row.base.position)
     u, v = exact.vector(_direction(row.platform)), exact.vector(_direction(row.base))
     N = motion.N

@@ -23,9 +23,9 @@ from gspcli.catalogue.kinds import (
     KINDS,
     Kind,
 )
-from gspcli.catalogue.varieties import varieties
+from gspcli.catalogue.recorded_varieties import varieties
 from gspcli.resources import data_json
-from gspcli.symbolic.constraints import (
+from gspcli.symbolic.constraint_equations import (
     ANGLE,
     DISTANCE,
     difference_degree,
@@ -49,7 +49,7 @@ from gspcli.symbolic.degrees import constrained_motions, excludes_degree
 from gspcli.symbolic.facts import constraint_facts, unproved_degrees
 from gspcli.symbolic.forms import Frame, Vector, base, evaluate, inner, platform, triple
 from gspcli.symbolic.loci import loci, quadratic_part
-from gspcli.symbolic.motions import Motion, random_motion
+from gspcli.symbolic.rational_motions import Motion, random_motion
 from gspcli.symbolic.samples import Sample, sample
 from gspcli.symbolic.varieties import hilbert_function, motion_variables
 

@@ -21,7 +21,7 @@ from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Unit
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.reality.platforms import Platforms
-from gspcli.solver.poses import PoseSet
+from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.tracking import solve_by_tracking
 
 Array = NDArray[np.float64]
@@ -39,7 +39,7 @@ _SIZE = {Primitive.POINT: 3, Primitive.LINE: 6, Primitive.PLANE: 6}
 def platform_of(instance: Instance) -> tuple[Platforms, float]:
     """Return the numbers of an instance, with lengths of order one, and its typical length."""
     arrangement = Arrangement.of(instance)
-    given = arrangement.normalised
+    given = arrangement.normalized
     distance = np.array([kind.is_distance for kind in given.kinds])
     values = np.where(given.signs < 0, -given.values, given.values)
     values[given.angles] = given.cosines(given.values)

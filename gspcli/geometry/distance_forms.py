@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.poses import BODY_TRANSLATION_FORMS, ROTATION_FORMS, TRANSLATION_FORMS
+from gspcli.geometry.quaternions import BODY_TRANSLATION_FORMS, ROTATION_FORMS, TRANSLATION_FORMS
 
 Array = NDArray[np.float64]
 #: A vector of a constraint; here there are too few numbers for arrays to be quick.

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gspcli.geometry.poses import (
+from gspcli.geometry.quaternions import (
     apply,
     conjugate,
     dot,

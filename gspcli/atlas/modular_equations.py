@@ -3,8 +3,8 @@
 A linear function of the motion is a list of 26 coefficients, those of 1, R (by rows), T, U, rho
 and T x R in the order of `gspcli.certification.study`, whose forms are N times these functions.
 Numbers are integers that stand for their classes modulo the prime. Nothing is shared with the
-equations of the path tracker or with `gspcli.geometry.polynomials`, so that the two ways of
-counting are independent.
+equations of the path tracker or with `gspcli.geometry.constraint_polynomials`, so that the two
+ways of counting are independent.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Function = list[int]
 
 _ROTATION = tuple(k for row in study.ROTATION for k in row)
 _MOMENT = tuple(k for row in study.MOMENT for k in row)
-#: The functions that span each family of quadrics.
+#: The functions that span each space of quadrics.
 SPANS: dict[str, tuple[int, ...]] = {
     "a": (study.NORM, *_ROTATION),
     "p": (study.NORM, *_ROTATION, *study.TRANSLATION),
@@ -174,10 +174,10 @@ def _random_frame(prime: int, random: Random) -> tuple[Vector, Vector, Vector]:
             return a, b, c
 
 
-def random_quadrics(families: str, prime: int, random: Random) -> list[ModularEquation]:
-    """Return random members of families of quadrics over the integers modulo a prime."""
+def random_quadrics(spaces: str, prime: int, random: Random) -> list[ModularEquation]:
+    """Return random members of spaces of quadrics over the integers modulo a prime."""
     equations = []
-    for letter in families:
+    for letter in spaces:
         function = _function()
         for index in SPANS[letter]:
             function[index] = random.randrange(prime)

@@ -21,7 +21,7 @@ from math import factorial, prod
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.geometry.poses import Field, normalised
+from gspcli.geometry.quaternions import Field, normalized
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -96,7 +96,7 @@ def _newton_step(
     step = np.einsum("...ik,...k->...i", inverse[..., :-1], values)
     length = np.sqrt((step.real**2 + step.imag**2).sum(axis=-1))
     amplification = np.sqrt((inverse.real**2 + inverse.imag**2).sum(axis=(-2, -1)))
-    return normalised(z - step), length, amplification * (length**2 + 4 * accuracy)
+    return normalized(z - step), length, amplification * (length**2 + 4 * accuracy)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +128,7 @@ class RootSet:
 #: Macaulay's matrix loses rank exactly when the intersection is infinite. A singular value
 #: below the first number is taken for zero, one above the second for not zero.
 _RANK = (1e-13, 1e-10)
-#: Largest value of normalised quadrics at a point that counts as a point of theirs.
+#: Largest value of normalized quadrics at a point that counts as a point of theirs.
 _ON = 1e-12
 #: Largest estimated error of a multiple point.
 _CLUSTER_ACCURACY = 1e-10
@@ -241,7 +241,7 @@ def _simple(
     forms: Field, affine: Complex, gap: float, accuracy: float
 ) -> tuple[Complex, float] | None:
     """Return a point polished by Newton's method and its error, or None if it is not simple."""
-    start = normalised(np.concatenate(([1.0], affine)))
+    start = normalized(np.concatenate(([1.0], affine)))
     z, error = start[None], np.inf
     try:
         for _ in range(8):
@@ -286,7 +286,7 @@ def _multiple(
     if abs(np.trace(projector) - len(cluster)) > 1e-6 or error > _CLUSTER_ACCURACY:
         return None
     affine = np.einsum("ij,kji->k", projector, multiplications) / len(cluster)
-    z = normalised(np.concatenate(([1.0], affine)))
+    z = normalized(np.concatenate(([1.0], affine)))
     values = np.einsum("i,kij,j->k", z, forms, z)
     if np.abs(values).max() > max(_ON, 10 * accuracy):
         return None
@@ -322,7 +322,7 @@ def _with_components(
             halves = forms @ z
             matrix = np.concatenate((2 * halves, z.conj()[None]))
             right = np.concatenate((halves @ z, [0]))
-            z = normalised(z - np.linalg.lstsq(matrix, right, rcond=1e-6)[0])
+            z = normalized(z - np.linalg.lstsq(matrix, right, rcond=1e-6)[0])
         if np.abs(np.einsum("i,kij,j->k", z, forms, z)).max() < max(_ON, 10 * accuracy):
             samples.append(z)
     return (

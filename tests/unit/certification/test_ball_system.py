@@ -8,11 +8,11 @@ import pytest
 from flint import acb, arb, ctx, fmpq
 
 from gspcli.catalogue.kinds import DPL, KINDS
+from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.balls import float_above
 from gspcli.certification.measures import measure, residual
-from gspcli.certification.poses import PoseBall
+from gspcli.certification.pose_balls import PoseBall
 from gspcli.certification.study import product
-from gspcli.certification.system import System
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point, vector
@@ -55,7 +55,7 @@ def test_an_exact_solution_solves_the_equations_of_its_kind(
     for seed in range(3):
         platform = known(" ".join([kind.name] * 6), seed, sided=sided)
         with ctx.workprec(200):
-            system = System(platform.instance, 200)
+            system = BallSystem(platform.instance, 200)
             point = study_point(platform, system.scale)
             values, _ = system.at(point, system.sides_at(point))
             assert all(value.contains(0) for value in values.entries())
@@ -69,7 +69,7 @@ def test_an_exact_solution_solves_the_equations_of_its_kind(
 def test_a_pose_off_by_little_is_excluded(names: str, known: Callable) -> None:
     platform = known(names, 7)
     with ctx.workprec(100):
-        system = System(platform.instance, 100)
+        system = BallSystem(platform.instance, 100)
         pose = scaled(exact(platform), system.scale)
         moved = PoseBall(pose.rotation, [pose.translation[0] + arb(1e-9), *pose.translation[1:]])
         assert system.excludes(moved)
@@ -84,7 +84,7 @@ def test_the_wrong_side_is_excluded(known: Callable) -> None:
         rows = list(platform.instance.constraints)
         rows[k] = replace(row, side=other[row.side])
         with ctx.workprec(100):
-            system = System(Instance(tuple(rows), platform.instance.units), 100)
+            system = BallSystem(Instance(tuple(rows), platform.instance.units), 100)
             assert system.excludes(scaled(exact(platform), system.scale))
 
 
@@ -92,7 +92,7 @@ def test_the_wrong_side_is_excluded(known: Callable) -> None:
 def test_the_jacobian_is_the_derivative(names: str, known: Callable) -> None:
     source = np.random.default_rng(2)
     with ctx.workprec(300):
-        system = System(known(names, 3).instance, 300)
+        system = BallSystem(known(names, 3).instance, 300)
         point = [acb(x, y) for x, y in source.standard_normal((8, 2)).tolist()]
         _, jacobian = system.at(point, (0,) * 6)
         h = arb(2) ** -100
@@ -114,7 +114,7 @@ def test_curvatures_bound_the_second_derivatives() -> None:
     instance = Instance((row,) * 6, Units("m", AngleUnit.DEGREE))
     point, h = np.array([1.0, 1, 1, 1, 0, 0, 0, 0]), 1e-6
     with ctx.workprec(128):
-        system = System(instance, 128)
+        system = BallSystem(instance, 128)
         bounds = system.curvatures(np.abs(point))
         total = np.zeros(7)
         for column in range(8):
@@ -134,7 +134,7 @@ def test_the_jacobian_varies_no_more_than_its_curvature_allows(names: str, known
     source = np.random.default_rng(4)
     radius = 0.125
     with ctx.workprec(64):
-        system = System(known(names, 4).instance, 64)
+        system = BallSystem(known(names, 4).instance, 64)
         centre = source.standard_normal(8) + 1j * source.standard_normal(8)
         bounds = system.curvatures(np.abs(centre) + radius + 1e-9)
         _, before = system.at([acb(x) for x in centre.tolist()], (0,) * 6)

@@ -8,9 +8,9 @@ the base's primitive to the platform's ``r = R y + T - x``, the platform's direc
 complex numbers.
 
 Three more statements stand elsewhere on purpose, as evidence that does not rest on this one:
-`gspcli.certification` (the exact equations in ball arithmetic), `gspcli.atlas.equations` (modulo
-a prime), and the programs in bench and tools. The quadrics that paths are tracked on
-(`gspcli.solver.systems`, `gspcli.geometry.measures`) are the same polynomials in Study
+`gspcli.certification` (the exact equations in ball arithmetic), `gspcli.atlas.modular_equations`
+(modulo a prime), and the programs in bench and tools. The quadrics that paths are tracked on
+(`gspcli.solver.study_systems`, `gspcli.geometry.distance_forms`) are the same polynomials in Study
 coordinates.
 """
 
@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
-from gspcli.geometry.poses import Field, cross, dot
+from gspcli.geometry.quaternions import Field, cross, dot
 
 _IDENTITY = np.eye(3)
 #: ``_CROSS[i, j, k] a_j b_k`` is the vector product.
@@ -47,7 +47,7 @@ class Hessian(NamedTuple):
     ww: Field
 
 
-class Polynomial(NamedTuple):
+class ConstraintPolynomial(NamedTuple):
     """A polynomial p in (r, w, v), all of shape (..., 3)."""
 
     value: Callable[[Field, Field, Field], Field]
@@ -56,7 +56,7 @@ class Polynomial(NamedTuple):
     hessian: Callable[[Field, Field, Field], Hessian]
 
 
-def polynomial(kind: Kind) -> Polynomial:
+def polynomial(kind: Kind) -> ConstraintPolynomial:
     """Return the polynomial of a kind.
 
     It is the square of a DPP, DPL or DLP distance; the signed distance of a DPH or DHP; for a
@@ -92,16 +92,16 @@ def _zeros(r: Field) -> Field:
     return np.zeros((*r.shape, 3), r.dtype)
 
 
-def _point_point() -> Polynomial:
+def _point_point() -> ConstraintPolynomial:
     """``r . r``."""
-    return Polynomial(
+    return ConstraintPolynomial(
         lambda r, w, v: dot(r, r),
         lambda r, w, v: Gradient(2 * r, np.zeros_like(r), np.zeros_like(r)),
         lambda r, w, v: Hessian(2 * _IDENTITY + _zeros(r), _zeros(r), _zeros(r)),
     )
 
 
-def _point_line() -> Polynomial:
+def _point_line() -> ConstraintPolynomial:
     """``r . r - (r . v)^2``, without the cancellation."""
 
     def value(r: Field, w: Field, v: Field) -> Field:
@@ -115,10 +115,10 @@ def _point_line() -> Polynomial:
     def hessian(r: Field, w: Field, v: Field) -> Hessian:
         return Hessian(2 * (_IDENTITY - _outer(v, v)), _zeros(r), _zeros(r))
 
-    return Polynomial(value, gradient, hessian)
+    return ConstraintPolynomial(value, gradient, hessian)
 
 
-def _line_point() -> Polynomial:
+def _line_point() -> ConstraintPolynomial:
     """``r . r - (r . w)^2``, without the cancellation."""
 
     def value(r: Field, w: Field, v: Field) -> Field:
@@ -137,39 +137,39 @@ def _line_point() -> Polynomial:
             -2 * _outer(r, r),
         )
 
-    return Polynomial(value, gradient, hessian)
+    return ConstraintPolynomial(value, gradient, hessian)
 
 
-def _point_plane() -> Polynomial:
+def _point_plane() -> ConstraintPolynomial:
     """``r . v``."""
-    return Polynomial(
+    return ConstraintPolynomial(
         lambda r, w, v: dot(r, v),
         lambda r, w, v: Gradient(v, np.zeros_like(r), r),
         lambda r, w, v: Hessian(_zeros(r), _zeros(r), _zeros(r)),
     )
 
 
-def _plane_point() -> Polynomial:
+def _plane_point() -> ConstraintPolynomial:
     """``-r . w``."""
-    return Polynomial(
+    return ConstraintPolynomial(
         lambda r, w, v: -dot(r, w),
         lambda r, w, v: Gradient(-w, -r, np.zeros_like(r)),
         lambda r, w, v: Hessian(_zeros(r), -_IDENTITY + _zeros(r), _zeros(r)),
     )
 
 
-def _line_line() -> Polynomial:
+def _line_line() -> ConstraintPolynomial:
     """``r . (w x v)``."""
-    return Polynomial(
+    return ConstraintPolynomial(
         lambda r, w, v: dot(r, cross(w, v)),
         lambda r, w, v: Gradient(cross(w, v), cross(v, r), cross(r, w)),
         lambda r, w, v: Hessian(_zeros(r), -_cross_matrix(v) + _zeros(r), _zeros(r)),
     )
 
 
-def _directions() -> Polynomial:
+def _directions() -> ConstraintPolynomial:
     """``w . v``."""
-    return Polynomial(
+    return ConstraintPolynomial(
         lambda r, w, v: dot(w, v),
         lambda r, w, v: Gradient(np.zeros_like(w), v, w),
         lambda r, w, v: Hessian(_zeros(r), _zeros(r), _zeros(r)),

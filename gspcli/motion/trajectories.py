@@ -17,7 +17,7 @@ from gspcli.errors import ArgumentError, IncompleteError, NotFiniteError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.poses import quaternion_from_rotation
+from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.following import Branches, FollowOptions, MovingPlatform, Stop
 from gspcli.solver import SolveResult, solve

@@ -6,7 +6,7 @@ import pytest
 import gspcli
 from gspcli import _kernel
 from gspcli.errors import GspError
-from gspcli.geometry.poses import rotation_from_quaternion, rotation_from_vector
+from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
 from gspcli.motion import FollowOptions, MovingPlatform, measure, track
 from gspcli.resources import data_path
 from gspcli.solver.generate import random_instance

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from gspcli.export.answers import read_answer
-from gspcli.export.equations import system
-from gspcli.export.motions import MOTIONS
+from gspcli.export.motion_coordinates import MOTIONS
+from gspcli.export.polynomial_systems import system
 from gspcli.export.programs import PROGRAMS, rounded
-from gspcli.geometry.poses import study_from_pose
+from gspcli.geometry.quaternions import study_from_pose
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load

@@ -70,7 +70,7 @@ def follow(
     square = np.einsum("ni,ni->n", points.conj(), points).real
     starts = points * (1 / np.sqrt(square))[:, None]
     results = track(
-        known.normalised().scaled(g, h), target.normalised(), starts, options=options, jobs=jobs
+        known.normalized().scaled(g, h), target.normalized(), starts, options=options, jobs=jobs
     )
     if not all_regular(results)[0]:
         return None

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.geometry.constraint_polynomials import Gradient, polynomial
 from gspcli.geometry.measurement import by_twist
-from gspcli.geometry.polynomials import Gradient, polynomial
-from gspcli.geometry.poses import dot
+from gspcli.geometry.quaternions import dot
 from gspcli.reality.platforms import Platforms
 
 Array = NDArray[np.float64]
@@ -148,7 +148,8 @@ def neighbours(X: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
 def _gradients(platform: Platforms, R: Complex, T: Complex) -> tuple[Complex, Complex]:
     """Return derivatives of the equations by a twist (n, 6, 6) and by their numbers (n, 6, 13).
 
-    The equations are the polynomials of `gspcli.geometry.polynomials` less what they should be.
+    The equations are the polynomials of `gspcli.geometry.constraint_polynomials` less what they
+    should be.
     """
     r, w, arm = platform.placed(R, T)
     v = np.broadcast_to(platform.v, w.shape)

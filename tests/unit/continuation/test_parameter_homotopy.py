@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gspcli.continuation.following import follow
+from gspcli.continuation.parameter_homotopy import follow
 from gspcli.continuation.solve import solve_system
 
 

@@ -9,7 +9,7 @@ from functools import partial
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import GspType
-from gspcli.certification.counting.coordinates import DEGREES, quadrics
+from gspcli.certification.counting.coordinate_choice import DEGREES, quadrics
 from gspcli.certification.counting.error_bounds import COMMUTATOR_TESTS, error_bounds, total
 from gspcli.certification.counting.homomorphism import LARGE, SMALL
 from gspcli.certification.counting.modular_platform import ModularPlatform, NotCountedError

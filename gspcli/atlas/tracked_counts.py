@@ -12,9 +12,9 @@ from gspcli.catalogue.kinds import ALL, Kind
 from gspcli.catalogue.types import CONSTRAINTS, GspType
 from gspcli.certification import certify
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.poses import study_from_pose
+from gspcli.geometry.quaternions import study_from_pose
 from gspcli.solver.generate import random_instance
-from gspcli.solver.systems import target_systems
+from gspcli.solver.study_systems import target_systems
 from gspcli.solver.tracking import solve_by_tracking
 
 

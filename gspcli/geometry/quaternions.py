@@ -23,7 +23,7 @@ def dot(a: Field, b: Field) -> Field:
     return products
 
 
-def normalised(z: Field) -> Field:
+def normalized(z: Field) -> Field:
     """Return vectors divided by their Hermitian norm, ``(..., n)``."""
     square = np.einsum("...i,...i->...", z.conj(), z).real
     scaled: Field = z * (1 / np.sqrt(square))[..., None]

@@ -6,7 +6,7 @@ from random import Random
 
 import pytest
 
-from gspcli.atlas.equations import (
+from gspcli.atlas.modular_equations import (
     Body,
     equation,
     quadrics,

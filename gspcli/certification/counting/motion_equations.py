@@ -25,7 +25,7 @@ FUNCTIONS = study.COUNT - 1
 
 
 @dataclass(frozen=True)
-class Equation:
+class MotionEquation:
     """``linear + sum of weight * square^2 = 0``.
 
     Attributes
@@ -41,7 +41,7 @@ class Equation:
 
 
 @dataclass(frozen=True)
-class Equations:
+class MotionEquations:
     """The equations of a platform.
 
     Attributes
@@ -53,10 +53,10 @@ class Equations:
     """
 
     moments: list[Function]
-    equations: list[Equation]
+    equations: list[MotionEquation]
 
 
-def equations(constraints: Sequence[EvaluatedConstraint]) -> Equations:
+def equations(constraints: Sequence[EvaluatedConstraint]) -> MotionEquations:
     """Return the equations of constraints."""
     moments: list[Function] = []
     result = []
@@ -67,20 +67,20 @@ def equations(constraints: Sequence[EvaluatedConstraint]) -> Equations:
             result.append(_distance_of_lines(row, position))
         else:
             result.append(_equation(row))
-    return Equations(moments, result)
+    return MotionEquations(moments, result)
 
 
-def with_moments(given: Equations) -> Equations:
+def with_moments(given: MotionEquations) -> MotionEquations:
     """Return equations with the definitions of the moments behind them."""
     definitions = [
-        Equation({**moment, FUNCTIONS + k: -1}) for k, moment in enumerate(given.moments)
+        MotionEquation({**moment, FUNCTIONS + k: -1}) for k, moment in enumerate(given.moments)
     ]
-    return Equations(given.moments, [*given.equations, *definitions])
+    return MotionEquations(given.moments, [*given.equations, *definitions])
 
 
 def parallel_lines(
     row: EvaluatedConstraint, weights: Sequence[Any], *, in_base: bool
-) -> tuple[Equation, Equation]:
+) -> tuple[MotionEquation, MotionEquation]:
     """Return what is zero where the lines of a DLL are parallel, and where they have its distance.
 
     Parameters
@@ -92,36 +92,36 @@ def parallel_lines(
     in_base
         Whether to measure the distance between parallel lines by T, else by U.
     """
-    crossing = Equation(_rotation(cross(row.v, weights), row.u))
+    crossing = MotionEquation(_rotation(cross(row.v, weights), row.u))
     if in_base:
         axis, heights = row.v, [_base_height(row.a, row.b, n) for n in _normals(row.v)]
     else:
         axis, heights = row.u, [_platform_height(row.a, row.b, n) for n in _normals(row.u)]
-    distance = Equation({study.NORM: -row.value * dot(axis, axis)}, [(1, h) for h in heights])
+    distance = MotionEquation({study.NORM: -row.value * dot(axis, axis)}, [(1, h) for h in heights])
     return crossing, distance
 
 
-def _equation(row: EvaluatedConstraint) -> Equation:
+def _equation(row: EvaluatedConstraint) -> MotionEquation:
     kind, a, b, u, v, value = row.kind, row.a, row.b, row.u, row.v, row.value
     if not kind.is_distance:
-        return Equation({study.NORM: -value} | _rotation(v, u))
+        return MotionEquation({study.NORM: -value} | _rotation(v, u))
     if kind is DPP:
         function = {study.NORM: dot(a, a) + dot(b, b) - value, study.RHO: 1}
         function |= _rotation([-2 * x for x in b], a)
         for k in range(3):
             function[study.TRANSLATION[k]] = -2 * b[k]
             function[study.BODY[k]] = 2 * a[k]
-        return Equation(function)
+        return MotionEquation(function)
     if kind in (DPH, DHP):
         function = _base_height(a, b, v) if kind is DPH else _platform_height(a, b, u)
         function[study.NORM] -= value
-        return Equation(function)
+        return MotionEquation(function)
     if kind is DPL:
         heights = [_base_height(a, b, normal) for normal in _normals(v)]
-        return Equation({study.NORM: -value * dot(v, v)}, [(1, height) for height in heights])
+        return MotionEquation({study.NORM: -value * dot(v, v)}, [(1, height) for height in heights])
     if kind is DLP:
         heights = [_platform_height(a, b, normal) for normal in _normals(u)]
-        return Equation({study.NORM: -value * dot(u, u)}, [(1, height) for height in heights])
+        return MotionEquation({study.NORM: -value * dot(u, u)}, [(1, height) for height in heights])
     message = f"no equation of {kind.name}"
     raise ValueError(message)
 
@@ -160,10 +160,10 @@ def _moment(row: EvaluatedConstraint) -> Function:
     return function
 
 
-def _distance_of_lines(row: EvaluatedConstraint, moment: int) -> Equation:
+def _distance_of_lines(row: EvaluatedConstraint, moment: int) -> MotionEquation:
     if row.is_zero:
-        return Equation({moment: 1})
+        return MotionEquation({moment: 1})
     size = dot(row.u, row.u) * dot(row.v, row.v)
-    return Equation(
+    return MotionEquation(
         {study.NORM: -row.value * size}, [(1, {moment: 1}), (row.value, _rotation(row.v, row.u))]
     )

@@ -48,7 +48,7 @@ def random_vector(random: Random) -> Exact:
 
 
 def cayley(a: Fraction, b: Fraction, c: Fraction) -> Exact:
-    """Return the rotation of the quaternion (1, a, b, c): Cayley's parametrisation.
+    """Return the rotation of the quaternion (1, a, b, c): Cayley's parametrization.
 
     >>> print(cayley(Fraction(0), Fraction(0), Fraction(1)).astype(int))
     [[ 0 -1  0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from gspcli.atlas.tasks import Task
-from gspcli.atlas.tracking import Tracked
+from gspcli.atlas.tracked_counts import Tracked
 
 
 @pytest.mark.parametrize("sides", [1, 2])

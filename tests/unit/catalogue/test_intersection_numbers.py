@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from gspcli.catalogue.counts import LETTERS
-from gspcli.catalogue.intersections import intersection_number
-from gspcli.catalogue.varieties import LAZARD, MOURRAIN_16, ROTATIONS, varieties
+from gspcli.catalogue.intersection_numbers import intersection_number
+from gspcli.catalogue.recorded_varieties import LAZARD, MOURRAIN_16, ROTATIONS, varieties
 from gspcli.continuation import start
 from gspcli.continuation.quadrics import BODY_TRANSLATION, RHO, TRANSLATION, evaluate, gradients
 from gspcli.continuation.quadrics import swap_letters as swapped
@@ -21,14 +21,14 @@ NUMBERS = [
     for chosen in combinations_with_replacement(LETTERS, 6)
     if chosen.count("a") <= 3
 ]
-#: Families and those that contain them.
+#: Spaces and those that contain them.
 LARGER = {"a": "pqls", "p": "s", "q": "s"}
 
 
 def test_monodromy_found_the_same_numbers() -> None:
     assert len(NUMBERS) == 195
-    for families in NUMBERS:
-        assert intersection_number(families) == start.intersection_number(families)
+    for spaces in NUMBERS:
+        assert intersection_number(spaces) == start.intersection_number(spaces)
 
 
 def test_four_angles_have_no_common_rotation() -> None:
@@ -36,16 +36,16 @@ def test_four_angles_have_no_common_rotation() -> None:
 
 
 def test_exchanging_the_bodies_changes_nothing() -> None:
-    for families in NUMBERS:
-        assert intersection_number(swapped(families)) == intersection_number(families)
+    for spaces in NUMBERS:
+        assert intersection_number(swapped(spaces)) == intersection_number(spaces)
 
 
-def test_larger_families_have_no_fewer_common_points() -> None:
-    for families in NUMBERS:
+def test_larger_spaces_have_no_fewer_common_points() -> None:
+    for spaces in NUMBERS:
         for smaller, larger in LARGER.items():
-            for letter in larger if smaller in families else "":
-                enlarged = families.replace(smaller, letter, 1)
-                assert intersection_number(enlarged) >= intersection_number(families)
+            for letter in larger if smaller in spaces else "":
+                enlarged = spaces.replace(smaller, letter, 1)
+                assert intersection_number(enlarged) >= intersection_number(spaces)
 
 
 def test_degrees_of_the_motions_in_coordinates() -> None:
@@ -57,10 +57,10 @@ def test_degrees_of_the_motions_in_coordinates() -> None:
     assert intersection_number("pppppp") == degrees["R,T"]
 
 
-@pytest.mark.parametrize("families", ["ppppp", "ppppppp", "pppppx", ""])
-def test_six_letters_are_needed(families: str) -> None:
+@pytest.mark.parametrize("spaces", ["ppppp", "ppppppp", "pppppx", ""])
+def test_six_letters_are_needed(spaces: str) -> None:
     with pytest.raises(ValueError, match="six letters"):
-        intersection_number(families)
+        intersection_number(spaces)
 
 
 def _quaternion(matrix: NDArray[np.complex128]) -> NDArray[np.complex128]:
