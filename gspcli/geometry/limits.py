@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.catalogue.kinds import DPP
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance, Side
-from gspcli.geometry.poses import apply
 from gspcli.geometry.primitives import Cone, Point
+from gspcli.geometry.quaternions import apply
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from gspcli.geometry.limits import (
     tilts,
     within_limits,
 )
-from gspcli.geometry.poses import rotation_from_quaternion
+from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.motion import measure
 
 UP = [0, 0, 1]
