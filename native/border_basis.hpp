@@ -21,6 +21,7 @@
 #include "motion_ring.hpp"
 
 namespace gsp {
+namespace {
 
 // Thrown when the work exceeds its limits.
 struct WorkLimit : std::runtime_error {
@@ -577,4 +578,5 @@ bool BorderBasis<F>::is_positive(int d) const {
   return false;
 }
 
+}  // namespace
 }  // namespace gsp

@@ -7,6 +7,7 @@
 #include <vector>
 
 namespace gsp {
+namespace {
 
 // A dense row that is being built: sums of products, reduced late.
 template <class F>
@@ -145,4 +146,5 @@ class Echelon {
   Accumulator<F> accumulator;
 };
 
+}  // namespace
 }  // namespace gsp

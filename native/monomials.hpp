@@ -6,6 +6,7 @@
 #include <vector>
 
 namespace gsp {
+namespace {
 
 // Five bits for each exponent, the last variable in the highest ones.
 using Monomial = unsigned __int128;
@@ -68,4 +69,5 @@ class Monomials {
   std::unordered_map<Monomial, int, Hash> number_;
 };
 
+}  // namespace
 }  // namespace gsp

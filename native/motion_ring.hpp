@@ -17,6 +17,7 @@
 #include "monomials.hpp"
 
 namespace gsp {
+namespace {
 
 template <class F>
 struct Polynomial {
@@ -312,4 +313,5 @@ class MotionRing {
   bool inconsistent_ = false;
 };
 
+}  // namespace
 }  // namespace gsp

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 namespace gsp {
+namespace {
 
 using Wide = unsigned __int128;
 
@@ -113,4 +114,5 @@ struct Residues61 : ResidueOperations<Residues61, std::uint64_t> {
   std::uint64_t divisor_, reciprocal_;
 };
 
+}  // namespace
 }  // namespace gsp

@@ -10,6 +10,7 @@
 #include "border_basis.hpp"
 
 namespace gsp {
+namespace {
 
 // The shortest recurrence of a sequence (Berlekamp and Massey), constant term of the recurrence
 // first: sum of c_j s_(i - j) = 0 with c_0 = 1.
@@ -207,4 +208,5 @@ class SolutionAlgebra {
   Budget& budget_;
 };
 
+}  // namespace
 }  // namespace gsp

@@ -150,3 +150,27 @@ HEAVY = {"numpy", "sympy", "pandas", "flint", "pydantic", "yaml", "rich", "scipy
 )
 def test_start_up_loads_only_what_is_needed(code: str, forbidden: set[str]) -> None:
     assert not _loaded_by(code) & forbidden
+
+
+def test_code_for_an_instruction_set_stays_in_its_build():
+    """Functions that are compiled several times are local to each build.
+
+    The linker merges functions of the same name: all builds would run the one that comes first.
+    """
+    native = PACKAGE.parent / "native"
+    parts = re.findall(
+        r"add_part\(\S+ (\w+) ", (PACKAGE.parent / "CMakeLists.txt").read_text("utf-8")
+    )
+    waiting, seen = [native / f"{part}.cpp" for part in set(parts)], set()
+    while waiting:
+        file = waiting.pop()
+        text = file.read_text("utf-8")
+        new = {native / name for name in re.findall(r'#include "(.+)"', text)} - seen
+        seen |= new
+        waiting += new
+    assert native / "border_basis.hpp" in seen
+    for file in seen:
+        text = file.read_text("utf-8")
+        text = re.sub(r"namespace \{.*\n\}  // namespace\n", "", text, flags=re.S)
+        body = re.search(r"\)( const)? \{", re.sub(r"//.*", "", text))
+        assert body is None, f"{file.name}: a function outside of an anonymous namespace"
