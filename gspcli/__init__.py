@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.primitives import Cone, Line, Plane, Point
     from gspcli.motion import measure, track
     from gspcli.pictures.notebook import notebook_view
-    from gspcli.solver import solve, solve_values
+    from gspcli.solver import solve, solve_batch, solve_values
     from gspcli.spec import dump, dumps, load, loads, read, set_values
 
 __version__ = "0.1.0"
@@ -76,6 +76,7 @@ _HOMES = {
     "read": "gspcli.spec",
     "set_values": "gspcli.spec",
     "solve": "gspcli.solver",
+    "solve_batch": "gspcli.solver",
     "solve_values": "gspcli.solver",
     "track": "gspcli.motion",
     "type_bounds": "gspcli.catalogue.bounds",
@@ -120,6 +121,7 @@ __all__ = [
     "read",
     "set_values",
     "solve",
+    "solve_batch",
     "solve_values",
     "track",
     "type_bounds",

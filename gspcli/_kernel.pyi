@@ -110,6 +110,29 @@ def follow(
     NDArray[np.int64],
     NDArray[np.float64],
 ]: ...
+def decide(
+    hessians: NDArray[np.float64],
+    moduli: NDArray[np.float64],
+    equations: NDArray[np.int32],
+    weights: NDArray[np.float64],
+    turned: NDArray[np.int32],
+    values: NDArray[np.float64],
+    points: NDArray[np.complex128],
+    *,
+    unit: float,
+    origins: NDArray[np.float64],
+    scale: float,
+    tolerance: float,
+    jobs: int = 1,
+    build: str = "",
+) -> tuple[
+    NDArray[np.complex128],
+    NDArray[np.complex128],
+    NDArray[np.complex128],
+    NDArray[np.float64],
+    NDArray[np.uint8],
+    NDArray[np.uint8],
+]: ...
 def prove(
     hessians: NDArray[np.float64],
     moduli: NDArray[np.float64],

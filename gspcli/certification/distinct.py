@@ -60,33 +60,6 @@ def all_different(entries: NDArray[np.complex128], deviations: NDArray[np.float6
     return True
 
 
-def surely_different(
-    entries: NDArray[np.complex128], deviations: NDArray[np.float64]
-) -> NDArray[np.bool_]:
-    """Return for which sets of poses one linear form proves that all are different, shape (b,).
-
-    It is quicker than `all_different`, which may prove more.
-
-    Parameters
-    ----------
-    entries, deviations
-        As for `all_different`, with a leading axis: (b, n, 12) and (b, n). Poses with an infinite
-        deviation do not count.
-    """
-    parts = np.concatenate((entries.real, entries.imag), axis=-1)
-    weights = np.array(_WEIGHTS)
-    forms = parts @ weights
-    reach = (weights.sum() * deviations + (OUTWARD - 1) * (np.abs(parts) @ weights)) * OUTWARD
-    counted = np.isfinite(deviations)
-    low = np.where(counted, forms - reach, np.inf)
-    order = low.argsort(axis=1)
-    low = np.take_along_axis(low, order, axis=1)
-    high = np.take_along_axis(np.where(counted, forms + reach, np.inf), order, axis=1)
-    last = np.take_along_axis(counted, order, axis=1)[:, 1:]
-    # Intervals in the order of their lower ends: none reaches the next.
-    return np.asarray((~last | (high[:, :-1] < low[:, 1:])).all(axis=1))
-
-
 def first_of_each(
     entries: NDArray[np.complex128], deviations: NDArray[np.float64]
 ) -> NDArray[np.bool_]:

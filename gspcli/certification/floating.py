@@ -36,7 +36,7 @@ Values = NDArray[Any]
 #: Bounds the relative error (of the expression of the moduli) of everything computed here.
 ROUNDING = 2.0**-45
 #: A coefficient differs from its double by at most this part of its bound.
-_CONVERSION = 2.0**-50
+CONVERSION = 2.0**-50
 #: Bits of what the kernel proves.
 ISOLATED, REAL, COMPLEX = 1, 2, 4
 
@@ -144,10 +144,10 @@ class Doubles:
 
 
 def converted(coefficient: arb) -> tuple[float, float]:
-    """Return a double near a coefficient, and a bound as `_CONVERSION` wants it."""
+    """Return a double near a coefficient, and a bound as `CONVERSION` wants it."""
     nearest = float(coefficient)
     error = float((coefficient - nearest).abs_upper()) * OUTWARD + TINY
-    return nearest, max(abs(nearest), error / _CONVERSION)
+    return nearest, max(abs(nearest), error / CONVERSION)
 
 
 def _quadrics(hessians: Array, points: Values) -> tuple[Values, Values]:

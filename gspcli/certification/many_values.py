@@ -8,15 +8,14 @@ all others are rounded to doubles once. Values are doubles here, meant exactly.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import arb, ctx
 from numpy.typing import NDArray
 
 from gspcli import _kernel
-from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
+from gspcli.catalogue.kinds import AHH, AHL, ALH, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.certification import study
 from gspcli.certification.ball_system import (
     Form,
@@ -30,50 +29,61 @@ from gspcli.certification.ball_system import (
 from gspcli.certification.balls import dot, norm
 from gspcli.certification.centring import Centring
 from gspcli.certification.deciding import nearly_parallel
-from gspcli.certification.distinct import all_different, surely_different
+from gspcli.certification.distinct import all_different
 from gspcli.certification.floating import (
     COMPLEX,
+    CONVERSION,
     ISOLATED,
     REAL,
     converted,
-    deviations,
     form_hessians,
 )
 from gspcli.certification.proving import FIRST_PRECISION
+from gspcli.certification.sines import SINE_ERROR, cosines, sines
 from gspcli.certification.statement import Statement, statements
 from gspcli.defaults import TOLERANCE
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.quaternions import quaternion_product
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-#: A coefficient plus a weight times a value errs by this many of the errors of its parts, as
-#: `converted` bounds them: those of coefficient, weight, value, their product and the sum.
-_PARTS = 4
-#: Absolute error of a cosine computed with `FIRST_PRECISION` bits, as a part of the unit of
-#: `converted`: far more than there is.
-_COSINE_ERROR = 2.0**-8
+#: A cosine errs by at most `SINE_ERROR`, which is this part of the unit of `converted`.
+_COSINE_ERROR = SINE_ERROR / CONVERSION
 
 
-class Decided(NamedTuple):
-    """What is proved about n poses for each of b sets of values.
+class ProvedPoses(NamedTuple):
+    """What is proved about n ends of paths for each of b sets of values.
 
     Attributes
     ----------
+    R, T
+        The poses, shapes (b, n, 3, 3) and (b, n, 3), complex; proved real ones are exactly real.
+    quaternions
+        Of the rotations, ``e.e = 1``, with the sign of `quaternion_from_rotation`; (b, n, 4).
     certified
         Near which of them there is exactly one solution, a simple one, proved real or proved not
         to be; shape (b, n).
     real
         Which of those are real, shape (b, n).
-    different
-        For which sets all certified solutions are proved to be different ones, shape (b,).
+    complete
+        For which sets all are certified and proved to be different solutions, shape (b,).
     """
 
+    R: Complex
+    T: Complex
+    quaternions: Complex
     certified: NDArray[np.bool_]
     real: NDArray[np.bool_]
-    different: NDArray[np.bool_]
+    complete: NDArray[np.bool_]
+
+
+class Frames(NamedTuple):
+    """The unit of length and the origins, in the frames of the instance, of Study points."""
+
+    unit: float
+    base: Array
+    platform: Array
 
 
 class _ValueEquation(NamedTuple):
@@ -111,14 +121,25 @@ class ValueProofs:
             self.statements = statements(self.instance)
             self._forms: list[Form] = [{study.NORM: arb(1)}, {study.STUDY: arb(1)}]
             self._equations = [self._equation(given) for given in self.statements]
-            weights = [converted(equation.weight) for equation in self._equations]
-            self._weights, self._weight_bounds = np.array(weights).T
-            self._nearest, self._bounds = np.zeros((2, len(self._forms), study.COUNT))
+            weights = np.array([converted(equation.weight) for equation in self._equations])
+            nearest, bounds = np.zeros((2, len(self._forms), study.COUNT))
             for row, form in enumerate(self._forms):
                 for k, coefficient in form.items():
-                    self._nearest[row, k], self._bounds[row, k] = converted(coefficient)
+                    nearest[row, k], bounds[row, k] = converted(coefficient)
         distances = [given for given in self.statements if given.kind.is_distance]
         self.scale = float(distances[0].unit)
+        # For the kernel, see native/ends.hpp; what bounds N comes with the values.
+        mains = [equation.main for equation in self._equations]
+        self._weights = np.array((*weights.T, bounds[mains, study.NORM]))
+        bounds[mains, study.NORM] = 0
+        self._hessians = np.tensordot(nearest, form_hessians(), 1)
+        self._moduli = np.tensordot(bounds, np.abs(form_hessians()), 1)
+        self._table = np.full((len(mains), 3), -1, np.int32)
+        self._turned = np.full(len(mains), -1, np.int32)
+        for i, equation in enumerate(self._equations):
+            self._table[i, : 1 + len(equation.squares)] = equation.main, *equation.squares
+            if equation.turned:
+                self._turned[i] = equation.squares[-1]
 
     @classmethod
     def of(cls, instance: Instance, rows: Array) -> ValueProofs | None:
@@ -152,6 +173,13 @@ class ValueProofs:
             raise ValueError(kind)
         return _ValueEquation(self._add(height), (), -norm(u or v))
 
+    def _cosines(self, kind: Kind, angles: Array) -> Array:
+        """Return the values of ``R u . v`` that angles ask for (`Statement.cosine`)."""
+        degrees = self.instance.units.angle is AngleUnit.DEGREE
+        if kind in (ALH, AHL):
+            return sines(angles, degrees=degrees)
+        return cosines(angles, degrees=degrees) * (-1 if kind is AHH else 1)
+
     def _parameters(self, rows: Array, choices: Array) -> tuple[Array, Array]:
         """Return the functions of the values (b, k, 6) and bounds for `converted`."""
         values = np.repeat(rows[:, None, :], len(choices), axis=1)
@@ -166,55 +194,14 @@ class ValueProofs:
                     values[..., i] **= 2
                 bounds[..., i] = np.abs(values[..., i])
             else:
-                with ctx.workprec(FIRST_PRECISION):
-                    cosines = [
-                        float(replace(given, value=arb(value) / given.unit).cosine)
-                        for value in rows[:, i].tolist()
-                    ]
-                values[..., i] = np.array(cosines)[:, None]
+                values[..., i] = self._cosines(given.kind, rows[:, i])[:, None]
                 bounds[..., i] = np.abs(values[..., i]) + _COSINE_ERROR
         return values, bounds
 
-    def _systems(self, rows: Array, choices: Array) -> tuple[Array, Array, NDArray[np.int32]]:
-        """Return Hessian matrices (b k, quadrics, 8, 8), bounds for them, and the equations."""
-        parameters, parameter_bounds = (
-            part.reshape(-1, len(self.statements)) for part in self._parameters(rows, choices)
-        )
-        count = len(parameters)
-        nearest = np.repeat(self._nearest[None], count, axis=0)
-        bounds = np.repeat(self._bounds[None], count, axis=0)
-        equations = np.full((len(self.statements), 3), -1, dtype=np.int32)
-        for i, equation in enumerate(self._equations):
-            value, bound = parameters[:, i], parameter_bounds[:, i]
-            squares = equation.squares
-            main = nearest[:, equation.main], bounds[:, equation.main]
-            if equation.turned:
-                distance = np.repeat(np.abs(rows[:, i]) / self.scale, len(choices))
-                turned = squares[-1]
-                nearest[:, turned] *= distance[:, None]
-                bounds[:, turned] *= _PARTS * distance[:, None]
-            main[0][:, study.NORM] += self._weights[i] * value
-            main[1][:, study.NORM] += self._weight_bounds[i] * bound
-            main[1][:, study.NORM] *= _PARTS
-            equations[i, 0] = equation.main
-            equations[i, 1 : 1 + len(squares)] = squares
-        shape = (count, len(self._forms), 8, 8)
-        flat = form_hessians().reshape(study.COUNT, 64)
-        return (nearest @ flat).reshape(shape), (bounds @ np.abs(flat)).reshape(shape), equations
-
-    # Whatever is not a number proves nothing.
-    @np.errstate(all="ignore")
     def decide(
-        self,
-        rows: Array,
-        choices: Array,
-        quaternions: Complex,
-        R: Complex,
-        T: Complex,
-        *,
-        jobs: int = 1,
-    ) -> Decided:
-        """Prove what double precision can about approximate poses.
+        self, rows: Array, choices: Array, points: Complex, frames: Frames, *, jobs: int = 1
+    ) -> ProvedPoses:
+        """Prove what double precision can about the ends of paths.
 
         Parameters
         ----------
@@ -222,49 +209,51 @@ class ValueProofs:
             Sets of values, shape (b, 6); none is zero where the geometry has lines at a distance.
         choices
             For each choice of sides the sign of each constraint, shape (k, 6).
-        quaternions, R, T
-            The poses: those of each choice of sides one after the other, shapes (b, k m, 4),
-            (b, k m, 3, 3) and (b, k m, 3); quaternions with ``e.e = 1``.
+        points
+            Study points of any norm for each set and choice, shape (b, k, m, 8), n = k m.
+        frames
+            In which they are.
         jobs
             Threads.
         """
-        shape = R.shape[:2]
-        hessians, moduli, equations = self._systems(rows, choices)
-        points, patches = _points(quaternions, T / self.scale)
-        systems = (len(hessians), -1)
-        points, errors, proved = _kernel.prove(
-            np.ascontiguousarray(hessians),
-            np.ascontiguousarray(moduli),
-            equations,
-            points.reshape(*systems, 8),
-            patches.reshape(systems),
+        values, bounds = self._parameters(rows, choices)
+        distances = np.broadcast_to(np.abs(rows)[:, None] / self.scale, values.shape)
+        open_values = np.stack((values, bounds, distances), axis=2).reshape(-1, 3, values.shape[-1])
+        R, T, quaternions, deviation, bits, complete = _kernel.decide(
+            self._hessians,
+            self._moduli,
+            self._table,
+            self._weights,
+            self._turned,
+            open_values,
+            np.ascontiguousarray(points.reshape(-1, *points.shape[2:])),
+            unit=frames.unit / self.scale,
+            origins=np.array((frames.base, frames.platform)) / self.scale,
+            scale=self.scale,
+            tolerance=TOLERANCE,
             jobs=jobs,
         )
-        places = (T / self.scale).reshape(-1, 3)
-        turns = R.reshape(-1, 3, 3)
-        deviation = deviations(points.reshape(-1, 8), errors.reshape(-1), turns, places)
-        entries = np.concatenate((turns.reshape(-1, 9), places), axis=1)
-        tolerance = TOLERANCE * np.maximum(1, np.abs(entries).max(axis=1, initial=0))
-        bits = proved.reshape(-1)
         certified = ((bits & ISOLATED) > 0) & ((bits & (REAL | COMPLEX)) > 0)
-        certified &= deviation <= tolerance
+        different = complete > 0
+        for k in np.flatnonzero(certified.all(axis=1) & ~different):
+            # One linear form does not tell them apart.
+            entries = np.concatenate((R[k].reshape(-1, 9), T[k] / self.scale), axis=1)
+            different[k] = all_different(entries, deviation[k])
         if any(given.kind is DLL for given in self.statements):
-            certified &= ~nearly_parallel(self.instance, turns)
+            parallel = nearly_parallel(self.instance, R.reshape(-1, 3, 3))
+            certified &= ~parallel.reshape(certified.shape)
         real = certified & ((bits & REAL) > 0)
-        entries, deviation = entries.reshape(*shape, 12), deviation.reshape(shape)
-        certified = certified.reshape(shape)
-        different = surely_different(entries, np.where(certified, deviation, np.inf))
-        for k in np.flatnonzero(~different):
-            known = certified[k]
-            different[k] = all_different(entries[k, known], deviation[k, known])
-        return Decided(certified, real.reshape(shape), different)
+        # Solutions of the equations of different sides are different ones: no distance is zero.
+        different &= certified.all(axis=1)
 
+        def together(part: NDArray[Any]) -> NDArray[Any]:
+            return part.reshape(len(rows), -1, *part.shape[2:])
 
-def _points(quaternions: Complex, places: Complex) -> tuple[Complex, NDArray[np.int32]]:
-    """Return Study points of poses in their patches (..., 8), and the patches (...)."""
-    pure = np.concatenate((np.zeros_like(places[..., :1]), places), axis=-1)
-    points = np.concatenate((quaternions, quaternion_product(pure, quaternions) / 2), axis=-1)
-    patches = np.abs(points[..., :4]).argmax(axis=-1)[..., None]
-    points = points / np.take_along_axis(points, patches, axis=-1)
-    np.put_along_axis(points, patches, 1, axis=-1)
-    return np.ascontiguousarray(points), patches[..., 0].astype(np.int32)
+        return ProvedPoses(
+            R=together(R),
+            T=together(T),
+            quaternions=together(quaternions),
+            certified=together(certified),
+            real=together(real),
+            complete=np.asarray(different.reshape(len(rows), -1).all(axis=1)),
+        )

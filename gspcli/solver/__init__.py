@@ -1,6 +1,7 @@
-"""An instance in, its assembly modes out: `solve`, `solve_values`, and what they return."""
+"""An instance in, its assembly modes out: one, many sets of values, and what is returned."""
 
-from gspcli.solver.api import solve, solve_values
+from gspcli.solver.api import solve, solve_batch, solve_values
+from gspcli.solver.batch import PoseBatch
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.result import Counts, Solution, SolveResult
 from gspcli.solver.self_motion import Motion
@@ -8,9 +9,11 @@ from gspcli.solver.self_motion import Motion
 __all__ = [
     "Counts",
     "Motion",
+    "PoseBatch",
     "PoseSet",
     "Solution",
     "SolveResult",
     "solve",
+    "solve_batch",
     "solve_values",
 ]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from itertools import chain, islice
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +17,7 @@ from gspcli.geometry.building import checked
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.solver.arguments import problems_of, value_rows, whole
+from gspcli.solver.batch import Block, PoseBatch, joined
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.result import SolveResult, stable_order
@@ -25,10 +27,13 @@ if TYPE_CHECKING:
     from gspcli.continuation.pursuit import Pursuit
 
 Array = NDArray[np.float64]
+Index = NDArray[np.intp]
 
 #: Work that an exact count may take unless somebody asks for it, in billions of multiplications
 #: modulo a prime: about as many seconds.
 PATIENCE = 2.0
+#: So many answers of the closed form are put together.
+_BLOCK = 64
 
 
 def solve(
@@ -136,14 +141,12 @@ def solve_values(
     *,
     seed: int = SEED,
     jobs: int = 1,
-    certify: bool = False,
+    certify: bool = True,
 ) -> Iterator[PoseSet]:
     """Yield all poses of an instance for each of many sets of values, in order.
 
     This is the quick way to many poses of one geometry: it is solved once for complex values, and
-    from there the values alone are moved. The values of the instance itself are not used. Poses
-    in general position are certified only if that is asked for, those in special or nearly
-    special position always.
+    from there the values alone are moved. The values of the instance itself are not used.
 
     Parameters
     ----------
@@ -154,7 +157,8 @@ def solve_values(
     seed, jobs
         As for `solve`.
     certify
-        Whether to prove each pose, and whether it is real, and so that there are no others.
+        Whether to prove each pose, and whether it is real, and so that there are no others. That
+        is always done where it costs nothing to speak of, and in special position.
 
     Raises
     ------
@@ -162,42 +166,96 @@ def solve_values(
         If an argument is of another sort or shape. A set of values that is wrong (not a number,
         a negative distance) only spoils its own `PoseSet`, whose `problem` says so.
     """
+    return chain.from_iterable(_blocks(instance, values, seed, jobs, certify=certify))
+
+
+def solve_batch(
+    instance: Instance, values: ArrayLike, *, seed: int = SEED, jobs: int = 1, certify: bool = True
+) -> PoseBatch:
+    """Return all poses of an instance for each of many sets of values, as arrays.
+
+    What `solve_values` yields, without an object for each set: 6-6 platforms take 8 kB each.
+
+    Parameters
+    ----------
+    instance, values, seed, jobs, certify
+        As for `solve_values`.
+
+    Raises
+    ------
+    ArgumentError
+        As for `solve_values`.
+    """
+    return joined(list(_blocks(instance, values, seed, jobs, certify=certify)))
+
+
+def _blocks(
+    instance: Instance, values: ArrayLike, seed: int, jobs: int, *, certify: bool
+) -> Iterator[Block]:
+    """Return the poses for each set of values, wrong ones included."""
     checked(instance)
     seed, jobs = whole(seed, "seed", least=0), whole(jobs, "jobs", least=1)
     rows = value_rows(values)
-    problems = problems_of(instance, rows)
-    right = [problem is None for problem in problems]
-    rows = rows if all(right) else rows[right]
-    solved = _solve_rows(instance, rows, seed, jobs, certify=certify)
-    return (
-        next(solved) if problem is None else PoseSet.unsolved(instance.expected, problem)
-        for problem in problems
-    )
+    wrong = {
+        k: PoseSet.unsolved(instance.expected, problem)
+        for k, problem in problems_of(instance, rows).items()
+    }
+    if wrong:
+        # Any right values do in their place.
+        right = np.delete(rows, list(wrong), axis=0)
+        rows = rows.copy()
+        rows[list(wrong)] = right[0] if len(right) else np.nan
+    if len(wrong) == len(rows):
+        return iter([Block.of(list(wrong.values()))] if wrong else [])
+    return _solve_rows(instance, rows, wrong, seed, jobs, certify=certify)
 
 
 def _solve_rows(
-    instance: Instance, rows: Array, seed: int, jobs: int, *, certify: bool
-) -> Iterator[PoseSet]:
+    instance: Instance,
+    rows: Array,
+    wrong: Mapping[int, PoseSet],
+    seed: int,
+    jobs: int,
+    *,
+    certify: bool,
+) -> Iterator[Block]:
     """Yield the poses for each set of values; those of special platforms are proved."""
     arrangement = Arrangement.of(instance)
-    quick = _quick_rows(instance, arrangement, rows, seed, jobs, certify=certify)
-    for row, found in zip(rows, quick, strict=True):
-        if found is not None and (found.proof is not None or not certify):
-            yield found
-            continue
-        numbers = {i: Number.of(value) for i, value in enumerate(row.tolist())}
-        given, one = instance.with_values(numbers), arrangement.with_values(row)
-        pursuits, poses = None, found
-        if poses is None:
-            pursuits, poses = next(_each_tracked([one], seed, jobs))
-        if poses is not None and certify:
-            poses = _proved(given, poses)
-        if poses is None or not _is_general(poses, certify):
-            poses = _special(given, one, pursuits, seed, jobs, PATIENCE)
-        yield poses
+    begin = 0
+    for block, special in _quick_blocks(instance, arrangement, rows, seed, jobs, certify=certify):
+        others = dict(block.others)
+        for k in special.tolist():
+            row = rows[begin + k]
+            given = instance.with_values({i: Number.of(x) for i, x in enumerate(row.tolist())})
+            others[k] = wrong.get(begin + k) or _carefully(
+                given, arrangement.with_values(row), others.get(k), seed, jobs, certify=certify
+            )
+        others |= {k - begin: wrong[k] for k in wrong if begin <= k < begin + len(block)}
+        yield replace(block, others=others)
+        begin += len(block)
 
 
-def _quick_rows(
+def _carefully(
+    instance: Instance,
+    arrangement: Arrangement,
+    poses: PoseSet | None,
+    seed: int,
+    jobs: int,
+    *,
+    certify: bool,
+) -> PoseSet:
+    """Return the poses of one of many sets of values, with all the care that they need."""
+    pursuits = None
+    if poses is None:
+        pursuits, poses = next(_each_tracked([arrangement], seed, jobs))
+    if poses is not None and certify:
+        poses = _proved(instance, poses)
+    if poses is None or not _is_general(poses, certify):
+        poses = _special(instance, arrangement, pursuits, seed, jobs, PATIENCE)
+    return poses
+
+
+def _quick_blocks(
     instance: Instance,
     arrangement: Arrangement,
     rows: Array,
@@ -205,14 +263,20 @@ def _quick_rows(
     jobs: int,
     *,
     certify: bool,
-) -> Iterator[PoseSet | None]:
-    """Yield the poses for each set of values; None if they are not found for certain."""
+) -> Iterator[tuple[Block, Index]]:
+    """Yield the poses for sets of values, and which of them are not found for certain."""
     if len(arrangement.angles) == MAX_ANGLES:
         from gspcli.solver.closed_form import solve_closed_forms
 
-        for poses in solve_closed_forms(arrangement, rows):
-            yield poses if _is_general(poses, certify=False) else None
+        solved = solve_closed_forms(arrangement, rows)
+        while part := list(islice(solved, _BLOCK)):
+            general = {
+                k: poses for k, poses in enumerate(part) if _is_general(poses, certify=False)
+            }
+            special = [k for k in range(len(part)) if certify or k not in general]
+            yield replace(Block.nothing(len(part)), others=general), np.array(special, np.intp)
         return
+    from gspcli.certification.many_values import ValueProofs
     from gspcli.solver.one_geometry import solve_rows
 
     def count() -> ExactCount | None:
@@ -220,9 +284,13 @@ def _quick_rows(
 
         return geometry_count(instance, seed=seed, limit=PATIENCE)
 
-    proofs = None
-    if certify and len(rows):
-        from gspcli.certification.many_values import ValueProofs
-
-        proofs = ValueProofs.of(instance, rows)
-    yield from solve_rows(arrangement, rows, count=count, proofs=proofs, seed=seed, jobs=jobs)
+    proofs = ValueProofs.of(instance, rows)
+    for size, found in solve_rows(
+        arrangement, rows, count=count, proofs=proofs, seed=seed, jobs=jobs
+    ):
+        if found is None or (found.proof is None and certify):
+            yield Block.nothing(size), np.arange(size)
+        else:
+            poses = found.poses
+            fields = poses.quaternions, poses.R, poses.T, poses.real
+            yield Block(*fields, found.account, found.proof), np.flatnonzero(~poses.complete)

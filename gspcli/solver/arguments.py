@@ -57,8 +57,8 @@ def value_rows(values: Any) -> Array:
     return rows
 
 
-def problems_of(instance: Instance, rows: Array) -> list[str | None]:
-    """Return for each set of values what is wrong with it, or None.
+def problems_of(instance: Instance, rows: Array) -> dict[int, str]:
+    """Return what is wrong with sets of values, by their indices.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def problems_of(instance: Instance, rows: Array) -> list[str | None]:
     with np.errstate(invalid="ignore"):
         right = (rows >= low - slack) & (rows <= high + slack)
         right &= (rows == 0) | (np.abs(rows) >= SMALLEST)
-    problems: list[str | None] = [None] * len(rows)
+    problems = {}
     for k in np.flatnonzero(~right.all(axis=1)).tolist():
         i = int(np.flatnonzero(~right[k])[0])
         try:

@@ -14,34 +14,26 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import groupby
 from math import ceil, log2
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL, Kind
-from gspcli.continuation.parameter_homotopy import follow_each
+from gspcli.certification.many_values import Frames, ProvedPoses, ValueProofs
+from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.solve import solve_system
 from gspcli.continuation.start import path_count
 from gspcli.continuation.systems import Coefficients, System
+from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.conjugates import find_real_points
-from gspcli.geometry.quaternions import (
-    canonical_sign,
-    pose_from_study,
-    quaternion_from_rotation,
-    unit_quaternion,
-)
-from gspcli.solver.parallel_lines import polish_parallel_lines
-from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.study_systems import coefficients_of, side_choices
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
-    from gspcli.certification.many_values import ValueProofs
 
 Array = NDArray[np.float64]
 
@@ -60,6 +52,23 @@ _SPREAD = (0.7, 1.3)
 _GRID = 0.125
 #: So many starts are kept for the process, those used last.
 _KEPT = 64
+_QUICK = SHORT
+
+
+class Solved(NamedTuple):
+    """The poses for sets of values, of which those that are complete have all there are.
+
+    Attributes
+    ----------
+    poses
+        What was found and proved.
+    account, proof
+        Of each set that is complete.
+    """
+
+    poses: ProvedPoses
+    account: PathAccount
+    proof: Proof | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,14 +95,11 @@ def solve_rows(
     rows: Array,
     *,
     count: Callable[[], ExactCount | None],
-    proofs: ValueProofs | None = None,
+    proofs: ValueProofs | None,
     seed: int,
     jobs: int = 1,
-) -> Iterator[PoseSet | None]:
+) -> Iterator[tuple[int, Solved | None]]:
     """Yield all poses of one geometry with each of many sets of values, in order.
-
-    None stands for a set of values that is in special position, or for any if the geometry is not
-    worth it (too few sets) or not known well enough: each needs a solution of its own.
 
     Parameters
     ----------
@@ -106,27 +112,34 @@ def solve_rows(
         asked for; None if it is not known. Called only if the geometry seems to have fewer
         solutions than its type.
     proofs
-        The equations of the geometry with its values left open, to certify the poses; None if
-        they are not to be certified.
+        The equations of the geometry with its values left open; None if the poses cannot be
+        certified, and nothing be solved here.
     seed
         Source of the random paths. Another seed gives the same sets of poses.
     jobs
         Threads. The result does not depend on them.
+
+    Yields
+    ------
+    How many sets of values come next, and their poses; None if each needs a solution of its
+    own, because the geometry is not worth it (too few sets) or not known well enough.
     """
     # A distance of zero has one sign, and may have another equation.
-    zero = [(row == 0).tobytes() for row in rows]
+    zero = [(row == 0).tobytes() for row in rows] if (rows == 0).any() else [b""] * len(rows)
     geometries = {
         pattern: _geometry(arrangement, rows[[z == pattern for z in zero]], count, seed)
         for pattern in dict.fromkeys(zero)
+        if proofs is not None
     }
     begin = 0
     for pattern, group in groupby(zero):
         end = begin + len(list(group))
-        geometry = geometries[pattern]
-        size = end - begin if geometry is None else geometry.batch
+        geometry = geometries.get(pattern)
+        size = geometry.batch if geometry else end - begin
         for first in range(begin, end, size):
             batch = rows[first : min(first + size, end)]
-            yield from geometry.poses(batch, proofs, jobs) if geometry else [None] * len(batch)
+            found = geometry.solve(batch, proofs, jobs) if geometry and proofs else None
+            yield len(batch), found
         begin = end
 
 
@@ -255,8 +268,27 @@ class _Geometry:
         """How many sets of values are solved together."""
         return max(1, _BATCH_PATHS // self.found)
 
-    def poses(self, rows: Array, proofs: ValueProofs | None, jobs: int) -> Iterator[PoseSet | None]:
-        """Yield the poses for sets of values (b, 6); None where any is not found for certain."""
+    def solve(self, rows: Array, proofs: ValueProofs, jobs: int) -> Solved:
+        """Return the poses for sets of values (b, 6)."""
+        poses = self._proved(rows, proofs, _QUICK, jobs)
+        again = np.flatnonzero(~poses.complete)
+        if len(again):
+            for part, better in zip(
+                poses, self._proved(rows[again], proofs, CAREFUL, jobs), strict=True
+            ):
+                part[again] = better
+        account = PathAccount(
+            expected=self.expected,
+            found=self.found,
+            at_infinity=self.expected - self.found,
+            basis=Basis.PATHS if self.found == self.expected else Basis.COUNT,
+        )
+        return Solved(poses, account, self.proof)
+
+    def _proved(
+        self, rows: Array, proofs: ValueProofs, options: TrackerOptions, jobs: int
+    ) -> ProvedPoses:
+        """Return the ends of the paths to sets of values, and what is proved about them."""
         values = _inner_values(self.given, rows, self.length, self.choices)
         inner, start = self.inner, self.start
         structure, coefficients = coefficients_of(
@@ -264,50 +296,11 @@ class _Geometry:
         )
         ordered = Coefficients(*(x[:, list(structure.order)] for x in coefficients))
         targets = ordered.in_units(start.scale).normalized()
-        ends = follow_each(start.system, start.points, targets, jobs=jobs)
-        points = ends.points
-        points[..., 4:] *= start.scale
-        real: NDArray[np.bool_] = np.zeros(points.shape[:-1], dtype=np.bool_)
-        for k in np.flatnonzero(ends.regular):
-            points[k], real[k] = find_real_points(points[k])
-        shape = (len(rows), self.found)
-        points, real = points.reshape(*shape, 8), real.reshape(shape)
-        good: NDArray[np.bool_] = np.asarray(ends.regular.reshape(len(rows), -1).all(axis=1))
-        points = np.where(good[:, None, None], points, 1.0)
-        R, T = pose_from_study(points[..., :4], points[..., 4:])
-        T = self.given.restored(R, T, self.length)
-        quaternions = canonical_sign(unit_quaternion(points[..., :4]))
-        account = PathAccount(
-            expected=self.expected,
-            found=self.found,
-            at_infinity=self.expected - self.found,
-            basis=Basis.PATHS if self.found == self.expected else Basis.COUNT,
+        ends = track(start.system, targets, start.points, options=options, jobs=jobs)
+        # What is no end must not pass for one.
+        ends.points[ends.status != PathStatus.REGULAR] = np.nan
+        frames = Frames(
+            self.length * float(start.scale), self.given.base_centre, self.given.platform_centre
         )
-        once = np.ones(self.found, dtype=int)
-        if DLL in self.given.kinds:
-            for i in np.flatnonzero(good).tolist():
-                platform = self.given.with_values(rows[i])
-                polished, T[i] = polish_parallel_lines(platform, R[i], T[i], once == 1)
-                if polished is not R[i]:
-                    R[i], quaternions[i] = polished, quaternion_from_rotation(polished)
-        certified = np.zeros(real.shape, dtype=np.bool_)
-        if proofs is not None:
-            poses = quaternions[good], R[good], T[good]
-            decided = proofs.decide(rows[good], self.choices, *poses, jobs=jobs)
-            certified[good] = decided.certified & decided.different[:, None]
-            real[good] = np.where(certified[good], decided.real, real[good])
-        for i in range(len(rows)):
-            if not good[i]:
-                yield None
-                continue
-            yield PoseSet(
-                quaternions=quaternions[i],
-                R=R[i],
-                T=T[i],
-                real=real[i],
-                certified=certified[i],
-                multiplicity=once,
-                motions=(),
-                account=account,
-                proof=self.proof if certified[i].all() else None,
-            )
+        points = ends.points.reshape(len(rows), len(self.choices), -1, 8)
+        return proofs.decide(rows, self.choices, points, frames, jobs=jobs)

@@ -9,11 +9,13 @@ from matching import pose_set_distance
 
 from gspcli import hexapod
 from gspcli.catalogue.parsing import parse_type
+from gspcli.certification.many_values import ValueProofs
 from gspcli.continuation.paths import Basis
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.numbers import Number
-from gspcli.solver import solve, solve_values
+from gspcli.solver import solve, solve_batch, solve_values
+from gspcli.solver.batch import Block
 from gspcli.solver.generate import random_instance
 from gspcli.solver.one_geometry import solve_rows
 from gspcli.solver.proof import Ground
@@ -138,6 +140,20 @@ def _same(one, other, length: float) -> bool:
     return distance < 1e-7 and bool(one.real.sum() == other.real.sum())
 
 
+def _quickly(instance, values, count, seed):
+    """Return what is found from the geometry's own start, None where nothing is."""
+    arrangement, proofs = Arrangement.of(instance), ValueProofs.of(instance, values)
+    found = []
+    for size, solved in solve_rows(arrangement, values, count=count, proofs=proofs, seed=seed):
+        if solved is None:
+            found += [None] * size
+            continue
+        poses = solved.poses
+        block = Block(poses.quaternions, poses.R, poses.T, poses.real, *solved[1:])
+        found += [p if c else None for p, c in zip(block, poses.complete, strict=True)]
+    return found
+
+
 @pytest.mark.parametrize(
     "name",
     [
@@ -151,11 +167,11 @@ def test_values_of_one_geometry_are_followed_from_its_own_start(name):
     instance = instance_of(name)
     arrangement = Arrangement.of(instance)
     values = _near(instance, 0.1, 6, 1)
-    found = list(solve_rows(arrangement, values, count=lambda: None, seed=3))
-    assert all(found)
+    found = _quickly(instance, values, lambda: None, 3)
     for row, poses in zip(values, found, strict=True):
         alone = solve_by_tracking(arrangement.with_values(row), seed=4)
         assert poses.account == alone.account
+        assert poses.proof.by is Ground.TYPE
         assert poses.account.found == poses.account.expected == len(poses.R)
         assert _same(poses, alone, arrangement.length)
         assert not poses.R[poses.real].imag.any()
@@ -169,21 +185,22 @@ def _three_three():
 
 def test_a_special_geometry_is_followed_if_its_exact_count_says_that_nothing_is_missing():
     instance = _three_three()
-    arrangement, values = Arrangement.of(instance), _near(instance, 0.02, 5, 6)
+    values = _near(instance, 0.02, 5, 6)
     for number, trusted in ((16, True), (18, False), (None, False)):
         count = None if number is None else SimpleNamespace(solutions=number, error=1e-9)
-        found = list(solve_rows(arrangement, values, count=lambda n=count: n, seed=7))
+        found = _quickly(instance, values, lambda n=count: n, 7)
         assert [poses is not None for poses in found] == [trusted] * 5
         for poses in found if trusted else []:
             assert poses.account.verdict == "complete"
             assert (poses.account.found, poses.account.at_infinity) == (16, 24)
             assert poses.account.basis is Basis.COUNT
     for row, poses in zip(values, solve_values(instance, values), strict=True):
-        assert _same(poses, solve_by_tracking(arrangement.with_values(row), seed=8), 1.0)
+        alone = solve_by_tracking(Arrangement.of(instance).with_values(row), seed=8)
+        assert _same(poses, alone, 1.0)
 
 
-def test_special_values_of_a_general_geometry_are_left_to_others():
-    """Two of the poses come together where all legs meet a line."""
+def _singular():
+    """A platform with a double pose: all legs meet a line there; and its lengths."""
     rng = np.random.default_rng(9)
     y = rng.uniform(-1, 1, (6, 3))
     T = np.array([0.1, 0.2, 2.0])
@@ -192,17 +209,20 @@ def test_special_values_of_a_general_geometry_are_left_to_others():
     on_line = point + rng.normal(size=(6, 1)) * direction
     x = ends + (1.5 + rng.random((6, 1))) * (on_line - ends)
     lengths = np.linalg.norm(ends - x, axis=1)
-    instance = hexapod(x, y, lengths.tolist())
+    return hexapod(x, y, lengths.tolist()), lengths
+
+
+def test_special_values_of_a_general_geometry_are_left_to_others():
+    instance, lengths = _singular()
     values = lengths * (1 + np.array([0.0, 0.01, 0.02, 0.0, 0.03]))[:, None]
-    found = list(solve_rows(Arrangement.of(instance), values, count=lambda: None, seed=10))
+    found = _quickly(instance, values, lambda: None, 10)
     assert [poses is None for poses in found] == [True, False, False, True, False]
 
 
 def test_few_sets_of_values_are_not_worth_a_start():
     instance = instance_of("DPP DPP DPP DPP DPP DPP")
     values = _near(instance, 0.1, 3, 11)
-    found = solve_rows(Arrangement.of(instance), values, count=lambda: None, seed=12)
-    assert list(found) == [None] * 3
+    assert _quickly(instance, values, lambda: None, 12) == [None] * 3
     assert len(list(solve_values(instance, values))) == 3
 
 
@@ -252,3 +272,26 @@ def test_special_values_are_proved_too():
     for poses in solve_values(instance, values, certify=True):
         assert poses.account.verdict in ("complete", "infinite", "incomplete")
         assert not (poses.certified & (poses.multiplicity > 1)).any()
+
+
+def test_a_batch_has_the_same_poses_as_arrays():
+    """The third set is special, the fifth wrong: both have an answer of their own."""
+    instance, special = _singular()
+    values = _near(instance, 0.02, 6, 17)
+    values[2], values[4, 1] = special, -1.0
+    batch = solve_batch(instance, values)
+    sets = list(solve_values(instance, values))
+    assert len(batch) == 6
+    assert set(batch.others) == {2, 4}
+    assert batch.others[4].problem == "values[4][1]: found -1, expected a distance of at least 0"
+    for k, poses in enumerate(sets):
+        number = batch.number[k]
+        assert number == len(poses.R)
+        assert batch.complete[k] == (poses.problem is None and poses.account.verdict == "complete")
+        assert batch.proved[k] == (batch.complete[k] and poses.proof is not None)
+        for name in ("R", "T", "real", "certified", "multiplicity"):
+            np.testing.assert_array_equal(getattr(batch, name)[k, :number], getattr(poses, name))
+        assert np.isnan(batch.T[k, number:]).all()
+        assert not batch.multiplicity[k, number:].any()
+    assert batch.proved[[0, 1, 3, 5]].all()
+    assert not batch.complete[4]

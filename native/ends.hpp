@@ -1,0 +1,50 @@
+// From the ends of paths to proved poses, for many sets of values of one geometry; plain data.
+//
+// The theorem and the bounds are those of gspcli.certification.floating, the equations those of
+// gspcli.certification.many_values: a value changes how often N is in its equation.
+#pragma once
+
+#include <cstdint>
+
+#include "proofs.hpp"
+
+namespace gsp {
+
+// A geometry with its values left open.
+struct OpenGeometry {
+  ProofSystem equations;       // with distances and cosines of zero
+  const double* weight;        // (6) of the value in how often N is in the main quadric
+  const double* weight_bound;  // (6) see `floating.converted`
+  const double* norm_bound;    // (6) of how often N is there without the value
+  const std::int32_t* turned;  // (6) the quadric that is multiplied by the distance; -1: none
+  // The points' own frames and unit: f becomes unit f + (base e - e platform) / 2.
+  double unit;
+  double base[3], platform[3];
+  double scale;      // what lengths are multiplied by in the end, a power of two
+  double tolerance;  // largest deviation of a pose, relative to its largest entry if above one
+};
+
+// One set of values: the function that is in the equation (a square, the distance, a cosine), what
+// bounds it as `floating.converted` wants it, and the distance itself where a quadric is turned.
+struct OpenValues {
+  const double *value, *bound, *distance;  // (6) each
+};
+
+// Arrays over the points of one set of values.
+struct Poses {
+  Complex* rotation;     // (count, 9)
+  Complex* translation;  // (count, 3)
+  Complex* quaternion;   // (count, 4), e.e = 1, see `poses.canonical_sign`
+  double* deviation;     // of the pose in any entry, translations divided by the scale
+  std::uint8_t* proved;  // bits of `Proved`; no bit unless the deviation is tolerable
+  // Whether all are proved (isolated, and real or not), and different.
+  std::uint8_t* complete;
+};
+
+// Decides about `count` Study points of any norm (count, 8). `work` has room for the Hessian
+// matrices and the moduli, 2 quadrics * 64 numbers, and for 3 numbers a point.
+using Decide = void(const OpenGeometry&, const OpenValues&, int count, const Complex* points,
+                    double* work, const Poses&);
+Decide decide_portable, decide_avx2, decide_avx512;
+
+}  // namespace gsp

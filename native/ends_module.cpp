@@ -1,0 +1,109 @@
+#include "ends_module.hpp"
+
+#include <nanobind/stl/string.h>
+
+#include <algorithm>
+#include <atomic>
+#include <complex>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "bindings.hpp"
+
+using namespace nanobind::literals;
+
+namespace gsp {
+namespace {
+
+using Numbers = std::complex<double>;
+
+Decide* (*choose)(const std::string& build);
+
+void check_geometry(const Array<double, 3>& hessians, const Array<double, 3>& moduli,
+                    const Array<std::int32_t, 2>& equations, const Array<std::int32_t, 1>& turned) {
+  const std::size_t quadrics = hessians.shape(0), eight = kVariables, columns = 3;
+  require(quadrics <= kMostQuadrics && hessians.shape(1) == eight && hessians.shape(2) == eight,
+          "hessians must have shape (quadrics, 8, 8)");
+  for (int axis = 0; axis < 3; ++axis)
+    require(moduli.shape(axis) == hessians.shape(axis), "moduli must be shaped as hessians");
+  require(equations.shape(0) == kEquations && equations.shape(1) == columns &&
+              turned.shape(0) == kEquations,
+          "equations and turned must have shapes (6, 3) and (6,)");
+  const auto is_quadric = [&](std::int32_t k) { return k < static_cast<std::int32_t>(quadrics); };
+  for (std::size_t r = 0; r < kEquations; ++r) {
+    require(equations(r, 0) >= 0 && is_quadric(turned(r)), "equations must be made of the quadrics");
+    for (std::size_t k = 0; k < columns; ++k)
+      require(is_quadric(equations(r, k)), "equations must be made of the quadrics");
+  }
+}
+
+nb::tuple decide(Array<double, 3> hessians, Array<double, 3> moduli,
+                 Array<std::int32_t, 2> equations, Array<double, 2> weights,
+                 Array<std::int32_t, 1> turned, Array<double, 3> values,
+                 Array<Numbers, 3> points, double unit, Array<double, 2> origins, double scale,
+                 double tolerance, int jobs, const std::string& build) {
+  const std::size_t systems = points.shape(0), count = points.shape(1);
+  const std::size_t quadrics = hessians.shape(0), three = 3, four = 4, eight = kVariables;
+  check_geometry(hessians, moduli, equations, turned);
+  require(weights.shape(0) == 3 && weights.shape(1) == kEquations && values.shape(0) == systems &&
+              values.shape(1) == 3 && values.shape(2) == kEquations,
+          "weights and values must have shapes (3, 6) and (systems, 3, 6)");
+  require(points.shape(2) == eight && origins.shape(0) == 2 && origins.shape(1) == 3,
+          "points and origins must have shapes (systems, count, 8) and (2, 3)");
+  ProofEquation equation[kEquations];
+  for (std::size_t r = 0; r < kEquations; ++r)
+    equation[r] = {equations(r, 0), {equations(r, 1), equations(r, 2)}};
+  const OpenGeometry open{
+      {static_cast<int>(quadrics), hessians.data(), moduli.data(), equation},
+      weights.data(), weights.data() + kEquations, weights.data() + 2 * kEquations, turned.data(),
+      unit, {origins(0, 0), origins(0, 1), origins(0, 2)},
+      {origins(1, 0), origins(1, 1), origins(1, 2)}, scale, tolerance};
+  const std::size_t total = systems * count;
+  auto rotation = std::make_unique<Numbers[]>(total * 9);
+  auto translation = std::make_unique<Numbers[]>(total * 3);
+  auto quaternion = std::make_unique<Numbers[]>(total * 4);
+  auto deviation = std::make_unique<double[]>(total);
+  auto proved = std::make_unique<std::uint8_t[]>(total);
+  auto complete = std::make_unique<std::uint8_t[]>(systems);
+  Decide* const run = choose(build);
+  {
+    nb::gil_scoped_release release;
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+      std::vector<double> room(2 * quadrics * eight * eight + 3 * count);
+      for (std::size_t s = next++; s < systems; s = next++) {
+        const std::size_t at = s * count;
+        const double* given = values.data() + s * 3 * kEquations;
+        run(open, {given, given + kEquations, given + 2 * kEquations}, static_cast<int>(count),
+            reinterpret_cast<const Complex*>(points.data() + at * eight), room.data(),
+            {reinterpret_cast<Complex*>(rotation.get() + at * 9),
+             reinterpret_cast<Complex*>(translation.get() + at * 3),
+             reinterpret_cast<Complex*>(quaternion.get() + at * 4), deviation.get() + at,
+             proved.get() + at, complete.get() + s});
+      }
+    };
+    std::vector<std::thread> threads;
+    for (int i = 1; i < jobs; ++i) threads.emplace_back(work);
+    work();
+    for (std::thread& thread : threads) thread.join();
+  }
+  return nb::make_tuple(owned(std::move(rotation), {systems, count, three, three}),
+                        owned(std::move(translation), {systems, count, three}),
+                        owned(std::move(quaternion), {systems, count, four}),
+                        owned(std::move(deviation), {systems, count}),
+                        owned(std::move(proved), {systems, count}),
+                        owned(std::move(complete), {systems}));
+}
+
+}  // namespace
+
+void bind_ends(nb::module_& m, Decide* (*choose_decide)(const std::string& build)) {
+  choose = choose_decide;
+  m.def("decide", &decide, "hessians"_a, "moduli"_a, "equations"_a, "weights"_a, "turned"_a,
+        "values"_a, "points"_a, nb::kw_only(), "unit"_a, "origins"_a, "scale"_a, "tolerance"_a,
+        "jobs"_a = 1, "build"_a = "",
+        "Prove what ends of paths are poses; see gspcli.certification.many_values.");
+}
+
+}  // namespace gsp

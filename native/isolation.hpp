@@ -1,0 +1,240 @@
+// The theorem of gspcli.certification.floating for as many points as there are lanes.
+//
+// Included by proofs.cpp and by ends.cpp in each of their builds: all in an anonymous namespace, so
+// that the linker cannot merge functions that were compiled for different processors.
+#pragma once
+
+#include "proofs.hpp"
+
+#include "lanes.hpp"
+
+namespace gsp {
+namespace {
+
+constexpr int kRows = kEquations + 1;
+// As in gspcli.certification: bounds of the relative rounding error of everything computed here, of
+// sums of nonnegative numbers, and of what falls below the normal range; radius of the theorem.
+constexpr double kRounding = 0x1p-45, kOutward = 1.0 + 0x1p-40, kTiny = 0x1p-1000;
+constexpr double kReach = 0.125;
+constexpr int kNewtonSteps = 2;
+
+// Not below the modulus of z, and not much above it.
+INLINE V bound(const C& z) { return maximum(z.re, -z.re) + maximum(z.im, -z.im); }
+
+// Values and gradients of quadrics, of complex numbers or of bounds of moduli.
+template <class T>
+struct Quadrics {
+  T value[kMostQuadrics];
+  T gradient[kMostQuadrics][N];
+};
+
+INLINE void add_real(C& s, double a, const C& b) {
+  s.re += a * b.re;
+  s.im += a * b.im;
+}
+INLINE void add_real(V& s, double a, const V& b) { s += a * b; }
+INLINE void add_term(C& s, const C& a, const C& b) { add_product(s, a, b); }
+INLINE void add_term(V& s, const V& a, const V& b) { s += a * b; }
+INLINE C half(const C& a) { return {0.5 * a.re, 0.5 * a.im}; }
+INLINE V half(const V& a) { return 0.5 * a; }
+
+template <class T>
+void evaluate(int count, const double* hessian, const T* z, Quadrics<T>& out) {
+  for (int q = 0; q < count; ++q) {
+    T value{};
+    for (int i = 0; i < N; ++i) {
+      T s{};
+      for (int j = 0; j < N; ++j, ++hessian)
+        if (*hessian != 0.0) add_real(s, *hessian, z[j]);
+      out.gradient[q][i] = s;
+      add_term(value, z[i], s);
+    }
+    out.value[q] = half(value);
+  }
+}
+
+// The rows of the equations and of their derivatives; the sign of the squares is -1, and 1 for
+// bounds of moduli.
+template <class T>
+void combine(const ProofSystem& system, const Quadrics<T>& q, double sign, T* value,
+             T (*jacobian)[N]) {
+  value[0] = q.value[1];
+  for (int i = 0; i < N; ++i) jacobian[0][i] = q.gradient[1][i];
+  for (int r = 0; r < kEquations; ++r) {
+    const ProofEquation& e = system.equation[r];
+    T* const row = jacobian[r + 1];
+    if (e.squares[0] < 0) {
+      value[r + 1] = q.value[e.main];
+      for (int i = 0; i < N; ++i) row[i] = q.gradient[e.main][i];
+      continue;
+    }
+    T s{};
+    add_term(s, q.value[0], q.value[e.main]);
+    for (int i = 0; i < N; ++i) {
+      row[i] = T{};
+      add_term(row[i], q.value[e.main], q.gradient[0][i]);
+      add_term(row[i], q.value[0], q.gradient[e.main][i]);
+    }
+    for (const int b : e.squares) {
+      if (b < 0) break;
+      T scaled{};
+      add_real(scaled, sign, q.value[b]);
+      add_term(s, scaled, q.value[b]);
+      add_real(scaled, sign, q.value[b]);
+      for (int i = 0; i < N; ++i) add_term(row[i], scaled, q.gradient[b][i]);
+    }
+    value[r + 1] = s;
+  }
+}
+
+// The columns of the free coordinates.
+template <class T>
+INLINE void free_columns(const T* row, const Mask* above, T* out) {
+  for (int k = 0; k < kRows; ++k) out[k] = select(above[k], row[k + 1], row[k]);
+}
+
+// An approximate inverse: J = L Q by modified Gram-Schmidt, so J^-1 = Q^H L^-1.
+void invert(const C (&jacobian)[kRows][kRows], C (&inverse)[kRows][kRows]) {
+  C q[kRows][kRows], lower[kRows][kRows], x[kRows][kRows];
+  V scale[kRows];
+  for (int i = 0; i < kRows; ++i)
+    for (int k = 0; k < kRows; ++k) q[i][k] = jacobian[i][k];
+  for (int j = 0; j < kRows; ++j) {
+    V size = square(q[j][0]);
+    for (int k = 1; k < kRows; ++k) size += square(q[j][k]);
+    scale[j] = 1.0 / root(size);
+    for (int k = 0; k < kRows; ++k) q[j][k] = scale[j] * q[j][k];
+    for (int i = j + 1; i < kRows; ++i) {
+      C s{};
+      for (int k = 0; k < kRows; ++k) add_conjugate_product(s, q[j][k], q[i][k]);
+      for (int k = 0; k < kRows; ++k) subtract_product(q[i][k], s, q[j][k]);
+      lower[i][j] = s;
+    }
+  }
+  for (int c = 0; c < kRows; ++c) {
+    x[c][c] = {scale[c], splat(0.0)};
+    for (int i = c + 1; i < kRows; ++i) {
+      C s{};
+      for (int j = c; j < i; ++j) subtract_product(s, lower[i][j], x[j][c]);
+      x[i][c] = scale[i] * s;
+    }
+  }
+  for (int k = 0; k < kRows; ++k)
+    for (int c = 0; c < kRows; ++c) {
+      C s{};
+      for (int j = c; j < kRows; ++j) add_conjugate_product(s, q[j][k], x[j][c]);
+      inverse[k][c] = s;
+    }
+}
+
+// Bounds of the sums of the moduli of all second derivatives of each equation where coordinates are
+// not larger than m (`System.curvatures`).
+void curvatures(const ProofSystem& system, const V* m, V* out) {
+  V first[kMostQuadrics], value[kMostQuadrics];
+  double second[kMostQuadrics];
+  const double* entry = system.moduli;
+  for (int q = 0; q < system.quadrics; ++q) {
+    first[q] = value[q] = splat(0.0);
+    second[q] = 0.0;
+    for (int i = 0; i < N; ++i) {
+      V row = splat(0.0);
+      double sum = 0.0;
+      for (int j = 0; j < N; ++j, ++entry) {
+        row += *entry * m[j];
+        sum += *entry;
+      }
+      first[q] += row;
+      value[q] += m[i] * row;
+      second[q] += sum;
+    }
+    value[q] = 0.5 * value[q];
+  }
+  out[0] = splat(second[1]);
+  for (int r = 0; r < kEquations; ++r) {
+    const ProofEquation& e = system.equation[r];
+    V s = splat(second[e.main]);
+    if (e.squares[0] >= 0) {
+      const int a = e.main;
+      s = second[0] * value[a] + second[a] * value[0] + 2.0 * (first[0] * first[a]);
+      for (const int b : e.squares) {
+        if (b < 0) break;
+        s += 2.0 * (first[b] * first[b] + second[b] * value[b]);
+      }
+    }
+    out[r + 1] = kOutward * s;
+  }
+}
+
+void prove_lanes(const ProofSystem& system, C* z, const Mask* above, const Mask* below, V& error,
+                 Mask& isolated, Mask& real, Mask& imaginary) {
+  Quadrics<C> quadrics;
+  C value[kRows], whole[kRows][N], jacobian[kRows][kRows], inverse[kRows][kRows];
+  for (int step = 0;; ++step) {
+    evaluate(system.quadrics, system.hessian, z, quadrics);
+    combine(system, quadrics, -1.0, value, whole);
+    for (int r = 0; r < kRows; ++r) free_columns(whole[r], above, jacobian[r]);
+    invert(jacobian, inverse);
+    if (step == kNewtonSteps) break;
+    C change[kRows];
+    for (int i = 0; i < kRows; ++i) {
+      change[i] = C{};
+      for (int j = 0; j < kRows; ++j) add_product(change[i], inverse[i][j], value[j]);
+    }
+    // Free coordinate k is coordinate k below the patch, k + 1 above it.
+    for (int k = 0; k < kRows; ++k) {
+      z[k] = select(below[k], z[k] - change[k], z[k]);
+      z[k + 1] = select(above[k], z[k + 1] - change[k], z[k + 1]);
+    }
+  }
+  Quadrics<V> bounds;
+  V m[N], value_bound[kRows], whole_bound[kRows][N], curvature[kRows];
+  for (int i = 0; i < N; ++i) m[i] = bound(z[i]);
+  evaluate(system.quadrics, system.moduli, m, bounds);
+  combine(system, bounds, 1.0, value_bound, whole_bound);
+  V height = splat(0.0);
+  for (int i = 0; i < N; ++i) height = maximum(height, maximum(z[i].im, -z[i].im));
+  for (int i = 0; i < N; ++i) m[i] = kOutward * (m[i] + kReach);
+  curvatures(system, m, curvature);
+  // Of each row: what rounding does to the product of the inverse with it, and to its value.
+  V rounding[kRows], size[kRows];
+  for (int j = 0; j < kRows; ++j) {
+    V row_bound[kRows];
+    free_columns(whole_bound[j], above, row_bound);
+    V s = splat(0.0);
+    for (int k = 0; k < kRows; ++k) s += bound(jacobian[j][k]) + kOutward * row_bound[k];
+    rounding[j] = kRounding * s;
+    size[j] = bound(value[j]) + kRounding * kOutward * value_bound[j] + kTiny;
+  }
+  V a = splat(0.0), b = splat(0.0), delta = splat(0.0), sum = splat(0.0);
+  for (int i = 0; i < kRows; ++i) {
+    V defect = splat(0.0), bent = splat(0.0), moved = splat(0.0);
+    for (int k = 0; k < kRows; ++k) {
+      C s{splat(i == k ? 1.0 : 0.0), splat(0.0)};
+      for (int j = 0; j < kRows; ++j) subtract_product(s, inverse[i][j], jacobian[j][k]);
+      defect += bound(s);
+    }
+    for (int j = 0; j < kRows; ++j) {
+      const V y = bound(inverse[i][j]);
+      defect += y * rounding[j];
+      bent += y * curvature[j];
+      moved += y * size[j];
+    }
+    a = maximum(defect, a);
+    b = maximum(bent, b);
+    delta = maximum(moved, delta);
+    sum += defect + bent + moved;
+  }
+  a = kOutward * a + kTiny;
+  b = kOutward * b;
+  delta = kOutward * delta;
+  const V radius = minimum((1.0 - a) / (2.0 * b), splat(kReach));
+  const V q = kOutward * (a + b * radius);
+  // Whatever is not a number proves nothing: it is in the sum.
+  isolated = (sum < __builtin_inf()) & (q < 1.0) & (radius > 0.0) & (kOutward * delta <= (1.0 - q) * radius);
+  error = kOutward * (delta / (1.0 - q));
+  real = isolated & (kOutward * (2.0 * height + error) <= radius);
+  imaginary = isolated & (height > error);
+}
+
+}  // namespace
+}  // namespace gsp
