@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gspcli.continuation.accounts import all_regular
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
-from gspcli.continuation.regularity import clearly_simple, simple
-from gspcli.continuation.systems import EQUATIONS, Coefficients, System
-from gspcli.continuation.tracker import DEFAULT, PathStatus, TrackerOptions, track
+from gspcli.continuation.systems import EQUATIONS, System
+from gspcli.continuation.tracker import DEFAULT, TrackerOptions, track
 
 #: Angles of the random phases: not zero, lest a path between real systems meets a fold, and not
 #: larger than they need to be, because a short path has fewer steps.
@@ -75,54 +73,6 @@ def follow(
     if not all_regular(results)[0]:
         return None
     return Followed(_finite(results.points[0]), results.condition[0])
-
-
-@dataclass(frozen=True, eq=False)
-class FollowedEach:
-    """Solutions of B systems that were followed from n of another, in their order."""
-
-    points: ComplexArray
-    """Shape (B, n, 8), scaled to N = e.e = 1; of no meaning where not `regular`."""
-    condition: FloatArray
-    """Condition number of each, shape (B, n)."""
-    regular: NDArray[np.bool_]
-    """For which systems all paths end at finite regular solutions that are distinct, shape (B,)."""
-
-
-def follow_each(
-    known: System,
-    points: ComplexArray,
-    targets: Coefficients,
-    *,
-    options: TrackerOptions = SHORT,
-    jobs: int = 1,
-) -> FollowedEach:
-    """Follow solutions of one system to each of many others of the same structure.
-
-    Paths are the straight lines between the coefficients as they are given: `known` is to be
-    in general position, complex, among all systems that the lines stay in.
-
-    Parameters
-    ----------
-    known
-        The system.
-    points
-        Solutions of it, shape (n, 8), of any norm.
-    targets
-        The numbers of B systems, their factors as large as those of `known`.
-    options, jobs
-        As for `track`.
-    """
-    results = track(known, targets, points, options=options, jobs=jobs)
-    clear = clearly_simple(results)
-    arrived = (results.status == PathStatus.REGULAR).all(axis=1)
-    for i in np.flatnonzero(arrived & ~clear.all(axis=1)):
-        # Ill-conditioned ends are looked at more closely.
-        unclear = ~clear[i]
-        target = System(known.structure, targets.take(int(i)))
-        clear[i, unclear] = simple(target, results.points[i, unclear])
-    regular = all_regular(results, clear)
-    return FollowedEach(_finite(results.points), results.condition, regular)
 
 
 # Ends at infinity become something without meaning.

@@ -159,7 +159,7 @@ class Arrangement(Bodies):
     def targets(self) -> Array:
         """The values with angles in radians, shape (n,)."""
         targets = self.values.copy()
-        targets[self.angles] *= self.in_radians
+        targets[..., self.angles] *= self.in_radians
         return targets
 
     def cosines(self, values: Array) -> Array:

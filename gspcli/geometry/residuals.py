@@ -20,7 +20,8 @@ def residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
 
     Measured on the constraint as stated, ``(..., 3, 3), (..., 3) -> (..., n)``: the distance
     or angle itself, not its square or cosine. Where the sign of a measured distance means
-    nothing (or both sides are allowed) the nearer sign counts.
+    nothing (or both sides are allowed) the nearer sign counts. Poses of many sets of values are
+    measured together if the arrangement has values of shape (..., n).
     """
     values = measured(arrangement, R, T)
     targets = arrangement.targets
@@ -40,21 +41,25 @@ def sides_of(arrangement: Arrangement, R: Field, T: Field) -> NDArray[np.int64]:
     return np.where(arrangement.sided, np.where(arrangement.signs == 0, sign, arrangement.signs), 0)
 
 
-def condition_numbers(arrangement: Arrangement, R: Field, T: Field) -> Array:
+def condition_numbers(
+    arrangement: Arrangement, R: Field, T: Field, length: float | Array | None = None
+) -> Array:
     """Return the condition number of each pose, free of units, ``(..., 3, 3) -> (...)``.
 
     It is the ratio of the largest to the smallest singular value of the 6x6 Jacobian matrix
     whose twists turn about the centre of the platform points, whose turning columns are
-    divided by the typical length of the arrangement, and whose rows are scaled to norm one. It
-    depends neither on frames nor on units, and is infinite at a singular pose.
+    divided by the typical length (that of the arrangement if None is given, else shape (...)),
+    and whose rows are scaled to norm one. It depends neither on frames nor on units, and is
+    infinite at a singular pose.
     """
+    unit = np.asarray(arrangement.length if length is None else length)[..., None, None]
     # A measure without a derivative (parallel lines, distance or angle zero) is not finite here.
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         rows = jacobian(arrangement, R, T)
         # About the centre c of the platform: T + s (omega x R c moved back) leaves R c + T alone.
         offset = apply(R, arrangement.platform_centre)[..., None, :]
         rows[..., :3] -= cross(np.broadcast_to(offset, rows[..., 3:].shape), rows[..., 3:])
-        rows[..., :3] /= arrangement.length
+        rows[..., :3] /= unit
         norms = np.linalg.norm(rows, axis=-1, keepdims=True)
         defined = np.isfinite(norms).all(axis=(-1, -2)) & (norms > 0).all(axis=(-1, -2))
         rows = np.where(defined[..., None, None], rows / np.where(norms > 0, norms, 1.0), 0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import chain, islice
@@ -170,7 +171,13 @@ def solve_values(
 
 
 def solve_batch(
-    instance: Instance, values: ArrayLike, *, seed: int = SEED, jobs: int = 1, certify: bool = True
+    instance: Instance,
+    values: ArrayLike,
+    *,
+    seed: int = SEED,
+    jobs: int = 1,
+    certify: bool = True,
+    progress: Iterable[object] = (),
 ) -> PoseBatch:
     """Return all poses of an instance for each of many sets of values, as arrays.
 
@@ -180,13 +187,19 @@ def solve_batch(
     ----------
     instance, values, seed, jobs, certify
         As for `solve_values`.
+    progress
+        Consumed one item a set of values.
 
     Raises
     ------
     ArgumentError
         As for `solve_values`.
     """
-    return joined(list(_blocks(instance, values, seed, jobs, certify=certify)))
+    blocks, steps = [], iter(progress)
+    for block in _blocks(instance, values, seed, jobs, certify=certify):
+        blocks.append(block)
+        deque(islice(steps, len(block)), maxlen=0)
+    return joined(Arrangement.of(instance), value_rows(values), blocks)
 
 
 def _blocks(

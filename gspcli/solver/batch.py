@@ -11,9 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.paths import PathAccount
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.residuals import condition_numbers, residuals
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.proof import Proof
 
+Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 
@@ -93,6 +96,8 @@ class PoseBatch:
 
     Attributes
     ----------
+    arrangement, values
+        The geometry, and the sets of values, shape (b, 6).
     number
         How many distinct poses each set has, shape (b,).
     R, T
@@ -112,6 +117,8 @@ class PoseBatch:
         proof say what is the matter.
     """
 
+    arrangement: Arrangement
+    values: Array
     number: NDArray[np.int64]
     R: Complex
     T: Complex
@@ -130,9 +137,33 @@ class PoseBatch:
         missing = f"{int((~self.complete).sum())} incomplete"
         return f"<PoseBatch: {parts}, {int(self.proved.sum())} proved complete, {missing}>"
 
+    @cached_property
+    def _there(self) -> tuple[NDArray[np.intp], ...]:
+        return np.nonzero(self.multiplicity)
 
-def joined(blocks: list[Block]) -> PoseBatch:
-    """Return blocks, one after the other, as one batch."""
+    @cached_property
+    def residuals(self) -> Array:
+        """The largest residual of a constraint at each pose, NaN where there is none, (b, n)."""
+        there = self._there
+        given = self.arrangement.with_values(self.values[there[0]])
+        return self._filled(residuals(given, self.R[there], self.T[there]).max(axis=1))
+
+    @cached_property
+    def conditions(self) -> Array:
+        """The condition number of each pose, NaN where there is none, shape (b, n)."""
+        there = self._there
+        lengths = np.array([self.arrangement.length_with(row) for row in self.values])
+        given = self.R[there], self.T[there], lengths[there[0]]
+        return self._filled(condition_numbers(self.arrangement, *given))
+
+    def _filled(self, numbers: Array) -> Array:
+        result = np.full(self.real.shape, np.nan)
+        result[self._there] = numbers
+        return result
+
+
+def joined(arrangement: Arrangement, values: Array, blocks: list[Block]) -> PoseBatch:
+    """Return blocks, one after the other, as one batch (see its attributes)."""
     others: dict[int, PoseSet] = {}
     begin, widths = 0, [0]
     for block in blocks:
@@ -142,6 +173,8 @@ def joined(blocks: list[Block]) -> PoseBatch:
         begin += len(block)
     shape = begin, max(widths)
     batch = PoseBatch(
+        arrangement=arrangement,
+        values=values,
         number=np.zeros(begin, np.int64),
         R=np.full((*shape, 3, 3), np.nan, np.complex128),
         T=np.full((*shape, 3), np.nan, np.complex128),
