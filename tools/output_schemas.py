@@ -12,19 +12,33 @@ from pathlib import Path
 from typing import Any
 
 from gspcli.cli.main import run
-from gspcli.resources import instance_files
+from gspcli.resources import data_directory, instance_files
 from gspcli.spec import load
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-#: Runs of each command that together print all its keys; POSES and VALUES are files made here.
+#: Runs of each command that together print all its keys; POSES, TWICE, VALUES, LOOP and STATE are
+#: files made here.
 SAMPLES: dict[str, tuple[str, ...]] = {
-    "enumerate": ("--class 6D --only PP,PH", "--class 3D3A --only PH,HP,A", "--class 5D1A --count"),
-    "show": ("6PP", "421", "1007"),
-    "bound": ("3D3A PL PL LP", "6PP", "3D3A PH PH PH ALL ALL ALL"),
+    "enumerate": (
+        "--class 6D --only PP,PH",
+        "--class 3D3A --only PH,HP,A",
+        "--class 5D1A --count",
+        "--coincident --class 4D2A",
+        "--coincident 6PP --limit 90",
+        "--coincident 'DLL DLL DLL ALL ALL ALH' --limit 40",
+    ),
+    "show": ("6PP", "421", "1007", "3D3A PH PH PH ALL ALL ALL"),
+    "bound": ("3D3A PL PL LP", "6PP", "3D3A PH PH PH ALL ALL ALL", "1 17"),
     "constraint": ("DPL", "DLL", "ALH", "DPP"),
-    "realize": ("6PP", "DLL DLL DLL ALL ALL ALH", "3000", "@octahedral-3-3"),
-    "table": ("1", "2", "3", "errata"),
-    "derive": ("ppp", "ccc"),
+    "realize": (
+        "6PP",
+        "DLL DLL DLL ALL ALL ALH",
+        "3000",
+        "@octahedral-3-3",
+        "'P1-p1 P1-p2 P1-p3 P1-p4 P2-p5 P3-p6'",
+    ),
+    "table": ("1", "2", "3", "errata --check"),
+    "derive": ("", "ppp", "ccc"),
     "atlas summary": ("",),
     "example": ("",),
     "check": ("@dietmaier @three-vee-250mm @point-on-line @fixture-3-2-1",),
@@ -36,11 +50,23 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@griffis-duffy",
         "@singular-pose",
     ),
-    "certify": ("@figure-3 POSES", "@figure-3 POSES --digits 20"),
+    "certify": ("@figure-3 POSES", "@figure-3 POSES --digits 20", "@figure-3 TWICE"),
+    "count": (
+        "@planar-hexagons @griffis-duffy @six-planes",
+        "@dietmaier --limit 0.000001",
+        "--type 6PP --geometry generic,3-3",
+    ),
     "sample": ("6PP --count 20",),
+    "maximize-real": ("3D3A PH PH PH --attempts 1 --state STATE",),
     "measure": ("@figure-3 POSES",),
-    "track": ("@rubin-m2 VALUES",),
+    "track": ("@rubin-m2 VALUES", "LOOP --allow-loss --all --clearance"),
     "analyze": ("@rubin-m2", "@figure-3"),
+    "clearance": ("@octahedral-3-3 --mode 1", "@singular-pose --mode 1"),
+    "scan": (
+        "@octahedral-3-3 --vary 1=1:2:5",
+        "@octahedral-3-3 --vary 1=1:2:3 --vary 2=1:2:3",
+        "@octahedral-3-3 --vary 1=1:2:5 --folds",
+    ),
 }
 #: Commands of several tables: the parts that CSV gives one at a time.
 PARTS: dict[str, tuple[str, ...]] = {
@@ -50,7 +76,14 @@ PARTS: dict[str, tuple[str, ...]] = {
 #: Objects whose keys are names or numbers of the instance and not fixed words.
 MAPS = ("sides", "degrees", "loci", "platform", "base", "real")
 #: Text for people and not tables.
-WITHOUT_CSV = ("derive",)
+WITHOUT_CSV = ("derive", "maximize-real")
+#: Stands for the numbers of constraints among the keys of an object.
+NUMBERS = "1…6"
+_CONSTRAINTS = frozenset("123456")
+#: Values after which the platform is in another mode, and folds of others on the way.
+_LOOP = data_directory() / "trajectories" / "mode-change"
+#: Exit codes that go with complete output: done, a check failed, not finite, not completed.
+_ANSWERS = (0, 1, 3, 4)
 
 
 @dataclass
@@ -70,7 +103,8 @@ class Shape:
             self.is_map |= name in MAPS
             self.always = set(value) if self.always is None else self.always & set(value)
             for key, entry in value.items():
-                self.keys.setdefault("*" if self.is_map else key, Shape()).add(entry, key)
+                name = "*" if self.is_map else NUMBERS if key in _CONSTRAINTS else key
+                self.keys.setdefault(name, Shape()).add(entry, key)
         elif isinstance(value, list):
             self.types.add("array")
             self.items = self.items or Shape()
@@ -92,6 +126,8 @@ class Shape:
             if self.is_map:
                 result["additionalProperties"] = entries.get("*", True)
             else:
+                if (numbered := entries.pop(NUMBERS, None)) is not None:
+                    result["patternProperties"] = {"^[1-6]$": numbered}
                 result["properties"] = entries
                 result["required"] = [key for key in self.keys if key in (self.always or ())]
                 result["additionalProperties"] = False
@@ -112,64 +148,85 @@ class Shape:
         return found
 
 
-@dataclass(frozen=True)
+@dataclass
 class Printed:
-    """What a command prints.
+    """The output of one form of a command.
 
     Attributes
     ----------
-    schema_id
-        The value of the key `schema`.
     shape
         The JSON.
     columns
         The columns of each CSV, by the part (empty for the only one).
     """
 
-    schema_id: str
-    shape: Shape
-    columns: dict[str, list[tuple[str, ...]]]
+    shape: Shape = field(default_factory=Shape)
+    columns: dict[str, list[tuple[str, ...]]] = field(default_factory=dict)
 
 
-def printed(command: str) -> Printed:
-    """Run the samples of a command."""
-    shape, schema_id = Shape(), ""
-    columns: dict[str, list[tuple[str, ...]]] = {}
+def printed(command: str) -> dict[str, Printed]:
+    """Run the samples of a command; return what they print by the value of the key `schema`."""
+    forms: dict[str, Printed] = {}
     with tempfile.TemporaryDirectory() as folder:
         for sample in SAMPLES[command]:
             words = [*command.split(), *_words(sample, Path(folder))]
-            document = json.loads(_output([*words, "--format", "json"]))
-            shape.add(document)
-            schema_id = document["schema"]
-            if command in WITHOUT_CSV:
+            form = Printed()
+            for document in _documents(words):
+                form = forms.setdefault(document["schema"], Printed())
+                form.shape.add(document)
+            if command in WITHOUT_CSV or "--check" in words:
                 continue
             for part in PARTS.get(command, ("",)):
                 more = ["--part", part] if part else []
                 heading = _output([*words, *more, "--format", "csv"]).splitlines()[0]
-                known = columns.setdefault(part, [])
+                known = form.columns.setdefault(part, [])
                 if (row := tuple(heading.split(","))) not in known:
                     known.append(row)
-    return Printed(schema_id, shape, columns)
+    return forms
 
 
 def _words(sample: str, folder: Path) -> list[str]:
-    poses, values = folder / "poses.json", folder / "values.csv"
-    if "POSES" in sample:
-        poses.write_text(_output(["solve", "@figure-3", "--format", "json"]), encoding="utf-8")
+    names = {
+        "POSES": "poses.json",
+        "TWICE": "twice.json",
+        "VALUES": "values.csv",
+        "STATE": "s.json",
+    }
+    paths = {word: folder / name for word, name in names.items()}
+    if "POSES" in sample or "TWICE" in sample:
+        text = _output(["solve", "@figure-3", "--format", "json"])
+        paths["POSES"].write_text(text, encoding="utf-8")
+        first = json.loads(text)["solutions"][0]
+        rough = first | {"certified": False, "T": [value + 3 for value in first["T"]]}
+        twice = {"schema": "gsp.solve/1", "solutions": [first, first, rough]}
+        paths["TWICE"].write_text(json.dumps(twice), encoding="utf-8")
     if "VALUES" in sample:
         rows = load(instance_files()["rubin-m2"]).constraints
         lines = [",".join(repr(row.value.value + k / 1000) for row in rows) for k in range(3)]
-        values.write_text("\n".join([",".join("123456"), *lines]) + "\n", encoding="utf-8")
-    text = sample.replace("POSES", str(poses)).replace("VALUES", str(values))
-    return shlex.split(text)
+        paths["VALUES"].write_text("\n".join([",".join("123456"), *lines]) + "\n", encoding="utf-8")
+    sample = sample.replace("LOOP", f"{_LOOP}.yaml {_LOOP}.csv")
+    for word, path in paths.items():
+        sample = sample.replace(word, str(path))
+    return shlex.split(sample)
+
+
+def _documents(words: list[str]) -> list[dict[str, Any]]:
+    """Return what a command prints as JSON, or keeps as its state."""
+    if "--state" in words:
+        _output(words)
+        text = Path(words[words.index("--state") + 1]).read_text(encoding="utf-8")
+    else:
+        text = _output([*words, "--format", "json"])
+    document = json.loads(text)
+    return document if isinstance(document, list) else [document]
 
 
 def _output(words: list[str]) -> str:
-    """Return what a command prints; poses that are infinitely many are an answer."""
+    """Return what a command prints; that poses are infinitely many, or missing, is an answer."""
     text = io.StringIO()
     with contextlib.redirect_stdout(text), contextlib.redirect_stderr(io.StringIO()) as errors:
         code = run(words)
-    if code not in (0, 3) or not text.getvalue():
+    if code not in _ANSWERS or not text.getvalue():
         message = f"gsp {shlex.join(words)}: exit code {code}: {errors.getvalue()}"
         raise SystemExit(message)
     return text.getvalue()

@@ -22,7 +22,9 @@ sys.path.insert(0, str(ROOT))
 
 from gspcli.catalogue.kinds import KINDS
 from gspcli.cli.main import run
+from gspcli.resources import data_directory
 
+_LOOP = data_directory() / "trajectories" / "mode-change"
 #: A call of every command that writes LaTeX; `tests/cli/test_latex.py` sees to that.
 CALLS = (
     "enumerate --limit 40",
@@ -51,6 +53,10 @@ CALLS = (
     "solve @dietmaier --all --digits 20",
     "solve @no-real-pose --legend",
     "sample 3D3A PH PH PH --count 20 --jobs 1",
+    "clearance @octahedral-3-3 --mode 1",
+    "scan @octahedral-3-3 --vary 1=1.4:1.6:3 --vary 2=1:2:2",
+    "scan @octahedral-3-3 --vary 1=1:2:5 --folds",
+    f"track {_LOOP}.yaml {_LOOP}.csv --allow-loss --clearance",
     "measure @dietmaier --pose 0.1,0.2,1.5,1,0.1,0,0",
     "analyze @octahedral-3-3 --mode 1 --load 0,0,-9.81 --tolerance 0.001",
 )

@@ -152,6 +152,9 @@ def clearance(
     lower = float(clearances(instance, R[None], T[None], weights=units)[0])
     values = measure(instance, R, T)
     best = Clearance(lower, np.inf, None, None)
+    if lower == 0:
+        # A singular pose: no branch leads away from it.
+        return best
     starts = _MANY_STARTS if refine else _STARTS
     seen: set[tuple[int, ...]] = set()
     for signs in _directions(instance, R, T, units, starts, seed):

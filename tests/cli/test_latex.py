@@ -22,9 +22,7 @@ def _writes_latex(name: str) -> bool:
 
 def test_no_command_is_forgotten(load_tool: Callable) -> None:
     compiled = {call.split()[0] for call in load_tool("verify_latex").CALLS}
-    # These show nothing that measure and analyze do not.
-    others = {"track", "clearance", "scan"}
-    assert {name for name in COMMANDS if _writes_latex(name)} <= compiled | others
+    assert {name for name in COMMANDS if _writes_latex(name)} <= compiled
 
 
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="needs pdflatex")

@@ -82,6 +82,13 @@ def test_a_singular_pose_has_no_clearance():
     assert clearances(instance, fold.R[None], fold.T[None])[0] < 1e-9
 
 
+def test_nothing_is_followed_from_a_pose_that_is_exactly_singular():
+    instance = gspcli.load(data_path("examples", "singular-pose.yaml"))
+    poses = gspcli.solve(instance, certify=False)
+    found = clearance(instance, poses.R[0].real, poses.T[0].real)
+    assert (found.lower, found.upper, found.fold) == (0, np.inf, None)
+
+
 def test_mistakes_are_named():
     instance, R, T = platform("6PP", 0)
     with pytest.raises(ArgumentError, match="weights: found"):
