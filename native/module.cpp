@@ -14,7 +14,6 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "bindings.hpp"
@@ -25,6 +24,7 @@
 #include "intersection.hpp"
 #include "proofs_module.hpp"
 #include "surfaces.hpp"
+#include "threads.hpp"
 #include "tracker.hpp"
 #include "tubes_module.hpp"
 
@@ -148,10 +148,7 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
              residual.get() + at, correction.get() + at});
       }
     };
-    std::vector<std::thread> threads;
-    for (int i = 1; i < jobs; ++i) threads.emplace_back(work);
-    work();
-    for (std::thread& thread : threads) thread.join();
+    share(jobs, pieces, work);
   }
   const std::size_t eight = kVariables;
   return nb::make_tuple(owned(std::move(point), {targets, paths, eight}),

@@ -5,10 +5,9 @@
 #include <atomic>
 #include <complex>
 #include <memory>
-#include <thread>
-#include <vector>
 
 #include "bindings.hpp"
+#include "threads.hpp"
 
 using namespace nanobind::literals;
 
@@ -58,10 +57,7 @@ nb::tuple prove(Array<double, 4> hessians, Array<double, 4> moduli,
              proved.get() + at});
       }
     };
-    std::vector<std::thread> threads;
-    for (int i = 1; i < jobs; ++i) threads.emplace_back(work);
-    work();
-    for (std::thread& thread : threads) thread.join();
+    share(jobs, systems, work);
   }
   return nb::make_tuple(owned(std::move(point), {systems, count, eight}),
                         owned(std::move(error), {systems, count}),

@@ -9,10 +9,10 @@
 #include <limits>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "bindings.hpp"
+#include "threads.hpp"
 #include "tubes.hpp"
 
 using namespace nanobind::literals;
@@ -88,10 +88,7 @@ nb::tuple follow(Array<std::int32_t, 1> forms, Array<std::int32_t, 1> laws, Arra
         run(system, {certify, most_halvings}, branches.data() + begin,
             static_cast<int>(std::min(piece, count - begin)));
     };
-    std::vector<std::thread> threads;
-    for (int i = 1; i < jobs; ++i) threads.emplace_back(work);
-    work();
-    for (std::thread& thread : threads) thread.join();
+    share(jobs, (count + piece - 1) / piece, work);
     for (std::size_t b = 0; b < count; ++b) {
       const Branch& branch = branches[b];
       std::copy(branch.last, branch.last + eight, last.get() + b * eight);
