@@ -11,9 +11,7 @@ classes.
 
 from __future__ import annotations
 
-import csv
 import hashlib
-import io
 import json
 import platform as machine
 import sys
@@ -23,7 +21,7 @@ import numpy as np
 import singular
 import sympy
 from quaternion_counts import count
-from recording import ROOT, parser, save
+from recording import ROOT, csv_text, parser, save
 from residues import FIRST_PRIME, Residues
 
 sys.path.insert(0, str(ROOT))
@@ -74,14 +72,11 @@ def main() -> int:
     arguments = parser(__doc__).parse_args()
     wanted = list(platforms())
     table = [record(*p) for p in progress(wanted, total=len(wanted), label="counting solutions")]
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(table[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(table)
+    text = csv_text(table)
     manifest = {
         "command": COMMAND,
         "seed": SEED,
-        "sha256": hashlib.sha256(text.getvalue().encode()).hexdigest(),
+        "sha256": hashlib.sha256(text.encode()).hexdigest(),
         "versions": {
             "Singular": singular.version(),
             "numpy": np.__version__,
@@ -91,7 +86,7 @@ def main() -> int:
     }
     document = json.dumps(manifest, indent=1) + "\n"
     return save(
-        {TARGET: text.getvalue(), TARGET.with_suffix(".manifest.json"): document},
+        {TARGET: text, TARGET.with_suffix(".manifest.json"): document},
         check=arguments.check,
         confirmed=f"poses of {len(table)} platforms with shared joints",
     )

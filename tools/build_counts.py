@@ -16,7 +16,7 @@ import subprocess
 import sys
 from collections import Counter
 
-from recording import ROOT, parser, save
+from recording import ROOT, parser, save, with_section
 
 sys.path.insert(0, str(ROOT))
 
@@ -28,7 +28,6 @@ from gspcli.pictures.charts import Bubble, bubble_chart
 
 PAGE = ROOT / "docs" / "counts.md"
 PICTURE = ROOT / "docs" / "images" / "counts.svg"
-BEGIN, END = "<!-- gsp atlas summary -->\n", "<!-- end -->\n"
 
 #: Each panel: the bound, and its title.
 PANELS = (("theorem_5_3", "Theorem 5.3"), ("refined_two_sided", "refined bound"))
@@ -47,11 +46,8 @@ def main() -> int:
         # This process may have read the old data: draw in another one.
         again = [sys.executable, __file__, "--docs", *check]
         return subprocess.run(again, check=False).returncode
-    before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-    _, _, after = rest.partition(END)
-    page = f"{before}{BEGIN}\n{tables()}\n{END}{after}"
     return save(
-        {PICTURE: picture(), PAGE: page},
+        {PICTURE: picture(), PAGE: with_section(PAGE, "gsp atlas summary", tables())},
         check=arguments.check,
         confirmed="tables and picture of counts.md",
     )

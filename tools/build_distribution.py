@@ -11,7 +11,7 @@ import csv
 import sys
 from collections import Counter
 
-from recording import ROOT, parser, save
+from recording import ROOT, parser, save, with_section
 
 sys.path.insert(0, str(ROOT))
 
@@ -23,7 +23,6 @@ from gspcli.workers import Workers
 
 PAGE = ROOT / "docs" / "real-counts.md"
 PICTURE = ROOT / "docs" / "images" / "real-6-6.svg"
-BEGIN, END = "<!-- gsp sample 6PP -->\n", "<!-- end of sample -->\n"
 OTHERS = ROOT / "data" / "verification" / "platforms-6-6.csv"
 #: So many real poses or more are one cell of the test.
 RARE = 14
@@ -82,11 +81,9 @@ def main() -> int:
     pieces = sample(WANTED, Workers(arguments.jobs))
     for part in progress(pieces, total=len(WANTED.pieces), label="solving platforms"):
         tally.add(part)
-    before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-    _, _, after = rest.partition(END)
     return save(
         {
-            PAGE: f"{before}{BEGIN}\n{table(tally)}\n{END}{after}",
+            PAGE: with_section(PAGE, "gsp sample 6PP", table(tally)),
             PICTURE: histogram(WANTED, tally, "svg"),
         },
         check=arguments.check,

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import csv
 import hashlib
-import io
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -63,15 +62,6 @@ def platforms(groups: Iterable[str] = tuple(GROUPS)) -> Iterator[Platform]:
         members = GROUPS[group]
         for name, instance in members(partial(_draws, group)):
             yield Platform(f"{group}/{name}", dumps(instance))
-
-
-def table(rows: list[Mapping[str, object]]) -> str:
-    """Return the text of the table."""
-    out = io.StringIO()
-    writer = csv.DictWriter(out, list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return out.getvalue()
 
 
 def recorded() -> dict[str, dict[str, str]]:

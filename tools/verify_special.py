@@ -22,21 +22,28 @@ from functools import partial
 from os import cpu_count
 from pathlib import Path
 
-from recording import CONFIRMED, DIFFERENT, ROOT, add_sample, report, sampled
+from recording import (
+    CONFIRMED,
+    DIFFERENT,
+    ROOT,
+    add_sample,
+    csv_text,
+    report,
+    sampled,
+    with_section,
+)
 
 sys.path.insert(0, str(ROOT))
 
 from special_answers import Judgement, answers
 from special_counts import exact_counts
-from special_platforms import TABLE, Platform, platforms, recorded, table
+from special_platforms import TABLE, Platform, platforms, recorded
 
 from gspcli.cli.progress_bars import progress
 from gspcli.workers import Workers
 
 FILES = ROOT / "build" / "special-platforms"
 PAGE = ROOT / "docs" / "completeness.md"
-#: What is between these lines of the page is written by ``solve --record``.
-BEGIN, END = "<!-- answers -->", "<!-- end of answers -->"
 
 
 def counted(platform: Platform, *, with_real: bool) -> dict[str, object]:
@@ -100,7 +107,7 @@ def count(chosen: list[Platform], every: list[Platform], arguments: argparse.Nam
 def _write(known: Mapping[str, Mapping[str, object]], every: list[Platform]) -> None:
     rows = [known[p.id] for p in every if known.get(p.id, {}).get("sha256") == p.sha256]
     if rows:
-        TABLE.write_text(table(rows), encoding="utf-8")
+        TABLE.write_text(csv_text(rows), encoding="utf-8")
 
 
 def _is_wanted(row: Mapping[str, str], platform: Platform, with_real: bool) -> bool:
@@ -140,16 +147,12 @@ def solve_all(chosen: list[Platform], every: list[Platform], arguments: argparse
 
 
 def _record(judgement: Judgement, seeds: int) -> None:
-    text = PAGE.read_text(encoding="utf-8")
-    before, rest = text.split(BEGIN)
-    _, after = rest.split(END)
     note = (
-        f"With {seeds} seeds each, on {cpu_count()} shared cores; of the proved ones "
-        f"{judgement.proved_modulo_prime} rest on random primes."
+        f"With {seeds} seed{'s' if seeds > 1 else ''} each, on {cpu_count()} shared cores; "
+        f"of the proved ones {judgement.proved_modulo_prime} rest on random primes."
     )
-    PAGE.write_text(
-        f"{before}{BEGIN}\n{judgement.markdown()}\n\n{note}\n{END}{after}", encoding="utf-8"
-    )
+    text = with_section(PAGE, "answers", f"{judgement.markdown()}\n\n{note}")
+    PAGE.write_text(text, encoding="utf-8")
 
 
 def show(names: list[str], every: list[Platform]) -> int:

@@ -21,15 +21,13 @@ loop in ``data/trajectories/`` is followed, too: it must lead its mode to anothe
 
 from __future__ import annotations
 
-import csv
-import io
 import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import partial
 
 import numpy as np
-from recording import ROOT, add_sample, parser, report, sampled, save
+from recording import ROOT, add_sample, csv_text, parser, report, sampled, save
 
 import gspcli
 from gspcli.catalogue.counts import generic_counts
@@ -159,11 +157,7 @@ def loop_problems() -> list[str]:
 
 def written(rows: Mapping[int, Row]) -> str:
     """Return the record."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, [field.name for field in fields(Row)], lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(asdict(rows[number]) for number in sorted(rows))
-    return text.getvalue()
+    return csv_text([asdict(rows[number]) for number in sorted(rows)])
 
 
 def main() -> int:

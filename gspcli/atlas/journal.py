@@ -4,125 +4,109 @@ from __future__ import annotations
 
 import json
 import os
-import time
-from collections.abc import Iterable
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import asdict, dataclass
-from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar, Protocol, TypeVar
 
-from gspcli.atlas.tasks import Task
-from gspcli.atlas.trace import Trace
-from gspcli.atlas.tracked_counts import Tracked
 from gspcli.errors import GspError
 from gspcli.progress import Progress, silent
 from gspcli.workers import HERE, Workers
 
+Item = TypeVar("Item")
+
+
+class Done(Protocol):
+    """What a task gave: a dataclass, whose values JSON can write."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    @property
+    def task(self) -> Hashable:
+        """The task."""
+
+
+Result = TypeVar("Result", bound=Done)
+
 
 @dataclass(frozen=True)
-class Result:
-    """What a task gave.
+class Journal:
+    """A work file; it need not exist yet."""
 
-    Attributes
-    ----------
-    task
-        The task.
-    count
-        The number of solutions; None if the time did not suffice.
-    seconds
-        How long it took.
-    tracked
-        More about the count if paths were tracked.
-    """
+    path: Path
 
-    task: Task
-    count: int | None
-    seconds: float
-    tracked: Tracked | None = None
+    def read(self, decode: Callable[[dict[str, Any]], Item]) -> list[Item]:
+        """Return what its lines stand for; a last line that was cut off is ignored.
 
+        Parameters
+        ----------
+        decode
+            What makes an item of the values of a line, with any of ValueError, TypeError and
+            KeyError if they are others.
 
-def read_journal(path: Path) -> dict[Task, Result]:
-    """Return the results in a work file; a last line that was cut off is ignored.
+        Raises
+        ------
+        GspError
+            If another line is none.
+        """
+        if not self.path.is_file():
+            return []
+        items = []
+        lines = self.path.read_text(encoding="utf-8").split("\n")
+        # Whatever follows the last end of line was being written when the work was interrupted.
+        for number, line in enumerate(lines[:-1], start=1):
+            try:
+                items.append(decode(json.loads(line)))
+            except (ValueError, TypeError, KeyError) as error:
+                message = f"{self.path}:{number}: this is not a line of a work file"
+                raise GspError(message) from error
+        return items
 
-    Raises
-    ------
-    GspError
-        If another line is not a result.
-    """
-    if not path.is_file():
-        return {}
-    results = {}
-    lines = path.read_text(encoding="utf-8").split("\n")
-    # Whatever follows the last end of line was being written when the work was interrupted.
-    for number, line in enumerate(lines[:-1], start=1):
-        try:
-            entry = json.loads(line)
-            task = Task(**entry["task"])
-            tracked = _tracked(entry.get("tracked"))
-            results[task] = Result(task, entry["count"], entry["seconds"], tracked)
-        except (ValueError, TypeError, KeyError) as error:
-            message = f"{path}:{number}: this is not a line of a work file of the atlas"
-            raise GspError(message) from error
-    return results
-
-
-def _tracked(entry: dict[str, Any] | None) -> Tracked | None:
-    if entry is None:
-        return None
-    trace = entry["trace"]
-    return Tracked(**{**entry, "trace": None if trace is None else Trace(**trace)})
-
-
-def append(path: Path, result: Result) -> None:
-    """Add a result to a work file."""
-    if path.is_file():
-        content = path.read_bytes()
-        # Drop a line that was cut off when the work was interrupted.
-        if content and not content.endswith(b"\n"):
-            os.truncate(path, content.rfind(b"\n") + 1)
-    with path.open("a", encoding="utf-8") as file:
-        file.write(json.dumps(asdict(result)) + "\n")
-
-
-def measure(task: Task, timeout_s: float | None = None) -> Result:
-    """Run a task."""
-    began = time.monotonic()
-    found = task.run(timeout_s)
-    tracked = found if isinstance(found, Tracked) else None
-    count = found.certified if isinstance(found, Tracked) else found
-    return Result(task, count, round(time.monotonic() - began, 3), tracked)
+    def append(self, entry: Mapping[str, Any]) -> None:
+        """Add a line."""
+        if self.path.is_file():
+            content = self.path.read_bytes()
+            # Drop a line that was cut off when the work was interrupted.
+            if content and not content.endswith(b"\n"):
+                os.truncate(self.path, content.rfind(b"\n") + 1)
+        with self.path.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(entry) + "\n")
 
 
 def carry_out(
-    tasks: Iterable[Task],
+    tasks: Iterable[Hashable],
+    do: Callable[[Any], Result],
     *,
+    decode: Callable[[dict[str, Any]], Result],
     journal: Path | None = None,
     workers: Workers = HERE,
-    timeout_s: float | None = None,
     progress: Progress = silent,
-) -> dict[Task, Result]:
+    label: str = "",
+) -> dict[Any, Result]:
     """Return the results of tasks, those in the work file taken from there.
 
     Parameters
     ----------
     tasks
         What is wanted.
+    do
+        Gives the result of a task, with the task as its `task`.
+    decode
+        The inverse of `dataclasses.asdict` for results; see `Journal.read`.
     journal
         The work file, which each new result is added to at once; None keeps no record.
     workers
         Who does them.
-    timeout_s
-        When to give up a task.
-    progress
-        Who is told.
+    progress, label
+        Who is told, and what it is called.
     """
     wanted = list(tasks)
-    known = read_journal(journal) if journal else {}
+    work_file = Journal(journal) if journal else None
+    known = {result.task: result for result in work_file.read(decode)} if work_file else {}
     results = {task: known[task] for task in wanted if task in known}
     missing = [task for task in wanted if task not in results]
-    new = workers.as_completed(partial(measure, timeout_s=timeout_s), missing)
-    for result in progress(new, total=len(missing), label="counting solutions"):
+    for result in progress(workers.as_completed(do, missing), total=len(missing), label=label):
         results[result.task] = result
-        if journal:
-            append(journal, result)
+        if work_file:
+            work_file.append(asdict(result))
     return results

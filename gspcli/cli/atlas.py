@@ -17,7 +17,7 @@ from gspcli.defaults import SEED
 from gspcli.errors import CheckFailed, IncompleteError
 
 if TYPE_CHECKING:
-    from gspcli.atlas.journal import Result
+    from gspcli.atlas.counting import Result
     from gspcli.atlas.records import Verdict
     from gspcli.workers import Workers
 
@@ -158,8 +158,8 @@ def verify(
       gsp atlas verify --fast --seed 7 --method tracking
       gsp atlas verify --work verify.jsonl
     """
+    from gspcli.atlas.counting import count_all
     from gspcli.atlas.groebner import msolve_path
-    from gspcli.atlas.journal import carry_out
     from gspcli.atlas.records import Verdict, recorded, verdict
     from gspcli.atlas.tasks import PRIMES, all_tasks
 
@@ -169,7 +169,7 @@ def verify(
     if fast:
         size, largest = _FAST
         tasks = random.Random(seed).sample([t for t in tasks if recorded(t) <= largest], size)
-    results = carry_out(
+    results = count_all(
         tasks,
         journal=journal,
         workers=workers,
@@ -259,11 +259,11 @@ def build(
       gsp atlas build --work counts.jsonl -o data/counts
       gsp atlas build --work counts.jsonl -o data/counts --check
     """
-    from gspcli.atlas.journal import carry_out
+    from gspcli.atlas.counting import count_all
     from gspcli.atlas.records import contents, differences
     from gspcli.atlas.tasks import all_tasks
 
-    results = carry_out(
+    results = count_all(
         all_tasks(),
         journal=journal,
         workers=workers,

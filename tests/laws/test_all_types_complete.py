@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
 
+from gspcli.atlas.journal import Journal
 from gspcli.catalogue.counts import generic_counts
 from gspcli.continuation.paths import PathAccount
+from gspcli.defaults import SEED
 
 MANY = 256
 
@@ -20,7 +21,7 @@ def tool(load_tool):
 
 
 def test_random_platforms_with_six_dpp_are_solved_completely(tool):
-    findings = tool.verify_platforms(tool.Task("chunk 0", 300, tool.SEED))
+    findings = tool.verify_platforms(tool.Task("chunk 0", 300, SEED)).findings
     assert [finding.problems for finding in findings] == [()] * 300
     assert {finding.found for finding in findings} == {40}
 
@@ -33,7 +34,7 @@ def test_random_platforms_of_every_class_are_solved_completely(tool):
     ]
     assert len(families) > 200
     for family in families[::3]:
-        (finding,) = tool.verify_family(tool.Task(family.id, 1, tool.SEED))
+        (finding,) = tool.verify_family(tool.Task(family.id, 1, SEED)).findings
         assert finding.problems == (), family.id
 
 
@@ -114,39 +115,35 @@ def test_examine_sees_multiple_poses(tool, solved):
     assert "multiple poses" in tool.examine(arrangement, double, 40, hidden).problems
 
 
-def test_a_journal_is_taken_up_where_it_was_cut_off(tool, tmp_path):
-    finding = tool.Finding(40, 40, 2, 1e-15, 1e-3, 1e-15, ())
-    tasks = [tool.Task(f"chunk {i}", 1, tool.SEED) for i in range(2)]
-    lines = [
-        {"task": vars(task), "findings": [{**vars(finding), "problems": []}]} for task in tasks
-    ]
-    journal = tmp_path / "journal.jsonl"
-    header = json.dumps({"sources": "here"})
-    first, second = map(json.dumps, lines)
-    journal.write_text(f"{header}\n{first}\n{second[:20]}", encoding="utf-8")
-    assert tool.read_journal(journal, "here") == {tasks[0]: [finding]}
-    assert tool.read_journal(journal, "elsewhere") == {}
+def test_the_journal_gives_back_what_was_found(tool, tmp_path):
+    finding = tool.Finding(40, 39, 2, 1e-15, 1e-3, 1e-15, ("wrong number",))
+    done = tool.Examined(tool.Task("chunk 0", 1, SEED), (finding,))
+    journal = Journal(tmp_path / "journal.jsonl")
+    journal.append(asdict(done))
+    assert journal.read(tool.Examined.of_entry) == [done]
+    assert done.problems == [(0, finding)]
 
 
 def test_the_record_of_a_chunk_is_derived_again(tool):
     task = tool.platform_tasks(100_000)[3]
-    done = {task: tool.verify_platforms(task)}
-    assert list(tool.differences("platforms-6-6", done, whole=False)) == []
+    done = tool.verify_platforms(task)
+    assert list(tool.differences("platforms-6-6", [done], whole=False)) == []
     # A real pose less in one platform, and rounding errors.
-    first, *others = done[task]
-    changed = {task: [replace(first, real=first.real - 2, residual=1e-9), *others]}
-    (difference,) = tool.differences("platforms-6-6", changed, whole=False)
+    first, *others = done.findings
+    changed = replace(done, findings=(replace(first, real=first.real - 2, residual=1e-9), *others))
+    (difference,) = tool.differences("platforms-6-6", [changed], whole=False)
     assert difference.startswith("platforms-6-6, chunk 3: real ")
-    missing = list(tool.differences("platforms-6-6", done, whole=True))
+    missing = list(tool.differences("platforms-6-6", [done], whole=True))
     assert len({line.split(":")[0] for line in missing}) == 199
 
 
-def test_a_record_that_is_not_the_manifests_is_seen(tool, tmp_path, monkeypatch):
+def test_a_record_that_is_not_the_manifests_is_seen(load_tool, tmp_path, monkeypatch):
+    tool = load_tool("solve_record")
     for path in tool.RECORDS.iterdir():
         (tmp_path / path.name).write_bytes(path.read_bytes())
     monkeypatch.setattr(tool, "RECORDS", tmp_path)
-    assert list(tool.differences("families", {}, whole=False)) == []
+    assert list(tool.differences("families", [], whole=False)) == []
     record = tmp_path / "families.csv"
     record.write_text(record.read_text().replace(",40,", ",41,", 1))
-    (difference,) = tool.differences("families", {}, whole=False)
+    (difference,) = tool.differences("families", [], whole=False)
     assert "not the file of the manifest" in difference

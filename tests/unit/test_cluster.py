@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from gspcli import workers as module
-from gspcli.atlas.journal import carry_out, measure
+from gspcli.atlas.counting import count_all, measure
 from gspcli.atlas.tasks import Task
 from gspcli.catalogue.parsing import parse_type
 from gspcli.errors import GspError
@@ -51,8 +51,8 @@ def test_killed_workers_lose_nothing(cluster: Any, there: Workers) -> None:
 
 
 def test_results_are_those_of_this_process(there: Workers) -> None:
-    here = carry_out(TASKS[:3])
-    cluster = carry_out(TASKS[:3], workers=there)
+    here = count_all(TASKS[:3])
+    cluster = count_all(TASKS[:3], workers=there)
     assert {t: r.count for t, r in here.items()} == {t: r.count for t, r in cluster.items()}
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
 
-from gspcli.atlas import journal as module
-from gspcli.atlas.journal import Result, append, carry_out, read_journal
+from gspcli.atlas import counting as module
+from gspcli.atlas.counting import Result, count_all
+from gspcli.atlas.journal import Journal
 from gspcli.atlas.tasks import Task
 from gspcli.atlas.trace import Trace
 from gspcli.atlas.tracked_counts import Tracked
@@ -19,6 +21,14 @@ TASKS = [Task("DPP DPP DPP", 1, 0, seed) for seed in range(3)]
 
 def _result(task: Task) -> Result:
     return Result(task, 10 + task.seed, 0.5)
+
+
+def append(path: Path, result: Result) -> None:
+    Journal(path).append(asdict(result))
+
+
+def read_journal(path: Path) -> dict[Task, Result]:
+    return {result.task: result for result in Journal(path).read(Result.of_entry)}
 
 
 def test_results_come_back(tmp_path: Path) -> None:
@@ -73,13 +83,13 @@ def test_done_work_is_not_done_again(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(module, "measure", measure)
     with pytest.raises(KeyboardInterrupt):
-        carry_out(TASKS, journal=path)
-    assert carry_out(TASKS, journal=path) == {task: _result(task) for task in TASKS}
+        count_all(TASKS, journal=path)
+    assert count_all(TASKS, journal=path) == {task: _result(task) for task in TASKS}
     assert done == [*TASKS, TASKS[2]]
 
 
 def test_processes_give_the_same(tmp_path: Path) -> None:
-    one = carry_out(TASKS)
-    two = carry_out(TASKS, workers=Workers(2), journal=tmp_path / "work.jsonl")
+    one = count_all(TASKS)
+    two = count_all(TASKS, workers=Workers(2), journal=tmp_path / "work.jsonl")
     assert {t: r.count for t, r in one.items()} == {t: r.count for t, r in two.items()}
     assert set(read_journal(tmp_path / "work.jsonl")) == set(TASKS)

@@ -7,7 +7,7 @@ import io
 
 import pytest
 
-from gspcli.atlas.journal import Result
+from gspcli.atlas.counting import Result
 from gspcli.atlas.records import Verdict, contents, verdict
 from gspcli.atlas.tasks import PRIMES, Task
 from gspcli.atlas.trace import Trace
