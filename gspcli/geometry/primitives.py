@@ -111,6 +111,35 @@ class Cone:
 
 
 @dataclass(frozen=True)
+class Crank:
+    """What turns a point about an axis: the arm of a rotary motor.
+
+    Attributes
+    ----------
+    centre
+        A point of the axis.
+    axis
+        A nonzero vector along it; positive angles turn by the right-hand rule.
+    """
+
+    centre: Vector
+    axis: Vector
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "centre", exact_vector(self.centre, "centre"))
+        object.__setattr__(self, "axis", exact_direction(self.axis, "axis"))
+
+    def turned(self, point: Array, angle: float) -> Array:
+        """Return a point, shape (3,), turned by an angle in radians."""
+        axis, centre = _unit(self.axis), as_array(self.centre)
+        arm = point - centre
+        along = (axis @ arm) * axis
+        across = np.cross(axis, arm)
+        turned: Array = centre + along + np.cos(angle) * (arm - along) + np.sin(angle) * across
+        return turned
+
+
+@dataclass(frozen=True)
 class Point:
     """A point.
 
@@ -120,6 +149,8 @@ class Point:
         Coordinates in the frame of the body; three numbers of any kind are made exact.
     cone
         How far the legs from it can tilt, or None. It restricts motion, as ranges of values do.
+    crank
+        What turns it, or None. The position is that at the angle zero.
 
     Examples
     --------
@@ -129,6 +160,7 @@ class Point:
 
     position: Vector
     cone: Cone | None = None
+    crank: Crank | None = None
     primitive = Primitive.POINT
 
     def __post_init__(self) -> None:

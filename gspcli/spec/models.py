@@ -286,15 +286,25 @@ class ConeModel(Section):
     half_angle: Real = Field(description="Above 0 and below 180 degrees, in the unit of angles.")
 
 
+class CrankModel(Section):
+    """What turns a point: a point of the axis, and a nonzero vector along it."""
+
+    centre: Vector
+    axis: Direction
+
+
 class PrimitiveModel(Section):
     """A point, a line or a plane, in the frame of its body."""
 
     one_of = ("point", "line", "plane")
-    needs = {"cone": "point"}
+    needs = {"crank": "point", "cone": "point"}
 
     point: Vector | SkipJsonSchema[None] = None
     line: LineModel | SkipJsonSchema[None] = None
     plane: PlaneModel | SkipJsonSchema[None] = None
+    crank: CrankModel | SkipJsonSchema[None] = Field(
+        None, description="What turns the point, which is stated at the angle zero."
+    )
     cone: ConeModel | SkipJsonSchema[None] = Field(
         None, description="Of a point: which directions the point-point distances from it can have."
     )

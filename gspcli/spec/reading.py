@@ -17,7 +17,7 @@ from gspcli.errors import Problem, SpecError, TypeNameError
 from gspcli.geometry.expressions import parse_number
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Cone, Geometry, Line, Plane, Point, Vector
+from gspcli.geometry.primitives import Cone, Crank, Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.ranges import wrong_half_angle, wrong_value
 from gspcli.spec.document import Mapping, Scalar, Sequence, Value, decode, parse, parse_correct
 from gspcli.spec.meaning import remarks
@@ -221,9 +221,11 @@ def _geometry(model: PrimitiveModel | None) -> Geometry | None:
         return Plane(_vector(model.plane.point), _vector(model.plane.normal))
     if model.point is None:
         return None
-    cone = model.cone
+    cone, crank = model.cone, model.crank
     return Point(
-        _vector(model.point), None if cone is None else Cone(_vector(cone.axis), cone.half_angle)
+        _vector(model.point),
+        None if cone is None else Cone(_vector(cone.axis), cone.half_angle),
+        None if crank is None else Crank(_vector(crank.centre), _vector(crank.axis)),
     )
 
 

@@ -98,12 +98,13 @@ def _vector(vector: Vector) -> str:
 def _primitive(geometry: Geometry) -> str:
     position = _vector(geometry.position)
     match geometry:
-        case Point():
-            cone = geometry.cone
-            if cone is None:
-                return f"{{point: {position}}}"
-            limit = f"{{axis: {_vector(cone.axis)}, half_angle: {cone.half_angle}}}"
-            return f"{{point: {position}, cone: {limit}}}"
+        case Point(cone=cone, crank=crank):
+            tilt = turn = ""
+            if crank is not None:
+                turn = f", crank: {{centre: {_vector(crank.centre)}, axis: {_vector(crank.axis)}}}"
+            if cone is not None:
+                tilt = f", cone: {{axis: {_vector(cone.axis)}, half_angle: {cone.half_angle}}}"
+            return f"{{point: {position}{turn}{tilt}}}"
         case Line():
             return f"{{line: {{point: {position}, direction: {_vector(geometry.direction)}}}}}"
         case Plane():
