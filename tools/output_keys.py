@@ -296,6 +296,7 @@ KEYS: dict[str, str] = {
     "folds": "where between neighbouring nodes the number of modes changes, proved",
     "change": "how many modes more there are on the side of the greater value",
     "complete": "whether every mode was followed to the last row",
+    "track.coordinates": "where the coordinates that move are at each row, by their names",
     "parts": "proved segments of the motion",
     "events": "where a mode ends, and why",
     "analyze.length": "length by which lengths are divided in condition and singular values",

@@ -16,14 +16,13 @@ from dataclasses import dataclass
 
 import flint
 import numpy as np
-from flint import arb, arb_mat
+from flint import arb, arb_mat, arb_series
 from numpy.typing import NDArray
 
 from gspcli.certification import study
-from gspcli.certification.balls import ball, float_above, float_ends
-from gspcli.certification.moving import Law, Shape, ball_equations
-from gspcli.geometry.instance import Instance
-from gspcli.geometry.numbers import Number
+from gspcli.certification.balls import float_above, float_ends
+from gspcli.certification.moving import Shape
+from gspcli.certification.taylor import Element, MovingSystem
 
 Array = NDArray[np.float64]
 
@@ -57,17 +56,17 @@ class Fold:
 
 
 def prove_fold(
-    instance: Instance, first: Array, last: Array, part: float, point: Array, direction: Array
+    system: MovingSystem, rows: tuple[Array, Array], part: float, point: Array, direction: Array
 ) -> Fold | None:
     """Prove a fold near a point of a branch; None if there is no proof.
 
     Parameters
     ----------
-    instance
-        The geometry and units.
-    first, last
-        The values at both ends of a step between rows, in the units of the instance, shape (6,);
-        they are taken as exact.
+    system
+        What moves.
+    rows
+        The values, and the coordinates that move, at both ends of a step between rows, in the units
+        of the instance; they are taken as exact.
     part
         About where between them, from 0 to 1.
     point, direction
@@ -75,14 +74,14 @@ def prove_fold(
         the branch moves there, shape (8,).
     """
     with flint.ctx.workprec(_PRECISION):
-        system = _FoldSystem(instance, first, last, point)
+        equations = _FoldSystem(system, rows, point)
         x = [*map(arb, point.tolist()), *map(arb, direction.tolist()), arb(part)]
-        scale = sum((a * b for a, b in zip(system.patch, x[:8], strict=True)), arb(0))
+        scale = sum((a * b for a, b in zip(equations.patch, x[:8], strict=True)), arb(0))
         x[:8] = [(value / scale).mid() for value in x[:8]]
-        system.gauge = _unit(direction)
-        x[8:16] = list(system.gauge)
+        equations.gauge = _unit(direction)
+        x[8:16] = list(equations.gauge)
         for _ in range(_STEPS):
-            values, jacobian = system.at(x)
+            values, jacobian = equations.at(x)
             try:
                 step = jacobian.mid().solve(arb_mat(_UNKNOWNS, 1, values).mid()).entries()
             except ZeroDivisionError:
@@ -92,7 +91,7 @@ def prove_fold(
             if not size < 10:
                 return None
             if size < _CONVERGED:
-                return _krawczyk(system, x)
+                return _krawczyk(equations, x)
     return None
 
 
@@ -123,43 +122,62 @@ def _krawczyk(system: _FoldSystem, x: list[arb]) -> Fold | None:
     return Fold(low, high, middle[:8], middle[8:16], bends)
 
 
+@dataclass(frozen=True)
+class _Moving:
+    """An equation at a time: Hessian matrices and c, each with its derivative by time, or None."""
+
+    shape: Shape
+    a: tuple[arb_mat, arb_mat | None]
+    b: tuple[arb_mat, arb_mat | None] | None
+    c: tuple[arb, arb]
+
+
 class _FoldSystem:
     """The seventeen equations with balls for coefficients."""
 
-    def __init__(self, instance: Instance, first: Array, last: Array, point: Array) -> None:
-        equations, units = ball_equations(instance)
-        terms = [[int(x) for x in row] for row in study.hessians().tolist()]
-        self.shapes = [shape for shape, _, _, _ in equations]
-        self.laws = [(law, sign) for _, law, sign, _ in equations]
-        self.quadrics = [[_hessian(form, terms) for form in forms] for _, _, _, forms in equations]
-        self.first = [
-            ball(Number.of(a)) * unit for a, unit in zip(first.tolist(), units, strict=True)
-        ]
-        self.change = [
-            ball(Number.of(b)) * unit - a
-            for a, b, unit in zip(self.first, last.tolist(), units, strict=True)
-        ]
+    def __init__(self, system: MovingSystem, rows: tuple[Array, Array], point: Array) -> None:
+        self.system = system
+        self.rows = rows
+        self.terms = [[int(x) for x in row] for row in study.hessians().tolist()]
         self.patch = _unit(point)
         self.gauge: list[arb] = []
-        self.norm = _hessian({study.NORM: arb(1)}, terms)
-        self.study = _hessian({study.STUDY: arb(1)}, terms)
+        self.norm = self._hessian({study.NORM: arb(1)})
+        self.study = self._hessian({study.STUDY: arb(1)})
+        #: Those that do not move, by equation and quadric.
+        self._still: dict[tuple[int, int], arb_mat] = {}
 
-    def coefficient(self, k: int, t: arb) -> tuple[arb, arb]:
-        """Return c of an equation at a time, and its derivative."""
-        law, sign = self.laws[k]
-        change, value = self.change[k], self.first[k] + t * self.change[k]
-        if law is Law.SQUARE:
-            return value * value, 2 * value * change
-        if law is Law.LINEAR:
-            return value, change
-        if law is Law.COSINE:
-            return sign * value.cos(), -sign * value.sin() * change
-        return sign * value.sin(), sign * value.cos() * change
+    def _hessian(self, form: dict[int, arb]) -> arb_mat:
+        entries = [arb(0)] * 64
+        for index, coefficient in form.items():
+            for k, factor in enumerate(self.terms[index]):
+                if factor:
+                    entries[k] += factor * coefficient
+        return arb_mat(8, 8, entries)
+
+    def _moving(self, t: arb) -> list[_Moving]:
+        """Return the equations at a time."""
+        found = []
+        for k, ((shape, _, _, forms), c) in enumerate(
+            self.system.equations(self.rows, t, arb(1), 1)
+        ):
+            quadrics = [self._jet(k, j, form) for j, form in enumerate(forms)]
+            b = quadrics[1] if len(quadrics) > 1 else None
+            found.append(_Moving(shape, quadrics[0], b, (_part(c, 0), _part(c, 1))))
+        return found
+
+    def _jet(self, k: int, j: int, form: dict[int, Element]) -> tuple[arb_mat, arb_mat | None]:
+        if not any(isinstance(x, arb_series) for x in form.values()):
+            if (k, j) not in self._still:
+                self._still[k, j] = self._hessian(form)
+            return self._still[k, j], None
+        value, slope = ({i: _part(x, d) for i, x in form.items()} for d in (0, 1))
+        return self._hessian(value), self._hessian(slope)
 
     def at(self, x: Sequence[arb]) -> tuple[list[arb], arb_mat]:
         """Return the values (17) and the Jacobian matrix (17, 17) at (z, u, t)."""
         z, u, t = arb_mat(8, 1, list(x[:8])), arb_mat(8, 1, list(x[8:16])), x[16]
-        rows = [self._equation(k, z, u, t) for k in range(-1, 6)]
+        rows = [_equation(None, self, z, u)]
+        rows += [_equation(one, self, z, u) for one in self._moving(t)]
         zeros = [arb(0)] * 8
         patch, gauge = self.patch, self.gauge
         values = [value for value, *_ in rows] + [_dot(patch, x[:8]) - 1]
@@ -171,28 +189,6 @@ class _FoldSystem:
         matrix += [[*zeros, *patch, arb(0)], [*zeros, *gauge, arb(0)]]
         return values, arb_mat(matrix)
 
-    def _equation(
-        self, k: int, z: arb_mat, u: arb_mat, t: arb
-    ) -> tuple[arb, list[arb], arb, list[arb], arb, arb]:
-        """Return F, F', F'u, F''u, dF/dt and dF'u/dt of one equation; -1 is the Study condition."""
-        if k < 0:
-            a = _Quadric(self.study, z, u)
-            return a.value, a.gradient, a.along, a.bent, arb(0), arb(0)
-        c, moving = self.coefficient(k, t)
-        n = _Quadric(self.norm, z, u)
-        a = _Quadric(self.quadrics[k][0], z, u)
-        if self.shapes[k] is Shape.LINES:
-            b = _Quadric(self.quadrics[k][1], z, u)
-            square, gap = a.squared(), n.squared().plus(b.squared(), arb(-1))
-            f = square.plus(gap, -c)
-            return (*f.parts, -moving * gap.value, -moving * gap.along)
-        f = a.plus(n, -c)
-        if self.shapes[k] is Shape.PLAIN:
-            return (*f.parts, -moving * n.value, -moving * n.along)
-        b = _Quadric(self.quadrics[k][1], z, u)
-        f, square = n.times(f).plus(b.squared(), arb(-1)), n.squared()
-        return (*f.parts, -moving * square.value, -moving * square.along)
-
     def bends(self, x: Sequence[arb]) -> int:
         """Return the sign of the second derivative of t along the branches, 0 if not decided.
 
@@ -200,7 +196,8 @@ class _FoldSystem:
         linear system for w and t''.
         """
         z, u, t = arb_mat(8, 1, list(x[:8])), arb_mat(8, 1, list(x[8:16])), x[16]
-        rows = [self._equation(k, z, u, t) for k in range(-1, 6)]
+        rows = [_equation(None, self, z, u)]
+        rows += [_equation(one, self, z, u) for one in self._moving(t)]
         matrix = [[*gradient, by_t] for _, gradient, _, _, by_t, _ in rows]
         right = [-_dot(bent, x[8:16]) for _, _, _, bent, _, _ in rows]
         matrix += [[*self.patch, arb(0)], [*self.gauge, arb(0)]]
@@ -210,6 +207,40 @@ class _FoldSystem:
             return 0
         second = solved.entries()[8]
         return 1 if second > 0 else -1 if second < 0 else 0
+
+
+def _part(x: Element, order: int) -> arb:
+    """Return a coefficient of a power series, or of a number."""
+    if isinstance(x, arb_series):
+        return x[order]
+    return x if order == 0 else arb(0)
+
+
+def _equation(
+    given: _Moving | None, system: _FoldSystem, z: arb_mat, u: arb_mat
+) -> tuple[arb, list[arb], arb, list[arb], arb, arb]:
+    """Return F, F', F'u, F''u, dF/dt and dF'u/dt of one equation; None is the Study condition."""
+    if given is None:
+        a = _Quadric(system.study, z, u)
+        return a.value, a.gradient, a.along, a.bent, arb(0), arb(0)
+    c, change = given.c
+    n, a = _Quadric(system.norm, z, u), _Quadric(given.a[0], z, u)
+    nothing = a.scaled(arb(0))
+    moved_a = nothing if given.a[1] is None else _Quadric(given.a[1], z, u)
+    if given.b is None:
+        f, by_t = a.plus(n, -c), moved_a.plus(n, -change)
+        return (*f.parts, by_t.value, by_t.along)
+    b = _Quadric(given.b[0], z, u)
+    moved_b = nothing if given.b[1] is None else _Quadric(given.b[1], z, u)
+    both = b.times(moved_b)
+    if given.shape is Shape.LINES:
+        gap = n.squared().plus(b.squared(), arb(-1))
+        f = a.squared().plus(gap, -c)
+        by_t = a.times(moved_a).scaled(arb(2)).plus(gap, -change).plus(both, 2 * c)
+    else:
+        f = n.times(a.plus(n, -c)).plus(b.squared(), arb(-1))
+        by_t = n.times(moved_a.plus(n, -change)).plus(both, arb(-2))
+    return (*f.parts, by_t.value, by_t.along)
 
 
 @dataclass(frozen=True)
@@ -224,6 +255,15 @@ class _Jet:
     @property
     def parts(self) -> tuple[arb, list[arb], arb, list[arb]]:
         return self.value, self.gradient, self.along, self.bent
+
+    def scaled(self, factor: arb) -> _Jet:
+        """Return a multiple of the function."""
+        return _Jet(
+            factor * self.value,
+            [factor * x for x in self.gradient],
+            factor * self.along,
+            [factor * x for x in self.bent],
+        )
 
     def plus(self, other: _Jet, factor: arb) -> _Jet:
         """Return the function plus a multiple of another."""
@@ -260,15 +300,6 @@ class _Quadric(_Jet):
         super().__init__(
             _dot(gradient, z.entries()) / 2, gradient, _dot(gradient, u.entries()), bent
         )
-
-
-def _hessian(form: dict[int, arb], terms: list[list[int]]) -> arb_mat:
-    entries = [arb(0)] * 64
-    for index, coefficient in form.items():
-        for k, factor in enumerate(terms[index]):
-            if factor:
-                entries[k] += factor * coefficient
-    return arb_mat(8, 8, entries)
 
 
 def _dot(a: Sequence[arb], b: Sequence[arb]) -> arb:

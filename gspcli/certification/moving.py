@@ -20,7 +20,7 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP
+from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.certification import study
 from gspcli.certification.ball_system import (
     Form,
@@ -32,7 +32,7 @@ from gspcli.certification.ball_system import (
     square_distance,
 )
 from gspcli.certification.balls import OUTWARD, TINY, norm
-from gspcli.certification.statement import Statement, length_scale, statements
+from gspcli.certification.statement import length_scale, statements
 from gspcli.geometry.instance import Instance
 
 Array = NDArray[np.float64]
@@ -133,32 +133,54 @@ def moving_equations(instance: Instance) -> MovingEquations:
     )
 
 
-def ball_equations(
-    instance: Instance,
-) -> tuple[list[tuple[Shape, Law, float, list[Form]]], list[arb]]:
+#: Shape, law, sign of c, and the quadrics.
+Equation = tuple[Shape, Law, float, list[Form]]
+
+
+def ball_equations(instance: Instance) -> tuple[list[Equation], list[arb]]:
     """Return shape, law, sign and quadrics of each equation, and the units of the values.
 
     At the working precision; a value times its unit is what the law takes.
     """
     given = statements(instance)
-    return [_equation(statement) for statement in given], [1 / row.unit for row in given]
+    equations = [
+        moving_equation(row.kind, row.a, row.b, _unit(row.u), _unit(row.v), is_zero=row.is_zero)
+        for row in given
+    ]
+    return equations, [1 / row.unit for row in given]
 
 
-def _equation(given: Statement) -> tuple[Shape, Law, float, list[Form]]:
-    kind, a, b, u, v = given.kind, given.a, given.b, given.u, given.v
+def _unit(vector: list[arb]) -> list[arb]:
+    return [entry / norm(vector) for entry in vector]
+
+
+def moving_equation(
+    kind: Kind, a: list[arb], b: list[arb], u: list[arb], v: list[arb], *, is_zero: bool
+) -> Equation:
+    """Return shape, law, sign and quadrics of a constraint without its value.
+
+    Parameters
+    ----------
+    kind
+        Of the constraint.
+    a, b
+        A point of the platform and of the base primitive, in units of the scale.
+    u, v
+        Unit directions or normals; empty for points.
+    is_zero
+        Whether the value is zero, always.
+    """
     if kind in _ANGLES:
         law, sign = _ANGLES[kind]
-        return Shape.PLAIN, law, sign, [scaled(rotation_form(v, u), 1 / (norm(u) * norm(v)))]
+        return Shape.PLAIN, law, sign, [rotation_form(v, u)]
     if kind is DPP:
         return Shape.PLAIN, Law.SQUARE, 1.0, [square_distance(a, b, arb(0))]
     if kind is DLL:
-        factor = 1 / (norm(u) * norm(v))
-        moment = scaled(mutual_moment(a, b, u, v), factor)
-        if given.is_zero:
+        moment = mutual_moment(a, b, u, v)
+        if is_zero:
             return Shape.PLAIN, Law.LINEAR, 1.0, [moment]
-        return Shape.LINES, Law.SQUARE, 1.0, [moment, scaled(rotation_form(v, u), factor)]
+        return Shape.LINES, Law.SQUARE, 1.0, [moment, rotation_form(v, u)]
     height = base_height(a, b, v) if v else platform_height(a, b, u)
-    height = scaled(height, 1 / norm(v or u))
     if kind in (DPL, DLP):
         return Shape.PRODUCT, Law.SQUARE, 1.0, [square_distance(a, b, arb(0)), height]
     if kind in (DPH, DHP):

@@ -80,6 +80,11 @@ def command(
     measured. One of them may be - for standard input. The values change linearly between rows;
     distances to planes (DPH, DHP) are signed.
 
+    Not only values move: columns base.NAME.x, platform.NAME.y, base.NAME.direction.z and
+    base.NAME.normal.x are coordinates of a point, line or plane, and crank.NAME is the angle of
+    the crank that turns a point, if SPEC states one. They are linear between rows, too: the point
+    of a crank moves on its circle.
+
     All real poses at the first row are followed, numbered as `gsp solve` orders them. Each row of
     the output is one mode at one row of VALUES: position and unit quaternion of the platform
     (x_base = R x_platform + T) and the condition number. It is proved for every part between the
@@ -93,6 +98,7 @@ def command(
     Examples:
       gsp track platform.yaml values.csv -o poses.csv
       gsp track platform.yaml path.csv --euler ZYX --mode 1 --format json
+      gsp track rotary.yaml angles.csv --steps 10
       gsp track platform.yaml values.csv --all --allow-loss
       gsp track platform.yaml values.csv --steps 20 --format csv | gsp view platform.yaml --track -
     """
@@ -114,6 +120,7 @@ def command(
     result = track(
         instance,
         table.values,
+        coordinates=table.coordinates,
         t=table.t,
         modes=None if mode is None else [mode],
         near=pose,
@@ -150,9 +157,11 @@ def _clearances(result: Track) -> Array:
     from gspcli.motion.clearances import clearances, range_weights
 
     found = np.full(result.T.shape[:2], np.nan)
-    there = ~np.isnan(result.T[..., 0])
     weights = range_weights(result.instance)
-    found[there] = clearances(result.instance, result.R[there], result.T[there], weights=weights)
+    for rows, instance in result.instances():
+        there = np.zeros(found.shape, bool)
+        there[:, rows] = ~np.isnan(result.T[:, rows, 0])
+        found[there] = clearances(instance, result.R[there], result.T[there], weights=weights)
     return found
 
 
@@ -207,6 +216,9 @@ def _document(result: Track, rows: list[dict[str, Any]]) -> dict[str, Any]:
         "certified": result.certified,
         "complete": result.complete,
         "modes": result.modes.tolist(),
+        "coordinates": {
+            one.name: result.places[:, k].tolist() for k, one in enumerate(result.coordinates)
+        },
         "parts": result.segments,
         "poses": rows,
         "events": [_plain(event) for event in result.events],

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli import _kernel
 from gspcli.certification.moving import Law, MovingEquations, Shape, moving_equations
+from gspcli.certification.taylor import MovingSystem
 from gspcli.continuation.tracker import helpful
+from gspcli.geometry.coordinates import Coordinate
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import pose_from_study, study_from_pose
 
@@ -86,7 +89,24 @@ class Branches:
     worst: Array
 
 
-class MovingPlatform:
+class StudyUnits:
+    """Study points with lengths in units of a scale."""
+
+    def __init__(self, scale: float) -> None:
+        self.scale = scale
+
+    def points(self, R: Array, T: Array) -> Array:
+        """Return Study points of norm one of poses, shape (..., 8)."""
+        points = np.concatenate(study_from_pose(R, T / self.scale), axis=-1)
+        return np.ascontiguousarray(points / np.linalg.norm(points, axis=-1, keepdims=True))
+
+    def poses(self, points: Array) -> tuple[Array, Array]:
+        """Return the poses (R, T) of Study points, ``(..., 8) -> (..., 3, 3), (..., 3)``."""
+        R, T = pose_from_study(points[..., :4], points[..., 4:])
+        return R, T * self.scale
+
+
+class MovingPlatform(StudyUnits):
     """An instance whose values move, made ready for following many branches.
 
     Parameters
@@ -95,26 +115,29 @@ class MovingPlatform:
         The geometry and units. Its values are not used, except that a DLL of value zero stays so.
     """
 
+    #: No coordinates move.
+    chosen: tuple[Coordinate, ...] = ()
+
     def __init__(self, instance: Instance) -> None:
         self.instance = instance
         self.equations: MovingEquations = moving_equations(instance)
+        super().__init__(self.equations.scale)
         self._angles = np.isin(self.equations.laws, (Law.COSINE, Law.SINE))
         radian = instance.units.angle.in_radians
         self._units = np.where(self._angles, radian, 1 / self.equations.scale)
 
+    @cached_property
+    def system(self) -> MovingSystem:
+        """The same in ball arithmetic."""
+        return MovingSystem(self.instance, ())
+
+    def instance_at(self, row: Array) -> Instance:
+        """Return the instance; its values are not used."""
+        return self.instance
+
     def internal(self, values: Array) -> Array:
         """Return values, shape (..., 6), with lengths in units of the scale, angles in radians."""
         return np.ascontiguousarray(values * self._units)
-
-    def points(self, R: Array, T: Array) -> Array:
-        """Return Study points of norm one of poses, shape (..., 8)."""
-        points = np.concatenate(study_from_pose(R, T / self.equations.scale), axis=-1)
-        return np.ascontiguousarray(points / np.linalg.norm(points, axis=-1, keepdims=True))
-
-    def poses(self, points: Array) -> tuple[Array, Array]:
-        """Return the poses (R, T) of Study points, ``(..., 8) -> (..., 3, 3), (..., 3)``."""
-        R, T = pose_from_study(points[..., :4], points[..., 4:])
-        return R, T * self.equations.scale
 
     def coefficients(self, values: Array) -> Array:
         """Return c of the equations for internal values, shape (..., 6)."""

@@ -61,8 +61,11 @@ class NumberTable:
         self._delimiter = next((mark for mark in ",;\t" if mark in heading), "")
         cells = self._cells(heading)
         self._heading_line = lines[0][0]
+        self._columns = [cell.column for cell in cells]
         #: The names in the heading, in small letters.
         self.heading = tuple(cell.text.lower() for cell in cells)
+        #: The same as they are written.
+        self.written = tuple(cell.text for cell in cells)
         for k, cell in enumerate(cells):
             if cell.text and self.heading.index(self.heading[k]) < k:
                 self._note(lines[0][0], cell, f"found the column {shown(cell.text)} twice")
@@ -94,6 +97,11 @@ class NumberTable:
 
     def _note(self, line: int, cell: Cell, message: str) -> None:
         self.problems.append(Problem(Location(self.name, line, cell.column), cell.text, message))
+
+    def note_column(self, name: str, message: str) -> None:
+        """Note a mistake of one name in the heading, as it is written."""
+        column = self._columns[self.written.index(name)]
+        self.problems.append(Problem(Location(self.name, self._heading_line, column), "", message))
 
     def note_heading(self, message: str) -> None:
         """Note a mistake of the heading."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
@@ -15,11 +15,13 @@ from gspcli.certification.folds import Fold, prove_fold
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError, IncompleteError, NotFiniteError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.coordinates import Coordinate, choose, moved
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.following import Branches, FollowOptions, MovingPlatform, Stop
+from gspcli.motion.moving_geometry import MovingGeometry
 from gspcli.solver import SolveResult, solve
 
 Array = NDArray[np.float64]
@@ -102,6 +104,8 @@ class Track:
         Of how many proved (or followed) parts the modes are made.
     poses_at_end
         With ``everything``: all real poses (R, T) at the last row, found without following.
+    coordinates, places
+        The coordinates that move, c of them, and where they are at each row, shape (r, c).
     """
 
     instance: Instance
@@ -115,14 +119,28 @@ class Track:
     complete: bool | None
     segments: int
     poses_at_end: tuple[Array, Array] | None = None
+    coordinates: tuple[Coordinate, ...] = ()
+    places: Array = field(default_factory=lambda: np.zeros((0, 0)))
+
+    def instances(self) -> Iterator[tuple[slice, Instance]]:
+        """Yield runs of rows with the instance there, whose values are not used."""
+        if not self.coordinates:
+            yield slice(None), self.instance
+            return
+        for k, place in enumerate(self.places):
+            yield slice(k, k + 1), moved(self.instance, self.coordinates, place)
 
     @cached_property
     def conditions(self) -> Array:
         """Condition numbers of the poses, shape (m, r); NaN where there is none."""
         conditions = np.full(self.T.shape[:2], np.nan)
         there = ~np.isnan(self.T[..., 0])
-        arrangement = Arrangement.of(self.instance)
-        conditions[there] = condition_numbers(arrangement, self.R[there], self.T[there])
+        for rows, instance in self.instances():
+            here = np.zeros(there.shape, bool)
+            here[:, rows] = there[:, rows]
+            conditions[here] = condition_numbers(
+                Arrangement.of(instance), self.R[here], self.T[here]
+            )
         return conditions
 
     @cached_property
@@ -149,6 +167,7 @@ def track(
     instance: Instance,
     values: ArrayLike,
     *,
+    coordinates: Mapping[str, ArrayLike] | None = None,
     t: ArrayLike | None = None,
     modes: Sequence[int] | None = None,
     near: tuple[ArrayLike, ArrayLike] | None = None,
@@ -165,6 +184,9 @@ def track(
         Geometry and units; its values are not used.
     values
         Shape (r, 6), in the units and order of the instance; DPH and DHP distances are signed.
+    coordinates
+        Of primitives that move, by their names (`gspcli.geometry.coordinates`), such as
+        ``base.B1.x`` in length units or ``crank.B1`` in angle units; each of shape (r,).
     t
         Increasing, shape (r,); the numbers of the rows from 1 if None.
     modes
@@ -188,28 +210,36 @@ def track(
         If the poses at an end of the trajectory are infinitely many or could not all be found.
     """
     rows = _checked(values, "values", (None, 6))
+    moving = coordinates or {}
+    chosen = choose(instance, list(moving))
+    columns = [_checked(column, name, (len(rows),)) for name, column in moving.items()]
+    rows = np.column_stack((rows, *columns))
     times = np.arange(1.0, len(rows) + 1) if t is None else _checked(t, "t", (len(rows),))
     if not (np.diff(times) > 0).all():
         message = "t must increase from row to row"
         raise ArgumentError(message, "t")
-    R, T = _all_poses(instance, rows[0], seed, jobs)
+    platform: MovingPlatform | MovingGeometry
+    if chosen:
+        platform = MovingGeometry(at_values(instance, rows[0]), chosen)
+    else:
+        platform = MovingPlatform(at_values(instance, rows[0]))
+    R, T = _all_poses(platform, rows[0], seed, jobs)
     numbers = np.arange(1, len(R) + 1)
     if near is not None:
-        chosen = [_nearest(R, T, near)]
+        followed = [_nearest(R, T, near)]
     elif modes is not None:
         for mode in modes:
             if not 1 <= mode <= len(R):
                 message = f"found mode {mode}, expected one of the {len(R)} at the first row"
                 raise ArgumentError(message)
-        chosen = [mode - 1 for mode in modes]
+        followed = [mode - 1 for mode in modes]
     else:
-        chosen = list(range(len(R)))
-    options = FollowOptions(certify=certify, jobs=jobs)
-    run = _Run(MovingPlatform(at_values(instance, rows[0])), times, rows, options)
-    forward = run.follow(R[chosen], T[chosen], numbers[chosen])
+        followed = list(range(len(R)))
+    run = _Run(platform, times, rows, FollowOptions(certify=certify, jobs=jobs))
+    forward = run.follow(R[followed], T[followed], numbers[followed])
     if not everything:
         return forward
-    return _with_births(run, forward, _all_poses(instance, rows[-1], seed, jobs))
+    return _with_births(run, forward, _all_poses(platform, rows[-1], seed, jobs))
 
 
 def track_from(
@@ -245,7 +275,7 @@ def track_from(
 def at_values(instance: Instance, values: Array) -> Instance:
     """Return an instance with other values; a signed distance to a plane becomes a side."""
     constraints = []
-    for constraint, value in zip(instance.constraints, values.tolist(), strict=True):
+    for constraint, value in zip(instance.constraints, values[:6].tolist(), strict=True):
         side = constraint.side
         if constraint.kind.has_sides:
             side = Side.NEGATIVE if value < 0 else Side.POSITIVE
@@ -270,9 +300,13 @@ def _checked(given: ArrayLike, name: str, shape: tuple[int | None, ...]) -> Arra
     return array
 
 
-def _all_poses(instance: Instance, values: Array, seed: int, jobs: int) -> tuple[Array, Array]:
-    """Return the real poses for some values, in the order of `solve`."""
-    result: SolveResult = solve(at_values(instance, values), seed=seed, jobs=jobs)
+def _all_poses(
+    platform: MovingPlatform | MovingGeometry, row: Array, seed: int, jobs: int
+) -> tuple[Array, Array]:
+    """Return the real poses at a row, in the order of `solve`."""
+    values = row[:6]
+    instance = at_values(platform.instance_at(row), values)
+    result: SolveResult = solve(instance, seed=seed, jobs=jobs)
     if result.verdict == "infinite":
         message = f"the poses for the values {_listed(values)} are infinitely many"
         raise NotFiniteError(message)
@@ -301,7 +335,7 @@ def _nearest(R: Array, T: Array, pose: tuple[ArrayLike, ArrayLike]) -> int:
 class _Run:
     """Following along one trajectory."""
 
-    platform: MovingPlatform
+    platform: MovingPlatform | MovingGeometry
     t: Array
     values: Array
     options: FollowOptions
@@ -328,13 +362,15 @@ class _Run:
         return Track(
             platform.instance,
             self.t,
-            self.values,
+            self.values[:, :6],
             numbers,
             *poses,
             self.options.certify,
             events,
             None,
             int(branches.segments.sum()),
+            coordinates=platform.chosen,
+            places=self.values[:, 6:],
         )
 
     @property
@@ -364,14 +400,8 @@ class _Run:
         for before, begin in ((row, part), (row + 1, 0.0)):
             if before + 1 >= len(self.t):
                 return None
-            fold = prove_fold(
-                self.platform.instance,
-                self.values[before],
-                self.values[before + 1],
-                begin,
-                point,
-                direction,
-            )
+            rows = self.values[before], self.values[before + 1]
+            fold = prove_fold(self.platform.system, rows, begin, point, direction)
             if fold is None or fold.bends > 0 or not begin <= fold.high <= fold.low + 1e-9:
                 continue
             if fold.low <= 1 and np.linalg.norm(_unit(fold.point, point) - point) < _NEAR:
@@ -392,8 +422,9 @@ class _Run:
         if found is None:
             point = branches.last[k]
             R, T = self.platform.poses(point)
-            low, high = self.time(max(row, 0), part), self.time(max(row, 0), 1.0)
-            return Event("undecided", self._reason(R, T), False, mode, max(row, 0), low, high, R, T)
+            row = max(row, 0)
+            low, high, reason = self.time(row, part), self.time(row, 1.0), self._reason(row, R, T)
+            return Event("undecided", reason, False, mode, row, low, high, R, T)
         before, fold = found
         partner = next(
             (
@@ -410,9 +441,9 @@ class _Run:
             "fold", "", False, mode, before, *times, R, T, partner, *(other or (None, None))
         )
 
-    def _reason(self, R: Array, T: Array) -> str:
+    def _reason(self, row: int, R: Array, T: Array) -> str:
         """Return what is seen at a pose where following stopped."""
-        arrangement = Arrangement.of(self.platform.instance)
+        arrangement = Arrangement.of(self.platform.instance_at(self.values[row]))
         w, v = arrangement.placed(R, T).w, arrangement.v
         sines = np.linalg.norm(np.cross(w, v), axis=-1)
         for k, kind in enumerate(arrangement.kinds):

@@ -1,14 +1,17 @@
-"""Values of constraints in files: CSV with a heading of constraint numbers, and perhaps t."""
+"""Values of constraints and coordinates of primitives in files: CSV with a heading."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLP, DPL, DPP
+from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.coordinates import BODIES, Coordinate, choose, stated
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.ranges import wrong_value
@@ -18,6 +21,7 @@ from gspcli.motion.pose_files import PoseFormat, read_poses
 
 Array = NDArray[np.float64]
 
+_MOVING = (*BODIES, "crank")
 _POSITIONS = ({"x", "y", "z"}, {"tx", "ty", "tz"})
 
 
@@ -31,10 +35,13 @@ class ValueTable:
         Increasing, shape (n,): the column t, or the number of the row from 1.
     values
         In the units and order of the instance, DPH and DHP signed, shape (n, 6).
+    coordinates
+        Of primitives that move, by name, each of shape (n,).
     """
 
     t: Array
     values: Array
+    coordinates: Mapping[str, Array] = field(default_factory=dict)
 
     def subdivided(self, steps: int) -> ValueTable:
         """Return the same trajectory with so many rows for each step between rows."""
@@ -43,7 +50,8 @@ class ValueTable:
         rows = np.arange(len(self.t))
         parts = np.linspace(0, len(rows) - 1, steps * (len(rows) - 1) + 1)
         columns = [np.interp(parts, rows, column) for column in self.values.T]
-        return ValueTable(np.interp(parts, rows, self.t), np.stack(columns, axis=1))
+        moving = {name: np.interp(parts, rows, column) for name, column in self.coordinates.items()}
+        return ValueTable(np.interp(parts, rows, self.t), np.stack(columns, axis=1), moving)
 
 
 def read_values(
@@ -52,7 +60,9 @@ def read_values(
     """Read a trajectory of values, or of poses, which are measured.
 
     The columns ``1`` to ``6`` are the values of the constraints; a constraint without a column
-    keeps that of the instance. A file with columns x, y, z is one of poses (`read_poses`).
+    keeps that of the instance. Columns with names such as ``base.B1.x``, ``base.L1.direction.z`` or
+    ``crank.B1`` are coordinates that move (`gspcli.geometry.coordinates`). A file with columns
+    x, y, z is one of poses (`read_poses`).
 
     Parameters
     ----------
@@ -71,16 +81,20 @@ def read_values(
         With all mistakes, each with line and column.
     """
     table = NumberTable(text, name)
+    moving = _moving(table, instance)
+    coordinates: dict[str, Array] = {}
     if any(names <= set(table.heading) for names in _POSITIONS):
         poses = read_poses(text, name, form)
         values, t = measure(instance, poses.R, poses.T), poses.t
         if delta:
             table.note_heading("found poses, expected values with --delta")
+        for one in moving:
+            table.note_column(one, "found a coordinate that moves beside poses, expected values")
     else:
         count = len(instance.constraints)
         numbers = [str(k) for k in range(1, count + 1)]
         found = [name for name in numbers if name in table.heading]
-        if not found:
+        if not found and not moving:
             table.choose(numbers)
         t = table.numbers(["t"])[:, 0] if "t" in table.heading else None
         given = table.numbers(found)
@@ -89,12 +103,35 @@ def read_values(
         columns = [int(name) - 1 for name in found]
         values[:, columns] = given + (base[columns] if delta else 0)
         _check_meaning(table, instance, values, columns)
+        places = table.numbers([one.lower() for one in moving])
+        if delta and len(moving):
+            places += stated(instance, list(moving.values()))
+        coordinates = {
+            one.name: column for one, column in zip(moving.values(), places.T, strict=True)
+        }
     if t is None:
         t = np.arange(1.0, len(values) + 1)
     for row in np.flatnonzero(np.diff(t) <= 0):
         table.note_row(int(row) + 1, f"found t = {t[row + 1]:g} after {t[row]:g}: t must increase")
     table.check()
-    return ValueTable(t, values)
+    return ValueTable(t, values, coordinates)
+
+
+def _moving(table: NumberTable, instance: Instance) -> dict[str, Coordinate]:
+    """Return the coordinates that columns are named after, by the names as they are written."""
+    found: dict[str, Coordinate] = {}
+    for written in table.written:
+        if written.lower().split(".")[0] not in _MOVING or "." not in written:
+            continue
+        try:
+            (found[written],) = choose(instance, [written])
+        except ArgumentError as error:
+            table.note_column(written, str(error))
+    try:
+        choose(instance, list(found))
+    except ArgumentError as error:
+        table.note_heading(str(error))
+    return found
 
 
 def stated_values(instance: Instance) -> Array:

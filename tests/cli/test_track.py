@@ -109,3 +109,13 @@ def test_mistakes(gsp, values, arguments, message):
     assert run.code == 2
     assert run.out == ""
     assert message in run.err
+
+
+def test_cranks_of_a_rotary_platform(gsp, values):
+    angles = values("t,crank.B1,crank.B4\n0,0,0\n1,20,-15\n")
+    run = gsp("track", "@t-top-head", angles, "--all", "--allow-loss", "--format", "json")
+    assert run.code == 0
+    document = json.loads(run.out)
+    assert document["complete"] is document["certified"] is True
+    assert document["coordinates"] == {"crank.B1": [0, 20], "crank.B4": [0, -15]}
+    assert all(event["kind"] == "fold" for event in document["events"])

@@ -64,6 +64,14 @@ def test_poses_are_measured(hexapod):
             ["v:1:1: found the columns 'time legs', expected 1 2 3 4 5 6"],
         ),
         (
+            "t,base.X9.x,crank.B1,base.p1.y\n0,0,0,0\n",
+            [
+                "v:1:3: found 'base.X9.x', expected a coordinate such as base.NAME.x or "
+                "crank.NAME: did you mean base.p6.x?",
+                "v:1:13: found 'crank.B1', expected a coordinate such as base.NAME.x or crank.NAME",
+            ],
+        ),
+        (
             "1,2\n-1,1\n1,x\n0,1\n",
             [
                 "v:2:1: found -1 for constraint 1, expected a distance of at least 0",
@@ -88,3 +96,28 @@ def test_angles_have_their_range(example):
 def test_poses_are_no_differences(hexapod):
     with pytest.raises(SpecError, match="found poses, expected values with --delta"):
         read_values("x,y,z,qw,qx,qy,qz\n1,2,3,1,0,0,0\n", "v", hexapod, PLAIN, delta=True)
+
+
+def test_coordinates_that_move(hexapod):
+    table = read_values("t,base.P1.Y,2\n0,1,2\n1,2,3\n", "v", hexapod, PLAIN)
+    assert {name: column.tolist() for name, column in table.coordinates.items()} == {
+        "base.p1.y": [1, 2]
+    }
+    assert table.values[:, 1].tolist() == [2, 3]
+    assert table.subdivided(2).coordinates["base.p1.y"].tolist() == [1, 1.5, 2]
+    shifted = read_values("base.p1.y\n0\n1\n", "v", hexapod, PLAIN, delta=True)
+    first, second = shifted.coordinates["base.p1.y"].tolist()
+    assert second - first == 1
+    assert first == next(c.base for c in hexapod.constraints if c.base_name == "p1").point[1]
+
+
+def test_coordinates_beside_poses_are_a_mistake(hexapod):
+    text = "x,y,z,qw,qx,qy,qz,base.p1.x\n1,2,3,1,0,0,0,1\n"
+    with pytest.raises(SpecError, match="v:1:19: found a coordinate that moves beside poses"):
+        read_values(text, "v", hexapod, PLAIN)
+
+
+def test_a_crank_and_coordinates_of_its_point_are_a_mistake():
+    head = gspcli.load(data_path("platforms", "t-top-head.yaml"))
+    with pytest.raises(SpecError, match=r"found crank\.B1 and coordinates of the same point"):
+        read_values("crank.B1,base.B1.x\n0,0\n", "v", head, PLAIN)

@@ -1,0 +1,164 @@
+"""Coordinates of primitives by name, so that they can move: ``base.B1.x``, ``crank.B1``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.errors import ArgumentError
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Geometry, Line, Point, Vector
+from gspcli.wording import shown, suggestion
+
+Array = NDArray[np.float64]
+Body = Literal["platform", "base"]
+
+BODIES: tuple[Body, Body] = ("platform", "base")
+AXES = "xyz"
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """A number of a primitive.
+
+    Attributes
+    ----------
+    name
+        Of the coordinate: ``base.B1.x``, ``base.L1.direction.z``, ``platform.H2.normal.x``, or
+        ``crank.B1`` for the angle of a crank.
+    body, primitive
+        Whose it is; the primitive by its name.
+    vector
+        Which field of the primitive, or ``crank``.
+    component
+        Which entry of the vector; 0 for a crank.
+    """
+
+    name: str
+    body: Body
+    primitive: str
+    vector: Literal["position", "direction", "normal", "crank"]
+    component: int
+
+
+def coordinates(instance: Instance) -> tuple[Coordinate, ...]:
+    """Return all coordinates of the named primitives of an instance."""
+    found: list[Coordinate] = []
+    for body in BODIES:
+        for name, geometry in _primitives(instance, body).items():
+            found += [
+                Coordinate(f"{body}.{name}.{axis}", body, name, "position", k)
+                for k, axis in enumerate(AXES)
+            ]
+            if isinstance(geometry, Point):
+                if geometry.crank is not None:
+                    found.append(Coordinate(f"crank.{name}", body, name, "crank", 0))
+                continue
+            vector: Literal["direction", "normal"]
+            vector = "direction" if isinstance(geometry, Line) else "normal"
+            found += [
+                Coordinate(f"{body}.{name}.{vector}.{axis}", body, name, vector, k)
+                for k, axis in enumerate(AXES)
+            ]
+    return tuple(found)
+
+
+def choose(instance: Instance, names: Sequence[str]) -> tuple[Coordinate, ...]:
+    """Return coordinates by their names; capitals matter only where names differ in nothing else.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such coordinate, or more than one, or if a point is moved in two ways.
+    """
+    every = coordinates(instance)
+    found: list[Coordinate] = []
+    for name in names:
+        same = [one for one in every if one.name == name]
+        same = same or [one for one in every if one.name.lower() == name.lower()]
+        if len(same) != 1:
+            near = suggestion(name, [one.name for one in every])
+            what = "a coordinate" if not same else "only one coordinate of the name"
+            message = f"found {shown(name)}, expected {what} such as base.NAME.x or crank.NAME"
+            raise ArgumentError(message + near)
+        found += same
+    for one in found:
+        if one.vector == "crank" and any(
+            (other.body, other.primitive, other.vector) == (one.body, one.primitive, "position")
+            for other in found
+        ):
+            message = f"found {one.name} and coordinates of the same point, expected one of both"
+            raise ArgumentError(message)
+    return tuple(found)
+
+
+def stated(instance: Instance, chosen: Sequence[Coordinate]) -> Array:
+    """Return coordinates as the instance states them, shape (n,); cranks are stated at zero."""
+    return np.array(
+        [
+            0.0
+            if one.vector == "crank"
+            else getattr(_primitives(instance, one.body)[one.primitive], one.vector)[
+                one.component
+            ].value
+            for one in chosen
+        ]
+    )
+
+
+def moved(instance: Instance, chosen: Sequence[Coordinate], numbers: Array) -> Instance:
+    """Return an instance with other coordinates, rounded to floats.
+
+    Parameters
+    ----------
+    instance
+        The instance.
+    chosen
+        Which coordinates.
+    numbers
+        Shape (n,): lengths, components, and angles of cranks in the units of the instance.
+    """
+    if not chosen:
+        return instance
+    changed: dict[tuple[Body, str], Geometry] = {}
+    for one, number in zip(chosen, numbers.tolist(), strict=True):
+        key = one.body, one.primitive
+        geometry = changed.get(key) or _primitives(instance, one.body)[one.primitive]
+        if one.vector == "crank":
+            assert isinstance(geometry, Point)
+            assert geometry.crank is not None
+            angle = number * instance.units.angle.in_radians
+            turned = geometry.crank.turned(geometry.point, angle)
+            changed[key] = replace(geometry, position=_exact(turned), crank=None)
+        else:
+            vector = list(getattr(geometry, one.vector))
+            vector[one.component] = Number.of(number)
+            fields: dict[str, Any] = {one.vector: tuple(vector)}
+            changed[key] = replace(geometry, **fields)
+    constraints = tuple(
+        replace(
+            row,
+            platform=changed.get(("platform", row.platform_name), row.platform),
+            base=changed.get(("base", row.base_name), row.base),
+        )
+        for row in instance.constraints
+    )
+    return replace(instance, constraints=constraints)
+
+
+def _exact(vector: Array) -> Vector:
+    x, y, z = vector.tolist()
+    return (Number.of(x), Number.of(y), Number.of(z))
+
+
+def _primitives(instance: Instance, body: Body) -> dict[str, Geometry]:
+    return {
+        getattr(row, f"{body}_name"): getattr(row, body)
+        for row in instance.constraints
+        if getattr(row, f"{body}_name")
+    }
