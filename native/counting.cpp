@@ -70,7 +70,7 @@ CountingResult count(const CountingProblem& problem) {
 }  // namespace
 
 CountingResult GSP_COUNT(const CountingProblem& problem) {
-  return problem.prime >> 31 == 0 ? count<Residues31>(problem) : count<Residues61>(problem);
+  return problem.prime >> 30 == 0 ? count<Residues30>(problem) : count<Residues61>(problem);
 }
 
 }  // namespace gsp

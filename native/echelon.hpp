@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -9,7 +10,8 @@
 namespace gsp {
 namespace {
 
-// A dense row that is being built: sums of products, reduced late.
+// A dense row that is being built: sums of products, reduced late. Multiples of rows may be
+// subtracted later, several at once; until then (`flush`) no sum is to be looked at.
 template <class F>
 class Accumulator {
  public:
@@ -25,9 +27,31 @@ class Accumulator {
   }
   void subtract_multiple(int column, const Residue* row, Residue factor, int length) {
     if constexpr (F::kCounted) {
-      if (++pending_ > F::kCapacity) reduce_all();
+      if (++pending_ > F::kCapacity) {
+        reduce_all();
+        pending_ = 1;
+      }
     }
     field_.subtract_multiple(sums_.data() + column, row, factor, length);
+  }
+  void subtract_later(int column, const Residue* row, Residue factor, int length) {
+    if (length < kShortest) {
+      subtract_multiple(column, row, factor, length);
+      return;
+    }
+    waiting_[waiting_count_++] = {column, column + length, row, factor};
+    if (waiting_count_ == kTogether) flush();
+  }
+  void flush() {
+    if (waiting_count_ == kTogether) {
+      subtract_together();
+    } else {
+      for (int k = 0; k < waiting_count_; ++k) {
+        const Waiting& one = waiting_[k];
+        subtract_multiple(one.begin, one.row, one.factor, one.end - one.begin);
+      }
+    }
+    waiting_count_ = 0;
   }
   bool is_untouched(int column) const { return sums_[column] == 0; }
   // The residue in a column, which is kept reduced.
@@ -39,14 +63,52 @@ class Accumulator {
   void set(int column, Residue value) { sums_[column] = value; }
 
  private:
+  // Rows that are subtracted at once, and the length from which that pays.
+  static constexpr int kTogether = 8, kShortest = 64;
+
+  struct Waiting {
+    int begin, end;  // columns
+    const Residue* row;
+    Residue factor;
+  };
+
   void reduce_all() {
     for (Sum& sum : sums_) sum = field_.reduce(sum);
-    pending_ = 1;
+    pending_ = 0;
+  }
+  // What all rows have in common at once, the rest of each alone.
+  void subtract_together() {
+    int begin = 0, end = size();
+    for (const Waiting& one : waiting_) {
+      begin = std::max(begin, one.begin);
+      end = std::min(end, one.end);
+    }
+    const Residue* rows[kTogether];
+    Residue factors[kTogether];
+    for (int k = 0; k < kTogether; ++k) {
+      const Waiting& one = waiting_[k];
+      const int first = std::min(begin, one.end);
+      const int last = std::max(first, std::min(one.end, end));
+      if (first > one.begin) subtract_multiple(one.begin, one.row, one.factor, first - one.begin);
+      if (last < one.end)
+        subtract_multiple(last, one.row + (last - one.begin), one.factor, one.end - last);
+      rows[k] = one.row + (begin - one.begin);
+      factors[k] = one.factor;
+    }
+    if (begin >= end) return;
+    if constexpr (F::kCounted) {
+      if ((pending_ += kTogether) > F::kCapacity) {
+        reduce_all();
+        pending_ = kTogether;
+      }
+    }
+    field_.subtract_multiples(sums_.data() + begin, rows, factors, end - begin);
   }
 
   const F& field_;
   std::vector<Sum> sums_;
-  int pending_ = 0;
+  std::array<Waiting, kTogether> waiting_;
+  int pending_ = 0, waiting_count_ = 0;
 };
 
 // Rows in echelon form: row k has a one in its pivot column and zeros before it. A row ends with
@@ -85,15 +147,19 @@ class Echelon {
   // Reduces the accumulator by all rows; returns its first column that is not zero, or -1.
   int reduce() {
     int lead = -1;
-    for (int column = 0; column < columns(); ++column) {
-      if (accumulator.is_untouched(column)) continue;
-      const Residue value = accumulator.at(column);
-      if (value == 0) continue;
-      if (row_of_[column] >= 0) {
-        eliminate(column, value);
-      } else if (lead < 0) {
-        lead = column;
+    for (int begin = 0; begin < columns(); begin += kPanel) {
+      const int end = std::min(begin + kPanel, columns());
+      for (int column = begin; column < end; ++column) {
+        if (accumulator.is_untouched(column)) continue;
+        const Residue value = accumulator.at(column);
+        if (value == 0) continue;
+        if (row_of_[column] >= 0) {
+          eliminate(column, value, end);
+        } else if (lead < 0) {
+          lead = column;
+        }
       }
+      accumulator.flush();
     }
     return lead;
   }
@@ -114,20 +180,25 @@ class Echelon {
       accumulator.clear();
       for (int column = pivot; column < end; ++column)
         accumulator.set(column, row[column - pivot]);
-      for (int column = first; column < columns(); ++column) {
-        if (row_of_[column] < 0 || accumulator.is_untouched(column)) continue;
-        const Residue value = accumulator.at(column);
-        if (value != 0) eliminate(column, value);
-      }
+      // The rows used have no entries in other pivots' columns any more: all factors are known.
+      for (int column = first; column < end; ++column)
+        if (needs(column)) eliminate(column, row[column - pivot], column);
+      accumulator.flush();
       row = taken(pivot, 1);
     }
   }
 
  private:
-  void eliminate(int column, Residue value) {
+  // Columns that are brought up to date at once, before those behind them.
+  static constexpr int kPanel = 128;
+
+  // Subtracts a multiple of the row that leads in a column: now as far as some column, then later.
+  void eliminate(int column, Residue value, int end) {
     const Row& row = rows_[row_of_[column]];
-    accumulator.subtract_multiple(column, row.data(), value, static_cast<int>(row.size()));
-    work_ += row.size();
+    const int length = static_cast<int>(row.size()), now = std::min(length, end - column);
+    accumulator.subtract_multiple(column, row.data(), value, now);
+    accumulator.subtract_later(column + now, row.data() + now, value, length - now);
+    work_ += length;
   }
   Row taken(int from, Residue factor) {
     Row row(columns() - from);

@@ -253,8 +253,8 @@ nb::tuple count(std::uint64_t prime, std::uint64_t seed, unsigned blocks,
                 std::uint64_t max_work, std::uint64_t max_entries, bool trace, bool moment_relations,
                 const std::string& build) {
   const std::size_t width = kFunctions + moments.shape(0);
-  require(prime % 2 == 1 && (prime < (1u << 31) || prime >> 60 == 1),
-          "the prime must be odd and below 2^31 or between 2^60 and 2^61");
+  require(prime % 2 == 1 && (prime < (1u << 30) || prime >> 60 == 1),
+          "the prime must be odd and below 2^30 or between 2^60 and 2^61");
   require(prime > 2 * kFunctions, "the prime must not be small");
   require((blocks & (kTranslation | kBody)) != 0, "T or U must be among the coordinates");
   require(hessians.shape(0) == kFunctions && hessians.shape(1) == 8 && hessians.shape(2) == 8,

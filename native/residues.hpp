@@ -1,7 +1,11 @@
-// Integers modulo a prime, below 2^31 or below 2^61, and sums of products that are reduced late.
+// Integers modulo a prime, below 2^30 or below 2^61, and sums of products that are reduced late.
 #pragma once
 
 #include <cstdint>
+
+#if defined(__AVX2__)
+#include <immintrin.h>
+#endif
 
 namespace gsp {
 namespace {
@@ -30,16 +34,16 @@ struct ResidueOperations {
   Residue inverse(Residue a) const { return power(a, self().prime - 2); }
 };
 
-// Modulo an odd prime below 2^31. A sum stays below p^2, so the loop has no branch and is
-// vectorised by the compiler.
-struct Residues31 : ResidueOperations<Residues31, std::uint32_t> {
+// Modulo an odd prime p below 2^30. A sum stays below 8 p^2 < 2^63, so eight products may be
+// subtracted before it is looked at: if it is negative then, 8 p^2 is added.
+struct Residues30 : ResidueOperations<Residues30, std::uint32_t> {
   using Residue = std::uint32_t;
   using Sum = std::int64_t;
   static constexpr bool kCounted = false;  // sums never overflow
 
-  explicit Residues31(std::uint64_t p)
+  explicit Residues30(std::uint64_t p)
       : prime(static_cast<Residue>(p)),
-        square_(static_cast<Sum>(p * p)),
+        lift_(static_cast<Sum>(8 * p * p)),
         reciprocal_(~std::uint64_t{0} / p) {}
 
   Residue reduce(Sum sum) const {
@@ -52,21 +56,58 @@ struct Residues31 : ResidueOperations<Residues31, std::uint32_t> {
   Residue multiply(Residue a, Residue b) const {
     return reduce(static_cast<Sum>(static_cast<std::uint64_t>(a) * b));
   }
-  // sums -= factor * row
-  void subtract_multiple(Sum* __restrict sums, const Residue* __restrict row, Residue factor,
-                         int length) const {
-    const Sum square = square_;
-    for (int k = 0; k < length; ++k) {
-      Sum t = sums[k] - static_cast<Sum>(static_cast<std::uint64_t>(factor) * row[k]);
-      t += (t >> 63) & square;
-      sums[k] = t;
+  // sums -= factors[0] * rows[0] + ...: up to eight rows
+  template <int n>
+  void subtract_multiples(Sum* __restrict sums, const Residue* const (&rows)[n],
+                          const Residue (&factors)[n], int length) const {
+    static_assert(n <= 8);
+    int k = 0;
+#if defined(__AVX512F__)
+    const __m512i lift = _mm512_set1_epi64(lift_);
+    __m512i multipliers[n];
+    for (int r = 0; r < n; ++r) multipliers[r] = _mm512_set1_epi64(factors[r]);
+    for (; k + 8 <= length; k += 8) {
+      __m512i t = _mm512_loadu_si512(sums + k);
+      for (int r = 0; r < n; ++r) {
+        const auto* from = reinterpret_cast<const __m256i*>(rows[r] + k);
+        const __m512i row = _mm512_cvtepu32_epi64(_mm256_loadu_si256(from));
+        t = _mm512_sub_epi64(t, _mm512_mul_epu32(row, multipliers[r]));
+      }
+      // Without signs a negative number is above all others.
+      _mm512_storeu_si512(sums + k, _mm512_min_epu64(t, _mm512_add_epi64(t, lift)));
     }
+#elif defined(__AVX2__)
+    const __m256i lift = _mm256_set1_epi64x(lift_), zero = _mm256_setzero_si256();
+    __m256i multipliers[n];
+    for (int r = 0; r < n; ++r) multipliers[r] = _mm256_set1_epi64x(factors[r]);
+    for (; k + 4 <= length; k += 4) {
+      auto* at = reinterpret_cast<__m256i*>(sums + k);
+      __m256i t = _mm256_loadu_si256(at);
+      for (int r = 0; r < n; ++r) {
+        const auto* from = reinterpret_cast<const __m128i*>(rows[r] + k);
+        const __m256i row = _mm256_cvtepu32_epi64(_mm_loadu_si128(from));
+        t = _mm256_sub_epi64(t, _mm256_mul_epu32(row, multipliers[r]));
+      }
+      const __m256i negative = _mm256_cmpgt_epi64(zero, t);
+      _mm256_storeu_si256(at, _mm256_add_epi64(t, _mm256_and_si256(negative, lift)));
+    }
+#endif
+    for (; k < length; ++k) {
+      Sum t = sums[k];
+      for (int r = 0; r < n; ++r)
+        t -= static_cast<Sum>(static_cast<std::uint64_t>(factors[r]) * rows[r][k]);
+      sums[k] = t + ((t >> 63) & lift_);
+    }
+  }
+  // sums -= factor * row
+  void subtract_multiple(Sum* sums, const Residue* row, Residue factor, int length) const {
+    subtract_multiples<1>(sums, {row}, {factor}, length);
   }
 
   Residue prime;
 
  private:
-  Sum square_;
+  Sum lift_;
   std::uint64_t reciprocal_;
 };
 
@@ -105,6 +146,18 @@ struct Residues61 : ResidueOperations<Residues61, std::uint64_t> {
                          int length) const {
     const Residue minus = negative(factor);
     for (int k = 0; k < length; ++k) sums[k] += static_cast<Wide>(minus) * row[k];
+  }
+  // The same with several rows at once, which count as so many times.
+  template <int n>
+  void subtract_multiples(Sum* __restrict sums, const Residue* const (&rows)[n],
+                          const Residue (&factors)[n], int length) const {
+    Residue minus[n];
+    for (int r = 0; r < n; ++r) minus[r] = negative(factors[r]);
+    for (int k = 0; k < length; ++k) {
+      Sum t = sums[k];
+      for (int r = 0; r < n; ++r) t += static_cast<Wide>(minus[r]) * rows[r][k];
+      sums[k] = t;
+    }
   }
 
   Residue prime;

@@ -86,12 +86,15 @@ class SolutionAlgebra {
       : field_(field), basis_(basis), variables_(variables), budget_(budget) {}
 
   // How many values a random linear form takes on the solutions: no more than there are distinct
-  // ones, and as many unless a random choice was unlucky.
+  // ones, and as many unless a random choice was unlucky. Of many solutions first those of a
+  // variable, whose matrix is sparse: if it tells all solutions apart, that is the number.
   int count_values() {
     if (size() == 0) return 0;
     Vector one(size(), 0);
     one[0] = 1;
-    return count_values(one);
+    if (size() >= kMany && count_values(one, multiplication(sparsest_variable())) == size())
+      return size();
+    return count_values(one, multiplication(random_form()));
   }
 
   // An element of the algebra: an affine form plus weighted squares of affine forms; the constant
@@ -121,13 +124,34 @@ class SolutionAlgebra {
     if (static_cast<int>(space.size()) == size()) return {size(), distinct};
     Accumulator<F> sums(field_, size());
     for (const Vector& row : space) sums.subtract_multiple(0, row.data(), basis_.random(), size());
-    return {static_cast<int>(space.size()), count_values(taken(sums))};
+    return {static_cast<int>(space.size()),
+            count_values(taken(sums), multiplication(random_form()))};
   }
 
  private:
+  static constexpr int kMany = 100;
+
   int size() const { return basis_.dimension(); }
 
+  Vector random_form() {
+    Vector form(variables_ + 1);
+    for (Residue& x : form) x = basis_.random();
+    return form;
+  }
+  // The variable whose products with normal monomials are most often normal.
+  Vector sparsest_variable() {
+    int best = 0, most = -1;
+    for (int i = 0; i < variables_; ++i) {
+      int normal = 0;
+      for (int k = 0; k < size(); ++k) normal += basis_.position_of_product(k, i) >= 0;
+      if (normal > most) best = i, most = normal;
+    }
+    Vector form(variables_ + 1, 0);
+    form[best] = 1;
+    return form;
+  }
   Vector taken(Accumulator<F>& sums) const {
+    sums.flush();
     Vector row(size());
     for (int k = 0; k < size(); ++k) row[k] = sums.at(k);
     return row;
@@ -163,12 +187,35 @@ class SolutionAlgebra {
     return result;
   }
   Vector product(const Vector& vector, const Matrix& matrix) {
+    return product(vector, matrix, std::vector<int>(size(), -1));
+  }
+  // The same for a matrix some of whose rows have a one and nothing else: where, or -1.
+  Vector product(const Vector& vector, const Matrix& matrix, const std::vector<int>& ones) {
     Accumulator<F> sums(field_, size());
-    for (int k = 0; k < size(); ++k)
-      if (vector[k] != 0)
-        sums.subtract_multiple(0, matrix[k].data(), field_.negative(vector[k]), size());
-    budget_.spend(static_cast<std::uint64_t>(size()) * size());
+    std::uint64_t work = size();
+    for (int k = 0; k < size(); ++k) {
+      if (vector[k] == 0) continue;
+      if (ones[k] >= 0) {
+        sums.add(ones[k], vector[k]);
+      } else {
+        sums.subtract_later(0, matrix[k].data(), field_.negative(vector[k]), size());
+        work += size();
+      }
+    }
+    budget_.spend(work);
     return taken(sums);
+  }
+  // Of each row where it has a one and nothing else, or -1.
+  std::vector<int> ones(const Matrix& matrix) const {
+    std::vector<int> result;
+    for (const Vector& row : matrix) {
+      const auto is_zero = [](Residue x) { return x == 0; };
+      const auto first = std::find_if_not(row.begin(), row.end(), is_zero);
+      const bool is_one = first != row.end() && *first == 1 &&
+                          std::all_of(first + 1, row.end(), is_zero);
+      result.push_back(is_one ? static_cast<int>(first - row.begin()) : -1);
+    }
+    return result;
   }
   // A basis of the images of some vectors.
   Matrix image(const Matrix& vectors, const Matrix& matrix) {
@@ -184,18 +231,17 @@ class SolutionAlgebra {
     }
     return result;
   }
-  // How many values a random form takes on the solutions where an element does not vanish.
-  int count_values(Vector vector) {
-    Vector form(variables_ + 1), weights(size()), sequence;
-    for (Residue& x : form) x = basis_.random();
-    const Matrix matrix = multiplication(form);
+  // How many values a form takes on the solutions where an element does not vanish.
+  int count_values(Vector vector, const Matrix& matrix) {
+    const std::vector<int> sparse = ones(matrix);
+    Vector weights(size()), sequence;
     for (Residue& x : weights) x = basis_.random();
     for (int step = 0; step < 2 * size(); ++step) {
       Residue value = 0;
       for (int k = 0; k < size(); ++k)
         value = field_.add(value, field_.multiply(vector[k], weights[k]));
       sequence.push_back(value);
-      vector = product(vector, matrix);
+      vector = product(vector, matrix, sparse);
     }
     const Vector polynomial = shortest_recurrence(field_, sequence);
     return static_cast<int>(polynomial.size()) - 1 -

@@ -26,7 +26,7 @@ from flint import fmpz, nmod
 from gspcli.certification.counting.elements import Element, NoElementError, Sum, Term
 
 #: Bits of the primes by which counts are established, and of those that are tried before.
-LARGE, SMALL = 61, 31
+LARGE, SMALL = 61, 30
 #: A larger order leaves too few primes to choose from at random.
 _MAX_ORDER = 2**40
 _MAX_SMALL_ORDER = 2**22
@@ -88,7 +88,7 @@ class Requirements:
 
     @property
     def has_small_primes(self) -> bool:
-        """Whether there are enough primes of 31 bits."""
+        """Whether there are enough primes of 30 bits."""
         return self.order << self.independent_roots <= _MAX_SMALL_ORDER
 
     @property

@@ -149,7 +149,7 @@ def count(
     blocks
         The coordinates to use.
     prime
-        An odd prime below 2^31, or between 2^60 and 2^61.
+        An odd prime below 2^30, or between 2^60 and 2^61.
     seed
         Of random linear forms.
     max_work

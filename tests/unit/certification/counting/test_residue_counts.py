@@ -7,7 +7,7 @@ from gspcli.certification.counting.coordinate_choice import DEGREES, Blocks
 from gspcli.certification.counting.motion_equations import MotionEquation, MotionEquations
 from gspcli.certification.counting.residue_counts import Outcome, count
 
-PRIMES = (2**31 - 1, 2**60 + 33, 2**61 - 1)
+PRIMES = (2**30 - 35, 2**60 + 33, 2**61 - 1)
 T = Blocks.TRANSLATION
 
 
