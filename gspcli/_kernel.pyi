@@ -143,3 +143,34 @@ def prove(
     jobs: int = 1,
     build: str = "",
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64], NDArray[np.uint8]]: ...
+
+REGULAR: int
+NEGATIVE: int
+
+def judge_boxes(
+    measures: NDArray[np.int32],
+    moduli: NDArray[np.bool_],
+    vectors: NDArray[np.float64],
+    ranges: NDArray[np.float64],
+    legs: NDArray[np.int32],
+    of_base: NDArray[np.bool_],
+    axes: NDArray[np.float64],
+    cosines: NDArray[np.float64],
+    turn: NDArray[np.int32],
+    *,
+    bounds: NDArray[np.float64],
+    free: NDArray[np.int32],
+    level: int,
+    keys: NDArray[np.uint64],
+    left: NDArray[np.uint32],
+    split: bool,
+    jobs: int,
+) -> tuple[NDArray[np.uint64], NDArray[np.uint32], NDArray[np.uint64], NDArray[np.uint32]]: ...
+def connected_boxes(
+    keys: NDArray[np.uint64],
+    levels: NDArray[np.int32],
+    dimensions: int,
+    touching: bool,
+    periodic: NDArray[np.bool_],
+    poles: int,
+) -> NDArray[np.int64]: ...

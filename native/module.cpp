@@ -23,6 +23,7 @@
 #include "homotopy.hpp"
 #include "intersection.hpp"
 #include "proofs_module.hpp"
+#include "reach_module.hpp"
 #include "surfaces.hpp"
 #include "threads.hpp"
 #include "tracker.hpp"
@@ -343,6 +344,7 @@ NB_MODULE(_kernel, m) {
         "max_work"_a, "max_entries"_a, "trace"_a = false,
         "moment_relations"_a = true, "build"_a = "",
         "Count solutions modulo a prime; see gspcli.certification.counting.residue_counts.");
+  gsp::bind_reach(m);
   gsp::bind_tubes(m, [](const std::string& name) { return gsp::build_named(name).follow; });
   gsp::bind_proofs(m, [](const std::string& name) { return gsp::build_named(name).prove; });
   gsp::bind_ends(m, [](const std::string& name) { return gsp::build_named(name).decide; });

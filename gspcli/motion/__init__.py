@@ -5,7 +5,9 @@ from gspcli.motion.following import FollowOptions, MovingPlatform
 from gspcli.motion.measuring import measure
 from gspcli.motion.pose_files import PoseFormat, PoseTable, read_pose, read_poses
 from gspcli.motion.trajectories import Event, Track, track
+from gspcli.motion.travels import Travel, travels
 from gspcli.motion.value_files import ValueTable, read_values
+from gspcli.motion.workspaces import Workspace, workspace
 
 __all__ = [
     "Event",
@@ -14,11 +16,15 @@ __all__ = [
     "PoseFormat",
     "PoseTable",
     "Track",
+    "Travel",
     "ValueTable",
+    "Workspace",
     "measure",
     "out_of_range",
     "read_pose",
     "read_poses",
     "read_values",
     "track",
+    "travels",
+    "workspace",
 ]

@@ -1,0 +1,73 @@
+// Which poses in a box of poses keep the limits of a platform: ranges of values, cones of joints.
+//
+// A pose is a position p of the pivot and a rotation E from home, E = A1 A2 A3 with rotations about
+// axes of the base by three angles. Everything of the platform is given about the pivot, turned as it
+// is at home, so that a point is p + E y and a direction E u. Plain data, no Python.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace gsp {
+
+constexpr int kParameters = 6;  // x, y, z and three angles, in this order
+
+// A number known to lie within r of m.
+struct Ball {
+  double m, r;
+};
+
+// What is measured; the squares of the first three.
+enum class Measure : std::int32_t {
+  kPointPoint = 0,
+  kPointLine = 1,
+  kLinePoint = 2,
+  kPointPlane = 3,  // signed, towards the normal
+  kPlanePoint = 4,
+  kLineLine = 5,    // of the square, multiplied by that of the sine
+  kDirections = 6,  // the cosine
+};
+
+struct Limit {
+  Measure measure;
+  bool modulus;     // compare that of a signed distance
+  Ball y[3], u[3];  // point and unit direction of the platform
+  Ball x[3], v[3];  // of the base
+  Ball low, high;   // of what is measured; infinite if all values are allowed on that side
+};
+
+// Directions of a leg that makes an angle with an axis of which the cosine is at least this.
+struct Cone {
+  int leg;
+  bool of_base;
+  Ball axis[3];
+  Ball cosine;
+};
+
+struct Reach {
+  std::vector<Limit> limit;
+  std::vector<Cone> cone;
+  int turn[3];  // the axes (0 to 2) of A1, A2, A3
+};
+
+// Conditions by bits: ranges, then cones, then regularity. Beside them the sign of the determinant of
+// the Jacobian matrix, once all of it are proved to be regular.
+using Conditions = std::uint32_t;
+constexpr Conditions kRegular = Conditions{1} << 31;
+constexpr Conditions kNegative = Conditions{1} << 30;
+
+enum class Verdict { kInside, kOutside, kOpen };
+
+// Judges the poses with parameters within `half` of `centre`. Conditions that hold for all of them are
+// taken out of `open`, and the sign is put in; outside: one is violated by all of them.
+Verdict judge(const Reach& reach, const double* centre, const double* half, Conditions& open);
+
+// Labels of boxes that are connected: boxes of a grid that was halved `level` times in each of
+// `dimensions` directions, with coordinates of 64 / dimensions bits packed in keys. Through faces, or,
+// if `touching`, also through edges and corners; then the ends of `periodic` directions are the same
+// place, and so are all boxes at either end of the direction `poles` (-1: none).
+std::vector<std::int64_t> connected(const std::uint64_t* keys, const std::int32_t* levels,
+                                    std::size_t count, int dimensions, bool touching,
+                                    const bool* periodic, int poles);
+
+}  // namespace gsp
