@@ -67,6 +67,13 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@octahedral-3-3 --vary 1=1:2:3 --vary 2=1:2:3",
         "@octahedral-3-3 --vary 1=1:2:5 --folds",
     ),
+    "workspace": (
+        "@workspace-study",
+        "@workspace-study --hold z=0:200:2",
+        "@workspace-study --over x,y --boxes --tolerance 0.5",
+        "@workspace-study --position 0,0,400 --tolerance 0.5",
+        "@workspace-study --over z --within z=0:100",
+    ),
 }
 #: Commands of several tables: the parts that CSV gives one at a time.
 PARTS: dict[str, tuple[str, ...]] = {
@@ -74,7 +81,7 @@ PARTS: dict[str, tuple[str, ...]] = {
     "atlas summary": ("counts", "bounds"),
 }
 #: Objects whose keys are names or numbers of the instance and not fixed words.
-MAPS = ("sides", "degrees", "loci", "platform", "base", "real")
+MAPS = ("sides", "degrees", "loci", "platform", "base", "real", "held", "box")
 #: Text for people and not tables.
 WITHOUT_CSV = ("derive", "maximize-real")
 #: Stands for the numbers of constraints among the keys of an object.

@@ -58,6 +58,8 @@ CALLS = (
     "scan @octahedral-3-3 --vary 1=1:2:5 --folds",
     f"track {_LOOP}.yaml {_LOOP}.csv --allow-loss --clearance",
     "measure @dietmaier --pose 0.1,0.2,1.5,1,0.1,0,0",
+    "workspace @workspace-study",
+    "workspace @workspace-study --over x,z",
     "analyze @octahedral-3-3 --mode 1 --load 0,0,-9.81 --tolerance 0.001",
 )
 _DOCUMENT = r"""\documentclass{article}

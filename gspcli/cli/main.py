@@ -43,6 +43,7 @@ COMMANDS = {
     "analyze": _MOVING,
     "clearance": _MOVING,
     "scan": _MOVING,
+    "workspace": _MOVING,
     "view": _ALONG,
     "export": _ALONG,
 }

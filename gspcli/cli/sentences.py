@@ -27,6 +27,7 @@ SENTENCES = {
     "analyze": "Analyze assembly modes: screws, Jacobian matrix, forces, stiffness and accuracy.",
     "clearance": "Bound how far all values may change before a mode can meet a singularity.",
     "scan": "Count the real assembly modes where one or two values vary.",
+    "workspace": "Show what a platform can reach: travel of each axis, positions, orientations.",
     "view": "Show a platform, all its assembly modes and how it moves.",
     "export": "Write a platform as a file for another program.",
 }

@@ -119,8 +119,7 @@ class PoseBoxes:
         """Return in words which conditions some bits are."""
         found = [f"range of {k + 1}" for k in range(_RANGES) if conditions >> k & 1]
         found += [
-            f"cone of {cone.body} {cone.name or cone.constraint + 1}"
-            + (f" ({cone.constraint + 1})" if cone.name else "")
+            f"cone of {cone.constraint + 1} ({cone.body})"
             for k, cone in enumerate(self.cones)
             if conditions >> (_RANGES + k) & 1
         ]

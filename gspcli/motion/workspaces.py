@@ -9,7 +9,7 @@ direction until they are few enough.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -209,6 +209,7 @@ def workspace(
     most_boxes: int = 100_000_000,
     jobs: int = 1,
     progress: Progress = silent,
+    stop: Callable[[], bool] = lambda: False,
 ) -> Workspace:
     """Return the poses that keep the ranges and cones of a platform, between two sets of boxes.
 
@@ -238,6 +239,8 @@ def workspace(
         Threads; the answer does not depend on them.
     progress
         Told of each level.
+    stop
+        Asked now and then whether to be content with what is proved so far.
 
     Raises
     ------
@@ -246,9 +249,8 @@ def workspace(
         keep the limits and to be regular.
     """
     boxes = PoseBoxes(instance, R, T, pivot=pivot, sequence=sequence, regular=connected)
-    return _Division(boxes, _names(free), dict(within or {}), jobs).run(
-        tolerance, most_boxes, progress
-    )
+    division = _Division(boxes, _names(free), dict(within or {}), jobs)
+    return division.run(tolerance, lambda: division.judged >= most_boxes or stop(), progress)
 
 
 def _names(free: Sequence[str]) -> tuple[str, ...]:
@@ -307,7 +309,7 @@ class _Division:
                 raise ArgumentError(message, "within")
         return bounds
 
-    def run(self, tolerance: float, most_boxes: int, progress: Progress) -> Workspace:
+    def run(self, tolerance: float, stop: Callable[[], bool], progress: Progress) -> Workspace:
         """Judge and divide until the bounds are near enough."""
         if self.boxes.regular:
             self._check_home()
@@ -318,14 +320,14 @@ class _Division:
         deepest = min(_DEEPEST if len(self.free) == _MOST_FREE else 30, 62 // len(self.free))
         for _ in progress(range(deepest), label="dividing"):
             result = self._result()
-            if result.gap <= tolerance or self.judged >= most_boxes:
+            if result.gap <= tolerance or stop():
                 return result
             if self.boxes.regular:
                 self._keep_connected(result)
-            self._divide(tolerance, most_boxes)
+            self._divide(tolerance, stop)
         return self._result()
 
-    def _divide(self, tolerance: float, most_boxes: int) -> None:
+    def _divide(self, tolerance: float, stop: Callable[[], bool]) -> None:
         """Divide all open boxes, the largest first and a part at a time, as long as needed."""
         waiting = [
             (keys[start : start + _CHUNK], left[start : start + _CHUNK], level)
@@ -337,9 +339,9 @@ class _Division:
         still = self._share(waiting)
         for k, (keys, left, level) in enumerate(waiting):
             # Of shares that are weighted, or parts of a connected set, not known before the end.
-            near = still <= tolerance * (inner + still)
+            near = still <= tolerance * (1 - 10 * _ROUNDING) * (inner + still)
             simple = not (self.boxes.regular or self.weighted)
-            if self.judged >= most_boxes or (near and simple):
+            if stop() or (near and simple):
                 self.open += waiting[k:]
                 return
             before = len(self.inner), len(self.open)

@@ -31,6 +31,8 @@ OTHERS = [
     ["count", "--type", "DPL DPL DLP ALL ALH AHH", "--geometry", "planar"],
     ["clearance", "@figure-3", "--mode", "1"],
     ["scan", "@platform-6-3", "--vary", "3=1.4:1.5:2", "--vary", "5=1.4:1.5:2"],
+    ["workspace", "@workspace-study", "--hold", "x=1:2:2", "--connected"],
+    ["workspace", "@workspace-study", "--over", "rx,ry", "--boxes", "--tolerance", "0.5"],
 ]
 #: Commands that write files for people or other programs.
 WITHOUT = {"new", "export", "view"}

@@ -1,0 +1,122 @@
+"""The home pose of `gsp workspace`, from options or from the modes of the instance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from gspcli.errors import GspError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from gspcli.geometry.instance import Instance
+    from gspcli.motion import PoseFormat
+
+    Array = NDArray[np.float64]
+
+
+_ZERO = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Home:
+    """A pose to start from.
+
+    Attributes
+    ----------
+    R, T
+        The pose, shapes (3, 3) and (3,).
+    pivot
+        The point of the platform whose position counts, in its frame.
+    mode
+        Its number as a mode of the instance, or None.
+    """
+
+    R: Array
+    T: Array
+    pivot: tuple[float, float, float]
+    mode: int | None = None
+
+    @property
+    def text(self) -> str:
+        """The pose in a few words."""
+        from gspcli.geometry.quaternions import quaternion_from_rotation
+
+        at = self.T + self.R @ self.pivot
+        position, rotation = (
+            ", ".join(f"{x:.6g}" if abs(x) > _ZERO * abs(part).max() else "0" for x in part)
+            for part in (at, quaternion_from_rotation(self.R))
+        )
+        name = "" if self.mode is None else f"mode {self.mode}, "
+        return f"{name}position ({position}), quaternion ({rotation})"
+
+
+def home_pose(
+    instance: Instance,
+    form: PoseFormat,
+    *,
+    mode: int | None,
+    pose: str | None,
+    orientation: str | None,
+    position: str | None,
+    needed: bool,
+) -> Home:
+    """Return the home pose; its position means nothing if that is not needed."""
+    import numpy as np
+
+    from gspcli.motion import read_pose
+
+    if pose is not None:
+        given = read_pose(pose, form)
+        home = Home(given.R[0], given.T[0], form.pivot)
+    elif mode is None and (not needed or (orientation is not None and position is not None)):
+        home = Home(np.eye(3), np.zeros(3), form.pivot)
+    else:
+        home = _mode(instance, mode, form.pivot)
+    at = home.T + home.R @ form.pivot
+    if orientation is not None:
+        count = 3 if form.euler else 4
+        if len(orientation.split(",")) != count:
+            what = "rx,ry,rz" if form.euler else "qw,qx,qy,qz, or rx,ry,rz with --euler"
+            message = f"--orientation {orientation}: expected {what}"
+            raise GspError(message)
+        R = read_pose(f"0,0,0,{orientation}", form, "--orientation").R[0]
+        home = replace(home, R=R, T=at - R @ form.pivot, mode=None)
+    if position is not None:
+        at = read_pose(f"{position},1,0,0,0", replace(form, euler=None), "--position").T[0]
+        at = at + np.asarray(form.pivot)
+        home = replace(home, T=at - home.R @ form.pivot, mode=None)
+    return home
+
+
+def _mode(instance: Instance, mode: int | None, pivot: tuple[float, float, float]) -> Home:
+    """Return a mode as home; by default of those that keep all limits the one turned least.
+
+    Of several that are turned alike, as one is and its mirror image, the highest.
+    """
+    import numpy as np
+
+    from gspcli.geometry.limits import within_limits
+    from gspcli.motion import measure
+    from gspcli.solver import solve
+
+    result = solve(instance, certify=False)
+    R, T = result.R[result.real].real, result.T[result.real].real
+    if mode is not None:
+        if mode > len(R):
+            message = f"found mode {mode}, expected one of the {len(R)} real poses"
+            raise GspError(message)
+        return Home(R[mode - 1], T[mode - 1], pivot, mode)
+    kept = within_limits(instance, measure(instance, R, T), R, T).nonzero()[0]
+    if not len(kept):
+        message = (
+            f"none of the {len(R)} real poses of the instance keeps all ranges and cones\n"
+            "give a home pose with --pose"
+        )
+        raise GspError(message)
+    # A turn by an angle a has the trace 1 + 2 cos a.
+    trace = np.trace(R[kept], axis1=1, axis2=2).round(9)
+    best = int(kept[np.lexsort((T[kept][:, 2], trace))[-1]])
+    return Home(R[best], T[best], pivot, best + 1)

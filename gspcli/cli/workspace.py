@@ -1,0 +1,500 @@
+"""`gsp workspace`: what a platform can reach."""
+
+from __future__ import annotations
+
+import re
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.names import load_instance
+from gspcli.cli.output import (
+    DRAWINGS,
+    FORMATS,
+    Column,
+    Output,
+    Table,
+    emit,
+    output_options,
+    write,
+)
+from gspcli.cli.pose_options import pose_format, pose_options
+from gspcli.cli.progress_bars import progress
+from gspcli.cli.reachable_home import Home, home_pose
+from gspcli.errors import GspError, IncompleteError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from gspcli.geometry.instance import Instance
+    from gspcli.motion import Travel, Workspace
+
+    Array = NDArray[np.float64]
+
+_PARAMETERS = ("x", "y", "z", "rx", "ry", "rz")
+_POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
+_RANGE = re.compile(r"(r?[xyz])=([^:]+):([^:]+)(?::(\d+))?")
+#: The tolerance without --tolerance, and where every box is shown.
+_TOLERANCE, _COARSE = 0.01, 0.1
+_MOST_HELD = 1000
+_MOST_SHOWN = 2_000_000
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@click.option("--mode", type=click.IntRange(min=1), metavar="K", help="Home is mode K of SPEC.")
+@click.option("--pose", metavar="NUMBERS", help="Home is this pose: x,y,z,qw,qx,qy,qz.")
+@click.option(
+    "--orientation",
+    metavar="NUMBERS",
+    help="Positions at this orientation: qw,qx,qy,qz, or rx,ry,rz with --euler.",
+)
+@click.option("--position", metavar="X,Y,Z", help="Orientations at this position.")
+@click.option(
+    "--over", metavar="NAMES", help="Let one to three of x,y,z,rx,ry,rz vary, the others stay."
+)
+@click.option(
+    "--within",
+    "intervals",
+    metavar="NAME=LOW:HIGH",
+    multiple=True,
+    help="Look for NAME in this interval only; may be repeated.",
+)
+@click.option(
+    "--hold",
+    "held",
+    metavar="NAME=VALUE",
+    multiple=True,
+    help="Travel with NAME moved by VALUE from home, or by LOW:HIGH:COUNT; may be repeated.",
+)
+@click.option(
+    "--connected",
+    is_flag=True,
+    help="Only what can be reached from home without a singular pose.",
+)
+@click.option(
+    "--tolerance",
+    type=click.FloatRange(0, 1, min_open=True, max_open=True),
+    help=f"How near the bounds of the volume are to come, relatively.  [default: {_TOLERANCE}, "
+    f"for boxes and pictures {_COARSE}]",
+)
+@click.option(
+    "--most-boxes",
+    type=click.IntRange(min=1),
+    default=100_000_000,
+    show_default=True,
+    metavar="N",
+    help="Judge no more boxes than about this.",
+)
+@click.option("--boxes", "listed", is_flag=True, help="Write the boxes, not what they sum up to.")
+@pose_options
+@click.option(
+    "--jobs", type=click.IntRange(min=1), default=1, show_default=True, metavar="N", help="Threads."
+)
+@output_options(formats=(*FORMATS, *DRAWINGS))
+def command(
+    spec: str,
+    mode: int | None,
+    pose: str | None,
+    orientation: str | None,
+    position: str | None,
+    over: str | None,
+    intervals: tuple[str, ...],
+    held: tuple[str, ...],
+    connected: bool,
+    tolerance: float | None,
+    most_boxes: int,
+    listed: bool,
+    euler: str | None,
+    pivot: str | None,
+    jobs: int,
+    output: Output,
+) -> None:
+    """Show what a platform can reach: travel of each axis, positions, orientations.
+
+    A pose can be reached if each value is in the range and each leg in the cones that SPEC states.
+    Without --over, --orientation or --position the travel of each axis is shown: how far it goes
+    down and up from home while the other axes stay, to the last digit proved, and which limits
+    stop it. x, y, z are the position of the pivot, rx, ry, rz turns about axes through it that are
+    parallel to those of the base.
+
+    --orientation gives the volume of the positions at an orientation (x,y,z vary), --position that
+    of the orientations at a position (rx,ry,rz vary, from home, in the order of --euler or ZYX; a
+    share of all rotations), --over that of any one to three. The volume lies between two proved
+    bounds: boxes of which every pose can be reached, and boxes outside of which none can. CSV with
+    --boxes lists them with the pose in the middle of each, for `gsp view --track`; a picture shows
+    them over two parameters, or in slices.
+
+    Home is the pose of --pose or --mode, by default the real pose of SPEC that keeps all limits
+    and is turned least, of several the highest. The exit code is 4 if the bounds do not come as
+    near as --tolerance.
+
+    \b
+    Examples:
+      gsp workspace @workspace-study
+      gsp workspace platform.yaml --hold z=-20:20:5 --format csv
+      gsp workspace platform.yaml --orientation 1,0,0,0 --connected
+      gsp workspace platform.yaml --position 0,0,80 --tolerance 0.05
+      gsp workspace platform.yaml --over x,z -o section.svg
+    """
+    if mode is not None and pose is not None:
+        message = "give either --mode or --pose"
+        raise click.UsageError(message)
+    free = _free(over, orientation, position)
+    _check(free, intervals, held, listed, output)
+    instance = load_instance(spec)
+    form = pose_format(instance, euler, pivot)
+    home = home_pose(
+        instance, form, mode=mode, pose=pose, orientation=orientation, position=position,
+        needed=free is None or connected or set(free) != set("xyz"),
+    )  # fmt: skip
+    sequence = euler or "ZYX"
+    if free is None:
+        _show_travels(instance, home, sequence, held, connected, output)
+        return
+    from gspcli.motion import workspace
+
+    coarse = listed or output.format in DRAWINGS
+    wanted = tolerance or (_COARSE if coarse else _TOLERANCE)
+    with _interruptible() as interrupted:
+        found = workspace(
+            instance,
+            home.R,
+            home.T,
+            free=free,
+            pivot=home.pivot,
+            sequence=sequence,
+            within=dict(map(_interval, intervals)),
+            connected=connected,
+            tolerance=wanted,
+            most_boxes=most_boxes,
+            jobs=jobs,
+            progress=progress,
+            stop=interrupted,
+        )
+    _show(found, home, listed, output)
+    if interrupted():
+        raise KeyboardInterrupt
+    if found.gap > wanted:
+        message = (
+            f"the bounds of the volume differ by {found.gap:.3g}, relatively, after "
+            f"{found.judged} boxes: more than --tolerance {wanted:g}"
+        )
+        raise IncompleteError(message)
+
+
+@contextmanager
+def _interruptible() -> Iterator[Callable[[], bool]]:
+    """Note Ctrl-C instead of stopping at once: what is proved so far is worth showing."""
+    seen = []
+    try:
+        before = signal.signal(signal.SIGINT, lambda *_: seen.append(True))
+    except ValueError:  # not the main thread
+        yield lambda: False
+        return
+    try:
+        yield lambda: bool(seen)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _free(
+    over: str | None, orientation: str | None, position: str | None
+) -> tuple[str, ...] | None:
+    """Return which parameters vary; None for the travels."""
+    if over is not None:
+        return tuple(name.strip() for name in over.split(","))
+    if orientation is not None and position is not None:
+        message = "with both --orientation and --position give --over, too"
+        raise click.UsageError(message)
+    if orientation is not None:
+        return ("x", "y", "z")
+    return ("rx", "ry", "rz") if position is not None else None
+
+
+def _check(
+    free: tuple[str, ...] | None,
+    intervals: tuple[str, ...],
+    held: tuple[str, ...],
+    listed: bool,
+    output: Output,
+) -> None:
+    """Complain of options that do not go together."""
+    message = ""
+    if free is None and (intervals or listed or output.format in DRAWINGS):
+        message = "boxes and pictures need --orientation, --position or --over"
+    elif free is not None and held:
+        message = "--hold is for the travel of axes: leave out --over and the like, or use --pose"
+    elif free is not None and len(free) == 1 and output.format in DRAWINGS:
+        message = "a picture needs two or three parameters"
+    if message:
+        raise click.UsageError(message)
+
+
+def _interval(text: str) -> tuple[str, tuple[float, float]]:
+    name, low, high, count = _span("within", text)
+    if count is not None:
+        message = f"--within: found {text!r}, expected NAME=LOW:HIGH, such as z=60:140"
+        raise GspError(message)
+    return name, (low, high)
+
+
+def _span(option: str, text: str) -> tuple[str, float, float, int | None]:
+    from gspcli.motion.number_tables import wrong_number
+
+    match = _RANGE.fullmatch(text.replace(" ", ""))
+    if match is None or wrong_number(match[2]) or wrong_number(match[3]):
+        end = ":COUNT" if option == "hold" else ""
+        message = f"--{option}: found {text!r}, expected NAME=LOW:HIGH{end} with NAME one of "
+        raise GspError(message + ", ".join(_PARAMETERS))
+    return match[1], float(match[2]), float(match[3]), int(match[4]) if match[4] else None
+
+
+def _offsets(held: tuple[str, ...]) -> list[dict[str, float]]:
+    """Return by how much parameters are moved from home, all combinations."""
+    from itertools import product
+
+    import numpy as np
+
+    from gspcli.motion.number_tables import wrong_number
+
+    choices: dict[str, list[float]] = {}
+    for text in held:
+        name, equals, value = text.replace(" ", "").partition("=")
+        if equals and name in _PARAMETERS and not wrong_number(value):
+            values = [float(value)]
+        else:
+            name, low, high, count = _span("hold", text)
+            if count is None or count < 1:
+                message = f"--hold: found {text!r}, expected NAME=VALUE or NAME=LOW:HIGH:COUNT"
+                raise GspError(message)
+            values = np.linspace(low, high, count).tolist()
+        choices.setdefault(name, []).extend(values)
+    found = [dict(zip(choices, row, strict=True)) for row in product(*choices.values())]
+    if len(found) > _MOST_HELD:
+        message = f"--hold: found {len(found)} combinations, expected at most {_MOST_HELD}"
+        raise GspError(message)
+    return found
+
+
+def _show_travels(
+    instance: Instance,
+    home: Home,
+    sequence: str,
+    held: tuple[str, ...],
+    connected: bool,
+    output: Output,
+) -> None:
+    from gspcli.errors import ArgumentError
+    from gspcli.motion.travels import moved, travels
+
+    offsets = _offsets(held)
+    names = list(offsets[0])
+    rows: list[dict[str, Any]] = []
+    for offset in progress(offsets, total=len(offsets), label="travels"):
+        R, T = moved(
+            home.R,
+            home.T,
+            offset,
+            pivot=home.pivot,
+            sequence=sequence,
+            in_radians=instance.units.angle.in_radians,
+        )
+        axes = [name for name in _PARAMETERS if name not in offset]
+        try:
+            found: list[Travel | None] = list(
+                travels(
+                    instance, R, T, axes=axes, pivot=home.pivot, sequence=sequence,
+                    connected=connected,
+                )
+            )  # fmt: skip
+        except ArgumentError:
+            if not offset:
+                raise
+            found = [None] * len(axes)
+        shown = {f"held_{name}": value for name, value in offset.items()}
+        rows += [
+            shown | _travel_row(axis, travel) for axis, travel in zip(axes, found, strict=True)
+        ]
+    units = instance.units
+    columns = [
+        *(Column(f"held_{name}", f"{name} held", "right", True) for name in names),
+        Column("axis", essential=True),
+        *(
+            Column(key, align="right", essential=True, aligned=True)
+            for key in ("down", "up", "total")
+        ),
+        Column("down_stops", "stops down", fold=", "),
+        Column("up_stops", "stops up", fold=", "),
+    ]
+    if output.format == "csv":
+        columns[-2:-2] = [Column("down_end"), Column("up_end")]
+    what = "limits and singular poses" if connected else "limits"
+    notes = [
+        f"from home: {home.text}",
+        f"x, y, z in {units.length}, rx, ry, rz in {units.angle.value}; up to there {what} are "
+        "proved to be kept",
+    ]
+    if any(row["down"] is None for row in rows):
+        notes.append("without numbers: the pose from which an axis would travel leaves the limits")
+    prefix = "held_"
+    travel = [
+        {
+            "held": {name: row[prefix + name] for name in names},
+            **{key: value for key, value in row.items() if not key.startswith(prefix)},
+        }
+        for row in rows
+    ]
+    document = {**_heading(instance, home, sequence, connected), "travel": travel, "volume": None}
+    emit(output, Table(columns, rows, title=_title(instance), notes=notes), document=document)
+
+
+def _travel_row(axis: str, travel: Travel | None) -> dict[str, Any]:
+    row: dict[str, Any] = {"axis": axis}
+    if travel is None:
+        keys = ("down", "up", "total", "down_end", "up_end", "down_stops", "up_stops")
+        return row | dict.fromkeys(keys)
+    down, up = (value + 0.0 for value in travel.reached)
+    ends = [value if abs(value) < float("inf") else None for value in travel.ends]
+    stops = [_grouped(names) for names in travel.stops]
+    return row | {
+        "down": down, "up": up, "total": up - down, "down_end": ends[0], "up_end": ends[1],
+        "down_stops": stops[0], "up_stops": stops[1],
+    }  # fmt: skip
+
+
+def _grouped(names: tuple[str, ...]) -> str:
+    """Return limits in words, those of one sort together: range 1 2, cone base B1 (1)."""
+    found: dict[str, list[str]] = {}
+    for name in names:
+        sort, _, which = name.partition(" of ")
+        found.setdefault(sort, []).append(which)
+    return ", ".join(" ".join((sort, *which)).strip() for sort, which in found.items())
+
+
+def _title(instance: Instance) -> str:
+    return ": ".join(part for part in (instance.name, instance.type.id) if part)
+
+
+def _heading(instance: Instance, home: Home, sequence: str, connected: bool) -> dict[str, Any]:
+    return {
+        "schema": "gsp.workspace/1",
+        **instance.to_json(),
+        "home": {"mode": home.mode, "R": home.R.tolist(), "T": home.T.tolist()},
+        "pivot": list(home.pivot),
+        "sequence": sequence,
+        "connected": connected,
+    }
+
+
+def _show(found: Workspace, home: Home, listed: bool, output: Output) -> None:
+    if output.format in DRAWINGS:
+        from gspcli.pictures.slices import workspace_slices
+
+        write(output, workspace_slices(found, output.format))
+        return
+    count = len(found.inner_keys) + len(found.open_keys)
+    if listed and count > _MOST_SHOWN:
+        message = f"found {count} boxes, expected at most {_MOST_SHOWN}: try a larger --tolerance"
+        raise GspError(message)
+    boxes = _boxes(found) if listed else []
+    document = None
+    if output.format == "json":
+        document = _document(found, home, boxes if listed else None)
+    emit(output, _box_table(found, boxes) if listed else _sum_table(found, home), document=document)
+
+
+def _document(found: Workspace, home: Home, boxes: list[dict[str, Any]] | None) -> dict[str, Any]:
+    low, high = found.volume
+    heading = _heading(found.instance, home, found.boxes.sequence, found.connected)
+    document = {
+        **heading,
+        "travel": None,
+        "volume": {"lower": low, "upper": high, "unit": found.measure, "gap": found.gap},
+        "extents": _extents(found),
+        "inner": len(found.inner_keys),
+        "open": len(found.open_keys),
+        "judged": found.judged,
+    }
+    if boxes is not None:
+        document["boxes"] = [
+            {
+                "status": row["status"],
+                "T": [row[key] for key in _POSE[:3]],
+                "quaternion": [row[key] for key in _POSE[3:]],
+                "box": {name: [row[f"{name}_low"], row[f"{name}_high"]] for name in found.free},
+            }
+            for row in boxes
+        ]
+    return document
+
+
+def _extents(found: Workspace) -> list[dict[str, Any]]:
+    rows = []
+    for name, ends in zip(found.free, found.extents.tolist(), strict=True):
+        (low, high), (least, most) = (
+            [None if end != end else end for end in pair] for pair in ends
+        )
+        rows.append({"name": name, "least": least, "lowest": low, "highest": high, "most": most})
+    return rows
+
+
+def _sum_table(found: Workspace, home: Home) -> Table:
+    low, high = found.volume
+    count = len(found.inner_keys)
+    verb = "can be reached without a singular pose" if found.connected else "can be reached"
+    summary = [
+        f"between {low:.6g} and {high:.6g} {found.measure} {verb} ({100 * found.gap:.2g} % apart)"
+    ]
+    notes = [
+        f"home: {home.text}",
+        f"proved: {count} boxes inside, {len(found.open_keys)} between, {found.judged} judged; the "
+        "set ends between least and lowest and between highest and most",
+    ]
+    columns = [
+        Column("name", essential=True),
+        *(
+            Column(key, align="right", essential=True)
+            for key in ("least", "lowest", "highest", "most")
+        ),
+    ]
+    return Table(
+        columns, _extents(found), title=_title(found.instance), notes=notes, summary=summary
+    )
+
+
+def _boxes(found: Workspace) -> list[dict[str, Any]]:
+    """Return the boxes with the pose in the middle of each, inner ones first."""
+    import numpy as np
+
+    from gspcli.geometry.quaternions import quaternion_from_rotation
+
+    corners = np.concatenate((found.inner, found.open))
+    parameters = np.tile(found.boxes.home, (len(corners), 1))
+    for k, name in enumerate(found.free):
+        parameters[:, _PARAMETERS.index(name)] = corners[:, k].mean(axis=1) * found.units[k]
+    R, T = found.boxes.poses(parameters)
+    poses = np.concatenate((T, quaternion_from_rotation(R)), axis=1).tolist()
+    keys = [f"{name}_{end}" for name in found.free for end in ("low", "high")]
+    flat = corners.reshape(len(corners), -1).tolist()
+    count = len(found.inner)
+    return [
+        {
+            "status": "inside" if k < count else "open",
+            **dict(zip(_POSE, pose, strict=True)),
+            **dict(zip(keys, ends, strict=True)),
+        }
+        for k, (pose, ends) in enumerate(zip(poses, flat, strict=True))
+    ]
+
+
+def _box_table(found: Workspace, rows: list[dict[str, Any]]) -> Table:
+    keys = [f"{name}_{end}" for name in found.free for end in ("low", "high")]
+    columns = [Column("status", essential=True)]
+    columns += [Column(key, align="right") for key in _POSE]
+    columns += [Column(key, align="right", essential=True) for key in keys]
+    return Table(columns, rows, title=_title(found.instance))
