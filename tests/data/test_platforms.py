@@ -15,6 +15,7 @@ HOME = {
     "simscape-hexapod": 0.09,
     "simmechanics-hexapod": 2,
     "workspace-study": 400,
+    "workspace-study-cones": 60,
     "t-top-head": 0.170294539,
     "reachy-mini-head": 0.177,
 }
@@ -25,7 +26,7 @@ ROUNDED = {"t-top-head": 1e-8, "reachy-mini-head": 2e-9}
 def test_no_name_is_used_twice():
     folders = [data_directory() / folder for folder in INSTANCE_FOLDERS]
     assert len(instance_files()) == sum(len(list(f.glob("*.yaml"))) for f in folders)
-    assert len(NAMES) == 14
+    assert len(NAMES) == 15
 
 
 @pytest.mark.parametrize("name", NAMES)
