@@ -174,3 +174,26 @@ def connected_boxes(
     periodic: NDArray[np.bool_],
     poles: int,
 ) -> NDArray[np.int64]: ...
+def track_shifts(
+    pivots: NDArray[np.int32],
+    free: NDArray[np.int32],
+    forms: NDArray[np.float64],
+    slopes: NDArray[np.float64],
+    start_values: NDArray[np.complex128],
+    starts: NDArray[np.complex128],
+    start: NDArray[np.int32],
+    values: NDArray[np.complex128],
+    *,
+    predictor_tolerance: float,
+    contraction: float,
+    radius_fraction: float,
+    min_step: float,
+    max_steps: int,
+    jobs: int = 1,
+    build: str = "",
+) -> tuple[
+    NDArray[np.complex128],
+    NDArray[np.complex128],
+    NDArray[np.uint8],
+    NDArray[np.int32],
+]: ...

@@ -21,6 +21,7 @@
 #include "counting.hpp"
 #include "ends_module.hpp"
 #include "homotopy.hpp"
+#include "shifts_module.hpp"
 #include "intersection.hpp"
 #include "proofs_module.hpp"
 #include "reach_module.hpp"
@@ -50,15 +51,16 @@ struct Build {
   Follow* follow;
   Prove* prove;
   Decide* decide;
+  TrackShifts* track_shifts;
 };
 
 constexpr Build kPortable{"portable", track_portable, track_portable_extended, intersect_portable,
-                          count_portable, follow_portable, prove_portable, decide_portable};
+                          count_portable, follow_portable, prove_portable, decide_portable, track_shifts_portable};
 #if defined(GSP_X86)
 constexpr Build kAvx2{"avx2", track_avx2, track_avx2_extended, intersect_avx2, count_avx2,
-                      follow_avx2, prove_avx2, decide_avx2};
+                      follow_avx2, prove_avx2, decide_avx2, track_shifts_avx2};
 constexpr Build kAvx512{"avx512", track_avx512, track_avx512_extended, intersect_avx512,
-                        count_avx512, follow_avx512, prove_avx512, decide_avx512};
+                        count_avx512, follow_avx512, prove_avx512, decide_avx512, track_shifts_avx512};
 
 bool has_avx2() { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
 #endif
@@ -348,6 +350,7 @@ NB_MODULE(_kernel, m) {
   gsp::bind_tubes(m, [](const std::string& name) { return gsp::build_named(name).follow; });
   gsp::bind_proofs(m, [](const std::string& name) { return gsp::build_named(name).prove; });
   gsp::bind_ends(m, [](const std::string& name) { return gsp::build_named(name).decide; });
+  gsp::bind_shifts(m, [](const std::string& name) { return gsp::build_named(name).track_shifts; });
   m.def("build", [] { return gsp::choose_build().name; },
         "Name of the build that this processor runs: avx512, avx2 or portable.");
 }

@@ -24,6 +24,7 @@ from gspcli.certification.many_values import Frames, ProvedPoses, ValueProofs
 from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.quadrics import ComplexArray
+from gspcli.continuation.shifts import Shifts
 from gspcli.continuation.solve import solve_system
 from gspcli.continuation.start import path_count
 from gspcli.continuation.systems import Coefficients, System
@@ -52,7 +53,6 @@ _SPREAD = (0.7, 1.3)
 _GRID = 0.125
 #: So many starts are kept for the process, those used last.
 _KEPT = 64
-_QUICK = SHORT
 
 
 class Solved(NamedTuple):
@@ -83,11 +83,20 @@ class _Start:
         All its solutions, shape (n, 8).
     scale
         The unit of f in it.
+    parameters
+        What its equations are linear in, shape (1, 6).
+    shifts
+        The same equations with fewer unknowns, where nothing but multiples of N moves.
+    shifted
+        The solutions in its coordinates, shape (1, n, d).
     """
 
     system: System
     points: ComplexArray
     scale: Array
+    parameters: ComplexArray
+    shifts: Shifts | None
+    shifted: ComplexArray
 
 
 def solve_rows(
@@ -229,7 +238,13 @@ def _solved(
     balanced, scale = system.coefficients.balanced()
     points = solutions.points.copy()
     points[:, 4:] /= scale
-    return _Start(System(system.structure, balanced), points, scale)
+    shifts = None
+    if not structure.is_product.any() and DLL not in kinds:
+        _, plain = coefficients_of(kinds, y, x, u, v, np.zeros((1, len(kinds))))
+        shifts = Shifts.of(plain.g[0].real)
+    shifted = shifts.points(solutions.points[None]) if shifts else solutions.points[None]
+    start = System(system.structure, balanced)
+    return _Start(start, points, scale, parameters[None], shifts, shifted)
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,12 +285,17 @@ class _Geometry:
 
     def solve(self, rows: Array, proofs: ValueProofs, jobs: int) -> Solved:
         """Return the poses for sets of values (b, 6)."""
-        poses = self._proved(rows, proofs, _QUICK, jobs)
+
+        def proved(rows: Array, points: ComplexArray, unit: float) -> ProvedPoses:
+            points = points.reshape(len(rows), len(self.choices), -1, 8)
+            frames = Frames(unit, self.given.base_centre, self.given.platform_centre)
+            return proofs.decide(rows, self.choices, points, frames, jobs=jobs)
+
+        poses = proved(rows, *self._quick_ends(rows, jobs))
         again = np.flatnonzero(~poses.complete)
         if len(again):
-            for part, better in zip(
-                poses, self._proved(rows[again], proofs, CAREFUL, jobs), strict=True
-            ):
+            careful = proved(rows[again], *self._careful_ends(rows[again], CAREFUL, jobs))
+            for part, better in zip(poses, careful, strict=True):
                 part[again] = better
         account = PathAccount(
             expected=self.expected,
@@ -285,10 +305,27 @@ class _Geometry:
         )
         return Solved(poses, account, self.proof)
 
-    def _proved(
-        self, rows: Array, proofs: ValueProofs, options: TrackerOptions, jobs: int
-    ) -> ProvedPoses:
-        """Return the ends of the paths to sets of values, and what is proved about them."""
+    def _quick_ends(self, rows: Array, jobs: int) -> tuple[ComplexArray, float]:
+        """Return Study points of the ends of paths to sets of values, and their unit of f."""
+        start = self.start
+        if start.shifts is None:
+            return self._careful_ends(rows, SHORT, jobs)
+        values = _inner_values(self.given, rows, self.length, self.choices).reshape(-1, 6)
+        ends = start.shifts.track(
+            start.parameters,
+            start.shifted,
+            np.zeros(len(values), np.int32),
+            _squared(self.given, values),
+            jobs=jobs,
+        )
+        # What is no end must not pass for one.
+        ends.study[ends.status != PathStatus.REGULAR] = np.nan
+        return ends.study, self.length
+
+    def _careful_ends(
+        self, rows: Array, options: TrackerOptions, jobs: int
+    ) -> tuple[ComplexArray, float]:
+        """Return the same, by paths of the system as it is."""
         values = _inner_values(self.given, rows, self.length, self.choices)
         inner, start = self.inner, self.start
         structure, coefficients = coefficients_of(
@@ -297,10 +334,5 @@ class _Geometry:
         ordered = Coefficients(*(x[:, list(structure.order)] for x in coefficients))
         targets = ordered.in_units(start.scale).normalized()
         ends = track(start.system, targets, start.points, options=options, jobs=jobs)
-        # What is no end must not pass for one.
         ends.points[ends.status != PathStatus.REGULAR] = np.nan
-        frames = Frames(
-            self.length * float(start.scale), self.given.base_centre, self.given.platform_centre
-        )
-        points = ends.points.reshape(len(rows), len(self.choices), -1, 8)
-        return proofs.decide(rows, self.choices, points, frames, jobs=jobs)
+        return ends.points, self.length * float(start.scale)

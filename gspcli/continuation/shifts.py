@@ -1,0 +1,169 @@
+"""Quadrics of which only the multiples of N move, with fewer unknowns than other systems.
+
+Without products, and without mutual moments of lines, each equation is linear in the monomials of
+e, in the six coordinates of ``w = e ^ f`` and in ``h = f.f``, times N the value. What is solved for
+by linear algebra need not be followed (native/shifts.hpp).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli import _kernel
+from gspcli.continuation.quadrics import ComplexArray, FloatArray
+from gspcli.continuation.tracker import DEFAULT, TrackerOptions, helpful
+
+#: Pivots below this part of the largest entry are zero, ...
+_ZERO = 1e-12
+#: ... and in between and this they are too small to divide by.
+_SMALL = 1e-3
+#: So many quantities may be free: with more nothing is gained.
+_MOST_FREE = 3
+#: The series have few terms, so that they are computed quickly; what is lost is seen.
+QUICK = replace(DEFAULT, predictor_tolerance=1e-3, min_step=1e-6, max_steps=200)
+
+
+class ShiftEnds(NamedTuple):
+    """The ends of P paths to each of B targets."""
+
+    points: ComplexArray
+    """In the coordinates of the homotopy, shape (B, P, d)."""
+    study: ComplexArray
+    """Study points of any norm, shape (B, P, 8)."""
+    status: NDArray[np.uint8]
+    """`PathStatus`, regular or failed, shape (B, P)."""
+    steps: NDArray[np.int32]
+    """Steps taken, shape (B, P)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shifts:
+    """Six quadrics, solved for some of the quantities w and h.
+
+    Attributes
+    ----------
+    pivots, free
+        The quantities that are solved for, and the others.
+    forms, slopes, combinations
+        Equation j says: its pivot plus the slopes times the free quantities plus its form in
+        e_i e_j is its value times N; its value is row j of the combinations times the values.
+        Shapes (6, 10), (6, free), (6, 6).
+    """
+
+    pivots: NDArray[np.int32]
+    free: NDArray[np.int32]
+    forms: FloatArray
+    slopes: FloatArray
+    combinations: FloatArray
+
+    @classmethod
+    def of(cls, quadrics: FloatArray) -> Shifts | None:
+        """Return six quadrics (6, 27), without their values, solved.
+
+        None if they depend on more than w and h, on h and w alone by too little to solve for
+        them, or on so few quantities that nothing is gained.
+        """
+        mixed = quadrics[:, 10:26].reshape(-1, 4, 4)
+        # e.f vanishes.
+        mixed = mixed - mixed[:, :1, :1] * np.eye(4)
+        if np.abs(mixed + mixed.swapaxes(1, 2)).max() > _ZERO * np.abs(quadrics).max():
+            return None
+        w = [mixed[:, i, j] for i, j in ((0, 1), (0, 2), (0, 3), (2, 3), (3, 1), (1, 2))]
+        quantities = np.stack([*w, quadrics[:, 26]], axis=1)
+        if not quantities[:, 6].any():
+            quantities = quantities[:, :6]
+        solved = _solved(quantities)
+        if solved is None:
+            return None
+        pivots, combinations = solved
+        free = np.setdiff1d(np.arange(quantities.shape[1]), pivots)
+        slopes = (combinations @ quantities)[:, free]
+        slopes[len(pivots) :] = 0
+        if len(free) > _MOST_FREE:
+            return None
+        forms = combinations @ quadrics[:, :10]
+        return cls(pivots.astype(np.int32), free.astype(np.int32), forms, slopes, combinations)
+
+    def points(self, study: ComplexArray) -> ComplexArray:
+        """Return Study points (..., 8) in the coordinates of the homotopy, (..., 4 + free)."""
+        e, f = study[..., :4], study[..., 4:]
+        norm = np.sqrt((np.abs(e) ** 2).sum(axis=-1, keepdims=True))
+        e, f = e / norm, f / norm
+        outer = e[..., :, None] * f[..., None, :]
+        w = outer - outer.swapaxes(-1, -2)
+        pairs = ((0, 1), (0, 2), (0, 3), (2, 3), (3, 1), (1, 2))
+        quantities = [*(w[..., i, j] for i, j in pairs), (f * f).sum(axis=-1)]
+        return np.stack([*np.moveaxis(e, -1, 0), *(quantities[k] for k in self.free)], axis=-1)
+
+    def track(
+        self,
+        start_values: ComplexArray,
+        starts: ComplexArray,
+        start: NDArray[np.int32],
+        values: ComplexArray,
+        *,
+        options: TrackerOptions = QUICK,
+        jobs: int = 1,
+    ) -> ShiftEnds:
+        """Track solutions for some values to those for many others along straight lines.
+
+        Parameters
+        ----------
+        start_values
+            Complex values of S solved systems, shape (S, 6).
+        starts
+            Their solutions, shape (S, P, 4 + free).
+        start
+            From which of them paths go to each target, shape (B,).
+        values
+            The values of the targets, shape (B, 6).
+        options, jobs
+            As for `tracker.track`.
+        """
+        return ShiftEnds(
+            *_kernel.track_shifts(
+                self.pivots,
+                self.free,
+                np.ascontiguousarray(self.forms),
+                np.ascontiguousarray(self.slopes),
+                np.ascontiguousarray(start_values @ self.combinations.T, np.complex128),
+                np.ascontiguousarray(starts),
+                start,
+                np.ascontiguousarray(values @ self.combinations.T, np.complex128),
+                predictor_tolerance=options.predictor_tolerance,
+                contraction=options.contraction,
+                radius_fraction=options.radius_fraction,
+                min_step=options.min_step,
+                max_steps=options.max_steps,
+                jobs=helpful(jobs, len(values)),
+            )
+        )
+
+
+def _solved(quantities: FloatArray) -> tuple[NDArray[np.intp], FloatArray] | None:
+    """Return pivots, and the combinations of rows that solve for them (Gauss and Jordan).
+
+    The rows without a pivot come last. None if a pivot is neither zero nor large enough.
+    """
+    rows = np.concatenate((quantities, np.eye(len(quantities))), axis=1)
+    width = quantities.shape[1]
+    largest = np.abs(quantities).max()
+    pivots: list[int] = []
+    for k in range(len(rows)):
+        rest = np.abs(rows[k:, :width])
+        rest[:, pivots] = 0
+        row, column = divmod(int(rest.argmax()), width)
+        if rest[row, column] <= _ZERO * largest:
+            break
+        if rest[row, column] < _SMALL * largest:
+            return None
+        rows[[k, k + row]] = rows[[k + row, k]]
+        rows[k] /= rows[k, column]
+        others = np.arange(len(rows)) != k
+        rows[others] -= rows[others, column, None] * rows[k]
+        pivots.append(column)
+    return np.array(pivots, np.intp), np.asarray(rows[:, width:])

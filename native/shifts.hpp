@@ -1,0 +1,61 @@
+// Tracking of quadrics of which only the multiples of N move; plain data.
+//
+// An angle, a one-sided distance to a plane and the distance of two points are quadrics on the Study
+// quadric that are linear in e_i e_j, in the six coordinates of w = e ^ f (e0 f_i - e_i f0 and
+// (e x f)_i, as N T and N U are) and in h = f.f; and |w|^2 = N h on e.f = 0. So six of them are
+// linear equations in the quantities q = (w, h), or q = w if none has h; each has its value times
+// N. Solved for as many quantities as they determine (the pivots),
+//
+//     q_j = v_j N - form_j(e) - sum over l of slope_jl s_l,
+//
+// the others being M scalars s_l, and equations `form_j(e) = v_j N` without any quantity are left.
+// What is to be solved are those, e ^ w = 0 (three equations) and, with h, |w|^2 = N h, in e and the
+// scalars. For six legs in general position these are 5 unknowns up to a factor instead of 8, for
+// planar base and platform 6, for six planes 4.
+#pragma once
+
+#include <cstdint>
+
+#include "tracker.hpp"
+
+namespace gsp {
+
+constexpr int kQuantities = 7, kMostScalars = 3, kForms = 10;
+
+struct ShiftGeometry {
+  int scalars;
+  bool has_h;
+  std::int32_t pivot[kEquations];   // the quantity of each solved equation
+  std::int32_t free[kMostScalars];  // the quantity that each scalar is
+  double form[kEquations][kForms];       // of e_i e_j, i <= j; rows of pivots first
+  double slope[kEquations][kMostScalars];
+};
+
+struct ShiftOptions {
+  double predictor_tolerance, contraction, radius_fraction, min_step;
+  int max_steps;
+};
+
+// Paths from solved systems to others, `paths` to each; arrays over systems have complex values, the
+// left sides of the equations solved for the pivots.
+struct ShiftPaths {
+  int paths;
+  const Complex* start_values;  // (starts, 6)
+  const Complex* starts;        // (starts, paths, coordinates)
+  const std::int32_t* start;    // from which of them, (targets,)
+  const Complex* values;        // (targets, 6)
+};
+
+struct ShiftEnds {
+  Complex* point;        // (targets, paths, coordinates), |e| = 1
+  Complex* study;        // (targets, paths, 8), of any norm
+  std::uint8_t* status;  // (targets, paths)
+  std::int32_t* steps;   // likewise
+};
+
+// Tracks all paths to targets begin <= k < end.
+using TrackShifts = void(const ShiftGeometry&, const ShiftOptions&, const ShiftPaths&, int begin, int end,
+                       const ShiftEnds&);
+TrackShifts track_shifts_portable, track_shifts_avx2, track_shifts_avx512;
+
+}  // namespace gsp

@@ -1,0 +1,110 @@
+#include "shifts_module.hpp"
+
+#include <nanobind/stl/string.h>
+
+#include <algorithm>
+#include <atomic>
+#include <complex>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "bindings.hpp"
+
+using namespace nanobind::literals;
+
+namespace gsp {
+namespace {
+
+using Numbers = std::complex<double>;
+
+// Targets that a thread takes at a time, so that lanes are refilled.
+constexpr std::size_t kPiece = 32;
+
+TrackShifts* (*choose)(const std::string& build);
+
+ShiftGeometry geometry_of(const Array<std::int32_t, 1>& pivots, const Array<std::int32_t, 1>& free,
+                        const Array<double, 2>& forms, const Array<double, 2>& slopes) {
+  ShiftGeometry g{};
+  const std::size_t scalars = free.shape(0), quantities = scalars + pivots.shape(0);
+  g.has_h = quantities == kQuantities;
+  require(scalars <= kMostScalars && (g.has_h ? scalars > 0 : quantities == kQuantities - 1),
+          "up to three quantities may be free, the others pivots");
+  require(forms.shape(0) == kEquations && forms.shape(1) == kForms &&
+              slopes.shape(0) == kEquations && slopes.shape(1) == scalars,
+          "forms and slopes must have shapes (6, 10) and (6, scalars)");
+  g.scalars = static_cast<int>(scalars);
+  unsigned seen = 0;
+  const auto see = [&](std::int32_t k) {
+    require(k >= 0 && k < static_cast<std::int32_t>(quantities), "no such quantity");
+    seen |= 1u << k;
+    return k;
+  };
+  for (std::size_t i = 0; i < pivots.shape(0); ++i) g.pivot[i] = see(pivots(i));
+  for (std::size_t i = 0; i < scalars; ++i) g.free[i] = see(free(i));
+  require(seen == (1u << quantities) - 1, "pivots and free must be all quantities");
+  for (std::size_t j = 0; j < kEquations; ++j) {
+    for (std::size_t i = 0; i < kForms; ++i) g.form[j][i] = forms(j, i);
+    for (std::size_t l = 0; l < scalars; ++l) g.slope[j][l] = slopes(j, l);
+  }
+  return g;
+}
+
+nb::tuple track_shifts(Array<std::int32_t, 1> pivots, Array<std::int32_t, 1> free,
+                     Array<double, 2> forms, Array<double, 2> slopes,
+                     Array<Numbers, 2> start_values, Array<Numbers, 3> starts,
+                     Array<std::int32_t, 1> start, Array<Numbers, 2> values,
+                     double predictor_tolerance, double contraction, double radius_fraction,
+                     double min_step, int max_steps, int jobs, const std::string& build) {
+  const ShiftGeometry geometry = geometry_of(pivots, free, forms, slopes);
+  const std::size_t targets = values.shape(0), paths = starts.shape(1), d = 4 + geometry.scalars;
+  const std::size_t eight = kVariables;
+  require(start_values.shape(0) == starts.shape(0) && start_values.shape(1) == kEquations &&
+              starts.shape(2) == d && start.shape(0) == targets && values.shape(1) == kEquations,
+          "starts, their values and those of targets must have shapes that agree");
+  for (std::size_t i = 0; i < targets; ++i)
+    require(start(i) >= 0 && start(i) < static_cast<std::int32_t>(starts.shape(0)), "no such start");
+  const ShiftOptions options{predictor_tolerance, contraction, radius_fraction, min_step, max_steps};
+  const auto plain = [](const Numbers* z) { return reinterpret_cast<const Complex*>(z); };
+  const ShiftPaths given{static_cast<int>(paths), plain(start_values.data()),
+                       plain(starts.data()), start.data(), plain(values.data())};
+  const std::size_t total = targets * paths;
+  auto point = std::make_unique<Numbers[]>(total * d);
+  auto study = std::make_unique<Numbers[]>(total * eight);
+  auto status = std::make_unique<std::uint8_t[]>(total);
+  auto steps = std::make_unique<std::int32_t[]>(total);
+  const ShiftEnds ends{reinterpret_cast<Complex*>(point.get()),
+                     reinterpret_cast<Complex*>(study.get()), status.get(), steps.get()};
+  TrackShifts* const run = choose(build);
+  if (paths > 0) {
+    nb::gil_scoped_release release;
+    const std::size_t each = (targets + jobs - 1) / jobs, piece = std::min(kPiece, each);
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+      for (std::size_t i = next.fetch_add(piece); i < targets; i = next.fetch_add(piece))
+        run(geometry, options, given, static_cast<int>(i),
+            static_cast<int>(std::min(i + piece, targets)), ends);
+    };
+    std::vector<std::thread> threads;
+    for (int i = 1; i < jobs; ++i) threads.emplace_back(work);
+    work();
+    for (std::thread& thread : threads) thread.join();
+  }
+  return nb::make_tuple(owned(std::move(point), {targets, paths, d}),
+                        owned(std::move(study), {targets, paths, eight}),
+                        owned(std::move(status), {targets, paths}),
+                        owned(std::move(steps), {targets, paths}));
+}
+
+}  // namespace
+
+void bind_shifts(nb::module_& m, TrackShifts* (*choose_track)(const std::string& build)) {
+  choose = choose_track;
+  m.def("track_shifts", &track_shifts, "pivots"_a, "free"_a, "forms"_a, "slopes"_a,
+        "start_values"_a, "starts"_a, "start"_a, "values"_a, nb::kw_only(),
+        "predictor_tolerance"_a, "contraction"_a, "radius_fraction"_a, "min_step"_a,
+        "max_steps"_a, "jobs"_a = 1, "build"_a = "",
+        "Track quadrics of which only multiples of N move; see gspcli.continuation.shifts.");
+}
+
+}  // namespace gsp
