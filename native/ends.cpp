@@ -8,6 +8,7 @@ namespace {
 // Errors of a coefficient plus a weight times a value (`many_values`): those of coefficient, weight,
 // value, their product and the sum.
 constexpr double kParts = 4.0;
+constexpr int kNewtonSteps = 1;  // paths have had theirs
 constexpr int kEntries = 12;  // of R and of T
 constexpr double kNothing = 5e-10;  // rounds to zero to nine digits
 
@@ -181,7 +182,7 @@ void decide_lanes(const OpenGeometry& open, const ProofSystem& system, C* z, Lan
     above[k] = patch <= splat(k);
     below[k] = ~above[k];
   }
-  prove_lanes(system, z, above, below, error, s.isolated, s.real, s.imaginary);
+  prove_lanes(system, kNewtonSteps, z, above, below, error, s.isolated, s.real, s.imaginary);
   // The real part is no further from a real solution.
   for (int i = 0; i < N; ++i) z[i].im = select(s.real, splat(0.0), z[i].im);
   C norm;

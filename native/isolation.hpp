@@ -16,7 +16,6 @@ constexpr int kRows = kEquations + 1;
 // sums of nonnegative numbers, and of what falls below the normal range; radius of the theorem.
 constexpr double kRounding = 0x1p-45, kOutward = 1.0 + 0x1p-40, kTiny = 0x1p-1000;
 constexpr double kReach = 0.125;
-constexpr int kNewtonSteps = 2;
 
 // Not below the modulus of z, and not much above it.
 INLINE V bound(const C& z) { return maximum(z.re, -z.re) + maximum(z.im, -z.im); }
@@ -165,7 +164,8 @@ void curvatures(const ProofSystem& system, const V* m, V* out) {
   }
 }
 
-void prove_lanes(const ProofSystem& system, C* z, const Mask* above, const Mask* below, V& error,
+// After so many steps of Newton's method.
+void prove_lanes(const ProofSystem& system, int newton_steps, C* z, const Mask* above, const Mask* below, V& error,
                  Mask& isolated, Mask& real, Mask& imaginary) {
   Quadrics<C> quadrics;
   C value[kRows], whole[kRows][N], jacobian[kRows][kRows], inverse[kRows][kRows];
@@ -174,7 +174,7 @@ void prove_lanes(const ProofSystem& system, C* z, const Mask* above, const Mask*
     combine(system, quadrics, -1.0, value, whole);
     for (int r = 0; r < kRows; ++r) free_columns(whole[r], above, jacobian[r]);
     invert(jacobian, inverse);
-    if (step == kNewtonSteps) break;
+    if (step == newton_steps) break;
     C change[kRows];
     for (int i = 0; i < kRows; ++i) {
       change[i] = C{};

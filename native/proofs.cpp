@@ -3,6 +3,8 @@
 namespace gsp {
 namespace {
 
+constexpr int kNewtonSteps = 2;
+
 void prove(const ProofSystem& system, int count, const Complex* points,
            const std::int32_t* patches, const ProofResults& out) {
   for (int begin = 0; begin < count; begin += W) {
@@ -18,7 +20,7 @@ void prove(const ProofSystem& system, int count, const Complex* points,
         below[k][l] = patches[p] <= k ? 0 : -1;
       }
     }
-    prove_lanes(system, z, above, below, error, isolated, real, imaginary);
+    prove_lanes(system, kNewtonSteps, z, above, below, error, isolated, real, imaginary);
     for (int l = 0; l < W && begin + l < count; ++l) {
       const int p = begin + l;
       for (int i = 0; i < N; ++i) out.point[N * p + i] = lane(z[i], l);

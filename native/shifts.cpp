@@ -65,6 +65,13 @@ struct System {
 
   // The quantities, equations and Jacobian matrix at z.
   void linearize(const C* z, const C* v) {
+    measure(z, v);
+    values();
+    derivatives();
+  }
+
+  // The quantities and their derivatives at z.
+  void measure(const C* z, const C* v) {
     const C* const e = x;
     for (int i = 0; i < D; ++i) x[i] = z[i];
     n = C{};
@@ -88,8 +95,6 @@ struct System {
       q[k] = x[4 + l];
       for (int a = 0; a < 4; ++a) slope[k][a] = C{};
     }
-    values();
-    derivatives();
   }
 
   INLINE void values() {

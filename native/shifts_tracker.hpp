@@ -17,13 +17,14 @@ class ShiftTracker {
   ShiftTracker(const ShiftGeometry& geometry, const ShiftOptions& options, const ShiftPaths& paths,
              int begin, int end, const ShiftEnds& ends)
       : options_(options), paths_(paths), ends_(ends), upcoming_(begin * paths.paths),
-        last_(end * paths.paths), w(geometry) {}
+        first_(begin * paths.paths), last_(end * paths.paths), w(geometry) {}
 
   void run() {
     for (int k = 0; k <= kOrder; ++k)
       for (int i = 0; i < D; ++i) series_[k][i] = C{};
     for (int l = 0; l < W; ++l) load(l);
     while (under_way_ > 0) step();
+    for (int p = first_; p < last_; p += W) refine(p);
   }
 
  private:
@@ -50,7 +51,6 @@ class ShiftTracker {
   void finish(int l, Status status) {
     const int p = path_[l];
     for (int i = 0; i < D; ++i) ends_.point[p * D + i] = lane(w.x[i], l);
-    for (int i = 0; i < N; ++i) ends_.study[p * N + i] = lane(study_[i], l);
     ends_.status[p] = status;
     ends_.steps[p] = steps_[l];
     --under_way_;
@@ -139,9 +139,6 @@ class ShiftTracker {
 
   INLINE void settle(const V& arrived, const Mask& accepted) {
     const V ahead = s.next - s.t;
-    bool any = false;
-    for (int l = 0; l < W; ++l) any |= accepted[l] && lane(arrived, l) == 1.0;
-    if (any) to_study(w, study_);
     for (int l = 0; l < W; ++l) {
       if (path_[l] < 0) continue;
       ++steps_[l];
@@ -152,15 +149,37 @@ class ShiftTracker {
     }
   }
 
+  // A last step of Newton's method, and the Study points, of as many ends as there are lanes.
+  void refine(int begin) {
+    C z[D], v[kEquations], change[D], study[N];
+    for (int l = 0; l < W; ++l) {
+      const int p = begin + l < last_ ? begin + l : last_ - 1;
+      for (int i = 0; i < D; ++i) put(z[i], l, ends_.point[p * D + i]);
+      for (int j = 0; j < kEquations; ++j)
+        put(v[j], l, paths_.values[p / paths_.paths * kEquations + j]);
+    }
+    w.linearize(z, v);
+    w.factorize();
+    w.solve(w.f, change);
+    for (int i = 0; i < D; ++i) z[i] = z[i] - change[i];
+    normalize(z);
+    w.measure(z, v);
+    to_study(w, study);
+    for (int l = 0; l < W && begin + l < last_; ++l) {
+      for (int i = 0; i < D; ++i) ends_.point[(begin + l) * D + i] = lane(z[i], l);
+      for (int i = 0; i < N; ++i) ends_.study[(begin + l) * N + i] = lane(study[i], l);
+    }
+  }
+
   const ShiftOptions& options_;
   const ShiftPaths& paths_;
   const ShiftEnds& ends_;
   int upcoming_;
-  const int last_;
+  const int first_, last_;
   int under_way_ = 0;
   alignas(64) System<M, has_h> w;
   Steps<kOrder> s;
-  C series_[kOrder + 1][D], from_[kEquations], change_[kEquations], study_[N];
+  C series_[kOrder + 1][D], from_[kEquations], change_[kEquations];
   int path_[W];
   std::int32_t steps_[W];
 };

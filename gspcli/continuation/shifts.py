@@ -24,7 +24,7 @@ _SMALL = 1e-3
 #: So many quantities may be free: with more nothing is gained.
 _MOST_FREE = 3
 #: The series have few terms, so that they are computed quickly; what is lost is seen.
-QUICK = replace(DEFAULT, predictor_tolerance=1e-3, min_step=1e-6, max_steps=200)
+QUICK = replace(DEFAULT, predictor_tolerance=3e-3, contraction=0.1, min_step=1e-6, max_steps=200)
 
 
 class ShiftEnds(NamedTuple):

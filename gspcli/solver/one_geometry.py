@@ -315,7 +315,7 @@ class _Geometry:
             start.parameters,
             start.shifted,
             np.zeros(len(values), np.int32),
-            _squared(self.given, values),
+            _squared(self.given, values).astype(np.complex128),
             jobs=jobs,
         )
         # What is no end must not pass for one.

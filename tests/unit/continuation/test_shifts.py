@@ -1,0 +1,113 @@
+"""Paths on which only multiples of N move, in fewer unknowns, against those of the same systems."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gspcli import _kernel
+from gspcli.catalogue.parsing import parse_type
+from gspcli.continuation.shifts import Shifts
+from gspcli.continuation.solve import solve_system
+from gspcli.continuation.systems import Coefficients, System
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.solver.generate import random_instance
+from gspcli.solver.study_systems import coefficients_of
+
+#: Types with the number of quantities that stay free.
+TYPES = {
+    "DPP DPP DPP DPP DPP DPP": 1,
+    "DPH DPH DPH DHP DHP DHP": 0,
+    "DPP DPP DPP DPH DHP ALL": 2,
+    "DPP DPP DPP DPH AHL ALH": 3,
+    "DPH DPH DHP DHP ALL ALL": 2,
+}
+
+
+class Case:
+    """A geometry with a solved complex system, and real targets near it."""
+
+    def __init__(self, name: str, *, planar: bool = False) -> None:
+        rng = np.random.default_rng(31)
+        instance, _ = random_instance(parse_type(name), rng, one_sided=True)
+        given = Arrangement.of(instance).normalized
+        y, x = given.y.copy(), given.x.copy()
+        if planar:
+            y[:, 2], x[:, 0] = 0.0, y[:, 1]
+        self.arguments = given.kinds, y, x, given.u, given.v
+        values = given.values.copy()
+        values[given.angles] = given.cosines(given.values)
+        square = [kind.is_distance and not kind.has_sides for kind in given.kinds]
+        parameters = np.where(square, values**2, values)
+        self.start = parameters + 1j * rng.uniform(0.5, 1, 6)
+        self.targets = parameters + rng.uniform(-0.2, 0.2, (5, 6))
+        self.square = square
+        self.quadrics = coefficients_of(*self.arguments, np.zeros((1, 6)))[1].g[0].real
+        self.solutions = solve_system(self.system(self.start), seed=32).points
+
+    def system(self, parameters: np.ndarray) -> System:
+        values = np.where(self.square, np.sqrt(parameters.astype(complex)), parameters)
+        structure, coefficients = coefficients_of(*self.arguments, values[None])
+        return System(structure, Coefficients(*(part[0] for part in coefficients)))
+
+    def track(self, shifts: Shifts):
+        starts = shifts.points(self.solutions[None])
+        targets = self.targets.astype(complex)
+        return shifts.track(self.start[None], starts, np.zeros(len(targets), np.int32), targets)
+
+
+def _check(case: Case, free: int) -> None:
+    shifts = Shifts.of(case.quadrics)
+    assert shifts is not None
+    assert len(shifts.free) == free
+    ends = case.track(shifts)
+    assert not ends.status.any()
+    for parameters, study in zip(case.targets, ends.study, strict=True):
+        system = case.system(parameters)
+        points = study / np.linalg.norm(study, axis=-1, keepdims=True)
+        assert np.abs(system.values(points)).max() < 1e-6 * np.abs(case.quadrics).max()
+        overlaps = np.abs(points.conj() @ points.T)
+        np.fill_diagonal(overlaps, 0)
+        assert overlaps.max() < 1 - 1e-9
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_paths_end_at_different_solutions_of_the_system(name):
+    _check(Case(name), TYPES[name])
+
+
+def test_planar_bodies_leave_two_quantities_free():
+    _check(Case("DPP DPP DPP DPP DPP DPP", planar=True), 2)
+
+
+@pytest.mark.parametrize("name", ["DPP DPP DPP DPP DPP DLL", "DPP DPP DPP ALL ALL ALH"])
+def test_what_is_not_of_this_sort_is_left_to_others(name):
+    rng = np.random.default_rng(33)
+    given = Arrangement.of(random_instance(parse_type(name), rng)[0]).normalized
+    bodies = given.kinds, given.y, given.x, given.u, given.v
+    quadrics = coefficients_of(*bodies, np.zeros((1, 6)))[1].g[0].real
+    assert Shifts.of(quadrics) is None
+
+
+def test_what_is_nearly_dependent_is_not_divided_by():
+    case = Case("DPP DPP DPP DPP DPP DPP", planar=True)
+    noise = np.random.default_rng(34).uniform(-1, 1, (6, 6))
+    quadrics = case.quadrics.copy()
+    for k, (i, j) in enumerate([(0, 1), (0, 2), (0, 3), (2, 3), (3, 1), (1, 2)]):
+        quadrics[:, 10 + 4 * i + j] += 1e-6 * noise[k]
+        quadrics[:, 10 + 4 * j + i] -= 1e-6 * noise[k]
+    assert Shifts.of(quadrics) is None
+
+
+@pytest.mark.parametrize("build", ["portable", "avx2", "avx512"])
+def test_every_build_follows_the_same_paths(build, monkeypatch):
+    order = ["portable", "avx2", "avx512"]
+    if order.index(build) > order.index(_kernel.build()):
+        pytest.skip(f"this processor cannot run {build}")
+    case = Case("DPP DPP DPP DPP DPP DPP")
+    shifts = Shifts.of(case.quadrics)
+    given = _kernel.track_shifts
+    best = case.track(shifts)
+    monkeypatch.setattr(_kernel, "track_shifts", lambda *a, **k: given(*a, **{**k, "build": build}))
+    other = case.track(shifts)
+    np.testing.assert_allclose(other.points, best.points, atol=1e-5)
