@@ -112,6 +112,7 @@ def follow(
 ]: ...
 def decide(
     hessians: NDArray[np.float64],
+    lows: NDArray[np.float64],
     moduli: NDArray[np.float64],
     equations: NDArray[np.int32],
     weights: NDArray[np.float64],

@@ -8,7 +8,8 @@ namespace {
 // Errors of a coefficient plus a weight times a value (`many_values`): those of coefficient, weight,
 // value, their product and the sum.
 constexpr double kParts = 4.0;
-constexpr int kNewtonSteps = 1;  // paths have had theirs
+constexpr int kNewtonSteps = 1, kCloseSteps = 3;  // paths have had theirs
+constexpr double kCloseRounding = 0x1p-90;        // of values with 32 digits
 constexpr int kEntries = 12;  // of R and of T
 constexpr double kNothing = 5e-10;  // rounds to zero to nine digits
 
@@ -131,6 +132,13 @@ V deviate(const C* z, const V& error, const C& norm, C* entry) {
   return select(least > 0.0, kOutward * worst, splat(__builtin_inf()));
 }
 
+// hi + low -= change
+INLINE void subtract(V& hi, V& low, const V& change) {
+  const V t = low - change, s = hi + t, v = s - hi;
+  low = (hi - (s - v)) + (t - v);
+  hi = s;
+}
+
 // Which of the points are in order by their keys (Shell's method).
 void sort(int count, const double* key, double* index) {
   for (int i = 0; i < count; ++i) index[i] = i;
@@ -171,34 +179,29 @@ void form(const C* entry, const V& deviation, V& middle, V& reach) {
 struct Lanes {
   C entry[kEntries], quaternion[4];
   V deviation, low, high;
-  Mask isolated, real, imaginary;
+  Isolation found;
 };
 
-void decide_lanes(const OpenGeometry& open, const ProofSystem& system, C* z, Lanes& s) {
-  V patch, error;
-  place(open, z, patch);
-  Mask above[kRows], below[kRows];
-  for (int k = 0; k < kRows; ++k) {
-    above[k] = patch <= splat(k);
-    below[k] = ~above[k];
-  }
-  prove_lanes(system, kNewtonSteps, z, above, below, error, s.isolated, s.real, s.imaginary);
+// The poses of proved points, and how far they are off.
+void measure(const OpenGeometry& open, C* z, Lanes& s) {
   // The real part is no further from a real solution.
-  for (int i = 0; i < N; ++i) z[i].im = select(s.real, splat(0.0), z[i].im);
+  for (int i = 0; i < N; ++i) z[i].im = select(s.found.real, splat(0.0), z[i].im);
   C norm;
   motion(z, norm, s.entry);
-  s.deviation = deviate(z, error, norm, s.entry);
+  s.deviation = deviate(z, s.found.error, norm, s.entry);
   V largest = splat(1.0);
   for (int i = 0; i < kEntries; ++i) largest = maximum(largest, root(square(s.entry[i])));
-  const Mask known = s.isolated & (s.deviation <= open.tolerance * largest);
-  s.isolated = known, s.real = s.real & known, s.imaginary = s.imaginary & known;
+  const Mask known = s.found.isolated & (s.deviation <= open.tolerance * largest);
+  s.found.isolated = known;
+  s.found.real = s.found.real & known;
+  s.found.imaginary = s.found.imaginary & known;
   V middle, reach;
   form(s.entry, s.deviation, middle, reach);
   s.low = middle - reach, s.high = middle + reach;
   const C length = complex_root(norm);
   const V inverse = 1.0 / square(length);
   const C factor{inverse * length.re, -(inverse * length.im)};
-  // The first part that is not zero to nine digits is positive (`poses.canonical_sign`).
+  // The first part that is not zero to nine digits is positive (`quaternions.canonical_sign`).
   V sign = splat(1.0);
   for (int i = 4; i-- > 0;) {
     s.quaternion[i] = factor * z[i];
@@ -212,47 +215,129 @@ void decide_lanes(const OpenGeometry& open, const ProofSystem& system, C* z, Lan
   for (int i = 9; i < kEntries; ++i) s.entry[i] = splat(open.scale) * s.entry[i];
 }
 
+// What is to be done for one set of values.
+struct Decision {
+  const OpenGeometry& open;
+  const OpenValues& given;
+  const Complex* points;
+  const Poses& out;
+  ProofSystem system;
+  double *low, *high;  // ends of the intervals of the linear form
+  double* work;        // for residuals
+};
+
+// In double precision.
+void decide_quickly(const Decision& d, C* z, const Mask* above, const Mask* below, Lanes& s) {
+  prove_lanes(d.system, kNewtonSteps, z, above, below, s.found);
+}
+
+// With values of 32 digits, at points that have a lower part.
+void decide_closely(const Decision& d, int count, C* z, const Mask* above, const Mask* below,
+                    Lanes& s) {
+  const FineGeometry fine{d.open.equations.quadrics, d.open.equations.hessian, d.open.hessian_low,
+                          d.open.weight, d.open.weight_low, d.open.turned,
+                          d.open.equations.equation};
+  const FineValues values{d.given.value, d.given.low, d.given.distance};
+  double gap[kEquations];
+  for (int r = 0; r < kEquations; ++r) gap[r] = kOutward * d.open.weight_bound[r] * d.given.gap[r];
+  C low[N] = {};
+  Linear at;
+  for (int step = 0;; ++step) {
+    Complex point[W * N], rest[W * N], value[W * kRows];
+    for (int l = 0; l < W; ++l)
+      for (int i = 0; i < N; ++i) {
+        point[l * N + i] = lane(z[i], l);
+        rest[l * N + i] = lane(low[i], l);
+      }
+    GSP_RESIDUALS(fine, values, count, point, rest, d.work, value);
+    linearize(d.system, z, above, at);
+    for (int r = 0; r < kRows; ++r)
+      for (int l = 0; l < W; ++l) put(at.value[r], l, value[(l < count ? l : 0) * kRows + r]);
+    if (step == kCloseSteps) break;
+    C change[kRows];
+    newton_step(at, change);
+    for (int k = 0; k < N; ++k) {
+      const C none{};
+      C moved = k < kRows ? select(below[k], change[k], none) : none;
+      if (k > 0) moved = moved + select(above[k - 1], change[k - 1], none);
+      subtract(z[k].re, low[k].re, moved.re);
+      subtract(z[k].im, low[k].im, moved.im);
+    }
+  }
+  isolate(d.system, z, above, at, kCloseRounding, gap, s.found);
+}
+
+// Points by their indices, as many as there are lanes; returns which are proved, one bit each.
+unsigned decide_lanes(const Decision& d, int count, const int* index, bool closely) {
+  C z[N];
+  // Lanes that are left over repeat the first point.
+  for (int l = 0; l < W; ++l)
+    for (int i = 0; i < N; ++i) put(z[i], l, d.points[N * index[l < count ? l : 0] + i]);
+  V patch;
+  place(d.open, z, patch);
+  Mask above[kRows], below[kRows];
+  for (int k = 0; k < kRows; ++k) {
+    above[k] = patch <= splat(k);
+    below[k] = ~above[k];
+  }
+  Lanes s;
+  if (closely) decide_closely(d, count, z, above, below, s);
+  else decide_quickly(d, z, above, below, s);
+  measure(d.open, z, s);
+  unsigned done = 0;
+  for (int l = 0; l < count; ++l) {
+    const int p = index[l];
+    const Poses& out = d.out;
+    for (int i = 0; i < 9; ++i) out.rotation[9 * p + i] = lane(s.entry[i], l);
+    for (int i = 0; i < 3; ++i) out.translation[3 * p + i] = lane(s.entry[9 + i], l);
+    for (int i = 0; i < 4; ++i) out.quaternion[4 * p + i] = lane(s.quaternion[i], l);
+    out.deviation[p] = lane(s.deviation, l);
+    d.low[p] = lane(s.low, l), d.high[p] = lane(s.high, l);
+    out.proved[p] = static_cast<std::uint8_t>((s.found.isolated[l] ? kIsolated : 0) |
+                                              (s.found.real[l] ? kReal : 0) |
+                                              (s.found.imaginary[l] ? kComplex : 0));
+    if (s.found.real[l] || s.found.imaginary[l]) done |= 1u << l;
+  }
+  return done;
+}
+
+// Returns how many of the points in the list are not proved; these are its first then.
+int decide_all(const Decision& d, int count, double* list, bool closely) {
+  int left = 0;
+  for (int begin = 0; begin < count; begin += W) {
+    int index[W];
+    const int size = count - begin < W ? count - begin : W;
+    for (int l = 0; l < size; ++l) index[l] = static_cast<int>(list[begin + l]);
+    const unsigned done = decide_lanes(d, size, index, closely);
+    for (int l = 0; l < size; ++l)
+      if (!(done >> l & 1)) list[left++] = index[l];
+  }
+  return left;
+}
+
 void decide(const OpenGeometry& open, const OpenValues& given, int count, const Complex* points,
             double* work, const Poses& out) {
   const int size = open.equations.quadrics * N * N;
-  double *const hessian = work, *const moduli = work + size;
-  double *const low = moduli + size, *const high = low + count, *const index = high + count;
+  double *const hessian = work, *const moduli = hessian + size, *const fine = moduli + size;
+  double *const low = fine + 2 * size, *const high = low + count, *const list = high + count;
   insert(open, given, hessian, moduli);
-  const ProofSystem system{open.equations.quadrics, hessian, moduli, open.equations.equation};
-  bool complete = true;
-  for (int begin = 0; begin < count; begin += W) {
-    C z[N];
-    // Lanes that are left over repeat the last point.
-    for (int l = 0; l < W; ++l) {
-      const int p = begin + l < count ? begin + l : count - 1;
-      for (int i = 0; i < N; ++i) put(z[i], l, points[N * p + i]);
-    }
-    Lanes s;
-    decide_lanes(open, system, z, s);
-    for (int l = 0; l < W && begin + l < count; ++l) {
-      const int p = begin + l;
-      for (int i = 0; i < 9; ++i) out.rotation[9 * p + i] = lane(s.entry[i], l);
-      for (int i = 0; i < 3; ++i) out.translation[3 * p + i] = lane(s.entry[9 + i], l);
-      for (int i = 0; i < 4; ++i) out.quaternion[4 * p + i] = lane(s.quaternion[i], l);
-      out.deviation[p] = lane(s.deviation, l);
-      low[p] = lane(s.low, l), high[p] = lane(s.high, l);
-      out.proved[p] = static_cast<std::uint8_t>((s.isolated[l] ? kIsolated : 0) |
-                                                (s.real[l] ? kReal : 0) |
-                                                (s.imaginary[l] ? kComplex : 0));
-      complete &= s.isolated[l] && (s.real[l] || s.imaginary[l]);
-    }
-  }
-  *out.complete = complete && different(count, low, high, index);
+  const Decision d{open, given, points, out,
+                   {open.equations.quadrics, hessian, moduli, open.equations.equation}, low, high, fine};
+  for (int p = 0; p < count; ++p) list[p] = p;
+  int left = decide_all(d, count, list, false);
+  // What does not even exist is not looked at again.
+  int there = 0;
+  for (int k = 0; k < left; ++k)
+    if (points[N * static_cast<int>(list[k])].re == points[N * static_cast<int>(list[k])].re)
+      list[there++] = list[k];
+  if (there > 0 && open.hessian_low) left += decide_all(d, there, list, true) - there;
+  *out.complete = left == 0 && different(count, low, high, list);
 }
 
 }  // namespace
 
 void GSP_DECIDE(const OpenGeometry& open, const OpenValues& given, int count,
                 const Complex* points, double* work, const Poses& poses) {
-  if (count == 0) {
-    *poses.complete = 1;
-    return;
-  }
   decide(open, given, count, points, work, poses);
 }
 

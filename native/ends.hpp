@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "proofs.hpp"
+#include "residuals.hpp"
 
 namespace gsp {
 
@@ -22,12 +23,15 @@ struct OpenGeometry {
   double base[3], platform[3];
   double scale;      // what lengths are multiplied by in the end, a power of two
   double tolerance;  // largest deviation of a pose, relative to its largest entry if above one
+  // For values of equations with 32 digits.
+  const double *hessian_low, *weight_low;
 };
 
 // One set of values: the function that is in the equation (a square, the distance, a cosine), what
-// bounds it as `floating.converted` wants it, and the distance itself where a quadric is turned.
+// bounds it as `floating.converted` wants it, the distance itself where a quadric is turned, what double
+// precision leaves of the value, and by how much that still errs.
 struct OpenValues {
-  const double *value, *bound, *distance;  // (6) each
+  const double *value, *bound, *distance, *low, *gap;  // (6) each
 };
 
 // Arrays over the points of one set of values.
@@ -41,8 +45,9 @@ struct Poses {
   std::uint8_t* complete;
 };
 
-// Decides about `count` Study points of any norm (count, 8). `work` has room for the Hessian
-// matrices and the moduli, 2 quadrics * 64 numbers, and for 3 numbers a point.
+// Decides about `count` Study points of any norm (count, 8): in double precision, and where that does not
+// do with values of 32 digits. `work` has room for four times the Hessian matrices, 4 quadrics * 64
+// numbers, and for 4 numbers a point.
 using Decide = void(const OpenGeometry&, const OpenValues&, int count, const Complex* points,
                     double* work, const Poses&);
 Decide decide_portable, decide_avx2, decide_avx512;

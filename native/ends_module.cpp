@@ -6,10 +6,10 @@
 #include <atomic>
 #include <complex>
 #include <memory>
-#include <thread>
 #include <vector>
 
 #include "bindings.hpp"
+#include "threads.hpp"
 
 using namespace nanobind::literals;
 
@@ -17,6 +17,9 @@ namespace gsp {
 namespace {
 
 using Numbers = std::complex<double>;
+
+// Of each value: see OpenValues.
+constexpr std::size_t kNumbers = 5;
 
 Decide* (*choose)(const std::string& build);
 
@@ -38,7 +41,7 @@ void check_geometry(const Array<double, 3>& hessians, const Array<double, 3>& mo
   }
 }
 
-nb::tuple decide(Array<double, 3> hessians, Array<double, 3> moduli,
+nb::tuple decide(Array<double, 3> hessians, Array<double, 3> lows, Array<double, 3> moduli,
                  Array<std::int32_t, 2> equations, Array<double, 2> weights,
                  Array<std::int32_t, 1> turned, Array<double, 3> values,
                  Array<Numbers, 3> points, double unit, Array<double, 2> origins, double scale,
@@ -46,9 +49,12 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> moduli,
   const std::size_t systems = points.shape(0), count = points.shape(1);
   const std::size_t quadrics = hessians.shape(0), three = 3, four = 4, eight = kVariables;
   check_geometry(hessians, moduli, equations, turned);
-  require(weights.shape(0) == 3 && weights.shape(1) == kEquations && values.shape(0) == systems &&
-              values.shape(1) == 3 && values.shape(2) == kEquations,
-          "weights and values must have shapes (3, 6) and (systems, 3, 6)");
+  for (int axis = 0; axis < 3; ++axis)
+    require(lows.shape(0) == 0 || lows.shape(axis) == hessians.shape(axis),
+            "lows must be shaped as hessians, or empty");
+  require(weights.shape(0) == 4 && weights.shape(1) == kEquations && values.shape(0) == systems &&
+              values.shape(1) == kNumbers && values.shape(2) == kEquations,
+          "weights and values must have shapes (4, 6) and (systems, 5, 6)");
   require(points.shape(2) == eight && origins.shape(0) == 2 && origins.shape(1) == 3,
           "points and origins must have shapes (systems, count, 8) and (2, 3)");
   ProofEquation equation[kEquations];
@@ -58,7 +64,8 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> moduli,
       {static_cast<int>(quadrics), hessians.data(), moduli.data(), equation},
       weights.data(), weights.data() + kEquations, weights.data() + 2 * kEquations, turned.data(),
       unit, {origins(0, 0), origins(0, 1), origins(0, 2)},
-      {origins(1, 0), origins(1, 1), origins(1, 2)}, scale, tolerance};
+      {origins(1, 0), origins(1, 1), origins(1, 2)}, scale, tolerance,
+      lows.shape(0) ? lows.data() : nullptr, weights.data() + 3 * kEquations};
   const std::size_t total = systems * count;
   auto rotation = std::make_unique<Numbers[]>(total * 9);
   auto translation = std::make_unique<Numbers[]>(total * 3);
@@ -71,11 +78,14 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> moduli,
     nb::gil_scoped_release release;
     std::atomic<std::size_t> next{0};
     const auto work = [&] {
-      std::vector<double> room(2 * quadrics * eight * eight + 3 * count);
+      std::vector<double> room(4 * quadrics * eight * eight + 4 * count);
       for (std::size_t s = next++; s < systems; s = next++) {
         const std::size_t at = s * count;
-        const double* given = values.data() + s * 3 * kEquations;
-        run(open, {given, given + kEquations, given + 2 * kEquations}, static_cast<int>(count),
+        const double* given = values.data() + s * kNumbers * kEquations;
+        run(open,
+            {given, given + kEquations, given + 2 * kEquations, given + 3 * kEquations,
+             given + 4 * kEquations},
+            static_cast<int>(count),
             reinterpret_cast<const Complex*>(points.data() + at * eight), room.data(),
             {reinterpret_cast<Complex*>(rotation.get() + at * 9),
              reinterpret_cast<Complex*>(translation.get() + at * 3),
@@ -83,10 +93,7 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> moduli,
              proved.get() + at, complete.get() + s});
       }
     };
-    std::vector<std::thread> threads;
-    for (int i = 1; i < jobs; ++i) threads.emplace_back(work);
-    work();
-    for (std::thread& thread : threads) thread.join();
+    share(jobs, systems, work);
   }
   return nb::make_tuple(owned(std::move(rotation), {systems, count, three, three}),
                         owned(std::move(translation), {systems, count, three}),
@@ -100,7 +107,7 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> moduli,
 
 void bind_ends(nb::module_& m, Decide* (*choose_decide)(const std::string& build)) {
   choose = choose_decide;
-  m.def("decide", &decide, "hessians"_a, "moduli"_a, "equations"_a, "weights"_a, "turned"_a,
+  m.def("decide", &decide, "hessians"_a, "lows"_a, "moduli"_a, "equations"_a, "weights"_a, "turned"_a,
         "values"_a, "points"_a, nb::kw_only(), "unit"_a, "origins"_a, "scale"_a, "tolerance"_a,
         "jobs"_a = 1, "build"_a = "",
         "Prove what ends of paths are poses; see gspcli.certification.many_values.");

@@ -164,28 +164,38 @@ void curvatures(const ProofSystem& system, const V* m, V* out) {
   }
 }
 
-// After so many steps of Newton's method.
-void prove_lanes(const ProofSystem& system, int newton_steps, C* z, const Mask* above, const Mask* below, V& error,
-                 Mask& isolated, Mask& real, Mask& imaginary) {
+// The equations at a point: values and derivatives by the free coordinates, with an approximate inverse.
+struct Linear {
+  C value[kRows], jacobian[kRows][kRows], inverse[kRows][kRows];
+};
+
+void linearize(const ProofSystem& system, const C* z, const Mask* above, Linear& at) {
   Quadrics<C> quadrics;
-  C value[kRows], whole[kRows][N], jacobian[kRows][kRows], inverse[kRows][kRows];
-  for (int step = 0;; ++step) {
-    evaluate(system.quadrics, system.hessian, z, quadrics);
-    combine(system, quadrics, -1.0, value, whole);
-    for (int r = 0; r < kRows; ++r) free_columns(whole[r], above, jacobian[r]);
-    invert(jacobian, inverse);
-    if (step == newton_steps) break;
-    C change[kRows];
-    for (int i = 0; i < kRows; ++i) {
-      change[i] = C{};
-      for (int j = 0; j < kRows; ++j) add_product(change[i], inverse[i][j], value[j]);
-    }
-    // Free coordinate k is coordinate k below the patch, k + 1 above it.
-    for (int k = 0; k < kRows; ++k) {
-      z[k] = select(below[k], z[k] - change[k], z[k]);
-      z[k + 1] = select(above[k], z[k + 1] - change[k], z[k + 1]);
-    }
+  C whole[kRows][N];
+  evaluate(system.quadrics, system.hessian, z, quadrics);
+  combine(system, quadrics, -1.0, at.value, whole);
+  for (int r = 0; r < kRows; ++r) free_columns(whole[r], above, at.jacobian[r]);
+  invert(at.jacobian, at.inverse);
+}
+
+// The step of Newton's method, in the free coordinates.
+INLINE void newton_step(const Linear& at, C* change) {
+  for (int i = 0; i < kRows; ++i) {
+    change[i] = C{};
+    for (int j = 0; j < kRows; ++j) add_product(change[i], at.inverse[i][j], at.value[j]);
   }
+}
+
+// What is known of a point.
+struct Isolation {
+  V error;
+  Mask isolated, real, imaginary;
+};
+
+// Whether there is exactly one solution near a point, from the equations there. Their values err by
+// `rounding` times the sum of the moduli of their terms, and by `gap` times N (6; null: none).
+void isolate(const ProofSystem& system, const C* z, const Mask* above, const Linear& at,
+             double value_rounding, const double* gap, Isolation& out) {
   Quadrics<V> bounds;
   V m[N], value_bound[kRows], whole_bound[kRows][N], curvature[kRows];
   for (int i = 0; i < N; ++i) m[i] = bound(z[i]);
@@ -201,20 +211,21 @@ void prove_lanes(const ProofSystem& system, int newton_steps, C* z, const Mask* 
     V row_bound[kRows];
     free_columns(whole_bound[j], above, row_bound);
     V s = splat(0.0);
-    for (int k = 0; k < kRows; ++k) s += bound(jacobian[j][k]) + kOutward * row_bound[k];
+    for (int k = 0; k < kRows; ++k) s += bound(at.jacobian[j][k]) + kOutward * row_bound[k];
     rounding[j] = kRounding * s;
-    size[j] = bound(value[j]) + kRounding * kOutward * value_bound[j] + kTiny;
+    size[j] = bound(at.value[j]) + value_rounding * kOutward * value_bound[j] + kTiny;
+    if (gap && j > 0) size[j] += gap[j - 1] * kOutward * bounds.value[0];
   }
   V a = splat(0.0), b = splat(0.0), delta = splat(0.0), sum = splat(0.0);
   for (int i = 0; i < kRows; ++i) {
     V defect = splat(0.0), bent = splat(0.0), moved = splat(0.0);
     for (int k = 0; k < kRows; ++k) {
       C s{splat(i == k ? 1.0 : 0.0), splat(0.0)};
-      for (int j = 0; j < kRows; ++j) subtract_product(s, inverse[i][j], jacobian[j][k]);
+      for (int j = 0; j < kRows; ++j) subtract_product(s, at.inverse[i][j], at.jacobian[j][k]);
       defect += bound(s);
     }
     for (int j = 0; j < kRows; ++j) {
-      const V y = bound(inverse[i][j]);
+      const V y = bound(at.inverse[i][j]);
       defect += y * rounding[j];
       bent += y * curvature[j];
       moved += y * size[j];
@@ -230,10 +241,29 @@ void prove_lanes(const ProofSystem& system, int newton_steps, C* z, const Mask* 
   const V radius = minimum((1.0 - a) / (2.0 * b), splat(kReach));
   const V q = kOutward * (a + b * radius);
   // Whatever is not a number proves nothing: it is in the sum.
-  isolated = (sum < __builtin_inf()) & (q < 1.0) & (radius > 0.0) & (kOutward * delta <= (1.0 - q) * radius);
-  error = kOutward * (delta / (1.0 - q));
-  real = isolated & (kOutward * (2.0 * height + error) <= radius);
-  imaginary = isolated & (height > error);
+  out.isolated = (sum < __builtin_inf()) & (q < 1.0) & (radius > 0.0) &
+                 (kOutward * delta <= (1.0 - q) * radius);
+  out.error = kOutward * (delta / (1.0 - q));
+  out.real = out.isolated & (kOutward * (2.0 * height + out.error) <= radius);
+  out.imaginary = out.isolated & (height > kOutward * out.error);
+}
+
+// After so many steps of Newton's method.
+void prove_lanes(const ProofSystem& system, int newton_steps, C* z, const Mask* above,
+                 const Mask* below, Isolation& out) {
+  Linear at;
+  linearize(system, z, above, at);
+  for (int step = 0; step < newton_steps; ++step) {
+    C change[kRows];
+    newton_step(at, change);
+    // Free coordinate k is coordinate k below the patch, k + 1 above it.
+    for (int k = 0; k < kRows; ++k) {
+      z[k] = select(below[k], z[k] - change[k], z[k]);
+      z[k + 1] = select(above[k], z[k + 1] - change[k], z[k + 1]);
+    }
+    linearize(system, z, above, at);
+  }
+  isolate(system, z, above, at, kRounding, nullptr, out);
 }
 
 }  // namespace

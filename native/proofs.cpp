@@ -9,8 +9,8 @@ void prove(const ProofSystem& system, int count, const Complex* points,
            const std::int32_t* patches, const ProofResults& out) {
   for (int begin = 0; begin < count; begin += W) {
     C z[N];
-    Mask above[kRows], below[kRows], isolated, real, imaginary;
-    V error;
+    Mask above[kRows], below[kRows];
+    Isolation found;
     for (int l = 0; l < W; ++l) {
       // Lanes that are left over repeat the last point.
       const int p = begin + l < count ? begin + l : count - 1;
@@ -20,14 +20,14 @@ void prove(const ProofSystem& system, int count, const Complex* points,
         below[k][l] = patches[p] <= k ? 0 : -1;
       }
     }
-    prove_lanes(system, kNewtonSteps, z, above, below, error, isolated, real, imaginary);
+    prove_lanes(system, kNewtonSteps, z, above, below, found);
     for (int l = 0; l < W && begin + l < count; ++l) {
       const int p = begin + l;
       for (int i = 0; i < N; ++i) out.point[N * p + i] = lane(z[i], l);
-      out.error[p] = lane(error, l);
-      out.proved[p] = static_cast<std::uint8_t>((isolated[l] ? kIsolated : 0) |
-                                                (real[l] ? kReal : 0) |
-                                                (imaginary[l] ? kComplex : 0));
+      out.error[p] = lane(found.error, l);
+      out.proved[p] = static_cast<std::uint8_t>((found.isolated[l] ? kIsolated : 0) |
+                                                (found.real[l] ? kReal : 0) |
+                                                (found.imaginary[l] ? kComplex : 0));
     }
   }
 }

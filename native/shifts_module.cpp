@@ -6,10 +6,9 @@
 #include <atomic>
 #include <complex>
 #include <memory>
-#include <thread>
-#include <vector>
 
 #include "bindings.hpp"
+#include "threads.hpp"
 
 using namespace nanobind::literals;
 
@@ -78,17 +77,15 @@ nb::tuple track_shifts(Array<std::int32_t, 1> pivots, Array<std::int32_t, 1> fre
   TrackShifts* const run = choose(build);
   if (paths > 0) {
     nb::gil_scoped_release release;
-    const std::size_t each = (targets + jobs - 1) / jobs, piece = std::min(kPiece, each);
+    const std::size_t each = (targets + jobs - 1) / jobs;
+    const std::size_t piece = std::clamp<std::size_t>(each, 1, kPiece);
     std::atomic<std::size_t> next{0};
     const auto work = [&] {
       for (std::size_t i = next.fetch_add(piece); i < targets; i = next.fetch_add(piece))
         run(geometry, options, given, static_cast<int>(i),
             static_cast<int>(std::min(i + piece, targets)), ends);
     };
-    std::vector<std::thread> threads;
-    for (int i = 1; i < jobs; ++i) threads.emplace_back(work);
-    work();
-    for (std::thread& thread : threads) thread.join();
+    share(jobs, (targets + piece - 1) / piece, work);
   }
   return nb::make_tuple(owned(std::move(point), {targets, paths, d}),
                         owned(std::move(study), {targets, paths, eight}),

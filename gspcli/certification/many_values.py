@@ -8,6 +8,7 @@ all others are rounded to doubles once. Values are doubles here, meant exactly.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,7 +39,6 @@ from gspcli.certification.floating import (
     converted,
     form_hessians,
 )
-from gspcli.certification.proving import FIRST_PRECISION
 from gspcli.certification.sines import SINE_ERROR, cosines, sines
 from gspcli.certification.statement import Statement, statements
 from gspcli.defaults import TOLERANCE
@@ -48,6 +48,8 @@ from gspcli.geometry.numbers import Number
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
+#: Bits of coefficients, of which the kernel takes twice those of a double where it needs them.
+_PRECISION = 128
 #: A cosine errs by at most `SINE_ERROR`, which is this part of the unit of `converted`.
 _COSINE_ERROR = SINE_ERROR / CONVERSION
 
@@ -117,7 +119,7 @@ class ValueProofs:
                 if row.kind.is_distance
             }
         )
-        with ctx.workprec(FIRST_PRECISION):
+        with ctx.workprec(_PRECISION):
             self.statements = statements(self.instance)
             self._forms: list[Form] = [{study.NORM: arb(1)}, {study.STUDY: arb(1)}]
             self._equations = [self._equation(given) for given in self.statements]
@@ -130,7 +132,8 @@ class ValueProofs:
         self.scale = float(distances[0].unit)
         # For the kernel, see native/ends.hpp; what bounds N comes with the values.
         mains = [equation.main for equation in self._equations]
-        self._weights = np.array((*weights.T, bounds[mains, study.NORM]))
+        lows = [float(e.weight - float(e.weight)) for e in self._equations]
+        self._weights = np.array((*weights.T, bounds[mains, study.NORM], lows))
         bounds[mains, study.NORM] = 0
         self._hessians = np.tensordot(nearest, form_hessians(), 1)
         self._moduli = np.tensordot(bounds, np.abs(form_hessians()), 1)
@@ -140,6 +143,22 @@ class ValueProofs:
             self._table[i, : 1 + len(equation.squares)] = equation.main, *equation.squares
             if equation.turned:
                 self._turned[i] = equation.squares[-1]
+
+    @cached_property
+    def _lows(self) -> Array:
+        """What double precision leaves of the Hessian matrices, shape (k, 8, 8)."""
+        lows = np.zeros_like(self._hessians)
+        hessians = form_hessians()
+        with ctx.workprec(_PRECISION):
+            for row, form in enumerate(self._forms):
+                entries: dict[tuple[int, int], arb] = {}
+                for k, coefficient in form.items():
+                    for place in zip(*np.nonzero(hessians[k]), strict=True):
+                        term = coefficient * int(hessians[k][place])
+                        entries[place] = entries.get(place, 0) + term
+                for place, entry in entries.items():
+                    lows[row][place] = float(entry - float(self._hessians[row][place]))
+        return lows
 
     @classmethod
     def of(cls, instance: Instance, rows: Array) -> ValueProofs | None:
@@ -180,10 +199,10 @@ class ValueProofs:
             return sines(angles, degrees=degrees)
         return cosines(angles, degrees=degrees) * (-1 if kind is AHH else 1)
 
-    def _parameters(self, rows: Array, choices: Array) -> tuple[Array, Array]:
-        """Return the functions of the values (b, k, 6) and bounds for `converted`."""
+    def _values(self, rows: Array, choices: Array) -> Array:
+        """Return what the kernel wants of each value (native/ends.hpp), shape (b, k, 5, 6)."""
         values = np.repeat(rows[:, None, :], len(choices), axis=1)
-        bounds = np.empty_like(values)
+        bounds, lows, gaps = np.empty_like(values), np.zeros_like(values), np.zeros_like(values)
         for i, given in enumerate(self.statements):
             if given.kind.is_distance:
                 # Exact: a power of two.
@@ -191,12 +210,14 @@ class ValueProofs:
                 if given.kind in (DPH, DHP):
                     values[..., i] *= choices[:, i]
                 else:
-                    values[..., i] **= 2
+                    values[..., i], lows[..., i] = _square(values[..., i])
                 bounds[..., i] = np.abs(values[..., i])
             else:
                 values[..., i] = self._cosines(given.kind, rows[:, i])[:, None]
                 bounds[..., i] = np.abs(values[..., i]) + _COSINE_ERROR
-        return values, bounds
+                gaps[..., i] = SINE_ERROR
+        distances = np.broadcast_to(np.abs(rows)[:, None] / self.scale, values.shape)
+        return np.stack((values, bounds, distances, lows, gaps), axis=2)
 
     def decide(
         self, rows: Array, choices: Array, points: Complex, frames: Frames, *, jobs: int = 1
@@ -216,23 +237,37 @@ class ValueProofs:
         jobs
             Threads.
         """
-        values, bounds = self._parameters(rows, choices)
-        distances = np.broadcast_to(np.abs(rows)[:, None] / self.scale, values.shape)
-        open_values = np.stack((values, bounds, distances), axis=2).reshape(-1, 3, values.shape[-1])
-        R, T, quaternions, deviation, bits, complete = _kernel.decide(
-            self._hessians,
-            self._moduli,
-            self._table,
-            self._weights,
-            self._turned,
-            open_values,
-            np.ascontiguousarray(points.reshape(-1, *points.shape[2:])),
-            unit=frames.unit / self.scale,
-            origins=np.array((frames.base, frames.platform)) / self.scale,
-            scale=self.scale,
-            tolerance=TOLERANCE,
-            jobs=jobs,
-        )
+        values = self._values(rows, choices)
+        values = values.reshape(-1, *values.shape[2:])
+        points = np.ascontiguousarray(points.reshape(-1, *points.shape[2:]))
+
+        def decide(values: Array, points: Complex, lows: Array) -> tuple[NDArray[Any], ...]:
+            return _kernel.decide(
+                self._hessians,
+                lows,
+                self._moduli,
+                self._table,
+                self._weights,
+                self._turned,
+                values,
+                points,
+                unit=frames.unit / self.scale,
+                origins=np.array((frames.base, frames.platform)) / self.scale,
+                scale=self.scale,
+                tolerance=TOLERANCE,
+                jobs=jobs,
+            )
+
+        # Who has once needed 32 digits, needs them again: poses are far away for any values.
+        known = "_lows" in vars(self)
+        found = decide(values, points, self._lows if known else np.zeros((0, 8, 8)))
+        again = np.flatnonzero(found[-1] == 0)
+        if len(again) and not known:
+            for part, better in zip(
+                found, decide(values[again], points[again], self._lows), strict=True
+            ):
+                part[again] = better
+        R, T, quaternions, deviation, bits, complete = found
         certified = ((bits & ISOLATED) > 0) & ((bits & (REAL | COMPLEX)) > 0)
         different = complete > 0
         for k in np.flatnonzero(certified.all(axis=1) & ~different):
@@ -257,3 +292,12 @@ class ValueProofs:
             real=together(real),
             complete=np.asarray(different.reshape(len(rows), -1).all(axis=1)),
         )
+
+
+def _square(x: Array) -> tuple[Array, Array]:
+    """Return squares of moderate numbers, and what rounding leaves of them (T. J. Dekker)."""
+    split = x * (2.0**27 + 1)
+    high = split - (split - x)
+    low = x - high
+    square = x * x
+    return square, ((high * high - square) + 2 * high * low) + low * low
