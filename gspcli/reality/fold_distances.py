@@ -15,17 +15,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.catalogue.kinds import DLP, DPL, DPP
 from gspcli.geometry.constraint_polynomials import Gradient, polynomial
 from gspcli.geometry.measurement import by_twist
 from gspcli.geometry.quaternions import dot
 from gspcli.reality.platforms import Platforms
+from gspcli.reality.splitting import NUMBERS, Pattern
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-#: Numbers of a constraint: y, x, u, v and the value.
-NUMBERS = 13
 #: How many of its nearest real solutions each real solution is kept apart from.
 _NEIGHBOURS = 3
 
@@ -70,18 +69,20 @@ def _directions(vectors: Array) -> Array:
 
 
 def folds(
-    platform: Platforms, R: Complex, T: Complex, real: NDArray[np.bool_]
+    platform: Platforms, R: Complex, T: Complex, real: NDArray[np.bool_], pattern: Pattern
 ) -> tuple[Folds, Folds]:
     """Return the folds of conjugate pairs, and those of real solutions and their neighbours.
 
     Parameters
     ----------
     platform
-        One, with the values zero where `gspcli.reality.maximize.free_numbers` fixes them.
+        One of the pattern.
     R, T
         All its solutions, shapes (n, 3, 3) and (n, 3).
     real
         Which are real, shape (n,).
+    pattern
+        What may change: folds are as far as they are within the pattern.
     """
     by_twist, by_number = _gradients(platform, R, T)
     X = np.concatenate((R.reshape(-1, 9), T), axis=-1)
@@ -100,35 +101,24 @@ def folds(
     height = X.imag @ np.sqrt(np.arange(1, 13))
     pairs = np.flatnonzero(~real & (height > 0))
     imaginary = X[pairs].imag
-    upper = _folds(platform, (imaginary**2).sum(-1), 2 * gradient(pairs, imaginary).imag)
+    upper = _folds(platform, pattern, (imaginary**2).sum(-1), 2 * gradient(pairs, imaginary).imag)
     first, second = neighbours(X[real].real)
     index = np.flatnonzero(real)
     first, second = index[first], index[second]
     difference = X[first].real - X[second].real
     change = gradient(first, difference).real - gradient(second, difference).real
-    return upper, _folds(platform, (difference**2).sum(-1) / 4, change / 2)
+    return upper, _folds(platform, pattern, (difference**2).sum(-1) / 4, change / 2)
 
 
-def _folds(platform: Platforms, squares: Array, gradients: Array) -> Folds:
+def _folds(platform: Platforms, pattern: Pattern, squares: Array, gradients: Array) -> Folds:
     """Return folds from squared half distances (p,) and their gradients (p, 6, 13)."""
-    allowed = np.where(free_numbers(platform.kinds), gradients, 0.0)
+    allowed = pattern.projected(gradients)
     for part, directions in ((slice(6, 9), platform.u), (slice(9, 12), platform.v)):
         # A direction changes only across itself.
         allowed[..., part] -= dot(allowed[..., part], directions)[..., None] * directions
     flat = allowed.reshape(len(squares), len(platform.kinds) * NUMBERS)
     lengths = np.linalg.norm(flat, axis=-1)
     return Folds(squares / lengths, flat / lengths[:, None])
-
-
-def free_numbers(kinds: tuple[Kind, ...]) -> NDArray[np.bool_]:
-    """Return which numbers of the constraints may change, shape (6, 13).
-
-    Distances of planes and lines stay zero. Directions of points have no gradient.
-    """
-    free = np.ones((len(kinds), NUMBERS), bool)
-    free[:, :6] = np.array([kind.is_distance for kind in kinds])[:, None]
-    free[:, 12] = [kind not in (DPH, DHP, DLL) for kind in kinds]
-    return free
 
 
 def neighbours(X: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -31,6 +31,7 @@ from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.fold_distances import Folds, folds, moved
 from gspcli.reality.platforms import Platforms, random_platforms
 from gspcli.reality.recognition import reality
+from gspcli.reality.splitting import Pattern
 from gspcli.reality.step import shortest_step
 from gspcli.workers import HERE, Workers
 
@@ -86,10 +87,10 @@ class Solved:
         """How many solutions are real."""
         return int(self.real.sum())
 
-    def folds(self) -> tuple[Folds, Folds]:
-        """Return the folds of conjugate pairs and those of real solutions."""
+    def folds(self, pattern: Pattern) -> tuple[Folds, Folds]:
+        """Return the folds of conjugate pairs and those of real solutions, within a pattern."""
         R, T = pose_from_study(self.points[:, :4], self.points[:, 4:])
-        return folds(self.platform, R, T, self.real)
+        return folds(self.platform, R, T, self.real, pattern)
 
 
 def reduced(platforms: Platforms) -> Platforms:
@@ -111,11 +112,14 @@ def multiplier(kinds: tuple[Kind, ...]) -> int:
     return int(2 ** sum(kind in (DPH, DHP, DLL) for kind in kinds))
 
 
-def solved(platform: Platforms, seed: int = SEED) -> Solved | None:
-    """Return a platform with all solutions, or None if some cannot be made out."""
+def solved(platform: Platforms, seed: int = SEED, solutions: int | None = None) -> Solved | None:
+    """Return a platform with all solutions, or None if some cannot be made out.
+
+    Special platforms may have fewer solutions than their type: `solutions`.
+    """
     system = next(platform[None].systems())
     result = next(solve_systems([system], seed=seed))
-    if len(result.points) < result.account.expected:
+    if len(result.points) != (solutions or result.account.expected):
         return None
     found = reality(result.points, result.condition)
     if not found.decided:
@@ -178,6 +182,10 @@ class Search:
         How many random platforms an attempt begins with: the best goes on.
     steps
         How many platforms an attempt may solve after that; None: until it is stuck.
+    special
+        The special platforms to look among; None: all reduced ones.
+    solutions
+        How many solutions they have; None: as many as their type.
     """
 
     kinds: tuple[Kind, ...]
@@ -187,6 +195,13 @@ class Search:
     deadline: float | None = None
     starts: int = 32
     steps: int | None = None
+    special: Pattern | None = None
+    solutions: int | None = None
+
+    @property
+    def pattern(self) -> Pattern:
+        """What the platforms have in common."""
+        return self.special or Pattern(self.kinds)
 
     @property
     def structure(self) -> Structure:
@@ -210,16 +225,16 @@ class Search:
 
     def _first(self, rng: np.random.Generator, number: int) -> Solved | None:
         if self.start is not None:
-            return solved(_centred(self.start), self.seed)
+            return solved(_centred(self.start), self.seed, self.solutions)
         best: Solved | None = None
-        platforms = reduced(random_platforms(self.kinds, self.starts, rng))
+        platforms = self.pattern.of(reduced(random_platforms(self.kinds, self.starts, rng)))
         lines = any(kind in (DPL, DLP) for kind in self.kinds)
         size = _SIZES[(number + lines) % len(_SIZES)]
         platforms = replace(platforms, y=size * platforms.y, x=size * platforms.x)
         for k in range(self.starts):
             if best is not None and self.is_late:
                 break
-            found = solved(_centred(platforms[k]), self.seed)
+            found = solved(_centred(platforms[k]), self.seed, self.solutions)
             if found is not None and (best is None or found.count > best.count):
                 best = found
         return best
@@ -232,7 +247,7 @@ class Search:
             if followed == self.steps:
                 break
             idle += 1
-            step = _raising_step(best, radius, rng)
+            step = _raising_step(best, self.pattern, radius, rng)
             if step is None:
                 radius = radius / 2 if radius > 2 * _MIN_RADIUS else _RADIUS
                 continue
@@ -243,7 +258,7 @@ class Search:
                 if followed % _AFRESH:
                     new = _followed(best, platform, rng)
                 else:
-                    new = solved(platform, self.seed)
+                    new = solved(platform, self.seed, self.solutions)
             if new is None or new.count < best.count:
                 radius = radius / 2 if radius > 2 * _MIN_RADIUS else _RADIUS
                 continue
@@ -255,11 +270,11 @@ class Search:
 
     def _comfortable(self, best: Solved, rng: np.random.Generator) -> Solved:
         """Return a platform as good but further from folds, so that it can be rounded."""
-        radius, nearest = _RADIUS, _nearest(best)
+        radius, nearest = _RADIUS, _nearest(best, self.pattern)
         for _ in range(_IMPROVEMENTS):
             if nearest > _COMFORT or radius < _MIN_RADIUS or self.is_late:
                 break
-            real = best.folds()[1]
+            real = best.folds(self.pattern)[1]
             near = real.distances < nearest + 2 * radius
             wanted = np.minimum(nearest + radius, 1.5 * nearest)
             step = shortest_step(real.normals[near], wanted - real.distances[near])
@@ -268,21 +283,24 @@ class Search:
                 platform = _centred(moved(best.platform, step))
                 if _acceptable(platform):
                     new = _followed(best, platform, rng)
-            if new is None or new.count < best.count or _nearest(new) <= nearest:
+            further = nearest if new is None else _nearest(new, self.pattern)
+            if new is None or new.count < best.count or further <= nearest:
                 radius /= 2
                 continue
-            best, nearest, radius = new, _nearest(new), min(1.5 * radius, _MAX_RADIUS)
+            best, nearest, radius = new, further, min(1.5 * radius, _MAX_RADIUS)
         return best
 
 
-def _nearest(platform: Solved) -> float:
-    """Return the linear distance to the nearest fold of real solutions."""
-    return float(platform.folds()[1].distances.min(initial=np.inf))
+def _nearest(platform: Solved, pattern: Pattern) -> float:
+    """Return the linear distance to the nearest fold of real solutions, within a pattern."""
+    return float(platform.folds(pattern)[1].distances.min(initial=np.inf))
 
 
-def _raising_step(best: Solved, radius: float, rng: np.random.Generator) -> Array | None:
+def _raising_step(
+    best: Solved, pattern: Pattern, radius: float, rng: np.random.Generator
+) -> Array | None:
     """Return a step of about a length at most that brings one conjugate pair together."""
-    pairs, real = best.folds()
+    pairs, real = best.folds(pattern)
     rank = min(int(rng.exponential(_RANK)), len(pairs.distances) - 1)
     chosen = np.argsort(pairs.distances)[rank]
     towards = min(float(pairs.distances[chosen]) + _MARGIN, radius)

@@ -14,9 +14,10 @@ from gspcli.catalogue.parsing import parse_type
 from gspcli.errors import GspError
 from gspcli.geometry.instance import AngleUnit, Units
 from gspcli.geometry.quaternions import pose_from_study
-from gspcli.reality.fold_distances import free_numbers, moved, neighbours
+from gspcli.reality.fold_distances import moved, neighbours
 from gspcli.reality.maximize import Search, Solved, multiplier, reduced, solved
 from gspcli.reality.platforms import Platforms, random_platforms
+from gspcli.reality.splitting import Pattern
 from gspcli.reality.state import State, read_state
 from gspcli.reality.step import nonnegative_least_squares, shortest_step
 from gspcli.reality.witness_proofs import certified_real, platform_of, poses, real_instance
@@ -68,7 +69,7 @@ def test_no_step_satisfies_contradictory_inequalities() -> None:
 def test_folds_agree_with_differences(name: str) -> None:
     found = _solved(name, 8)
     for kind_of_fold in (0, 1):
-        fold = found.folds()[kind_of_fold]
+        fold = found.folds(Pattern(found.platform.kinds))[kind_of_fold]
         nearest = int(fold.distances.argmin())
         distance, normal = fold.distances[nearest], fold.normals[nearest]
         step = 1e-6 * normal
@@ -113,7 +114,7 @@ def test_reduced_platforms_have_planes_and_lines_at_zero() -> None:
     zero = [kind in (DPH, DHP, DLL) for kind in kinds]
     assert (without.values[:, zero] == 0).all()
     assert multiplier(kinds) == 8
-    assert not free_numbers(kinds)[zero, 12].any()
+    assert not Pattern(kinds).free[zero, 12].any()
     # Moving planes changes nothing for one choice of sides.
     kinds = parse_type("DPP DPL DPH DHP DHP ALL").kinds
     platforms = random_platforms(kinds, 1, np.random.default_rng(2))

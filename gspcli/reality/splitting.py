@@ -1,0 +1,244 @@
+"""Platforms at which a distance of a point and a line falls into two real quadrics.
+
+DPL is ``G H = d^2 N^2`` with complex conjugate G and H, so the argument that multiplies real
+solutions by both sides of a plane (`docs/real-counts.md`) does not hold for it. But there are
+places where it is a product of two *real* quadrics, on the solutions of the other constraints:
+
+turned
+    The point y is far from the platform's others. Then R y moves on a large sphere about places
+    near the line, and the circle in which it meets the cylinder is two: the angle of R y and the
+    line is one of two that are nearly right. So DPL is two angles, in the limit.
+carried by DPP
+    Another constraint keeps the same point at a distance r from a point of the line. A sphere and
+    a cylinder about a line through its centre meet in two circles, in the planes at the distances
+    +-c from the centre, ``c^2 = r^2 - d^2``: exactly two one-sided DPH.
+carried by DPH
+    Another constraint keeps the same point on a plane through the line, where the cylinder is two
+    parallel lines: exactly two one-sided DPH again.
+
+carried by an angle and DHP
+    The plane of the platform goes through the point and through a point of the line, its normal
+    has a right angle with the line. What is left is the moment of normal and line: two DLL.
+
+DLP likewise, with platform and base exchanged. What remains is a `Pattern`, best with one quadric
+for each constraint, or with three angles: three cylinders meet in eight real points anyway. Each
+real solution of a pattern whose angles are right and whose carried planes are at distance zero is
+two for each constraint that was split, if the two are near enough.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.geometry.quaternions import normalized
+from gspcli.reality.platforms import Platforms
+
+Array = NDArray[np.float64]
+
+#: Numbers of a constraint: y, x, u, v and the value.
+NUMBERS = 13
+_VALUE = 12
+#: Three angles fix the rotations; more make a type infinite.
+_MOST_ANGLES = 3
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """A kind of special platforms.
+
+    Attributes
+    ----------
+    kinds
+        The kinds of the constraints.
+    same_points, same_u, same_v
+        Groups of constraints that share their point of the platform and that of the base, their
+        direction on the platform, or that of the base.
+    right_angles
+        Whether the angles are right ones.
+    """
+
+    kinds: tuple[Kind, ...]
+    same_points: tuple[tuple[int, ...], ...] = ()
+    same_u: tuple[tuple[int, ...], ...] = ()
+    same_v: tuple[tuple[int, ...], ...] = ()
+    right_angles: bool = False
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Which numbers of the constraints may change, shape (6, 13).
+
+        Distances of planes and lines stay zero. Directions of points have no gradient.
+        """
+        free = np.ones((len(self.kinds), NUMBERS), bool)
+        free[:, :6] = np.array([kind.is_distance for kind in self.kinds])[:, None]
+        free[:, _VALUE] = [
+            kind not in (DPH, DHP, DLL) and (kind.is_distance or not self.right_angles)
+            for kind in self.kinds
+        ]
+        return free
+
+    def projected(self, gradients: Array) -> Array:
+        """Return the parts of gradients (..., 6, 13) that stay in the pattern."""
+        allowed = np.where(self.free, gradients, 0.0)
+        for groups, part in (
+            (self.same_points, slice(0, 6)),
+            (self.same_u, slice(6, 9)),
+            (self.same_v, slice(9, 12)),
+        ):
+            for members in map(list, groups):
+                allowed[..., members, part] = allowed[..., members, part].mean(-2, keepdims=True)
+        return np.asarray(allowed)
+
+    def of(self, platforms: Platforms) -> Platforms:
+        """Return reduced platforms changed into ones of the pattern."""
+        y, x, u, v = (getattr(platforms, part).copy() for part in "yxuv")
+        for groups, parts in ((self.same_points, (y, x)), (self.same_u, (u,)), (self.same_v, (v,))):
+            for first, *others in groups:
+                for part in parts:
+                    part[..., others, :] = part[..., [first], :]
+        values = platforms.values.copy()
+        if self.right_angles:
+            values[..., [not kind.is_distance for kind in self.kinds]] = 0.0
+        return replace(platforms, y=y, x=x, u=u, v=v, values=values)
+
+
+def _joined(groups: Iterable[tuple[int, ...]]) -> tuple[tuple[int, ...], ...]:
+    """Return groups with those that have a member in common made one."""
+    joined: list[set[int]] = []
+    for group in groups:
+        touching = [known for known in joined if not known.isdisjoint(group)]
+        joined = [known for known in joined if known not in touching]
+        joined.append(set(group).union(*touching))
+    return tuple(sorted(tuple(sorted(group)) for group in joined))
+
+
+@dataclass(frozen=True)
+class Splitting:
+    """Where the DPL and DLP of a type are split.
+
+    Attributes
+    ----------
+    kinds
+        The kinds of the type.
+    turned
+        Which become two angles.
+    carried
+        Which become two planes, or meeting lines, each with the constraints that carry it: one
+        distance of its point, or an angle and a distance.
+    """
+
+    kinds: tuple[Kind, ...]
+    turned: tuple[int, ...] = ()
+    carried: tuple[tuple[int, tuple[int, ...]], ...] = ()
+
+    @property
+    def factor(self) -> int:
+        """How many solutions there are for each one of the pattern."""
+        return int(2 ** (len(self.turned) + len(self.carried)))
+
+    @property
+    def left(self) -> int:
+        """How many DPL and DLP are not split, unless three angles make that needless."""
+        kinds = self.pattern.kinds
+        if sum(not kind.is_distance for kind in kinds) == _MOST_ANGLES:
+            return 0
+        return sum(kind in (DPL, DLP) for kind in kinds)
+
+    @property
+    def pattern(self) -> Pattern:
+        """What remains."""
+        kinds = list(self.kinds)
+        for i in self.turned:
+            kinds[i] = ALL
+        u, v = [], []
+        for i, carriers in self.carried:
+            kinds[i] = _remaining(self.kinds[i], self.kinds[carriers[-1]])
+            if len(carriers) == 2:
+                angle, other = carriers
+                u.append((i, angle, other) if self.kinds[other] is not DPH else (i, angle))
+                v.append((i, angle, other) if self.kinds[other] is not DHP else (i, angle))
+        points = ((i, carriers[-1]) for i, carriers in self.carried)
+        right = bool(self.turned or u)
+        return Pattern(tuple(kinds), _joined(points), _joined(u), _joined(v), right)
+
+    def lifted(
+        self, known: Platforms, R: Array, T: Array, *, gap: float, reach: float
+    ) -> Platforms:
+        """Return a reduced platform of the type near one of the pattern.
+
+        Parameters
+        ----------
+        known
+            One platform of the pattern, without leading axes.
+        R, T
+            Its real solutions, shapes (n, 3, 3) and (n, 3).
+        gap
+            Half the difference of the two cosines or positions into which a constraint is split.
+        reach
+            How far away the points are that turn.
+        """
+        y, x, u, v = known.y.copy(), known.x.copy(), known.u.copy(), known.v.copy()
+        values = known.values.copy()
+        there, back = T.mean(axis=0), -np.einsum("nji,nj->ni", R, T).mean(axis=0)
+        for i in self.turned:
+            if self.kinds[i] is DPL:
+                y[i], x[i] = reach * known.u[i], there
+            else:
+                x[i], y[i] = reach * known.v[i], back
+            values[i] = reach * np.sqrt(1 - gap**2)
+        for i, carriers in self.carried:
+            kind = self.kinds[carriers[-1]]
+            if kind is DPP:
+                values[i] = np.sqrt(known.values[carriers[-1]] ** 2 - gap**2)
+                continue
+            values[i] = gap
+            if len(carriers) == 1:
+                side = v if self.kinds[i] is DPL else u
+                side[i] = normalized(np.cross(side[i], side[carriers[-1]]))
+        return Platforms(self.kinds, y, x, u, v, values)
+
+
+def _remaining(kind: Kind, carrier: Kind) -> Kind:
+    """Return the kind of which a carried constraint becomes two."""
+    if (kind, carrier) in ((DPL, DHP), (DLP, DPH)):
+        return DLL
+    return DPH if kind is DPL else DHP
+
+
+def splittings(kinds: tuple[Kind, ...]) -> Iterator[Splitting]:
+    """Yield the ways to split DPL and DLP of a type, all or some of them."""
+    lines = [i for i, kind in enumerate(kinds) if kind in (DPL, DLP)]
+    angles = sum(not kind.is_distance for kind in kinds)
+    for count in range(min(len(lines), _MOST_ANGLES - angles) + 1):
+        for turned in combinations(lines, count):
+            rest = [i for i in lines if i not in turned]
+            for size in range(len(rest) + 1):
+                for some in combinations(rest, size):
+                    for carried in _carried(kinds, turned, list(some)):
+                        yield Splitting(kinds, turned, carried)
+
+
+def _carried(
+    kinds: tuple[Kind, ...], turned: tuple[int, ...], lines: list[int]
+) -> Iterator[tuple[tuple[int, tuple[int, ...]], ...]]:
+    """Yield the ways to find carriers for lines, at most one of a kind for each carrier."""
+    if not lines:
+        yield ()
+        return
+    first = lines[0]
+    angles = [i for i, kind in enumerate(kinds) if not kind.is_distance or i in turned]
+    alone = (DPP, DPH) if kinds[first] is DPL else (DPP, DHP)
+    with_angle = DHP if kinds[first] is DPL else DPH
+    carriers: list[tuple[int, ...]] = [(i,) for i, kind in enumerate(kinds) if kind in alone]
+    carriers += [(a, i) for a in angles for i, kind in enumerate(kinds) if kind is with_angle]
+    for other in _carried(kinds, turned, lines[1:]):
+        for carrier in carriers:
+            taken = [i for i, by in other if by[-1] == carrier[-1]]
+            if all(kinds[i] is not kinds[first] for i in taken):
+                yield ((first, carrier), *other)
