@@ -37,6 +37,7 @@ KEYS: dict[str, str] = {
     "one_sided": "with the sides of planes given",
     "two_sided": "with both sides of planes",
     "established": "what the generic count rests on",
+    "real_counts": "numbers of real poses that are known to occur, each of a certified platform",
     "best_real": "most real poses known of one platform of the type, a lower bound",
     "degree_lazard": "degree of the equation as the paper states it (Lazard's coordinates)",
     "degree_mourrain": "degree of the equation as the paper states it (Mourrain's coordinates)",

@@ -126,9 +126,15 @@ STEPS = (
     ),
     Step(
         "witnesses",
-        ("data/witnesses/*",),
+        ("data/witnesses/real.csv", "data/witnesses/manifest.json"),
         "tools/build_witnesses.py check --jobs {jobs}",
         sample="--sample 12",
+    ),
+    Step(
+        "real-counts",
+        ("data/witnesses/counts.csv", "data/witnesses/counts.manifest.json"),
+        "tools/build_real_counts.py check --jobs {jobs}",
+        sample="--sample 40",
     ),
     Step(
         "solve",

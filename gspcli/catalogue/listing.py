@@ -10,6 +10,7 @@ from gspcli.catalogue.bounds import BOUND_MEANINGS, Bound, type_bounds
 from gspcli.catalogue.coincidence_counts import count_coincident
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import Kind
+from gspcli.catalogue.real_counts import real_counts, spelled
 from gspcli.catalogue.types import GspType, PlatformClass, all_types
 from gspcli.catalogue.witnesses import best_real
 from gspcli.errors import GspError
@@ -76,6 +77,13 @@ COLUMNS: tuple[TypeColumn, ...] = (
     TypeColumn("generic_one_sided", "generic 1-sided", _count("one_sided")),
     TypeColumn("generic_two_sided", "generic 2-sided", _count("two_sided")),
     TypeColumn("best_real", "best known real", best_real),
+    TypeColumn(
+        "real_counts",
+        "known real",
+        lambda t: spelled(real_counts(t)),
+        numeric=False,
+        default=False,
+    ),
     TypeColumn("patterns", "shared patterns", count_coincident, default=False),
 )
 DEFAULT_COLUMNS: tuple[TypeColumn, ...] = tuple(c for c in COLUMNS if c.default)

@@ -100,10 +100,15 @@ def _rows() -> dict[str, dict[str, str]]:
     return {row["family"].partition(" ")[2]: row for row in rows}
 
 
+def named_family(distances: str) -> Family:
+    """Return the family with distances in short, as ``PP PL LL``."""
+    kinds = tuple(KINDS_BY_NAME["D" + kind] for kind in distances.split())
+    return Family(PlatformClass(len(kinds), CONSTRAINTS - len(kinds)), kinds)
+
+
 def read_row(row: dict[str, str]) -> Witness:
     """Return the witness in a row of the file."""
-    distances = tuple(KINDS_BY_NAME["D" + kind] for kind in row["family"].split()[1:])
-    family = Family(PlatformClass(len(distances), CONSTRAINTS - len(distances)), distances)
+    family = named_family(row["family"].partition(" ")[2])
     rows = tuple(tuple(numbers.split()) for numbers in row["numbers"].split(";"))
     return Witness(family, int(row["real"]), rows)
 

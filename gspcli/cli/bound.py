@@ -11,6 +11,7 @@ from gspcli.catalogue.bounds import BOUND_MEANINGS, BOUND_NAMES, Bounds, family_
 from gspcli.catalogue.constraints import Degrees, constraint_facts
 from gspcli.catalogue.counts import GenericCounts, family_counts, generic_counts
 from gspcli.catalogue.kinds import Kind
+from gspcli.catalogue.real_counts import real_counts
 from gspcli.catalogue.recorded_varieties import coordinates_label
 from gspcli.catalogue.types import Family, GspType
 from gspcli.catalogue.witnesses import best_real
@@ -83,6 +84,7 @@ def bound_document(subject: GspType | Family) -> dict[str, Any]:
             "established": counts.established,
         },
         "best_real": best_real(subject),
+        "real_counts": list(real_counts(subject)),
     }
 
 

@@ -28,6 +28,12 @@ if TYPE_CHECKING:
 @click.argument("names", nargs=-1, required=True, metavar="TYPE|SPEC")
 @click.option("--show", is_flag=True, help="Do not search: write the best known platform.")
 @click.option(
+    "--real",
+    "wanted_real",
+    type=click.IntRange(min=0),
+    help="With --show: a known platform with so many real poses.  [default: as many as known]",
+)
+@click.option(
     "--target",
     type=click.IntRange(min=1),
     help="Stop at so many real poses; exit code 1 if they are not reached.  [default: all]",
@@ -63,6 +69,7 @@ if TYPE_CHECKING:
 def command(
     names: tuple[str, ...],
     show: bool,
+    wanted_real: int | None,
     target: int | None,
     seconds: float,
     most: int | None,
@@ -87,6 +94,7 @@ def command(
       gsp maximize-real 4D2A PP PP PL PL --time 600 --state search.json
       gsp maximize-real platform.yaml --attempts 3
       gsp maximize-real 6PP --show | gsp solve -
+      gsp maximize-real 6PP --show --real 0
     """
     from gspcli.spec import dumps
 
@@ -100,8 +108,11 @@ def command(
         from gspcli.reality.witness_proofs import known_instance
 
         _reject_search_options()
-        write(output, dumps(known_instance(gsp_type)))
+        write(output, dumps(known_instance(gsp_type, wanted_real)))
         return 0
+    if wanted_real is not None:
+        message = "--real chooses what --show writes: add --show, or search with --target"
+        raise click.UsageError(message)
 
     from gspcli.reality.maximize import Search, multiplier, reduced
     from gspcli.reality.state import State, read_state
@@ -153,7 +164,7 @@ def _reject_search_options() -> None:
     ignored = [
         parameter.opts[0]
         for parameter in context.command.params
-        if parameter.name not in ("names", "show", "path")
+        if parameter.name not in ("names", "show", "wanted_real", "path")
         and context.get_parameter_source(str(parameter.name)) is ParameterSource.COMMANDLINE
     ]
     if ignored:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DPH, Kind, Primitive
+from gspcli.catalogue.real_counts import witness_with
 from gspcli.catalogue.types import GspType
 from gspcli.catalogue.witnesses import Witness, witness
 from gspcli.certification import certify
@@ -183,15 +184,16 @@ def _with_gap(instance: Instance, gap: Fraction) -> Instance:
     return instance.with_values(values)
 
 
-def known_instance(gsp_type: GspType) -> Instance:
-    """Return the witness of the best known number of real poses of a type.
+def known_instance(gsp_type: GspType, real: int | None = None) -> Instance:
+    """Return a recorded platform of a type with a number of real poses; None: as many as known.
 
     Raises
     ------
     GspError
         If none is recorded.
     """
-    found = witness(gsp_type.family)
+    family = gsp_type.family
+    found = witness(family) if real is None else witness_with(family, real)
     if found is None:
         message = f"{gsp_type.id}: no witness is recorded: search for one"
         raise GspError(message)

@@ -115,3 +115,21 @@ def test_errors(gsp, tmp_path: Path) -> None:
     assert gsp("maximize-real", "7PP").code == 2
     assert gsp("maximize-real", "nowhere.yaml").code == 2
     assert gsp("maximize-real", "6PP", "--time", "0").code == 2
+
+
+def test_a_platform_with_a_known_number_of_poses_is_shown(gsp, tmp_path: Path) -> None:
+    done = gsp("maximize-real", "6PP", "--show", "--real", "0")
+    assert done.code == 0
+    assert loads(done.out).name == "6D PP PP PP PP PP PP with 0 real poses"
+    assert _real(gsp, done.out, tmp_path) == 0
+    assert gsp("maximize-real", "6PP", "--show", "--real", "39").code == 2
+    alone = gsp("maximize-real", "6PP", "--real", "38")
+    assert alone.code == 2
+    assert "add --show" in alone.err
+
+
+def test_known_numbers_are_a_column_and_a_key(gsp) -> None:
+    row = gsp("enumerate", "--only", "PP", "--columns", "id,real_counts", "--format", "csv").out
+    assert row.splitlines()[1] == "DPP DPP DPP DPP DPP DPP,0..40"
+    document = json.loads(gsp("bound", "6PP", "--format", "json").out)
+    assert document["real_counts"] == list(range(0, 41, 2))
