@@ -1,6 +1,7 @@
 """The site: `make docs` builds it into build/site from these pages and the docstrings."""
 
 import re
+import sys
 from pathlib import Path
 
 import gspcli
@@ -29,7 +30,11 @@ napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
 
-_README = Path(__file__).resolve().parents[1] / "README.md"
+_ROOT = Path(__file__).resolve().parents[1]
+_README = _ROOT / "README.md"
+html_css_files = ["gallery.css"]
+html_static_path = ["static"]
+sys.path.append(str(_ROOT / "tools"))
 _LITERAL = re.compile(r"(?<![`\w:])`([^`\n]+)`(?!`|_)")
 
 
@@ -48,7 +53,26 @@ def _first_page(app, name, source):
         source[0] = text + "\n" + source[0]
 
 
+def _gallery(app, name, source):
+    """Put the drawings into their page."""
+    del app
+    if name == "gallery":
+        import site_gallery
+
+        source[0] = source[0].partition("<!--")[0] + site_gallery.grid()
+
+
+def _views(app, exception):
+    """Write the pages to which the gallery leads."""
+    if exception is None and app.builder.name == "html":
+        import site_gallery
+
+        site_gallery.write(Path(app.outdir))
+
+
 def setup(app):
     """Connect what the docstrings and the first page need."""
     app.connect("source-read", _first_page)
+    app.connect("source-read", _gallery)
+    app.connect("build-finished", _views)
     app.connect("autodoc-process-docstring", _literals, priority=400)

@@ -258,9 +258,14 @@ def _complain(result: SolveResult, *, certified: bool) -> None:
             )
         raise NotFiniteError(message)
     if result.account.lost:
-        message = (
-            f"{result.account.lost} of {result.expected} expected solutions could not be made "
-            "out: the platform is in or near a special position\n"
+        from gspcli.spec import out_of_proportion
+
+        lost, expected = result.account.lost, result.expected
+        message = f"{lost} of {expected} expected solutions could not be made out"
+        if disproportion := out_of_proportion(result.instance):
+            raise IncompleteError(f"{message}:\n{disproportion}")
+        message += (
+            ": the platform is in or near a special position\n"
             "try --prove, another --seed, or change a value a little with --set and compare"
         )
         raise IncompleteError(message)

@@ -2,10 +2,11 @@
 
 `load` and `loads` return an `Instance`, `read` and `read_text` also the warnings; `dump` and
 `dumps` write one; `set_values` changes values as ``--set 1=5.2`` does; `sharing` and `bonds` say
-which primitives several constraints share.
+which primitives several constraints share, `out_of_proportion` which lengths do not go together.
 """
 
 from gspcli.spec.meaning import bonds, sharing
+from gspcli.spec.proportion import out_of_proportion
 from gspcli.spec.reading import Reading, load, loads, read, read_text, set_values
 from gspcli.spec.writing import dump, dumps
 
@@ -16,6 +17,7 @@ __all__ = [
     "dumps",
     "load",
     "loads",
+    "out_of_proportion",
     "read",
     "read_text",
     "set_values",

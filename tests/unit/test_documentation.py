@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import re
+import shlex
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
+from gspcli.resources import instance_files
 
 ROOT = Path(__file__).resolve().parents[2]
 #: The first page of the site is the README itself.
@@ -46,3 +50,25 @@ def test_make_targets_named_in_the_readme_exist() -> None:
 def test_every_page_is_in_the_contents_of_the_site() -> None:
     listed = re.findall(r"^([a-z-]+)$", INDEX.read_text(encoding="utf-8"), re.MULTILINE)
     assert sorted(listed) == sorted(page.stem for page in PAGES if page.parent.name == "docs")
+
+
+def test_the_gallery_has_every_instance_file(load_tool: Callable) -> None:
+    gallery = load_tool("site_gallery")
+    shown = re.findall(r'<a href="views/(.+)\.html"><img src="views/\1\.svg"', gallery.grid())
+    assert sorted(shown) == sorted(instance_files())
+
+
+def test_what_the_readme_shows_works_anywhere(
+    gsp: Callable, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    calls = re.findall(r"^    (?:\$ )?gsp (.+?)(?:  +#.*)?$", readme, re.MULTILINE)
+    assert len(calls) >= 9
+    monkeypatch.chdir(tmp_path)
+    for call in calls:
+        # All tables are compared by `make demo`.
+        words = [word for word in shlex.split(call) if word != "--check"]
+        assert gsp(*words).code == 0, call
+    written = {path.name for path in tmp_path.iterdir()}
+    assert written == {word for call in calls for word in call.split()[1:] if word in written}
+    assert len(written) == readme.count(" -o ")

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from gspcli.cli.solve import _complain
+from gspcli.errors import IncompleteError
 from gspcli.resources import instance_files
 from gspcli.spec import read_text
 
@@ -47,9 +50,31 @@ def test_lengths_out_of_proportion() -> None:
     assert "of the base are apart by 3e+09" in message or "of the platform are apart" in message
 
 
+def test_lines_and_planes_out_of_proportion() -> None:
+    text = instance_files()["example-6.8"].read_text(encoding="utf-8")
+    far = text.replace("L1: {line: {point: [0, 0, 0]", "L1: {line: {point: [3e9, 0, 7e9]", 1)
+    assert far != text
+    (doubt,) = read_text(far).doubts
+    assert "L1 and" in doubt.message
+    assert "of the platform are apart by 3" in doubt.message
+    # A point of a line is any of its points.
+    along = text.replace("L1: {line: {point: [0, 0, 0]", "L1: {line: {point: [0, 0, 7e9]", 1)
+    assert read_text(along).doubts == ()
+
+
 @pytest.mark.parametrize("path", instance_files().values(), ids=lambda path: path.stem)
 def test_shipped_files_leave_no_doubts(path: Path) -> None:
     assert read_text(path.read_text(encoding="utf-8")).doubts == ()
+
+
+def test_missing_poses_are_put_down_to_proportions() -> None:
+    instance = read_text(HEXAPOD.replace(_first_point(), "point: [3e9, 0, 0]", 1)).instance
+    result = SimpleNamespace(
+        counts=None, verdict="incomplete", account=SimpleNamespace(lost=8), expected=40
+    )
+    for given, reason in ((instance, "lengths differ by"), (read_text(HEXAPOD).instance, "--seed")):
+        with pytest.raises(IncompleteError, match=f"8 of 40 expected .*\n.*{reason}"):
+            _complain(SimpleNamespace(**vars(result), instance=given), certified=True)
 
 
 def test_solving_says_so_on_stderr(gsp, tmp_path: Path) -> None:
