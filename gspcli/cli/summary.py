@@ -39,7 +39,9 @@ def summary(result: SolveResult, *, certify: bool, contradicting: Sequence[int] 
 
 def _real(result: SolveResult, *, certify: bool) -> str:
     real = result.counts.real
-    text = f"{real or 'no'} real pose{'s' * (real > 1)}"
+    # Those of a motion are real, too, and not counted.
+    which = "isolated real" if result.verdict == "infinite" else "real"
+    text = f"{real or 'no'} {which} pose{'s' * (real > 1)}"
     if not result.counts.found or not certify:
         return text
     # Where there is no real pose it is the others whose certificates say so.

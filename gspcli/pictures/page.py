@@ -106,7 +106,8 @@ def _picture(scene: Scene) -> str:
 
 def _modes(scene: Scene, modes: Series) -> str:
     if not len(modes):
-        return "<p>There is no real pose.</p>"
+        which = "isolated real" if len(scene.series) > 1 else "real"
+        return f"<p>There is no {which} pose.</p>"
     places = max(0, _DIGITS - math.ceil(math.log10(scene.size)))
     rows = "".join(
         f'<tr><td><button type="button" aria-label="show mode {k + 1}">{k + 1}</button></td>'
