@@ -70,15 +70,19 @@ def _fraction(value: object) -> Fraction:
         message = f"found {_quoted(value)}, expected a finite number"
         raise ArgumentError(message)
     numerator, denominator = ratio
-    try:
-        magnitude = abs(numerator / denominator)
-    except OverflowError:
-        magnitude = math.inf
-    if numerator and not SMALLEST <= magnitude <= LARGEST:
+    if numerator and not SMALLEST <= abs(_ratio(numerator, denominator)) <= LARGEST:
         expected = f"expected 0 or a magnitude from {SMALLEST:g} to {LARGEST:g}"
         message = f"found {value}, {expected}"
         raise ArgumentError(message)
     return Fraction(numerator, denominator)
+
+
+def _ratio(numerator: int, denominator: int) -> float:
+    """Return a fraction rounded to a float: infinite if no finite one is as large."""
+    try:
+        return numerator / denominator
+    except OverflowError:
+        return math.inf if numerator > 0 else -math.inf
 
 
 def _decimal_ratio(text: str) -> tuple[int, int] | None:
@@ -92,7 +96,7 @@ def _quoted(value: object) -> str:
 
 class _FloatField:
     def rational(self, value: Fraction) -> float:
-        return value.numerator / value.denominator
+        return _ratio(value.numerator, value.denominator)
 
     def pi(self) -> float:
         return math.pi
@@ -161,7 +165,7 @@ class Number:
         """The number rounded to a float."""
         exact = self.arguments[0] if self.operation == "rational" else self.fraction
         if exact is not None:
-            return exact.numerator / exact.denominator
+            return _ratio(exact.numerator, exact.denominator)
         return self.evaluate(_FloatField())
 
     def evaluate(self, field: Field[Element]) -> Element:
