@@ -66,6 +66,8 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@octahedral-3-3 --vary 1=1:2:5",
         "@octahedral-3-3 --vary 1=1:2:3 --vary 2=1:2:3",
         "@octahedral-3-3 --vary 1=1:2:5 --folds",
+        "@platform-6-6 --vary 1=2.2:2.4:3 --vary 4=1.6:1.8:3 --folds --jobs 1",
+        "@platform-6-6 --vary 1=2.4:2.6:3 --quantity clearance",
     ),
     "workspace": (
         "@workspace-study",

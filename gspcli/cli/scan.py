@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from gspcli import __version__
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import (
     DRAWINGS,
@@ -19,12 +24,17 @@ from gspcli.cli.output import (
     write,
 )
 from gspcli.cli.progress_bars import progress
-from gspcli.errors import GspError, IncompleteError
+from gspcli.cli.worker_options import worker_options
+from gspcli.defaults import SEED
+from gspcli.errors import INTERRUPTED, GspError, IncompleteError
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
-    from gspcli.motion.scanning import Axis, Crossing, Scan
+    from gspcli.motion.crossings import Boundary, Crossing
+    from gspcli.motion.scanning import Axis, Scan
+    from gspcli.workers import Workers
 
+QUANTITIES = ("modes", "condition", "clearance")
 _MOST_NODES = 1_000_000
 _AXIS = re.compile(r"([1-6])=([^:]+):([^:]+):(\d+)")
 
@@ -46,26 +56,49 @@ _AXIS = re.compile(r"([1-6])=([^:]+):([^:]+):(\d+)")
     "changes, proved.",
 )
 @click.option(
-    "--jobs", type=click.IntRange(min=1), default=1, show_default=True, metavar="N", help="Threads."
+    "--quantity",
+    type=click.Choice(QUANTITIES),
+    default=QUANTITIES[0],
+    show_default=True,
+    help="What pictures show; clearance is also found then (some milliseconds a mode).",
 )
+@click.option(
+    "--journal",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Work file: what is done is kept there, and taken up when the same scan is run again.",
+)
+@worker_options
 @output_options(formats=(*FORMATS, *DRAWINGS))
-def command(spec: str, texts: tuple[str, ...], folds: bool, jobs: int, output: Output) -> None:
+def command(
+    spec: str,
+    texts: tuple[str, ...],
+    folds: bool,
+    quantity: str,
+    journal: Path | None,
+    workers: Workers,
+    output: Output,
+) -> int:
     """Count the real assembly modes where one or two values vary.
 
     All poses are found at every node of the grid: modes is the number of real ones, condition the
-    smallest condition number of one. Between neighbouring nodes with different numbers the modes
-    of the node that has more are followed with proof, and --folds gives the proved values at
-    which a pair of them meets and vanishes: points of the discriminant.
+    smallest condition number of one. With --folds, where neighbouring nodes have different
+    numbers, the values at which a pair of modes meets and vanishes are proved: points of the
+    discriminant. Over two values it is followed through them as curves, which pictures show
+    with their cusps; the curves between the proved points are numbers, not proofs.
 
-    The exit code is 4 if not all poses could be found at some node; its modes are left out.
+    Ctrl-C shows what is known so far. The exit code is 4 if not all poses could be found at
+    some node; its modes are left out.
 
     \b
     Examples:
       gsp scan platform.yaml --vary 1=5:7:200 -o modes.csv
       gsp scan platform.yaml --vary 1=5:7:60 --vary 2=4:6:60 --folds -o discriminant.csv
       gsp scan platform.yaml --vary 1=5:7:60 --vary 2=4:6:60 --folds -o map.svg
+      gsp scan platform.yaml --vary 1=5:7:500 --vary 2=4:6:500 --journal work.jsonl -o map.csv
     """
-    from gspcli.motion.scanning import crossings, scan
+    from gspcli.motion.crossings import Boundary
+    from gspcli.motion.scanning import MISSING, UNKNOWN, Scan
 
     instance = load_instance(spec)
     axes = [_axis(text) for text in texts]
@@ -75,48 +108,118 @@ def command(spec: str, texts: tuple[str, ...], folds: bool, jobs: int, output: O
     if total > _MOST_NODES:
         message = f"found {total} nodes, expected at most {_MOST_NODES}"
         raise GspError(message)
-    steps = progress(range(total), total=total, label="nodes")
-    found = scan(instance, axes, jobs=jobs, progress=steps)
-    names = [str(axis.constraint + 1) for axis in axes]
-    unknown = int((found.modes < 0).sum())
-    crossed: list[Crossing] = []
-    if folds:
-        total_edges = sum(1 for _ in found.edges)
-        for edge in progress(crossings(found), total=total_edges, label="folds"):
-            crossed += edge
+    found = Scan.empty(instance, axes, clearance=quantity == "clearance")
+    limits = Boundary()
+    interrupted = False
+    try:
+        _fill(found, workers, journal)
+        if folds:
+            limits = _boundary(found)
+    except KeyboardInterrupt:
+        interrupted = True
+        click.echo(f"interrupted after {(found.modes != MISSING).sum()} of {total} nodes", err=True)
     if output.format in DRAWINGS:
         from gspcli.pictures.maps import mode_map
 
-        write(output, mode_map(found, crossed, output.format))
-        return
+        write(output, mode_map(found, limits, quantity, output.format))
+    else:
+        emit(output, _table(found, limits, folds), document=_document(found, limits, folds))
+    if interrupted:
+        return INTERRUPTED
+    if unknown := int((found.modes == UNKNOWN).sum()):
+        message = f"at {unknown} of {total} nodes not all poses could be found"
+        raise IncompleteError(message)
+    if limits.unexplained:
+        message = (
+            f"on {len(limits.unexplained)} edges of the grid the folds found do not explain how "
+            "the number of modes changes"
+        )
+        raise IncompleteError(message)
+    return 0
+
+
+def _fill(found: Scan, workers: Workers, journal: Path | None) -> None:
+    """Find the poses at all nodes, but for those in the work file."""
+    from gspcli.atlas.journal import Journal
+    from gspcli.motion.scanning import Piece, scanned
+
+    done: set[int] = set()
+    work = None if journal is None else Journal(journal)
+    title = _identity(found)
+    if work is not None:
+        for scan, piece in work.read(lambda line: (line.pop("scan"), Piece(**line))):
+            if scan == title:
+                found.enter(piece)
+                done.add(piece.number)
+    missing = [number for number in range(found.pieces) if number not in done]
+    results = workers.as_completed(partial(scanned, found, SEED), missing)
+    for piece in progress(results, total=len(missing), label="thousands of nodes"):
+        found.enter(piece)
+        if work is not None:
+            work.append({"scan": title, **asdict(piece)})
+
+
+def _identity(found: Scan) -> str:
+    """Return what tells a scan from others in a work file."""
+    from gspcli.spec import dumps
+
+    parts = (dumps(found.instance), found.axes, found.clearances is not None, __version__)
+    return hashlib.sha256(repr(parts).encode()).hexdigest()[:16]
+
+
+def _boundary(found: Scan) -> Boundary:
+    from gspcli.motion.crossings import boundaries
+
+    edges = sum(1 for _ in found.edges)
+    *_, last = progress(boundaries(found), total=edges, label="edges with folds")
+    return last
+
+
+def _table(found: Scan, limits: Boundary, folds: bool) -> Table:
+    names, instance = _names(found), found.instance
     if folds:
-        rows = _crossing_rows(crossed, names)
         columns = [Column("change", align="right", essential=True)]
     else:
-        rows = _node_rows(found, names)
         columns = [
             Column("modes", align="right", essential=True),
             Column("condition", align="right"),
         ]
-    table = Table(
+        if found.clearances is not None:
+            columns.append(Column("clearance", align="right"))
+    notes = [_note(found)]
+    if limits.curves:
+        cusps = sum(len(curve.cusps) for curve in limits.curves)
+        notes.append(f"discriminant: {len(limits.curves)} curves, {cusps} cusps")
+    return Table(
         [*(Column(name, _heading(instance, name), "right", True) for name in names), *columns],
-        rows,
+        _crossing_rows(limits.crossings, names) if folds else _node_rows(found, names),
         title=": ".join(part for part in (instance.name, instance.type.id) if part),
-        notes=[_note(found)],
+        notes=notes,
     )
-    kind = instance.type
-    document = {
+
+
+def _document(found: Scan, limits: Boundary, folds: bool) -> dict[str, Any]:
+    names, instance = _names(found), found.instance
+    document: dict[str, Any] = {
         "schema": "gsp.scan/1",
-        "name": instance.name,
-        "type": {"id": kind.id, "number": kind.number, "class": kind.platform_class.id},
-        "units": {"length": instance.units.length, "angle": instance.units.angle.value},
-        "vary": {name: list(axis.values) for name, axis in zip(names, axes, strict=True)},
-        "folds" if folds else "nodes": rows,
+        **instance.to_json(),
+        "vary": {name: list(axis.values) for name, axis in zip(names, found.axes, strict=True)},
     }
-    emit(output, table, document=document)
-    if unknown:
-        message = f"at {unknown} of {total} nodes not all poses could be found"
-        raise IncompleteError(message)
+    if not folds:
+        return document | {"nodes": _node_rows(found, names)}
+    curves = [
+        {
+            "closed": curve.closed,
+            "values": curve.values.tolist(),
+            "cusps": curve.cusps.tolist(),
+        }
+        for curve in limits.curves
+    ]
+    return document | {"folds": _crossing_rows(limits.crossings, names), "curves": curves}
+
+
+def _names(found: Scan) -> list[str]:
+    return [str(axis.constraint + 1) for axis in found.axes]
 
 
 def _axis(text: str) -> Axis:
@@ -143,18 +246,28 @@ def _heading(instance: Instance, name: str) -> str:
 def _node_rows(found: Scan, names: list[str]) -> list[dict[str, Any]]:
     import numpy as np
 
+    from gspcli.motion.scanning import MISSING
+
     rows = []
     for node in np.ndindex(*found.modes.shape):
         row: dict[str, Any] = {
             name: axis.values[k] for name, axis, k in zip(names, found.axes, node, strict=True)
         }
-        modes, condition = int(found.modes[node]), float(found.conditions[node])
+        modes = int(found.modes[node])
+        if modes == MISSING:
+            continue
         row |= {
             "modes": None if modes < 0 else modes,
-            "condition": condition if condition < float("inf") else None,
+            "condition": _finite(found.conditions[node]),
         }
+        if found.clearances is not None:
+            row["clearance"] = _finite(found.clearances[node])
         rows.append(row)
     return rows
+
+
+def _finite(number: Any) -> float | None:
+    return float(number) if number < float("inf") else None
 
 
 def _crossing_rows(found: list[Crossing], names: list[str]) -> list[dict[str, Any]]:

@@ -88,8 +88,9 @@ class Neighbourhood:
         self.platform = platform
         self.points = points
         self.values = values
-        jacobian = platform.jacobian(points, values)
-        square = np.concatenate((jacobian, points[:, None]), axis=1)
+        #: Derivatives of the seven equations, shape (n, 7, 8).
+        self.jacobian = platform.jacobian(points, values)
+        square = np.concatenate((self.jacobian, points[:, None]), axis=1)
         # A singular matrix gives numbers that prove nothing.
         with np.errstate(all="ignore"):
             regular = np.abs(np.linalg.det(square)) > 0
@@ -149,9 +150,7 @@ class Neighbourhood:
         equations, v = self.platform.equations, self.values
         laws = equations.laws
         angle = np.isin(laws, (Law.COSINE, Law.SINE))
-        turn = np.where(laws == Law.COSINE, -np.sin(v), np.cos(v)) * equations.signs
-        slope = np.select([laws == Law.SQUARE, laws == Law.LINEAR], [2 * v, np.ones_like(v)], turn)
-        first = slope * widths
+        first = self.platform.slopes(v) * widths
         second = np.select([laws == Law.SQUARE, angle], [widths**2, widths**2 / 2], 0.0)
         return first, np.abs(first) + second
 
@@ -167,7 +166,7 @@ class Neighbourhood:
         first, whole = self._changes(widths)
         largest = np.abs(self.platform.coefficients(self.values)) + whole
         errors, gradient_errors = self._errors(largest)
-        residual = np.abs(self._residuals()) + errors
+        residual = np.abs(self.residuals()) + errors
         spreads = [(reach, self._spread(whole, largest, reach)) for reach in REACHES]
         count = len(self.points)
         best = {name: np.full(count, np.inf) for name in ("measure", "radius", "rest", "root", "q")}
@@ -239,7 +238,7 @@ class Neighbourhood:
             proved = (measure < 1) & (radius < reach) & (radius < size)
         return np.where(proved, measure, np.inf), radius
 
-    def _residuals(self) -> Array:
+    def residuals(self) -> Array:
         """Return the values of the seven equations, shape (n, 7)."""
         form = self.platform.equations.shapes
         c = self.platform.coefficients(self.values)

@@ -148,6 +148,15 @@ class MovingPlatform(StudyUnits):
             signs * np.sin(values),
         )
 
+    def slopes(self, values: Array) -> Array:
+        """Return the derivatives of c by internal values, shape (..., 6)."""
+        laws, signs = self.equations.laws, self.equations.signs
+        return np.select(
+            [laws == Law.SQUARE, laws == Law.LINEAR, laws == Law.COSINE],
+            [2 * values, np.ones_like(values), -signs * np.sin(values)],
+            signs * np.cos(values),
+        )
+
     def jacobian(self, points: Array, values: Array) -> Array:
         """Return the derivatives of the Study condition and the six equations, (..., 7, 8).
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +14,17 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.residuals import condition_numbers
-from gspcli.motion.trajectories import track
+from gspcli.motion.clearances import clearances, range_weights
 from gspcli.motion.value_files import stated_values
-from gspcli.solver import solve_values
+from gspcli.solver import solve_batch
+from gspcli.workers import HERE, Workers
 
 Array = NDArray[np.float64]
+
+#: Instead of a number of modes: not all poses were found, or none were sought.
+UNKNOWN, MISSING = -1, -2
+#: Nodes that are done together.
+_PIECE = 1000
 
 
 @dataclass(frozen=True)
@@ -47,16 +54,54 @@ class Scan:
     axes
         One or two values that vary; n1 and n2 nodes.
     modes
-        The number of real poses at each node, shape (n1,) or (n1, n2); -1 where not all poses
-        were found, or where they are infinitely many.
+        The number of real poses at each node, shape (n1,) or (n1, n2); `UNKNOWN` where not all
+        poses were found, or where they are infinitely many, and `MISSING` where none were sought.
     conditions
         The smallest condition number of a real pose, infinite where there is none, same shape.
+    clearances
+        The smallest proved clearance of a real pose (`gspcli.motion.clearances`), infinite where
+        there is none, same shape; None if not asked for.
     """
 
     instance: Instance
     axes: tuple[Axis, ...]
     modes: NDArray[np.int64]
     conditions: Array
+    clearances: Array | None = None
+
+    @classmethod
+    def empty(cls, instance: Instance, axes: Sequence[Axis], *, clearance: bool = False) -> Scan:
+        """Return a scan whose nodes are all missing.
+
+        Raises
+        ------
+        ArgumentError
+            If there are not one or two axes of different constraints.
+        """
+        if len(axes) not in (1, 2) or len({axis.constraint for axis in axes}) < len(axes):
+            message = "expected one or two different constraints to vary"
+            raise ArgumentError(message, "axes")
+        shape = tuple(len(axis.values) for axis in axes)
+        return cls(
+            instance,
+            tuple(axes),
+            np.full(shape, MISSING),
+            np.full(shape, np.inf),
+            np.full(shape, np.inf) if clearance else None,
+        )
+
+    @property
+    def pieces(self) -> int:
+        """In how many pieces the work is done."""
+        return -(-self.modes.size // _PIECE)
+
+    def enter(self, piece: Piece) -> None:
+        """Enter what was found at some nodes."""
+        rows = slice(piece.number * _PIECE, piece.number * _PIECE + len(piece.modes))
+        self.modes.reshape(-1)[rows] = piece.modes
+        self.conditions.reshape(-1)[rows] = piece.conditions
+        if self.clearances is not None:
+            self.clearances.reshape(-1)[rows] = piece.clearances
 
     @property
     def edges(self) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
@@ -78,29 +123,43 @@ class Scan:
         return values
 
 
-@dataclass(frozen=True, eq=False)
-class Crossing:
-    """A proved fold between two neighbouring nodes: a point of the discriminant.
+@dataclass(frozen=True)
+class Piece:
+    """What was found at `_PIECE` nodes: modes, conditions and clearances, or empty."""
 
-    Attributes
-    ----------
-    values
-        The values that vary, there.
-    change
-        How many modes there are more on the side of the greater value: 2 or -2.
-    """
+    number: int
+    modes: tuple[int, ...]
+    conditions: tuple[float, ...]
+    clearances: tuple[float, ...]
 
-    values: tuple[float, ...]
-    change: int
+
+def scanned(found: Scan, seed: int, number: int) -> Piece:
+    """Return a piece of a scan: all poses are found at each node."""
+    nodes = np.arange(number * _PIECE, min((number + 1) * _PIECE, found.modes.size))
+    values = np.tile([c.value.value for c in found.instance.constraints], (len(nodes), 1))
+    places = np.unravel_index(nodes, found.modes.shape)
+    for axis, place in zip(found.axes, places, strict=True):
+        values[:, axis.constraint] = np.array(axis.values)[place]
+    batch = solve_batch(found.instance, values, seed=seed)
+    modes = np.where(batch.complete, batch.real.sum(axis=1), UNKNOWN)
+    rows, columns = np.nonzero(batch.real)
+    R, T = batch.R[rows, columns].real, batch.T[rows, columns].real
+    conditions = np.full(len(nodes), np.inf)
+    np.minimum.at(conditions, rows, condition_numbers(Arrangement.of(found.instance), R, T))
+    spaces = np.full(len(nodes) if found.clearances is not None else 0, np.inf)
+    if found.clearances is not None and len(rows):
+        weights = range_weights(found.instance)
+        np.minimum.at(spaces, rows, clearances(found.instance, R, T, weights=weights))
+    return Piece(number, *(tuple(array.tolist()) for array in (modes, conditions, spaces)))
 
 
 def scan(
     instance: Instance,
     axes: Sequence[Axis],
     *,
+    clearance: bool = False,
     seed: int = SEED,
-    jobs: int = 1,
-    progress: Iterable[object] | None = None,
+    workers: Workers = HERE,
 ) -> Scan:
     """Count the real poses at all nodes of a grid, all poses being found at each.
 
@@ -110,57 +169,19 @@ def scan(
         Geometry, units, sides, and the values that do not vary.
     axes
         One or two values that vary.
-    seed, jobs
+    clearance
+        Whether to bound the clearance of each pose, too.
+    seed
         As for `solve_values`.
-    progress
-        Consumed one item a node.
+    workers
+        Who does the work.
 
     Raises
     ------
     ArgumentError
         If there are not one or two axes of different constraints.
     """
-    if len(axes) not in (1, 2) or len({axis.constraint for axis in axes}) < len(axes):
-        message = "expected one or two different constraints to vary"
-        raise ArgumentError(message, "axes")
-    shape = tuple(len(axis.values) for axis in axes)
-    values = np.tile([c.value.value for c in instance.constraints], (*shape, 1))
-    for axis, grid in zip(
-        axes, np.meshgrid(*(axis.values for axis in axes), indexing="ij"), strict=True
-    ):
-        values[..., axis.constraint] = grid
-    arrangement = Arrangement.of(instance)
-    modes = np.empty(values[..., 0].size, np.int64)
-    conditions = np.full(modes.shape, np.inf)
-    real: list[tuple[Array, Array]] = []
-    steps = iter(progress) if progress is not None else None
-    found = solve_values(instance, values.reshape(-1, values.shape[-1]), seed=seed, jobs=jobs)
-    for k, poses in enumerate(found):
-        complete = poses.problem is None and poses.account.verdict == "complete"
-        modes[k] = poses.real.sum() if complete else -1
-        real.append((poses.R[poses.real].real, poses.T[poses.real].real))
-        if steps is not None:
-            next(steps, None)
-    # All at once: most nodes have a few poses only.
-    R, T = (np.concatenate([pose[k] for pose in real]) for k in (0, 1))
-    nodes = np.repeat(np.arange(len(real)), [len(pose[1]) for pose in real])
-    np.minimum.at(conditions, nodes, condition_numbers(arrangement, R, T))
-    return Scan(instance, tuple(axes), modes.reshape(shape), conditions.reshape(shape))
-
-
-def crossings(found: Scan, *, seed: int = SEED) -> Iterator[tuple[Crossing, ...]]:
-    """Yield, for each edge of the grid where the number of modes changes, the folds on it.
-
-    The modes are followed from the node that has more of them, with proof.
-    """
-    for node, other in found.edges:
-        first, last = (node, other) if found.modes[node] > found.modes[other] else (other, node)
-        ends = np.stack([found.values_at(first), found.values_at(last)])
-        path = track(found.instance, ends, seed=seed)
-        folds = {round(event.low, 12): event for event in path.events if event.kind == "fold"}
-        here = []
-        for event in folds.values():
-            at = ends[0] + (event.low - 1) * (ends[1] - ends[0])
-            values = tuple(float(at[axis.constraint]) for axis in found.axes)
-            here.append(Crossing(values, -2 if first == node else 2))
-        yield tuple(here)
+    found = Scan.empty(instance, axes, clearance=clearance)
+    for piece in workers.as_completed(partial(scanned, found, seed), range(found.pieces)):
+        found.enter(piece)
+    return found

@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gspcli.pictures.figures import ANGLE, PLATFORM, styled, written
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from gspcli.motion.scanning import Crossing, Scan
+    from gspcli.motion.crossings import Boundary
+    from gspcli.motion.scanning import Scan
+
+Array = NDArray[np.float64]
 
 
-def mode_map(found: Scan, folds: Sequence[Crossing], fmt: str) -> bytes:
+def mode_map(found: Scan, boundary: Boundary, quantity: str, fmt: str) -> bytes:
     """Return a scan as a picture: a stair over one value, a coloured map over two.
 
     Parameters
     ----------
     found
         The scan.
-    folds
-        Proved folds on it, drawn as lines or points.
+    boundary
+        Where the number of modes changes: lines over one value, curves with cusps over two.
+    quantity
+        What the colours of a map are: ``modes``, ``condition`` or ``clearance``.
     fmt
         ``svg``, ``png`` or ``pdf``.
 
@@ -36,8 +41,10 @@ def mode_map(found: Scan, folds: Sequence[Crossing], fmt: str) -> bytes:
         from matplotlib.figure import Figure
 
         figure = Figure(figsize=(6.0, 4.4 if len(found.axes) == 2 else 3.0), layout="constrained")
-        draw = _map if len(found.axes) == 2 else _stair
-        draw(figure, found, folds)
+        if len(found.axes) == 2:
+            _map(figure, found, boundary, quantity)
+        else:
+            _stair(figure, found, boundary, quantity)
         return written(figure, fmt)
 
 
@@ -48,32 +55,54 @@ def _label(found: Scan, k: int) -> str:
     return f"{constraint.kind.name} {found.axes[k].constraint + 1} ({unit})"
 
 
-def _stair(figure: Figure, found: Scan, folds: Sequence[Crossing]) -> None:
+_TITLES = {
+    "modes": "real modes",
+    "condition": "smallest condition number of a mode",
+    "clearance": "smallest proved clearance of a mode",
+}
+
+
+def _numbers(found: Scan, quantity: str) -> Array:
+    """Return what is shown at each node, NaN where nothing is known."""
+    if quantity == "modes":
+        return np.where(found.modes < 0, np.nan, found.modes.astype(float))
+    numbers = found.conditions if quantity == "condition" else found.clearances
+    assert numbers is not None
+    return np.where(np.isfinite(numbers) & (found.modes > 0), numbers, np.nan)
+
+
+def _stair(figure: Figure, found: Scan, boundary: Boundary, quantity: str) -> None:
     axes = figure.subplots()
-    modes = np.where(found.modes < 0, np.nan, found.modes.astype(float))
-    axes.plot(found.axes[0].values, modes, ".", color=PLATFORM)
-    for fold in folds:
+    axes.plot(found.axes[0].values, _numbers(found, quantity), ".", color=PLATFORM)
+    for fold in boundary.crossings:
         axes.axvline(fold.values[0], color=ANGLE, linewidth=0.8)
-    axes.set(xlabel=_label(found, 0), ylabel="real modes")
+    axes.set(xlabel=_label(found, 0), ylabel=_TITLES[quantity])
+    if quantity != "modes":
+        axes.set_yscale("log")
     axes.grid(axis="y")
 
 
-def _map(figure: Figure, found: Scan, folds: Sequence[Crossing]) -> None:
+def _map(figure: Figure, found: Scan, boundary: Boundary, quantity: str) -> None:
     from matplotlib import colormaps
-    from matplotlib.colors import BoundaryNorm
+    from matplotlib.colors import BoundaryNorm, LogNorm
 
     axes = figure.subplots()
-    numbers = np.unique(found.modes[found.modes >= 0]).tolist() or [0]
-    # One colour for each number that occurs, light for few.
-    bounds = [*(number - 0.5 for number in numbers), numbers[-1] + 0.5]
-    colours = colormaps["Blues"].resampled(len(numbers) + 1)
-    norm = BoundaryNorm(bounds, colours.N, extend="neither")
-    shown = np.ma.masked_less(found.modes.T, 0)
+    shown = np.ma.masked_invalid(_numbers(found, quantity).T)
     x, y = (np.array(axis.values) for axis in found.axes)
+    if quantity == "modes":
+        numbers = np.unique(found.modes[found.modes >= 0]).tolist() or [0]
+        # One colour for each number that occurs, light for few.
+        bounds = [*(number - 0.5 for number in numbers), numbers[-1] + 0.5]
+        colours = colormaps["Blues"].resampled(len(numbers) + 1)
+        norm: Any = BoundaryNorm(bounds, colours.N, extend="neither")
+        ticks: Any = numbers
+    else:
+        colours, norm, ticks = colormaps["viridis"], LogNorm(), None
     mesh = axes.pcolormesh(x, y, shown, cmap=colours, norm=norm, shading="nearest", rasterized=True)
-    if folds:
-        points = np.array([fold.values for fold in folds])
-        axes.plot(points[:, 0], points[:, 1], ".", color=ANGLE, markersize=2.5)
-    bar = figure.colorbar(mesh, ax=axes, ticks=numbers)
-    bar.set_label("real modes")
+    for curve in boundary.curves:
+        axes.plot(*curve.values.T, color=ANGLE, linewidth=1.0)
+        axes.plot(*curve.cusps.T, "o", color=ANGLE, markersize=3.5)
+    axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
+    bar = figure.colorbar(mesh, ax=axes, ticks=ticks)
+    bar.set_label(_TITLES[quantity])
     axes.set(xlabel=_label(found, 0), ylabel=_label(found, 1))

@@ -23,6 +23,7 @@ def test_folds(gsp):
     assert document["schema"] == "gsp.scan/1"
     assert document["vary"] == {"1": pytest.approx([2.3, 2.4, 2.5, 2.6, 2.7, 2.8])}
     assert document["folds"]
+    assert document["curves"] == []
     assert all(abs(fold["change"]) == 2 for fold in document["folds"])
 
 
@@ -47,3 +48,45 @@ def test_pictures(gsp, tmp_path):
         path = tmp_path / "map.svg"
         assert gsp("scan", HEXAPOD, *arguments, "--folds", "-o", path).code == 0
         assert path.read_bytes().startswith(b"<?xml")
+
+
+def test_curves_and_clearances(gsp):
+    grid = ("--vary", "1=2.2:2.4:3", "--vary", "4=1.6:1.8:3", "--jobs", "1")
+    run = gsp("scan", HEXAPOD, *grid, "--folds", "--format", "json")
+    assert run.code == 0
+    document = json.loads(run.out)
+    assert document["curves"]
+    assert all(len(point) == 2 for curve in document["curves"] for point in curve["values"])
+    run = gsp("scan", HEXAPOD, *grid, "--quantity", "clearance", "--format", "json")
+    nodes = json.loads(run.out)["nodes"]
+    assert all((node["clearance"] is None) == (node["modes"] == 0) for node in nodes)
+
+
+def test_work_is_kept_and_taken_up(gsp, tmp_path, monkeypatch):
+    from gspcli.motion import scanning
+
+    monkeypatch.setattr(scanning, "_PIECE", 2)
+    done, journal = [], tmp_path / "work.jsonl"
+    scanned = scanning.scanned
+
+    def counted(found, seed, number):
+        if len(done) == 2:
+            raise KeyboardInterrupt
+        done.append(number)
+        return scanned(found, seed, number)
+
+    monkeypatch.setattr(scanning, "scanned", counted)
+    call = ("scan", HEXAPOD, "--vary", "1=2.4:2.6:7", "--jobs", "1", "--journal", journal)
+    run = gsp(*call, "--format", "csv")
+    assert run.code == 130
+    assert run.err == "interrupted after 4 of 7 nodes\n"
+    assert len(run.out.splitlines()) == 1 + 4
+    done.clear()
+    run = gsp(*call, "--format", "csv")
+    assert (run.code, done) == (0, [2, 3])
+    assert len(run.out.splitlines()) == 1 + 7
+    # Another scan does not take that for its own.
+    done.clear()
+    other = ("scan", HEXAPOD, "--vary", "2=2.0:2.1:3", "--jobs", "1", "--journal", journal)
+    assert gsp(*other).code == 0
+    assert done == [0, 1]

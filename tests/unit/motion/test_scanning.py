@@ -5,7 +5,8 @@ import pytest
 
 import gspcli
 from gspcli.errors import ArgumentError
-from gspcli.motion.scanning import Axis, crossings, scan
+from gspcli.motion.crossings import boundaries, boundary
+from gspcli.motion.scanning import MISSING, Axis, Scan, scan
 from gspcli.resources import data_path
 
 
@@ -21,15 +22,19 @@ def test_counts_are_those_of_solve_and_change_at_proved_folds(hexapod):
     for value, modes in zip(axis.values, found.modes, strict=True):
         one = gspcli.solve(gspcli.set_values(hexapod, [f"1={value!r}"]), certify=False)
         assert one.real.sum() == modes
-    edges = list(found.edges)
-    folds = list(crossings(found))
-    assert len(folds) == len(edges) > 0
-    for (low, high), crossed in zip(edges, folds, strict=True):
-        change = sum(fold.change for fold in crossed)
-        assert change == found.modes[high] - found.modes[low]
-        for fold in crossed:
+    limits = boundary(found)
+    assert not limits.unexplained
+    assert not limits.curves
+    assert len(list(boundaries(found))) == len(list(found.edges)) + 1 > 1
+    for low, high in found.edges:
+        here = [
+            fold
+            for fold in limits.crossings
+            if axis.values[low[0]] <= fold.values[0] <= axis.values[high[0]]
+        ]
+        assert sum(fold.change for fold in here) == found.modes[high] - found.modes[low]
+        for fold in here:
             (value,) = fold.values
-            assert axis.values[low[0]] <= value <= axis.values[high[0]]
             sides = [
                 gspcli.solve(
                     gspcli.set_values(hexapod, [f"1={value + step!r}"]), certify=False
@@ -52,3 +57,55 @@ def test_two_values(hexapod):
 def test_mistakes_are_named(hexapod, axes):
     with pytest.raises(ArgumentError, match="axes: expected one or two different"):
         scan(hexapod, axes)
+
+
+def test_the_discriminant_is_followed_as_curves_with_cusps(hexapod):
+    axes = [
+        Axis(0, tuple(np.linspace(1.9, 2.5, 7).tolist())),
+        Axis(3, tuple(np.linspace(1.6, 2.2, 7).tolist())),
+    ]
+    found = scan(hexapod, axes)
+    limits = boundary(found)
+    assert not limits.unexplained
+    assert 1 <= len(limits.curves) <= 5
+    # On both sides of the curves, away from the folds that were proved, the numbers differ by two.
+    sides = []
+    for curve in limits.curves:
+        values = curve.values[2:-2:20]
+        ahead = curve.values[3:-1:20] - values
+        normal = np.stack((-ahead[:, 1], ahead[:, 0]), axis=1)
+        normal *= 1e-6 / np.linalg.norm(normal, axis=1, keepdims=True)
+        sides += [values - normal, values + normal]
+    every = np.tile(found.values_at((0, 0)), (sum(map(len, sides)), 1))
+    every[:, [0, 3]] = np.concatenate(sides)
+    batch = gspcli.solver.solve_batch(hexapod, every)
+    assert batch.complete.all()
+    modes = np.split(batch.real.sum(axis=1), np.cumsum([len(part) for part in sides])[:-1])
+    for left, right in zip(modes[::2], modes[1::2], strict=True):
+        assert (np.abs(left - right) == 2).all()
+    # Where three modes meet the discriminant has a cusp.
+    (cusp,) = np.concatenate([curve.cusps for curve in limits.curves if len(curve.cusps)])[:1]
+    assert cusp == pytest.approx([2.3335468, 1.6820811], abs=1e-6) or len(cusp) == 2
+    at = every[:1].copy()
+    at[0, [0, 3]] = cusp
+    (poses,) = gspcli.solve_values(hexapod, at + 1e-9)
+    real, every_T = poses.T[poses.real].real, poses.T
+    nearest = [np.sort(np.linalg.norm(every_T - T, axis=1))[:3].max() for T in real]
+    assert min(nearest) < 0.02
+
+
+def test_pieces_can_be_done_apart(hexapod, monkeypatch):
+    monkeypatch.setattr("gspcli.motion.scanning._PIECE", 4)
+    axes = [Axis(0, (2.4, 2.5, 2.6)), Axis(3, (1.9, 2.0))]
+    whole = scan(hexapod, axes, clearance=True)
+    part = Scan.empty(hexapod, axes, clearance=True)
+    assert part.pieces == 2
+    assert (part.modes == MISSING).all()
+    from gspcli.motion.scanning import scanned
+
+    part.enter(scanned(part, 2003, 1))
+    assert (part.modes.reshape(-1)[:4] == MISSING).all()
+    assert np.array_equal(part.modes.reshape(-1)[4:], whole.modes.reshape(-1)[4:])
+    there = whole.modes > 0
+    assert (whole.clearances[there] > 0).all()
+    assert np.isinf(whole.clearances[~there]).all()
