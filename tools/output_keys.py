@@ -298,7 +298,7 @@ KEYS: dict[str, str] = {
     "scan.clearance": "smallest proved clearance of a mode; null if there is none",
     "curves": "the discriminant through them, followed",
     "closed": "whether a curve ends where it begins",
-    "curves.values": "the values that vary, along a curve",
+    "scan.values": "the values that vary, along a curve",
     "cusps": "where a curve has a cusp: three modes meet",
     "change": "how many modes more there are on the side of the greater value",
     "complete": "whether every mode was followed to the last row",
