@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
+import resource
+import signal
 import subprocess
 import sys
 import tempfile
 from ast import literal_eval
 from dataclasses import dataclass
-from functools import cache
-from math import lcm
+from functools import cache, partial
+from math import ceil, lcm
 from pathlib import Path
 from random import Random
 
@@ -32,7 +35,7 @@ class Count:
 
 
 def count(ideal: Ideal, *, time_limit_s: float | None = None) -> Count | None:
-    """Return the count modulo a prime, None if the time does not suffice.
+    """Return the count modulo a prime, None if the processor time does not suffice.
 
     The distinct solutions are separated by the values of a random linear form.
     """
@@ -54,7 +57,10 @@ def count(ideal: Ideal, *, time_limit_s: float | None = None) -> Count | None:
 
 
 def real_points(ideal: Ideal, *, time_limit_s: float | None = None) -> int | None:
-    """Return the number of distinct real solutions of a rational system with finitely many."""
+    """Return the number of distinct real solutions of a rational system with finitely many.
+
+    None if the processor time does not suffice.
+    """
     answer = _answer(ideal, ["-P", "0"], time_limit_s)
     if answer is None:
         return None
@@ -83,24 +89,25 @@ def _answer(ideal: Ideal, options: list[str], time_limit_s: float | None) -> lis
         given, answer = Path(folder, "in"), Path(folder, "out")
         given.write_text(_text(ideal), encoding="ascii")
         command = [program(), *options, "-t", "1", "-f", given, "-o", answer]
-        try:
-            run = subprocess.run(
-                command, capture_output=True, text=True, timeout=time_limit_s, check=False
-            )
-        except subprocess.TimeoutExpired:
+        run = subprocess.run(
+            command,
+            capture_output=True,
+            text=True,
+            check=False,
+            preexec_fn=None if time_limit_s is None else partial(_limit, time_limit_s),
+        )
+        if run.returncode == -signal.SIGXCPU:
             return None
         if run.returncode or not answer.is_file():
             message = f"msolve failed (exit code {run.returncode}): {run.stderr.strip()[-200:]}"
             raise RuntimeError(message)
         text = answer.read_text(encoding="ascii").rstrip().removesuffix(":")
     # Dyadic numbers are printed as p / 2^k.
-    return literal_eval(_WITHOUT_POWERS(text))
+    return literal_eval(re.sub(r"(-?[0-9]+) */ *2(\^[0-9]+)?", r"\1", text))
 
 
-def _WITHOUT_POWERS(text: str) -> str:
-    import re
-
-    return re.sub(r"(-?[0-9]+) */ *2\^[0-9]+", r"\1", text)
+def _limit(seconds: float) -> None:
+    resource.setrlimit(resource.RLIMIT_CPU, (ceil(seconds), ceil(seconds) + 5))
 
 
 def _text(ideal: Ideal) -> str:

@@ -109,7 +109,7 @@ def exact_counts(instance: Instance, *, with_real: bool = True) -> ExactCounts:
         stated, spurious, extra = _as_stated(instance, chosen[0], agreed)
     real, real_by = None, ""
     if agreed.finite and with_real:
-        real, real_by = _real(instance, chosen[1], stated, without_parallel=extra is not None)
+        real, real_by = real_poses(instance, stated, without_parallel=extra is not None)
     return ExactCounts(
         stated.finite, stated.count, stated.distinct, spurious, real, (first, second), real_by
     )
@@ -189,9 +189,21 @@ def _where_not_parallel(ideal: Ideal, vanishing: list[Polynomial], ring: Ring) -
     return Ideal([*ideal.names, "k"], [*ideal.polynomials, inverse], ideal.prime)
 
 
-def _real(
-    instance: Instance, field: Homomorphism, counted: Count, *, without_parallel: bool
+def real_poses(
+    instance: Instance, counted: Count, *, without_parallel: bool
 ) -> tuple[int | None, str]:
+    """Return the number of distinct real poses, None if it is not known, and by what means.
+
+    Parameters
+    ----------
+    instance
+        A platform with finitely many poses.
+    counted
+        The number of poses; a rounded platform must have the same.
+    without_parallel
+        Whether solutions at parallel lines are to be left out.
+    """
+    field = next(islice(fields(instance), 1, None))
     for numbers, means in (
         (Rationals(instance), "msolve over Q"),
         (Rounded(instance, ROUNDED), f"msolve over Q, rounded to {ROUNDED} decimals"),

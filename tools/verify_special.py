@@ -35,8 +35,9 @@ from recording import (
 
 sys.path.insert(0, str(ROOT))
 
+from msolve import Count
 from special_answers import Judgement, answers
-from special_counts import exact_counts
+from special_counts import exact_counts, real_poses
 from special_platforms import TABLE, Platform, platforms, recorded
 
 from gspcli.cli.progress_bars import progress
@@ -77,10 +78,15 @@ def count(chosen: list[Platform], every: list[Platform], arguments: argparse.Nam
         differences = [f"{name}: not in the table as it is made" for name in missing]
     else:
         chosen = [p for p in chosen if _is_wanted(known.get(p.id, {}), p, arguments.with_real)]
+        # What is quick comes first.
+        chosen.sort(key=lambda p: int(known.get(p.id, {}).get("count") or 0))
         differences = []
     waiting = {p.id: p for p in chosen}
     work = Workers(arguments.jobs).as_completed(
-        partial(_tried, with_real=arguments.with_real), chosen
+        partial(
+            _tried, with_real=arguments.with_real, known={} if arguments.check else dict(known)
+        ),
+        chosen,
     )
     for row in progress(work, total=len(chosen), label="counting poses"):
         name = str(row["id"])
@@ -115,8 +121,20 @@ def _is_wanted(row: Mapping[str, str], platform: Platform, with_real: bool) -> b
     return changed or (with_real and row["finite"] == "yes" and not row["real"])
 
 
-def _tried(platform: Platform, *, with_real: bool) -> dict[str, object]:
+def _with_real(platform: Platform, row: Mapping[str, str]) -> dict[str, object]:
+    """Return a row that is known but for the real poses with their number."""
+    counts = Count(True, int(row["count"]), int(row["distinct"]))
+    real, means = real_poses(platform.instance, counts, without_parallel=row["spurious"] != "0")
+    return {**row, "real": "" if real is None else real, "real_by": means}
+
+
+def _tried(
+    platform: Platform, *, with_real: bool, known: Mapping[str, Mapping[str, str]]
+) -> dict[str, object]:
+    row = known.get(platform.id, {})
     try:
+        if row.get("sha256") == platform.sha256:
+            return _with_real(platform, row)
         return counted(platform, with_real=with_real)
     except Exception as error:
         return {"id": platform.id, "error": repr(error)[:300]}
