@@ -43,6 +43,8 @@ class BorderBasis : public NormalForms<F> {
 
   int falls() const { return falls_; }
   bool all_commutators() const { return all_commutators_; }
+  // The degree of the products of generators and monomials of which all relations are sums.
+  int reach() const { return reach_; }
   Residue random() { return static_cast<Residue>(random_() % field_.prime); }
 
  private:
@@ -123,6 +125,9 @@ class BorderBasis : public NormalForms<F> {
   int steps_ = 0;
   int top_ = 0;  // columns of the present degree
   int falls_ = 0;
+  // By how much the products may exceed the relations made of them.
+  int excess_ = 0;
+  int reach_ = 0;
   bool all_commutators_ = true;
   std::uint64_t seen_work_ = 0;
 };
@@ -131,7 +136,10 @@ template <class F>
 bool BorderBasis<F>::compute() {
   Base::grow();
   for (const Polynomial<F>& generator : generators_) {
-    if (generator.degree < 2) ++falls_;  // it was a quadric
+    if (generator.degree < 2) {  // it was a quadric
+      ++falls_;
+      excess_ = std::max(excess_, 2 - generator.degree);
+    }
     if (generator.degree == 0) return true;  // no solution
   }
   normal_ = {0};
@@ -151,7 +159,9 @@ bool BorderBasis<F>::compute() {
     matrix.back_substitute();
     spend(matrix);
     const int present = d;
+    reach_ = std::max(reach_, d + excess_);
     if (take_falls(matrix, d)) {
+      excess_ += present - d;
       if (d > 0) carry(matrix, columns, d, present);
       if (d == 0) {
         forget_from(0);

@@ -28,7 +28,7 @@ template <class F>
 CountingResult count(const CountingProblem& problem) {
   const F field(problem.prime);
   Budget budget(problem.max_work, problem.max_entries, problem.check);
-  CountingResult result{CountingOutcome::kFinite, 0, 0, {}, {}, 0, true, 0};
+  CountingResult result{CountingOutcome::kFinite, 0, 0, {}, {}, 0, 2, true, 0};
   MotionRing<F> ring(field, problem);
   if (ring.is_inconsistent()) {
     result.falls = 1;
@@ -48,6 +48,7 @@ CountingResult count(const CountingProblem& problem) {
     result.outcome = CountingOutcome::kStopped;
   }
   result.falls = basis.falls();
+  result.reach = basis.reach();
   result.all_commutators = basis.all_commutators();
   if (result.outcome == CountingOutcome::kFinite && problem.find_distinct) {
     SolutionAlgebra<F> algebra(field, basis, ring.variables(), budget);

@@ -72,6 +72,7 @@ struct CountingResult {
   std::vector<int> apart;           // solutions of each group, with multiplicity
   std::vector<int> apart_distinct;  // distinct ones
   int falls;                 // equations of lower degree that came up
+  int reach;                 // as of BorderBasis
   bool all_commutators;      // whether none was left to a random combination
   std::uint64_t work;
 };

@@ -319,7 +319,8 @@ nb::tuple count(std::uint64_t prime, std::uint64_t seed, unsigned blocks,
                               elimination.relations, elimination.quadrics, steps);
   }
   return nb::make_tuple(static_cast<int>(result.outcome), result.solutions, result.distinct,
-                        result.apart, result.apart_distinct, result.falls, result.all_commutators, result.work, followed);
+                        result.apart, result.apart_distinct, result.falls, result.reach,
+                        result.all_commutators, result.work, followed);
 }
 
 }  // namespace

@@ -1,20 +1,20 @@
 """How likely a random prime is to give other counts than the rational numbers.
 
-A count modulo a prime is wrong only if the prime divides certain integers, the contents and leading
-coefficients of Chow forms of the intersections of the first k equations in Study coordinates
-(docs/exact-counts.md). Their sizes follow from the arithmetic theorem of Bezout (T. Krick,
-L. M. Pardo and M. Sombra, Sharp estimates for the arithmetic Nullstellensatz, Duke Math. J. 109
-(2001), Corollary 2.11), and so many bits make few primes above 2^60.
+A count modulo a prime is wrong only if the prime divides one of certain integers that depend on the
+platform alone: minors of Macaulay's matrices, whose rows are the products of the equations and
+monomials up to a degree (docs/exact-counts.md has the proof). Hadamard's inequality bounds their
+bits, and so many bits make few primes above 2^60.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from fractions import Fraction
+from dataclasses import dataclass
 
-from gspcli.catalogue.kinds import DLL, DLP, DPL, Kind
-from gspcli.certification.counting.elements import Element, Sum
+from gspcli.catalogue.kinds import DLL
+from gspcli.certification.counting.coordinate_choice import Blocks
+from gspcli.certification.counting.equation_heights import equation_height
 from gspcli.certification.counting.exact_platform import ExactConstraint
 from gspcli.certification.counting.homomorphism import Requirements
 
@@ -28,60 +28,9 @@ _DRAWN_FROM = 2.0**60
 #: A combination of commutators is a polynomial of degree 3 in random numbers: a bound of the
 #: probability that one of fewer than a hundred vanishes by chance.
 COMMUTATOR_TESTS = 300 / _DRAWN_FROM
-#: The Study quadric lies in P^7, has degree 2, and its height is below this number of bits.
-_AMBIENT, _DEGREE, _HEIGHT = 7, 2, 16
-#: The forms of the functions of a motion have at most 16 terms with coefficients of at most 4 bits;
-#: a product of two, with the sums in an equation, stays below this number of bits.
-_FORM = 24
-
-
-def _log_above(value: Fraction | int) -> float:
-    """Return a number above the logarithm to base 2 of a number, at least 0."""
-    bits = abs(value.numerator).bit_length() - value.denominator.bit_length() + 1
-    return float(max(bits, 0))
-
-
-def _sum_height(terms: Sum) -> float:
-    denominator = math.lcm(*(factor.denominator for factor in terms.values()))
-    size = sum(
-        (abs(factor) * (math.isqrt(term.radicand) + 1) for term, factor in terms.items()),
-        Fraction(0),
-    )
-    return _log_above(denominator) + _log_above(size)
-
-
-def height(element: Element) -> float:
-    """Return a bound, in bits, of the absolute logarithmic height of a number.
-
-    Roots of unity have modulus one in every embedding, and so formally have ``exp(i r)``; pi is
-    an independent variable, with coefficient one.
-    """
-    fraction = element.fraction
-    if fraction is not None:
-        return _log_above(fraction.denominator) + _log_above(fraction)
-    return _sum_height(element.numerator) + _sum_height(element.denominator)
-
-
-def chow_height(constraints: Sequence[ExactConstraint]) -> float:
-    """Return a bound, in bits, of the heights of all intersections of the equations.
-
-    Parameters
-    ----------
-    constraints
-        The exact constraints. Their equations are forms of degree 2 in Study coordinates, of PL, LP
-        and LL of degree 4, of degree at most 2 in each of a, b, u and v and 1 in the value.
-    """
-    degrees = [_study_degree(row.kind) for row in constraints]
-    total = float(_HEIGHT)
-    for row, degree in zip(constraints, degrees, strict=True):
-        vectors = sum(height(x) for x in (*row.a, *row.b, *row.u, *row.v))
-        total += _DEGREE * (2 * vectors + height(row.value) + _FORM * degree / 2) / degree
-        total += _DEGREE * math.log2(_AMBIENT + 1)
-    return math.prod(degrees) * total
-
-
-def _study_degree(kind: Kind) -> int:
-    return 4 if kind in (DPL, DLP, DLL) else 2
+#: Quadrics that contain a mutual moment are sums of products of degree 4 of the moments'
+#: definitions, the motions' equations, and coordinates.
+_MOMENT_EXCESS = 2
 
 
 def field_degree(requirements: Requirements) -> int:
@@ -93,38 +42,115 @@ def field_degree(requirements: Requirements) -> int:
     return int(degree) << requirements.independent_roots
 
 
-def error_bounds(
-    constraints: Sequence[ExactConstraint], requirements: Requirements, points: int
-) -> tuple[float, float]:
-    """Return bounds of the probability that a random prime has other counts.
+@dataclass(frozen=True)
+class MinorBits:
+    """Bits of the integers that a prime divides if it misleads.
 
-    Parameters
+    Attributes
     ----------
-    constraints, requirements
-        The exact numbers.
-    points
-        The number of solutions, an upper bound of the number of distinct ones.
-
-    Returns
-    -------
-    count, distinct
-        For whether the solutions are finite in number and how many, with multiplicity; and for how
-        many of them are distinct, given that the first is right.
+    height
+        Of every equation.
+    variables
+        Coordinates of the motions, and moments.
+    excess
+        What is added to the degrees up to which products were formed.
     """
-    bits = chow_height(constraints)
-    degree = field_degree(requirements)
-    # Six steps of intersection, infinity, and once more for what leaves to infinity; N is a
-    # quadric, so twice.
-    finite = 2 * 8 * bits
-    # The discriminant of a separating linear form with coefficients below points^2.
-    separation = 2 * max(points - 1, 0) * (bits + points * (2 * math.log2(max(points, 1)) + 3))
-    # A form separates the points unless a difference of two vanishes on it, and a projection of the
-    # sequence loses a factor of the minimal polynomial, of at most their number.
-    form = (points * points + 2 * points) / _DRAWN_FROM
-    return (
-        min(1.0, degree * finite / _BITS / PRIMES + COMMUTATOR_TESTS),
-        min(1.0, degree * separation / _BITS / PRIMES + form),
-    )
+
+    height: float
+    variables: int
+    excess: int
+
+    @classmethod
+    def of(cls, constraints: Sequence[ExactConstraint], blocks: Blocks) -> MinorBits:
+        """Return those of a platform in some coordinates."""
+        moments = sum(row.kind is DLL for row in constraints)
+        sizes = {Blocks.TRANSLATION: 3, Blocks.BODY: 3, Blocks.DISTANCE: 1}
+        used = sum(size for block, size in sizes.items() if block in blocks)
+        return cls(
+            equation_height(constraints), 9 + used + moments, _MOMENT_EXCESS if moments else 0
+        )
+
+    def finite(self, reach: int) -> float:
+        """Return the bits for a finite count that was found with products up to a degree.
+
+        For each degree e up to it and each d below one minor, of the columns of degree above d.
+        """
+        return self.height * sum(
+            self._monomials(e) - self._monomials(d)
+            for e in range(2, reach + self.excess + 1)
+            for d in range(e)
+        )
+
+    def infinite(self, reach: int) -> float:
+        """Return the bits for infinitely many solutions: all leading minors of each degree."""
+        return self.height * sum(
+            self._monomials(e) * (self._monomials(e) + 1) / 2
+            for e in range(2, reach + self.excess + 1)
+        )
+
+    def distinct(self, reach: int, points: int) -> float:
+        """Return the bits for how many of some points are distinct: discriminants."""
+        each = 2 * max(points - 1, 0) * points
+        return each * self._entries(reach, points)
+
+    def vanishing(self, reach: int, points: int, conditions: int) -> float:
+        """Return the bits for where conditions vanish: characteristic polynomials' coefficients."""
+        # Linear in coordinates, or squares of such.
+        return conditions * points * (2 * self._entries(reach, points) + self.height)
+
+    def _monomials(self, degree: int) -> int:
+        """Return how many monomials there are up to a degree."""
+        return math.comb(self.variables + degree, degree)
+
+    def _entries(self, reach: int, points: int) -> float:
+        """Return the bits of multiplication matrices with their common denominators."""
+        constants = 4 * math.log2(max(points, 1) * self.variables)
+        degrees = range(2, reach + self.excess + 1)
+        return sum(self.height * self._monomials(e) + constants for e in degrees)
+
+
+@dataclass(frozen=True)
+class ErrorBounds:
+    """Bounds of the probability that a random prime has other counts, for one platform."""
+
+    bits: MinorBits
+    degree: int
+    is_rational: bool
+
+    @classmethod
+    def of(
+        cls, constraints: Sequence[ExactConstraint], requirements: Requirements, blocks: Blocks
+    ) -> ErrorBounds:
+        """Return those of a platform with exact numbers in some coordinates."""
+        is_rational = all(x.fraction is not None for row in constraints for x in row.numbers)
+        bits = MinorBits.of(constraints, blocks)
+        return cls(bits, field_degree(requirements), is_rational)
+
+    def count(self, reach: int, *, finite: bool) -> float:
+        """Return the bound for a count, or for the solutions being infinitely many."""
+        bits = self.bits.finite(reach) if finite else self.bits.infinite(reach)
+        return min(1.0, self._probability(bits) + COMMUTATOR_TESTS)
+
+    def distinct(self, reach: int, points: int) -> float:
+        """Return the bound for the number of distinct ones, given that the count is right."""
+        # A form separates the points unless a difference of two vanishes on it, and a projection
+        # of the sequence loses a factor of the minimal polynomial, of at most their number.
+        form = (points * points + 2 * points) / _DRAWN_FROM
+        return min(1.0, self._probability(self.bits.distinct(reach, points)) + form)
+
+    def spurious(self, reach: int, points: int, moments: int) -> float:
+        """Return the bound for how many are spurious, given that the counts are right."""
+        # For each set of DLLs and each of its subsets: of how many a condition is zero or not.
+        pairs: int = 3**moments
+        form = pairs * (points * points + 3 * points) / _DRAWN_FROM
+        conditions = 2 * moments * pairs
+        return min(1.0, self._probability(self.bits.vanishing(reach, points, conditions)) + form)
+
+    def _probability(self, bits: float) -> float:
+        # A transcendental number has a random image: its minors are polynomials of degrees below
+        # their bits, and vanish with a probability below degree / 2^60.
+        of_images = 0.0 if self.is_rational else bits / _DRAWN_FROM
+        return self.degree * bits / _BITS / PRIMES + of_images
 
 
 def total(errors: Iterable[float]) -> float:

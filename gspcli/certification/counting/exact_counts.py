@@ -10,7 +10,7 @@ from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import GspType
 from gspcli.certification.counting.coordinate_choice import DEGREES, quadrics
-from gspcli.certification.counting.error_bounds import COMMUTATOR_TESTS, error_bounds, total
+from gspcli.certification.counting.error_bounds import COMMUTATOR_TESTS, ErrorBounds, total
 from gspcli.certification.counting.homomorphism import LARGE, SMALL
 from gspcli.certification.counting.modular_platform import ModularPlatform, NotCountedError
 from gspcli.certification.counting.residue_counts import Outcome, ResidueCount, count
@@ -64,7 +64,7 @@ class ExactCount:
         0.0 if `finite` and `solutions` are proved outright; else a bound of the probability that
         the random prime has misled.
     distinct_error
-        The same for `distinct`.
+        The same for `distinct`, `spurious` and `spurious_distinct`.
     proved_lower
         So many isolated solutions, with multiplicity, there are in any case.
     proved_distinct
@@ -255,15 +255,8 @@ def _assembled(platform: ModularPlatform, found: Sequence[_Result]) -> ExactCoun
     results = [result.counted for result in found]
     finite = all(result.outcome is Outcome.FINITE for result in results)
     isolated = [r for r in results if r.outcome is Outcome.FINITE]
-    points = max((result.solutions for result in isolated), default=0)
-    errors = [_error(result, platform) for result in results]
-    # As many distinct values as solutions prove the solutions distinct.
-    doubtful = [result for result in results if result.distinct != result.solutions]
-    # A small prime counts for nothing but what it proves.
-    bounds = (1.0, 1.0)
-    if platform.bits == LARGE and (doubtful or None in errors):
-        bounds = error_bounds(platform.exact, platform.requirements, points)
-    error = total(bounds[0] if error is None else error for error in errors)
+    errors, further_errors = zip(*(_errors(result, platform) for result in found), strict=True)
+    error = total(errors)
 
     def added(numbers: Iterable[int | None]) -> int | None:
         known = [number for number in numbers if number is not None]
@@ -274,7 +267,7 @@ def _assembled(platform: ModularPlatform, found: Sequence[_Result]) -> ExactCoun
         solutions=added(result.solutions for result in results),
         distinct=added(result.distinct for result in results),
         error=error,
-        distinct_error=total([error, *(bounds[1] for _ in doubtful)]),
+        distinct_error=total([error, *further_errors]),
         proved_lower=sum(result.solutions for result in isolated),
         proved_distinct=sum(result.distinct or 0 for result in isolated),
         sides=tuple(
@@ -293,7 +286,28 @@ def _side(signs: tuple[int, ...], result: _Result) -> SideCount:
     return SideCount(signs, result.counted.solutions, result.counted.distinct, wrong, distinct)
 
 
-def _error(result: ResidueCount, platform: ModularPlatform) -> float | None:
+def _errors(found: _Result, platform: ModularPlatform) -> tuple[float, float]:
+    """Return what misleads with which probability: the count; what is distinct, what spurious."""
+    result, error = found.counted, _proved_error(found.counted, platform)
+    # As many distinct values as solutions prove the solutions distinct, and where none is spurious
+    # modulo a prime none is.
+    is_distinct = result.distinct == result.solutions
+    is_spurious = found.spurious is not None and found.spurious != (0, 0)
+    if error is not None and is_distinct and not is_spurious:
+        return error, 0.0
+    if platform.bits != LARGE:  # It counts for nothing but what it proves.
+        return 1.0 if error is None else error, 1.0
+    bounds = ErrorBounds.of(platform.exact, platform.requirements, platform.blocks)
+    reach, points = result.reach, result.solutions
+    if error is None:
+        error = bounds.count(reach, finite=result.outcome is Outcome.FINITE)
+    further = [] if is_distinct else [bounds.distinct(reach, points)]
+    if is_spurious:
+        further.append(bounds.spurious(reach, points, platform.kinds.count(DLL)))
+    return error, total(further)
+
+
+def _proved_error(result: ResidueCount, platform: ModularPlatform) -> float | None:
     """Return 0, or next to it, if one prime proves that there are just so many solutions.
 
     If no solution is at infinity modulo the prime, none is, and the theorem of Bezout applies: the

@@ -51,6 +51,8 @@ class ResidueCount:
         with multiplicity, and distinct; fewer pairs if it is too much work.
     has_falls
         Whether relations of lower degree came up: without, none is at infinity.
+    reach
+        All relations are sums of products of equations and monomials up to this degree.
     all_commutators
         Whether every condition of a border basis was checked, rather than a random combination.
     work
@@ -62,6 +64,7 @@ class ResidueCount:
     distinct: int | None
     apart: tuple[tuple[int, int], ...]
     has_falls: bool
+    reach: int
     all_commutators: bool
     work: int
 
@@ -216,29 +219,29 @@ def _run(
     width = FUNCTIONS + len(equations.moments)
     rows = [*equations.equations, *conditions]
     squares = [(k, *square) for k, row in enumerate(rows) for square in row.squares]
-    outcome, solutions, distinct, apart, apart_distinct, falls, all_commutators, work, followed = (
-        _kernel.count(
-            prime,
-            blocks=int(blocks),
-            hessians=_hessians(),
-            moments=_matrix(equations.moments, FUNCTIONS, prime),
-            functions=_matrix([row.linear for row in rows], width, prime),
-            squares=_matrix([function for _, _, function in squares], width, prime),
-            weights=np.array([int(weight) % prime for _, weight, _ in squares], dtype=np.uint64),
-            owners=np.array([owner for owner, _, _ in squares], dtype=np.int64),
-            equations=len(equations.equations),
-            groups=[[len(equations.equations) + k for k in group] for group in groups],
-            max_entries=MAX_ENTRIES,
-            **options,
-        )
+    outcome, solutions, distinct, apart, apart_distinct, *facts, followed = _kernel.count(
+        prime,
+        blocks=int(blocks),
+        hessians=_hessians(),
+        moments=_matrix(equations.moments, FUNCTIONS, prime),
+        functions=_matrix([row.linear for row in rows], width, prime),
+        squares=_matrix([function for _, _, function in squares], width, prime),
+        weights=np.array([int(weight) % prime for _, weight, _ in squares], dtype=np.uint64),
+        owners=np.array([owner for owner, _, _ in squares], dtype=np.int64),
+        equations=len(equations.equations),
+        groups=[[len(equations.equations) + k for k in group] for group in groups],
+        max_entries=MAX_ENTRIES,
+        **options,
     )
+    falls, reach, all_commutators, work = facts
     result = ResidueCount(
         Outcome(outcome),
         solutions,
         None if distinct < 0 else distinct,
         tuple(zip(apart, apart_distinct, strict=True)),
         falls > 0,
-        all_commutators,
+        reach,
+        bool(all_commutators),
         work,
     )
     return result, followed

@@ -1,0 +1,100 @@
+"""How large the numbers in the equations of a platform are, in bits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+
+from gspcli.catalogue.kinds import DLL, DLP, DPL
+from gspcli.certification.counting.elements import ONE, Element, Sum
+from gspcli.certification.counting.exact_platform import ExactConstraint, evaluated
+from gspcli.certification.counting.motion_equations import (
+    MotionEquation,
+    equations,
+    with_moments,
+)
+
+#: The equations between the coordinates of the rigid motions stay below this number of bits.
+_OF_MOTIONS = 16.0
+#: A function of a motion that is no coordinate is a sum of at most so many products of two.
+_PRODUCTS = 3
+#: What the sums and constants in an equation add to the heights of its numbers, at most; twice for
+#: PL, LP and LL, which are squares.
+_CONSTANTS = 24
+
+
+def _log_above(value: Fraction | int) -> float:
+    """Return a number above the logarithm to base 2 of a number, at least 0."""
+    bits = abs(value.numerator).bit_length() - value.denominator.bit_length() + 1
+    return float(max(bits, 0))
+
+
+def _sum_height(terms: Sum) -> float:
+    denominator = math.lcm(*(factor.denominator for factor in terms.values()))
+    size = sum(
+        (abs(factor) * (math.isqrt(term.radicand) + 1) for term, factor in terms.items()),
+        Fraction(0),
+    )
+    return _log_above(denominator) + _log_above(size)
+
+
+def height(element: Element) -> float:
+    """Return a bound, in bits, of the absolute logarithmic height of a number.
+
+    Roots of unity have modulus one in every embedding, and so formally have ``exp(i r)``; pi is
+    an independent variable, with coefficient one.
+    """
+    fraction = element.fraction
+    if fraction is not None:
+        return _log_above(fraction.denominator) + _log_above(fraction)
+    return _sum_height(element.numerator) + _sum_height(element.denominator)
+
+
+def _vector_height(vector: Sequence[Element]) -> float:
+    """Return a bound of the height of some numbers with 1."""
+    if any(x.denominator.keys() != {ONE} for x in vector):
+        return sum(height(x) for x in vector)
+    factors = [
+        (factor / x.denominator[ONE], math.isqrt(term.radicand) + 1)
+        for x in vector
+        for term, factor in x.numerator.items()
+    ]
+    denominator = math.lcm(*(factor.denominator for factor, _ in factors))
+    size = sum((abs(factor) * root for factor, root in factors), Fraction(0))
+    return _log_above(denominator) + _log_above(size)
+
+
+def equation_height(constraints: Sequence[ExactConstraint]) -> float:
+    """Return a bound, in bits, of the height of every equation of a platform.
+
+    The height of a polynomial is the mean over all embeddings of the logarithm of the sum of the
+    moduli of its coefficients, plus that of a common denominator.
+    """
+    return max(_OF_MOTIONS, *(_constraint_height(row) for row in constraints))
+
+
+def _constraint_height(row: ExactConstraint) -> float:
+    if all(number.fraction is not None for number in row.numbers):
+        rational = equations([evaluated(row, _fraction)])
+        return max(_rational_height(each) for each in with_moments(rational).equations)
+    squared = row.kind in (DPL, DLP, DLL)
+    vectors = sum(_vector_height(vector) for vector in (row.a, row.b, row.u, row.v))
+    return 2 * vectors + height(row.value) + _CONSTANTS * (2 if squared else 1)
+
+
+def _fraction(element: Element) -> Fraction:
+    assert element.fraction is not None
+    return element.fraction
+
+
+def _rational_height(equation: MotionEquation) -> float:
+    linear = [Fraction(x) for x in equation.linear.values()]
+    denominator = math.lcm(*(x.denominator for x in linear))
+    size = _PRODUCTS * sum(map(abs, linear), Fraction(0))
+    for weight, function in equation.squares:
+        factors = [Fraction(x) for x in function.values()]
+        common = math.lcm(*(x.denominator for x in factors))
+        denominator = math.lcm(denominator, Fraction(weight).denominator * common**2)
+        size += abs(Fraction(weight)) * sum(map(abs, factors), Fraction(0)) ** 2
+    return _log_above(denominator) + _log_above(size)
