@@ -23,6 +23,7 @@ from gspcli.atlas.groebner import msolve_path
 
 #: Where `make msolve` puts it.
 _BUILT = "build/peers/lib/python*/site-packages/sage_wheels/bin/msolve"
+_POWERS = re.compile(r"(-?[0-9]+) */ *2(\^[0-9]+)?")
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,18 @@ def real_points(ideal: Ideal, *, time_limit_s: float | None = None) -> int | Non
     return 0 if answer[0] == -1 else len(answer[1][1])
 
 
+def elimination_time(ideal: Ideal, *, time_limit_s: float) -> float | None:
+    """Return the processor time of F4, in seconds, None if it is more than the limit.
+
+    That of the leading monomials of a Groebner basis, after reading the input.
+    """
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    if _text_of_answer(ideal, ["-g", "1"], time_limit_s) is None:
+        return None
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
 @cache
 def program() -> Path:
     """Return the program; end this process if there is none."""
@@ -85,6 +98,12 @@ def version() -> str:
 
 
 def _answer(ideal: Ideal, options: list[str], time_limit_s: float | None) -> list | None:
+    text = _text_of_answer(ideal, options, time_limit_s)
+    # Dyadic numbers are printed as p / 2^k.
+    return None if text is None else literal_eval(_POWERS.sub(r"\1", text))
+
+
+def _text_of_answer(ideal: Ideal, options: list[str], time_limit_s: float | None) -> str | None:
     with tempfile.TemporaryDirectory(prefix="gsp-") as folder:
         given, answer = Path(folder, "in"), Path(folder, "out")
         given.write_text(_text(ideal), encoding="ascii")
@@ -101,9 +120,7 @@ def _answer(ideal: Ideal, options: list[str], time_limit_s: float | None) -> lis
         if run.returncode or not answer.is_file():
             message = f"msolve failed (exit code {run.returncode}): {run.stderr.strip()[-200:]}"
             raise RuntimeError(message)
-        text = answer.read_text(encoding="ascii").rstrip().removesuffix(":")
-    # Dyadic numbers are printed as p / 2^k.
-    return literal_eval(re.sub(r"(-?[0-9]+) */ *2(\^[0-9]+)?", r"\1", text))
+        return answer.read_text(encoding="ascii").rstrip().removesuffix(":")
 
 
 def _limit(seconds: float) -> None:

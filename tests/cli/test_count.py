@@ -21,7 +21,7 @@ def test_json_of_a_special_platform(gsp: Run) -> None:
     assert (document["distinct"], document["finite"]) == (28, True)
     assert document["spurious"] == 0
     assert document["proof"]["type_count"] == {"modulo_random_prime": False}
-    assert 0 < document["proof"]["exact_count"]["modulo_random_prime"] < 1e-11
+    assert 0 < document["proof"]["exact_count"]["modulo_random_prime"] < 1e-9
 
 
 def test_the_same_command_gives_the_same_bytes(gsp: Run) -> None:
