@@ -2,11 +2,13 @@
 
     python tools/verify_solve.py platforms [--count 100000] [--jobs 2]
     python tools/verify_solve.py families [--each 10] [--jobs 2]
+    python tools/verify_solve.py batches [--rows 2000] [--jobs 2]
     python tools/verify_solve.py all [--check [--sample N]]
     python tools/verify_solve.py show TASK INSTANCE
 
 `platforms` solves random real platforms with six DPP, `families` several random platforms of
-each of the 896 families (kinds up to the kinds of angles), both sides of every plane. Each instance
+each of the 896 families (kinds up to the kinds of angles), both sides of every plane, `batches`
+many sets of values of each of 50 geometries, all of which are to be proved complete. Each instance
 has a hidden real pose, from which its values are measured; what must hold of every answer is in
 `examination`. 3D3A platforms are solved twice, in closed form and by tracking paths.
 
@@ -14,7 +16,8 @@ Work goes through a journal in ``build/verify-solve/``: interrupted, the same co
 again, unless the solver has changed. A finished run is written to ``data/verification/`` and
 docs/completeness.md; it does not depend on ``--jobs``. The exit code is 1 if anything does not
 hold; with ``--check``, if anything but a rounding error differs from the record, of which
-``--sample`` takes some chunks and families. `show` prints an instance as a file, for `gsp solve`.
+``--sample`` takes some chunks and families. `show` prints an instance of the first two as a file,
+for `gsp solve`.
 """
 
 from __future__ import annotations
@@ -27,6 +30,7 @@ from functools import partial
 from pathlib import Path
 
 from examination import Finding, examine
+from random_batches import batch_tasks, examine_batch
 from random_platforms import (
     Task,
     families_by_name,
@@ -56,6 +60,7 @@ JOURNALS = ROOT / "build" / "verify-solve"
 SOURCES = (
     "native",
     "gspcli/continuation",
+    "gspcli/certification",
     "gspcli/solver",
     "gspcli/geometry",
     "data/start-systems",
@@ -99,9 +104,14 @@ def verify_member(task: Task, number: int, expected: int) -> Finding:
     return max(each, key=lambda finding: len(finding.problems))
 
 
+def verify_batch(task: Task) -> Examined:
+    """Solve many sets of values of one geometry together."""
+    return Examined(task, examine_batch(task))
+
+
 @dataclass(frozen=True)
 class Run:
-    """One of the two runs: the name of its record, its option, and how it is done."""
+    """One of the runs: the name of its record, its option, and how it is done."""
 
     record: str
     option: str
@@ -123,6 +133,9 @@ RUNS = {
     "families": Run(
         "families", "each", 10, "platforms of each family", family_tasks, verify_family
     ),
+    "batches": Run(
+        "batches", "rows", 2000, "sets of values of a geometry", batch_tasks, verify_batch
+    ),
 }
 
 
@@ -141,7 +154,7 @@ def options() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True)
     add = partial(commands.add_parser, formatter_class=argparse.ArgumentDefaultsHelpFormatter)
     for name in (*RUNS, "all"):
-        command = add(name, help="both" if name == "all" else RUNS[name].help)
+        command = add(name, help="all of them" if name == "all" else RUNS[name].help)
         for run in RUNS.values() if name == "all" else [RUNS[name]]:
             command.add_argument(f"--{run.option}", type=int, default=run.default, help=run.help)
         command.add_argument("--jobs", type=int, default=1, help="processes")

@@ -27,7 +27,7 @@ from gspcli.certification.ball_system import (
     scaled,
     square_distance,
 )
-from gspcli.certification.balls import dot, norm
+from gspcli.certification.balls import OUTWARD, dot, norm
 from gspcli.certification.centring import Centring
 from gspcli.certification.deciding import nearly_parallel
 from gspcli.certification.distinct import all_different
@@ -107,18 +107,20 @@ class ValueProofs:
         The geometry, its numbers taken exactly.
     rows
         All sets of values that will be asked for, shape (b, 6), in the units of the instance:
-        their largest distances set the unit of length.
+        their largest distances set the unit of length. None for those of the instance.
     """
 
-    def __init__(self, instance: Instance, rows: Array) -> None:
-        largest = np.abs(rows).max(axis=0)
-        self.instance = instance.with_values(
-            {
-                i: Number.of(float(size))
-                for i, (size, row) in enumerate(zip(largest, instance.constraints, strict=True))
-                if row.kind.is_distance
-            }
-        )
+    def __init__(self, instance: Instance, rows: Array | None) -> None:
+        self.instance = instance
+        if rows is not None:
+            largest = np.abs(rows).max(axis=0)
+            self.instance = instance.with_values(
+                {
+                    i: Number.of(float(size))
+                    for i, (size, row) in enumerate(zip(largest, instance.constraints, strict=True))
+                    if row.kind.is_distance
+                }
+            )
         with ctx.workprec(_PRECISION):
             self.statements = statements(self.instance)
             self._forms: list[Form] = [{study.NORM: arb(1)}, {study.STUDY: arb(1)}]
@@ -161,7 +163,7 @@ class ValueProofs:
         return lows
 
     @classmethod
-    def of(cls, instance: Instance, rows: Array) -> ValueProofs | None:
+    def of(cls, instance: Instance, rows: Array | None) -> ValueProofs | None:
         """Return the equations; None if the frames are too far from the platform for doubles."""
         return cls(instance, rows) if Centring.of(instance).is_none else None
 
@@ -198,6 +200,13 @@ class ValueProofs:
         if kind in (ALH, AHL):
             return sines(angles, degrees=degrees)
         return cosines(angles, degrees=degrees) * (-1 if kind is AHH else 1)
+
+    def _is_fine(self, values: Array) -> bool:
+        """Whether distances that quadrics are multiplied by are doubles (native/residuals.hpp)."""
+        turned = self._turned >= 0
+        # The square of such a double needs no third one.
+        square, low = _square(values[:, 2, turned])
+        return bool((values[:, 0, turned] == square).all() and (values[:, 3, turned] == low).all())
 
     def _values(self, rows: Array, choices: Array) -> Array:
         """Return what the kernel wants of each value (native/ends.hpp), shape (b, k, 5, 6)."""
@@ -237,7 +246,40 @@ class ValueProofs:
         jobs
             Threads.
         """
-        values = self._values(rows, choices)
+        return self._decide(self._values(rows, choices), points, frames, jobs)
+
+    def decide_own(self, choices: Array, points: Complex, frames: Frames) -> ProvedPoses:
+        """Prove what double precision can of the values of the instance, exactly as written.
+
+        Parameters
+        ----------
+        choices, frames
+            As for `decide`.
+        points
+            Shape (k, m, 8).
+        """
+        return self._decide(self._own_values(choices)[None], points[None], frames, jobs=1)
+
+    def _own_values(self, choices: Array) -> Array:
+        """Return what the kernel wants of the values of the instance, shape (k, 5, 6)."""
+        columns = np.zeros((len(choices), 5, len(self.statements)))
+        with ctx.workprec(_PRECISION):
+            for i, given in enumerate(self.statements):
+                kind = given.kind
+                for k, sign in enumerate(choices[:, i].tolist()):
+                    if not kind.is_distance:
+                        value = given.cosine
+                    else:
+                        value = given.value * sign if kind in (DPH, DHP) else given.value**2
+                    nearest, bound = converted(value)
+                    low = float(value - nearest)
+                    gap = float((value - nearest - low).abs_upper()) * OUTWARD
+                    columns[k, :, i] = nearest, bound, abs(float(given.value)), low, gap
+        return columns
+
+    def _decide(self, values: Array, points: Complex, frames: Frames, jobs: int) -> ProvedPoses:
+        """Return what the kernel proves about points (b, k, m, 8) for values (b, k, 5, 6)."""
+        count = len(values)
         values = values.reshape(-1, *values.shape[2:])
         points = np.ascontiguousarray(points.reshape(-1, *points.shape[2:]))
 
@@ -262,7 +304,7 @@ class ValueProofs:
         known = "_lows" in vars(self)
         found = decide(values, points, self._lows if known else np.zeros((0, 8, 8)))
         again = np.flatnonzero(found[-1] == 0)
-        if len(again) and not known:
+        if len(again) and not known and self._is_fine(values):
             for part, better in zip(
                 found, decide(values[again], points[again], self._lows), strict=True
             ):
@@ -282,7 +324,7 @@ class ValueProofs:
         different &= certified.all(axis=1)
 
         def together(part: NDArray[Any]) -> NDArray[Any]:
-            return part.reshape(len(rows), -1, *part.shape[2:])
+            return part.reshape(count, -1, *part.shape[2:])
 
         return ProvedPoses(
             R=together(R),
@@ -290,7 +332,7 @@ class ValueProofs:
             quaternions=together(quaternions),
             certified=together(certified),
             real=together(real),
-            complete=np.asarray(different.reshape(len(rows), -1).all(axis=1)),
+            complete=np.asarray(different.reshape(count, -1).all(axis=1)),
         )
 
 

@@ -84,8 +84,13 @@ def solve(
 
         poses: PoseSet | None = solve_closed_form(arrangement)
     else:
-        pursuits, poses = next(_each_tracked([arrangement], seed, jobs))
-    if poses is not None and certify and len(poses.R):
+        from gspcli.solver.tracking import poses_by_paths, proved_by_paths, pursue_each
+
+        _, pursuits = next(pursue_each([arrangement], seed=seed, jobs=jobs))
+        poses = proved_by_paths(instance, arrangement, pursuits) if certify else None
+        if poses is None and all(pursuit.is_regular for pursuit in pursuits):
+            poses = poses_by_paths(arrangement, pursuits)
+    if poses is not None and certify and len(poses.R) and poses.proof is None:
         poses = _proved(instance, poses)
     if poses is None or not _is_general(poses, certify):
         limit = {True: None, False: 0.0, None: PATIENCE}[prove]

@@ -10,12 +10,14 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.catalogue.kinds import DLL
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.pursuit import Pursuit, pursue
 from gspcli.continuation.solutions import SystemSolutions
 from gspcli.continuation.systems import System
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.conjugates import find_real_points, made_real
+from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import (
     Field,
     canonical_sign,
@@ -25,8 +27,9 @@ from gspcli.geometry.quaternions import (
 )
 from gspcli.solver.parallel_lines import judge_parallel_lines, polish_parallel_lines
 from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.self_motion import Motion
-from gspcli.solver.study_systems import target_systems
+from gspcli.solver.study_systems import side_choices, target_systems
 
 Complex = NDArray[np.complex128]
 
@@ -114,6 +117,48 @@ def poses_by_paths(arrangement: Arrangement, pursuits: list[Pursuit]) -> PoseSet
             spurious=none + beside,
             lost=account.lost + unknown,
         ),
+    )
+
+
+def proved_by_paths(
+    instance: Instance, arrangement: Arrangement, pursuits: list[Pursuit]
+) -> PoseSet | None:
+    """Return as many poses as the type has, all proved; None if the paths do not lead to them.
+
+    Parameters
+    ----------
+    instance, arrangement
+        The platform, exactly and in floating point.
+    pursuits
+        For each choice of sides.
+    """
+    from gspcli.certification.many_values import Frames, ValueProofs
+
+    if any(
+        kind is DLL and not value
+        for kind, value in zip(arrangement.kinds, arrangement.values.tolist(), strict=True)
+    ):
+        # Such lines meet, which is another equation.
+        return None
+    proofs = ValueProofs.of(instance, None)
+    if proofs is None:
+        return None
+    points = np.stack([pursuit.first().points for pursuit in pursuits])
+    frames = Frames(arrangement.length, arrangement.base_centre, arrangement.platform_centre)
+    found = proofs.decide_own(side_choices(arrangement), points, frames)
+    if not found.complete[0]:
+        return None
+    count = len(found.R[0])
+    return PoseSet(
+        quaternions=found.quaternions[0],
+        R=found.R[0],
+        T=found.T[0],
+        real=found.real[0],
+        certified=found.certified[0],
+        multiplicity=np.ones(count, np.int64),
+        motions=(),
+        account=PathAccount(expected=count, found=count),
+        proof=Proof(Ground.TYPE),
     )
 
 
