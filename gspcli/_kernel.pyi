@@ -21,6 +21,7 @@ def track(
     nearest: float,
     max_steps: int,
     extended: bool,
+    short_series: bool,
     jobs: int,
     build: str = "",
 ) -> tuple[

@@ -46,6 +46,7 @@ struct Build {
   const char* name;
   Track* track;
   Track* track_extended;
+  Track* track_short;
   Intersect* intersect;
   Count* count;
   Follow* follow;
@@ -54,12 +55,12 @@ struct Build {
   TrackShifts* track_shifts;
 };
 
-constexpr Build kPortable{"portable", track_portable, track_portable_extended, intersect_portable,
+constexpr Build kPortable{"portable", track_portable, track_portable_extended, track_portable_short, intersect_portable,
                           count_portable, follow_portable, prove_portable, decide_portable, track_shifts_portable};
 #if defined(GSP_X86)
-constexpr Build kAvx2{"avx2", track_avx2, track_avx2_extended, intersect_avx2, count_avx2,
+constexpr Build kAvx2{"avx2", track_avx2, track_avx2_extended, track_avx2_short, intersect_avx2, count_avx2,
                       follow_avx2, prove_avx2, decide_avx2, track_shifts_avx2};
-constexpr Build kAvx512{"avx512", track_avx512, track_avx512_extended, intersect_avx512,
+constexpr Build kAvx512{"avx512", track_avx512, track_avx512_extended, track_avx512_short, intersect_avx512,
                         count_avx512, follow_avx512, prove_avx512, decide_avx512, track_shifts_avx512};
 
 bool has_avx2() { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
@@ -90,7 +91,7 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
                 Matrix start_g, Matrix start_h, Vector start_tau, Matrices target_g,
                 Matrices target_h, Matrix target_tau, Points points, double predictor_tolerance,
                 double contraction, double radius_fraction, double min_step, double waypoint,
-                double nearest, int max_steps, bool extended, int jobs, const std::string& build) {
+                double nearest, int max_steps, bool extended, bool short_series, int jobs, const std::string& build) {
   const std::size_t targets = target_g.shape(0), paths = points.shape(0);
   require(products.shape(0) == kEquations && start_tau.shape(0) == kEquations, "six equations");
   require(start_g.shape(0) == kEquations && start_g.shape(1) == kCoefficients &&
@@ -103,7 +104,9 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
           "target coefficients must have shapes (targets, 6, 27), (targets, 6, 27), (targets, 6)");
   require(points.shape(1) == kVariables, "points must have shape (paths, 8)");
   const Build chosen = build_named(build);
-  Track* const run = extended ? chosen.track_extended : chosen.track;
+  Track* const run = extended      ? chosen.track_extended
+                     : short_series ? chosen.track_short
+                                    : chosen.track;
   const Options options{predictor_tolerance, contraction, radius_fraction,
                         min_step,            waypoint,    nearest,
                         max_steps};
@@ -339,7 +342,7 @@ NB_MODULE(_kernel, m) {
   m.def("track", &gsp::track, "products"_a, "start_g"_a, "start_h"_a, "start_tau"_a, "target_g"_a,
         "target_h"_a, "target_tau"_a, "points"_a, nb::kw_only(), "predictor_tolerance"_a,
         "contraction"_a, "radius_fraction"_a, "min_step"_a, "waypoint"_a, "nearest"_a,
-        "max_steps"_a, "extended"_a, "jobs"_a, "build"_a = "",
+        "max_steps"_a, "extended"_a, "short_series"_a, "jobs"_a, "build"_a = "",
         "Track every point from the start system to each target; see gspcli.continuation.tracker.");
   m.def("count", &gsp::count, "prime"_a, nb::kw_only(), "seed"_a, "blocks"_a, "hessians"_a,
         "moments"_a, "functions"_a, "squares"_a, "weights"_a, "owners"_a, "equations"_a, "groups"_a,

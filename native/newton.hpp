@@ -15,7 +15,10 @@ namespace gsp {
 namespace {
 
 constexpr int kRows = kEquations + 1;
-constexpr int kOrder = 7;  // of the Taylor series
+#if !defined(GSP_ORDER)
+#define GSP_ORDER 7
+#endif
+constexpr int kOrder = GSP_ORDER;  // of the Taylor series
 
 // What one lane-wide step works with.
 struct Workspace {

@@ -5,44 +5,11 @@
 // and, in lanes where the corrections contract as they should, compute the next Taylor series with
 // the second factorization. (With the first one the series inherits a relative error that is
 // proportional to the first correction, and steps are short wherever paths bend.)
-//
-// The control of the step is that of S. Telen, M. Van Barel, J. Verschelde (A robust numerical path
-// tracking algorithm for polynomial homotopy continuation, SIAM J. Sci. Comput. 42, 2020) and
-// S. Timme (Mixed precision path tracking for polynomial homotopy continuation, Adv. Comput.
-// Math. 47, 2021): the last terms of the series tell its radius of convergence and its error.
 #include "newton.hpp"
+#include "steps.hpp"
 
 namespace gsp {
 namespace {
-
-// A step is accepted if its first correction is not longer than this many times the aimed length:
-// the prediction's error is estimated by its order of magnitude only.
-constexpr double kSlack = 10.0;
-// Corrections up to this many times what rounding causes are noise, and say nothing of contraction ...
-constexpr double kNoise = 8.0;
-// ... unless they are longer than this: then the matrix is too ill-conditioned to go on.
-constexpr double kLongestNoise = 1e-6;
-// By how much predictions have been worse than estimated: remembered from step to step with this
-// factor, between the two bounds (no single step is trusted more than four digits).
-constexpr double kSurplusMemory = 0.3;
-constexpr double kLeastSurplus = 1e-4, kMostSurplus = 1e4;
-// The measured curvature is halved from step to step unless it is measured anew.
-constexpr double kBendMemory = 0.5;
-// The next correction is to contract by this part of what is allowed.
-constexpr double kContraction = 0.4;
-// A rejected step is tried again with this part of its length.
-constexpr double kRetry = 0.5;
-// The last term is summed as a geometric series unless |1 - step / pole|^2 is smaller: there the
-// step would go right into the pole, of which only the distance is known well.
-constexpr double kIntoPole = 0.09;
-// Added to norms, so that quotients of two that vanish are 1 where a path stands still.
-constexpr double kTiny = 1e-100;
-
-// The eighth root, of positive numbers.
-INLINE V order_root(const V& x) {
-  static_assert(kOrder + 1 == 8);
-  return root(root(root(x)));
-}
 
 // The Taylor series of the paths through series[0] at t, with the factorization that linearize()
 // and factorize() have left.
@@ -101,26 +68,18 @@ void expand(const Homotopy& H, Workspace& w, const V& t, C (*series)[N]) {
 }
 
 // The state of the paths under way.
-struct Lanes {
+struct Lanes : Steps<kOrder> {
   C series[kOrder + 1][N];
-  C pole;     // 1 / (common pole of the last two terms)
-  V t, next;  // where the series is expanded; where the step goes
-  V leading;  // the error of the prediction is about surplus * leading * step^(order + 1)
-  V surplus;
-  V bend;     // estimate of the norm of J^-1 D^2 F
   C waypoint[N];
   Mask passed;  // the waypoint
   int path[W];  // -1: idle
   std::int32_t steps[W];
 };
 
-// The series at `step`, its last term summed as a geometric series.
-INLINE void predict(const Lanes& s, const V& step, C* z) {
-  C d{1.0 - step * s.pole.re, -(step * s.pole.im)};
-  const V size = square(d);
-  const Mask far = size > kIntoPole;
-  const V scale = 1.0 / size;
-  C top = select(far, C{d.re * scale, -(d.im * scale)}, C{splat(1.0), splat(0.0)});
+// The series at the next step, its last term summed as a geometric series.
+INLINE void predict(const Lanes& s, C* z) {
+  const V step = s.next - s.t;
+  const C top = s.top();
   for (int i = 0; i < N; ++i) {
     C x = top * s.series[kOrder][i];
     for (int k = kOrder; k-- > 0;) {
@@ -217,16 +176,15 @@ class Tracker {
     while (under_way_ > 0) {
       C z[N];
       V n1, n2, noise;
-      const V step = s.next - s.t;
-      predict(s, step, z);
+      predict(s, z);
       normalize(z);
       correct(z, n1, n2, noise);
       const Mask accepted = judge(n1, n2, noise);
-      const V radius = renew(z, accepted);
-      learn(step, n1, n2, noise, accepted);
+      renew(z, accepted);
+      s.learn(n1, n2, noise, accepted);
       const V arrived = s.next;
-      const V ahead = advance(step, radius, accepted);
-      settle(z, arrived, ahead, accepted);
+      advance(accepted);
+      settle(z, arrived, accepted);
     }
     refine_all();
   }
@@ -244,11 +202,7 @@ class Tracker {
       for (int k = 0; k <= kOrder; ++k) put(s.series[k][i], l, {0.0, 0.0});
       put(s.series[0][i], l, {z[i].re * scale, z[i].im * scale});
     }
-    // The first step goes nowhere: it corrects the start point and expands there.
-    put(s.pole, l, {0.0, 0.0});
-    V* const zero[] = {&s.t, &s.next, &s.leading, &s.bend};
-    for (V* x : zero) put(*x, l, 0.0);
-    put(s.surplus, l, 1.0);
+    s.begin(l);
     s.passed[l] = 0;
     s.steps[l] = 0;
   }
@@ -280,70 +234,43 @@ class Tracker {
     noise = rounding(w);
   }
 
+  Aims aims() const {
+    return {options_.predictor_tolerance, options_.contraction, options_.radius_fraction};
+  }
+
   // Which lanes accept the step.
   INLINE Mask judge(const V& n1, const V& n2, const V& noise) const {
-    Mask accepted = (n1 <= kSlack * options_.predictor_tolerance) &
-                    ((n2 <= options_.contraction * n1) |
-                     ((n2 <= kNoise * noise) & (n2 <= kLongestNoise)));
+    Mask accepted = s.judge(aims(), n1, n2, noise);
     for (int l = 0; l < W; ++l)
       if (s.path[l] < 0) accepted[l] = 0;
     return accepted;
   }
 
-  // The series at z, kept in the lanes that accepted the step; returns its radius of convergence.
-  INLINE V renew(const C* z, const Mask& accepted) {
+  // The series at z, kept in the lanes that accepted the step.
+  INLINE void renew(const C* z, const Mask& accepted) {
     C series[kOrder + 1][N];
     for (int i = 0; i < N; ++i) series[0][i] = z[i];
     expand(H, w, s.next, series);
     for (int k = 0; k <= kOrder; ++k)
       for (int i = 0; i < N; ++i) s.series[k][i] = select(accepted, series[k][i], s.series[k][i]);
-    const V a0 = norm(series[kOrder]) + kTiny, a1 = norm(series[kOrder - 1]) + kTiny,
-            a2 = norm(series[kOrder - 2]) + kTiny;
-    C pole{};
+    C product{};
     for (int i = 0; i < N; ++i)
-      add_conjugate_product(pole, series[kOrder - 1][i], series[kOrder][i]);
-    pole = (1.0 / (a1 * a1 + kTiny * kTiny)) * pole;
-    s.pole = select(accepted, pole, s.pole);
-    const V radius = minimum(a1 / a0, root(a2 / a0));
-    leading_ = a0 / radius;
-    return radius;
+      add_conjugate_product(product, series[kOrder - 1][i], series[kOrder][i]);
+    s.expand({norm(series[kOrder]), norm(series[kOrder - 1]), norm(series[kOrder - 2]), product},
+             accepted);
   }
 
-  // What the corrections tell of the prediction and of the curvature.
-  INLINE void learn(const V& step, const V& n1, const V& n2, const V& noise,
-                    const Mask& accepted) {
-    const V step2 = step * step, step4 = step2 * step2;
-    const V power = step4 * step4;
-    const V measured = n1 / (s.leading * power + kTiny * kTiny * kTiny);
-    V surplus = maximum(measured, kSurplusMemory * s.surplus);
-    surplus = minimum(maximum(surplus, splat(kLeastSurplus)), splat(kMostSurplus));
-    surplus = select(step > 0.0, surplus, splat(1.0));
-    s.surplus = select(accepted, surplus, s.surplus);
-    s.leading = select(accepted, leading_, s.leading);
-    const V curved = select(n2 > kNoise * noise, 2.0 * n2 / (n1 * n1), splat(0.0));
-    s.bend = select(accepted, maximum(curved, kBendMemory * s.bend), s.bend);
-  }
-
-  // Sets s.t and s.next for the next step; returns its length.
-  INLINE V advance(const V& step, const V& radius, const Mask& accepted) {
+  // The next step, which stops at the waypoint.
+  INLINE void advance(const Mask& accepted) {
     const double waypoint = 1.0 - options_.waypoint;
-    const V aim = minimum(splat(options_.predictor_tolerance),
-                          kContraction * options_.contraction / (s.bend + kTiny));
-    V onward =
-        minimum(order_root(aim / (s.surplus * s.leading)), options_.radius_fraction * radius);
-    const V here = select(accepted, s.next, s.t);
-    V length = select(accepted, onward, kRetry * step);
-    V next = here + length;
-    next = select(next >= 1.0, splat(1.0), next);
-    const Mask over = accepted & (here < waypoint) & (next > waypoint) & (next < 1.0);
-    next = select(over, splat(waypoint), next);
-    s.t = here;
-    s.next = next;
-    return next - here;
+    s.advance(aims(), accepted);
+    const Mask over = accepted & (s.t < waypoint) & (s.next > waypoint) & (s.next < 1.0);
+    s.next = select(over, splat(waypoint), s.next);
   }
 
   // Counts the step in each lane, and ends the paths that have arrived or cannot go on.
-  INLINE void settle(const C* z, const V& arrived, const V& ahead, const Mask& accepted) {
+  INLINE void settle(const C* z, const V& arrived, const Mask& accepted) {
+    const V ahead = s.next - s.t;
     const double waypoint = 1.0 - options_.waypoint;
     const double nearest = 1.0 - options_.nearest;
     for (int l = 0; l < W; ++l) {
@@ -387,7 +314,6 @@ class Tracker {
   int upcoming_ = 0, under_way_ = 0;
   alignas(64) Workspace w;
   alignas(64) Lanes s;
-  V leading_;
 };
 
 }  // namespace

@@ -70,4 +70,7 @@ Track track_portable, track_avx2, track_avx512;
 // The same in double-double arithmetic.
 Track track_portable_extended, track_avx2_extended, track_avx512_extended;
 
+// The same in double precision with series of fewer terms, for paths that are short.
+Track track_portable_short, track_avx2_short, track_avx512_short;
+
 }  // namespace gsp

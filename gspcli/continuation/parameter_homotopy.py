@@ -16,9 +16,9 @@ from gspcli.continuation.tracker import DEFAULT, TrackerOptions, track
 _PHASES = (0.3, 1.0)
 
 
-#: For paths from a solved system to many near it: longer steps than from a start system without
-#: any relation, a fifth fewer of them. What they lose is seen and solved with more care.
-SHORT = replace(DEFAULT, predictor_tolerance=1e-3)
+#: For paths from a solved system to many near it: longer steps and fewer terms than from a start
+#: system without any relation. What they lose is seen and solved with more care.
+SHORT = replace(DEFAULT, predictor_tolerance=3e-3, contraction=0.1, short_series=True)
 
 
 @dataclass(frozen=True, eq=False)

@@ -50,6 +50,8 @@ class TrackerOptions:
     extended: bool = False
     """Whether to compute with 32 digits instead of 16, some sixteen times slower. Coefficients and
     points stay doubles, taken as exact."""
+    short_series: bool = False
+    """Whether the Taylor series have few terms (with 16 digits): quicker where steps are few."""
 
 
 DEFAULT = TrackerOptions()
@@ -142,6 +144,7 @@ def track(
             nearest=options.nearest,
             max_steps=options.max_steps,
             extended=options.extended,
+            short_series=options.short_series,
             jobs=helpful(jobs, len(arrays[3]) * len(points)),
             build=build,
         )
