@@ -7,7 +7,7 @@ STAMP  := $(VENV)/.installed
 NATIVE := $(wildcard native/*) CMakeLists.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test lint types docs bench verify verify-fast verify-solve count-families msolve wheel clean
+.PHONY: help install demo test lint types docs bench verify verify-fast verify-solve verify-exports count-families msolve wheel clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
@@ -53,6 +53,9 @@ verify: $(STAMP) msolve ## all data derived again and compared (hours; taken up 
 
 verify-solve: $(STAMP) ## random platforms of every family solved completely, recorded (40 minutes)
 	$(BIN)/python tools/verify_solve.py all --jobs $(JOBS)
+
+verify-exports: $(STAMP) msolve ## 100 random types in MuJoCo, 50 in programs for polynomial systems (half an hour)
+	$(BIN)/python -m pytest -q -rs -n $(JOBS) -m slow tests/oracles/test_mujoco.py tests/oracles/test_exported_systems.py
 
 count-families: $(STAMP) ## a random platform of each of 626 families counted exactly (minutes)
 	$(BIN)/python tools/count_families.py --check
