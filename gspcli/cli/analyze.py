@@ -12,6 +12,7 @@ import click
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options
+from gspcli.cli.progress_bars import working
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
@@ -134,7 +135,8 @@ def poses_to_analyze(
         return given.R, given.T, [None]
     from gspcli.solver import solve
 
-    result = solve(instance, certify=False)
+    with working("solving"):
+        result = solve(instance, certify=False)
     R, T = result.R[result.real].real, result.T[result.real].real
     if mode is None:
         return R, T, list(range(1, len(R) + 1))

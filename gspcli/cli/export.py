@@ -9,6 +9,7 @@ import click
 
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Output, check_writable, write
+from gspcli.cli.progress_bars import working
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
@@ -104,7 +105,8 @@ def _model(instance: Instance, mode: int | None) -> str:
     from gspcli.export.mjcf import mjcf
     from gspcli.solver import solve
 
-    real = solve(instance, certify=False).real_solutions
+    with working("solving"):
+        real = solve(instance, certify=False).real_solutions
     number = mode or 1
     if number > len(real):
         found = f"{len(real)} real pose" + "s" * (len(real) != 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from threading import Lock, Timer
 from typing import TYPE_CHECKING, TypeVar
 
@@ -52,7 +52,9 @@ class _LateBar:
         self._lock = Lock()
         self._timer = Timer(_PATIENCE_SECONDS, self._appear)
         self._timer.daemon = True
-        self._timer.start()
+        # A system that refuses threads gets no bar.
+        with suppress(RuntimeError):
+            self._timer.start()
 
     def _appear(self) -> None:
         from rich.console import Console

@@ -17,6 +17,7 @@ from gspcli.catalogue.realization import REALIZATIONS, Realization, alternative,
 from gspcli.catalogue.types import GspType
 from gspcli.cli.names import is_file, load_instance
 from gspcli.cli.output import DRAWINGS, FORMATS, Column, Output, Table, emit, output_options, write
+from gspcli.cli.progress_bars import working
 from gspcli.errors import GspError
 
 _BOND = re.compile(r"[PLH]\d+[-^]")
@@ -128,7 +129,9 @@ def _platform_drawn(spec: str, built: Mechanism, fmt: str) -> bytes:
     from gspcli.pictures.staging import best_mode, scene_of
     from gspcli.solver import solve
 
-    result = solve(load_instance(spec), certify=False)
+    instance = load_instance(spec)
+    with working("solving"):
+        result = solve(instance, certify=False)
     if not result.counts.real:
         message = f"{spec}: no real pose to draw the mechanism at; name its type for the chains"
         raise GspError(message)

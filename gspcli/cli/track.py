@@ -9,6 +9,7 @@ import click
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options, text_of, warn_of_range
+from gspcli.cli.progress_bars import working
 from gspcli.errors import IncompleteError
 
 if TYPE_CHECKING:
@@ -117,17 +118,18 @@ def command(
     if near is not None:
         given = read_pose(near, form)
         pose = given.R[0], given.T[0]
-    result = track(
-        instance,
-        table.values,
-        coordinates=table.coordinates,
-        t=table.t,
-        modes=None if mode is None else [mode],
-        near=pose,
-        everything=everything,
-        certify=not no_certify,
-        jobs=jobs,
-    )
+    with working("following"):
+        result = track(
+            instance,
+            table.values,
+            coordinates=table.coordinates,
+            t=table.t,
+            modes=None if mode is None else [mode],
+            near=pose,
+            everything=everything,
+            certify=not no_certify,
+            jobs=jobs,
+        )
     rows = _rows(result, _clearances(result) if clear else None)
     emit(output, _table(result, rows), document=_document(result, rows))
     warn_of_range(instance, table.t.tolist(), table.values)

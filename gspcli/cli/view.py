@@ -13,6 +13,7 @@ import click
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import DRAWINGS, Output, check_writable, output_options, write
 from gspcli.cli.pose_options import text_of
+from gspcli.cli.progress_bars import working
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
@@ -108,7 +109,8 @@ def command(
         path = Path(f"{_stem(spec)}.{output.format}")
         check_writable(path)
         output = replace(output, path=path)
-    result = solve(instance)
+    with working("solving"):
+        result = solve(instance)
     start, names = _start(result, mode), not no_names
     content: str | bytes
     if output.format == _PAGE:
