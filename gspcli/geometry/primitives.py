@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ from gspcli.wording import shown
 Vector = tuple[Number, Number, Number]
 _EXACT = [Number, Number, Number]
 Array = NDArray[np.float64]
+#: What a caller may give for a vector.
+Components: TypeAlias = "Sequence[Real] | Array"
 
 
 def vector(x: Real, y: Real, z: Real) -> Vector:
@@ -24,7 +27,7 @@ def vector(x: Real, y: Real, z: Real) -> Vector:
     return (Number.of(x), Number.of(y), Number.of(z))
 
 
-def exact_vector(components: Sequence[Real] | Array, where: str = "") -> Vector:
+def exact_vector(components: Components, where: str = "") -> Vector:
     """Return an exact vector from a sequence of three numbers.
 
     Parameters
@@ -58,7 +61,7 @@ def exact_vector(components: Sequence[Real] | Array, where: str = "") -> Vector:
     return (found_so_far[0], found_so_far[1], found_so_far[2])
 
 
-def exact_direction(components: Sequence[Real] | Array, where: str = "") -> Vector:
+def exact_direction(components: Components, where: str = "") -> Vector:
     """Return an exact vector that is not zero; as `exact_vector`."""
     exact = exact_vector(components, where)
     if not any(number.value for number in exact):
@@ -79,7 +82,7 @@ def _unit(exact: Vector) -> Array:
     return np.asarray(direction / np.linalg.norm(direction))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Cone:
     """How far a joint can tilt: a cone fixed in the body of the joint.
 
@@ -97,10 +100,10 @@ class Cone:
     axis: Vector
     half_angle: Number
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "axis", exact_direction(self.axis, "axis"))
+    def __init__(self, axis: Components, half_angle: Real) -> None:
+        object.__setattr__(self, "axis", exact_direction(axis, "axis"))
         try:
-            object.__setattr__(self, "half_angle", Number.of(self.half_angle))
+            object.__setattr__(self, "half_angle", Number.of(half_angle))
         except ArgumentError as error:
             raise error.within("half_angle") from None
 
@@ -110,7 +113,7 @@ class Cone:
         return _unit(self.axis)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Crank:
     """What turns a point about an axis: the arm of a rotary motor.
 
@@ -125,9 +128,9 @@ class Crank:
     centre: Vector
     axis: Vector
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "centre", exact_vector(self.centre, "centre"))
-        object.__setattr__(self, "axis", exact_direction(self.axis, "axis"))
+    def __init__(self, centre: Components, axis: Components) -> None:
+        object.__setattr__(self, "centre", exact_vector(centre, "centre"))
+        object.__setattr__(self, "axis", exact_direction(axis, "axis"))
 
     def turned(self, point: Array, angle: float) -> Array:
         """Return a point, shape (3,), turned by an angle in radians."""
@@ -139,7 +142,7 @@ class Crank:
         return turned
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Point:
     """A point.
 
@@ -163,8 +166,12 @@ class Point:
     crank: Crank | None = None
     primitive = Primitive.POINT
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "position", exact_vector(self.position, "position"))
+    def __init__(
+        self, position: Components, cone: Cone | None = None, crank: Crank | None = None
+    ) -> None:
+        object.__setattr__(self, "position", exact_vector(position, "position"))
+        object.__setattr__(self, "cone", cone)
+        object.__setattr__(self, "crank", crank)
 
     @cached_property
     def point(self) -> Array:
@@ -172,7 +179,7 @@ class Point:
         return as_array(self.position)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Line:
     """An oriented line.
 
@@ -188,9 +195,9 @@ class Line:
     direction: Vector
     primitive = Primitive.LINE
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "position", exact_vector(self.position, "position"))
-        object.__setattr__(self, "direction", exact_direction(self.direction, "direction"))
+    def __init__(self, position: Components, direction: Components) -> None:
+        object.__setattr__(self, "position", exact_vector(position, "position"))
+        object.__setattr__(self, "direction", exact_direction(direction, "direction"))
 
     @cached_property
     def point(self) -> Array:
@@ -203,7 +210,7 @@ class Line:
         return _unit(self.direction)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Plane:
     """An oriented plane.
 
@@ -219,9 +226,9 @@ class Plane:
     normal: Vector
     primitive = Primitive.PLANE
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "position", exact_vector(self.position, "position"))
-        object.__setattr__(self, "normal", exact_direction(self.normal, "normal"))
+    def __init__(self, position: Components, normal: Components) -> None:
+        object.__setattr__(self, "position", exact_vector(position, "position"))
+        object.__setattr__(self, "normal", exact_direction(normal, "normal"))
 
     @cached_property
     def point(self) -> Array:

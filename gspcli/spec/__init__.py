@@ -7,7 +7,8 @@ which primitives several constraints share, `out_of_proportion` which lengths do
 
 from gspcli.spec.meaning import bonds, sharing
 from gspcli.spec.proportion import out_of_proportion
-from gspcli.spec.reading import Reading, load, loads, read, read_text, set_values
+from gspcli.spec.reading import Reading, load, loads, read, read_text
+from gspcli.spec.settings import set_values
 from gspcli.spec.writing import dump, dumps
 
 __all__ = [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,7 +14,6 @@ from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, DPP, KINDS_BY_NA
 from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES
 from gspcli.errors import Problem, SpecError, TypeNameError
-from gspcli.geometry.expressions import parse_number
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Cone, Crank, Geometry, Line, Plane, Point, Vector
@@ -143,49 +142,6 @@ def load(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> 
 def loads(text: str, *, name: str = "instance") -> Instance:
     """Return the instance in the text of a file; as `read`, without the warnings."""
     return read_text(text, name=name).instance
-
-
-def set_values(instance: Instance, settings: Iterable[str]) -> Instance:
-    """Return the instance with other values for some constraints.
-
-    Parameters
-    ----------
-    instance
-        The instance.
-    settings
-        Texts such as ``1=5.2`` or ``3=sqrt(2)``: the number of a constraint, from 1, and its value.
-
-    Raises
-    ------
-    SpecError
-        With all mistakes in the settings.
-    """
-    problems, values = [], {}
-    count = len(instance.constraints)
-    for setting in settings:
-        key, equals, text = setting.partition("=")
-        index = int(key) - 1 if key.strip().isdecimal() and len(key) < 5 else -1
-        message = ""
-        if not equals:
-            message = "expected NUMBER=VALUE, as 1=5.2"
-        elif not 0 <= index < count:
-            message = f"found constraint {shown(key)}, expected a number from 1 to {count}"
-        elif index in values:
-            message = f"found constraint {index + 1} twice"
-        else:
-            try:
-                values[index] = parse_number(text)
-            except ValueError as error:
-                message = str(error)
-            else:
-                kind, unit = instance.constraints[index].kind, instance.units.angle
-                if wrong := wrong_value(kind, values[index], unit):
-                    message = f"found {shown(text)}, {wrong}"
-        if message:
-            problems.append(Problem(None, f"--set {shown(setting)}", message))
-    if problems:
-        raise SpecError(problems)
-    return instance.with_values(values)
 
 
 def _scalars(value: Value) -> Iterator[Scalar]:

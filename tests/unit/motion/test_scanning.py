@@ -20,7 +20,7 @@ def test_counts_are_those_of_solve_and_change_at_proved_folds(hexapod):
     found = scan(hexapod, [axis])
     assert found.modes.shape == (11,)
     for value, modes in zip(axis.values, found.modes, strict=True):
-        one = gspcli.solve(gspcli.set_values(hexapod, [f"1={value!r}"]), certify=False)
+        one = gspcli.solve(gspcli.set_values(hexapod, {1: value}), certify=False)
         assert one.real.sum() == modes
     limits = boundary(found)
     assert not limits.unexplained
@@ -37,7 +37,7 @@ def test_counts_are_those_of_solve_and_change_at_proved_folds(hexapod):
             (value,) = fold.values
             sides = [
                 gspcli.solve(
-                    gspcli.set_values(hexapod, [f"1={value + step!r}"]), certify=False
+                    gspcli.set_values(hexapod, {1: value + step}), certify=False
                 ).real.sum()
                 for step in (-1e-7, 1e-7)
             ]

@@ -154,9 +154,7 @@ def test_branches_very_near_to_each_other_are_told_apart(hexapod):
     """Just before the fold both modes are 2e-5 apart, and each is followed away from it."""
     fold = track(hexapod, VALUES[:2], t=[0, 1]).events[0]
     near = VALUES[0] + (fold.low - 1e-9) * (VALUES[1] - VALUES[0])
-    modes = gspcli.solve(
-        gspcli.set_values(hexapod, [f"{k}={v!r}" for k, v in enumerate(near.tolist(), 1)])
-    )
+    modes = gspcli.solve(gspcli.set_values(hexapod, near))
     R, T = modes.R[modes.real].real, modes.T[modes.real].real
     platform = MovingPlatform(hexapod)
     points = platform.points(R, T)

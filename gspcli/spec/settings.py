@@ -1,0 +1,107 @@
+"""Other values for the constraints of an instance."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from gspcli.errors import ArgumentError, Problem, SpecError
+from gspcli.geometry.expressions import parse_number
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.numbers import Number, Real
+from gspcli.geometry.ranges import wrong_value
+from gspcli.wording import shown
+
+
+def set_values(instance: Instance, settings: Mapping[int, Real] | Iterable[Real]) -> Instance:
+    """Return the instance with other values for some constraints.
+
+    Parameters
+    ----------
+    instance
+        The instance.
+    settings
+        Values by the numbers of the constraints, from 1, as ``{1: 5.2, 3: "sqrt(2)"}``; or such
+        texts as ``["1=5.2", "3=sqrt(2)"]``; or the values of all six, shape (6,). They are numbers
+        of any kind (`Number.of`), in the units of the instance.
+
+    Raises
+    ------
+    ArgumentError
+        Naming what is wrong, such as ``settings[3]``.
+    SpecError
+        With all mistakes in texts.
+
+    Examples
+    --------
+    >>> import gspcli
+    >>> made = gspcli.hexapod(*[[[k, k * k, k**3] for k in range(6)]] * 2, range(1, 7))
+    >>> [str(row.value) for row in set_values(made, {1: 5.2, 3: "sqrt(2)"}).constraints]
+    ['5.2', '2', 'sqrt(2)', '4', '5', '6']
+    """
+    if isinstance(settings, Mapping):
+        return instance.with_values(_of_mapping(instance, settings))
+    if not isinstance(settings, Iterable):
+        message = f"found a {type(settings).__name__}, expected values by number, as {{1: 5.2}}"
+        raise ArgumentError(message, "settings")
+    items = [settings] if isinstance(settings, str) else list(settings)
+    texts = [item for item in items if isinstance(item, str)]
+    if len(texts) == len(items):
+        return instance.with_values(_of_texts(instance, texts))
+    count = len(instance.constraints)
+    if len(items) != count:
+        message = f"found {len(items)} values, expected {count}, or {{1: 5.2}} for some"
+        raise ArgumentError(message, "settings")
+    values = {k: _value(instance, k, item, f"settings[{k}]") for k, item in enumerate(items)}
+    return instance.with_values(values)
+
+
+def _of_mapping(instance: Instance, settings: Mapping[int, Real]) -> dict[int, Number]:
+    count = len(instance.constraints)
+    values = {}
+    for number, value in settings.items():
+        where = f"settings[{number!r}]"
+        if isinstance(number, bool) or number not in range(1, count + 1):
+            message = f"found constraint {number!r}, expected a number from 1 to {count}"
+            raise ArgumentError(message, where)
+        values[int(number) - 1] = _value(instance, int(number) - 1, value, where)
+    return values
+
+
+def _value(instance: Instance, index: int, value: Real, where: str) -> Number:
+    try:
+        exact = Number.of(value)
+    except ArgumentError as error:
+        raise error.within(where) from None
+    if wrong := wrong_value(instance.constraints[index].kind, exact, instance.units.angle):
+        message = f"found {exact}, {wrong}"
+        raise ArgumentError(message, where)
+    return exact
+
+
+def _of_texts(instance: Instance, settings: Iterable[str]) -> dict[int, Number]:
+    problems, values = [], {}
+    count = len(instance.constraints)
+    for setting in settings:
+        key, equals, text = setting.partition("=")
+        index = int(key) - 1 if key.strip().isdecimal() and len(key) < 5 else -1
+        message = ""
+        if not equals:
+            message = "expected NUMBER=VALUE, as 1=5.2"
+        elif not 0 <= index < count:
+            message = f"found constraint {shown(key)}, expected a number from 1 to {count}"
+        elif index in values:
+            message = f"found constraint {index + 1} twice"
+        else:
+            try:
+                values[index] = parse_number(text)
+            except ValueError as error:
+                message = str(error)
+            else:
+                kind, unit = instance.constraints[index].kind, instance.units.angle
+                if wrong := wrong_value(kind, values[index], unit):
+                    message = f"found {shown(text)}, {wrong}"
+        if message:
+            problems.append(Problem(None, f"--set {shown(setting)}", message))
+    if problems:
+        raise SpecError(problems)
+    return values
