@@ -16,7 +16,7 @@ from flint import arb, ctx
 from numpy.typing import NDArray
 
 from gspcli import _kernel
-from gspcli.catalogue.kinds import AHH, AHL, ALH, DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.certification import study
 from gspcli.certification.ball_system import (
     Form,
@@ -199,6 +199,8 @@ class ValueProofs:
         degrees = self.instance.units.angle is AngleUnit.DEGREE
         if kind in (ALH, AHL):
             return sines(angles, degrees=degrees)
+        if kind not in (ALL, AHH):
+            raise ValueError(kind)
         return cosines(angles, degrees=degrees) * (-1 if kind is AHH else 1)
 
     def _is_fine(self, values: Array) -> bool:

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 
 Vector = NDArray[np.float64]
 #: Lines at a smaller angle than this (radians) are drawn and jointed as parallel ones, and
@@ -88,7 +88,8 @@ def chain(kind: Kind, x: Vector, v: Vector, y: Vector, w: Vector) -> Chain:
         return _about_base_line(x, v, y)
     if kind is DLP:
         return _about_platform_line(x, y, w)
-    assert kind is DLL, kind
+    if kind is not DLL:
+        raise ValueError(kind)
     return _two_lines(x, v, y, w)
 
 
@@ -164,6 +165,8 @@ def _angle(kind: Kind, v: Vector, y: Vector, w: Vector) -> Chain:
     # and a plane (Section 4): both of the latter fall when the directions open.
     if kind is ALL:
         value, axis = between, n
+    elif kind not in (ALH, AHL, AHH):
+        raise ValueError(kind)
     else:
         value = (np.pi if kind.platform is kind.base else np.pi / 2) - between
         axis = -n

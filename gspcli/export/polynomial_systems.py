@@ -95,7 +95,8 @@ def _equation(row: Constraint, unit: AngleUnit, motion: Motion, exact: Constants
     if row.kind in (DPL, DLP):
         line, along = (v, dot(v, r)) if row.kind is DPL else (u, dot(u, s))
         return ((exact.reduced(dot(line, line)) * N, sphere), (along, -along))
-    assert row.kind is DLL, row.kind
+    if row.kind is not DLL:
+        raise ValueError(row.kind)
     turned = motion.turned(u)
     moment = dot(v, motion.turned(cross(y, u))) + dot(v, motion.moment(u))
     moment -= dot(turned, cross(v, x))

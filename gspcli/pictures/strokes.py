@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import AHH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.geometry.quaternions import cross, dot
 from gspcli.pictures.scene import Stroke, Style
 
@@ -84,6 +84,8 @@ def connection(kind: Kind, p: Array, w: Array, x: Array, v: Array) -> Ends:
         at_platform = np.where(parallel, p, p + s * w)
         at_base = np.where(parallel, x + _along(r, v), x + t * v)
         return Ends(at_platform, at_base, w, v)
+    if kind is not DPP:
+        raise ValueError(kind)
     return Ends(p, x, w, v)
 
 
@@ -125,6 +127,8 @@ def arms(kind: Kind, ends: Ends) -> tuple[Array, Array]:
         return v, w
     if kind is AHH:
         return v, -w
+    if kind not in (ALH, AHL):
+        raise ValueError(kind)
     line, normal = (w, v) if kind.base.value == "H" else (v, w)
     flat = line - dot(line, normal)[:, None] * normal
     norm = np.linalg.norm(flat, axis=1, keepdims=True)

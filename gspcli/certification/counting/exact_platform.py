@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from gspcli.catalogue.kinds import AHH, AHL, ALH, Kind
+from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, Kind
 from gspcli.certification.counting.elements import Element
 from gspcli.certification.counting.exact_numbers import Angle, element, in_radians, squared
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
@@ -158,4 +158,6 @@ def _cosine(kind: Kind, angle: Angle) -> Element:
     """Return the value of ``R u . v`` of unit vectors (paper, Section 4)."""
     if kind in (ALH, AHL):
         return angle.sin()
+    if kind not in (ALL, AHH):
+        raise ValueError(kind)
     return -angle.cos() if kind is AHH else angle.cos()
