@@ -16,13 +16,14 @@ import json
 import platform as machine
 import sys
 from collections.abc import Iterator
+from itertools import islice
 
 import numpy as np
 import singular
 import sympy
+from homomorphisms import fields
 from quaternion_counts import count
 from recording import ROOT, csv_text, parser, save
-from residues import FIRST_PRIME, Residues
 
 sys.path.insert(0, str(ROOT))
 
@@ -52,7 +53,7 @@ def platforms() -> Iterator[tuple[Sharing, bool, Instance]]:
 
 def record(sharing: Sharing, planar: bool, instance: Instance) -> dict[str, object]:
     """Return the row of an instance: the same modulo two primes."""
-    first, second = (count(instance, Residues(sympy.nextprime(FIRST_PRIME, k))) for k in (1, 2))
+    first, second = (count(instance, field) for field in islice(fields(instance), 2))
     if first != second:
         message = f"{sharing.id}: the primes disagree: {first}, {second}"
         raise SystemExit(message)

@@ -4,10 +4,9 @@
 
 The complex counts (`quaternion_counts`) are independent of the package's solvers and of its
 statements of the constraints (`gspcli.geometry.constraint_polynomials`); two primes must agree.
-Square roots, sines and cosines in an instance exist modulo the chosen primes and are kept
-consistent (`residues`). Of the real platforms the same is also counted with random values: the
-count of the geometry. The cosine of an angle that is no multiple of 30 degrees is replaced by a
-random residue, so such a count is that of the instance's geometry with generic angles.
+What holds between square roots, sines and cosines of an instance holds modulo these primes, too
+(`homomorphisms`). Of the real platforms the same is also counted with random values: the count of
+the geometry.
 
 The real poses are those that the package's solver finds; `certified` says how many of the distinct
 solutions are proved, with whether they are real, by interval arithmetic. That the list is complete
@@ -21,14 +20,15 @@ import hashlib
 import json
 import platform
 import sys
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import singular
 import sympy
+from homomorphisms import fields
 from quaternion_counts import count
 from recording import ROOT, parser, sampled, save
-from residues import NoRootError, Residues, primes
 
 sys.path.insert(0, str(ROOT))
 
@@ -58,22 +58,16 @@ def counts(path: Path) -> dict[str, Any]:
     instance = load(path)
     results: dict[int, dict[str, int]] = {}
     geometry: dict[int, dict[str, int]] = {}
-    for prime in primes(instance):
-        try:
-            results[prime] = count(instance, Residues(prime))
-        except NoRootError:
-            continue
+    for field in islice(fields(instance), 2):
+        results[field.prime] = count(instance, field)
         if path.parent == PLATFORMS:
-            geometry[prime] = count(instance, Residues(prime), generic=True)
-        if len(results) == 2:
-            break
+            geometry[field.prime] = count(instance, field, generic=True)
     first = _agreeing(path, results)
     record = {
         "sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
         "type": instance.type.id,
         **first,
         "primes": list(results),
-        "generic_angles": _has_generic_angles(instance),
     }
     if geometry:
         record["geometry"] = _agreeing(path, geometry)
@@ -111,13 +105,6 @@ def real_poses(path: Path, instance: Instance, exact: dict[str, int]) -> dict[st
             raise SystemExit(message)
         record["real_known_from"] = source
     return record
-
-
-def _has_generic_angles(instance: Instance) -> bool:
-    return any(
-        not c.kind.is_distance and (c.value.fraction is None or c.value.fraction % 30 != 0)
-        for c in instance.constraints
-    )
 
 
 def main() -> int:

@@ -14,8 +14,9 @@ from fractions import Fraction
 from itertools import chain
 from typing import Any
 
-from homomorphisms import Homomorphism, Rationals
-from residues import direction
+from homomorphisms import Homomorphism
+from number_parts import direction
+from rational_numbers import Rationals
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.geometry.instance import Constraint, Instance, Side

@@ -9,38 +9,13 @@ polynomial of a random linear form.
 from __future__ import annotations
 
 import random
-from typing import Protocol
 
 import singular
-from residues import direction
+from homomorphisms import Homomorphism
+from number_parts import direction
 
 from gspcli.catalogue.kinds import AHH, DHP, DLL, DLP, DPH, DPL, DPP
-from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
-from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Vector
-
-
-class Field(Protocol):
-    """The numbers of an instance modulo a prime: `residues` or `homomorphisms`."""
-
-    prime: int
-
-    def number(self, number: Number) -> int:
-        """Return the residue of a number."""
-        ...
-
-    def square(self, number: Number) -> int:
-        """Return the residue of the square of a number."""
-        ...
-
-    def norm(self, vector: Vector) -> int:
-        """Return the length of a vector."""
-        ...
-
-    def cosine(self, constraint: Constraint, unit: AngleUnit) -> int:
-        """Return the cosine of an angle, or the sine that takes its place in ALH and AHL."""
-        ...
-
+from gspcli.geometry.instance import Constraint, Instance, Side
 
 #: Names of the variables: the quaternion e and the quaternion f.
 VARIABLES = "e0,e1,e2,e3,f0,f1,f2,f3"
@@ -70,15 +45,13 @@ def _list(name: str, values: list[int]) -> str:
     return f"{name}=list(" + ",".join(f"poly({value})" for value in values) + ");"
 
 
-def equation(
-    constraint: Constraint, unit: AngleUnit, field: Field, *, value: int | None = None
-) -> str:
+def equation(constraint: Constraint, field: Homomorphism, *, value: int | None = None) -> str:
     """Return Singular statements that add a constraint to the ideal i.
 
     Parameters
     ----------
-    constraint, unit
-        The constraint and the unit of angles.
+    constraint
+        The constraint.
     field
         The numbers modulo a prime.
     value
@@ -123,12 +96,12 @@ def equation(
             # The square of this is zero, too, but counts each pose twice.
             return text + " i=i,F;"
         return text + f" i=i,F^2-{square}*(dt(u,u)*dt(v,v)-G^2);"
-    cosine = field.cosine(constraint, unit) if value is None else value
+    cosine = field.cosine(constraint) if value is None else value
     cosine *= field.norm(u) * field.norm(v)
     return text + f" i=i,G{'+' if kind is AHH else '-'}({cosine % field.prime});"
 
 
-def _distance(constraint: Constraint, field: Field, value: int | None) -> tuple[str, str]:
+def _distance(constraint: Constraint, field: Homomorphism, value: int | None) -> tuple[str, str]:
     """Return a distance, needed where a side is stated, and its square."""
     if value is not None:
         return f"poly({value})", f"poly({value * value % field.prime})"
@@ -137,23 +110,17 @@ def _distance(constraint: Constraint, field: Field, value: int | None) -> tuple[
     return d, f"poly({field.square(constraint.value)})"
 
 
-def count(instance: Instance, field: Field, *, generic: bool = False) -> dict[str, int]:
+def count(instance: Instance, field: Homomorphism, *, generic: bool = False) -> dict[str, int]:
     """Return dimension and counts of the complex solutions modulo a prime.
 
     With `generic` the values of the constraints are random: the count of the geometry.
-
-    Raises
-    ------
-    NoRootError
-        If another prime is needed.
     """
     prime = field.prime
-    unit = instance.units.angle
     names = VARIABLES.split(",")
     chosen = random.Random(prime)
     values = [chosen.randrange(1, prime) if generic else None for _ in instance.constraints]
     pairs = zip(instance.constraints, values, strict=True)
-    equations = "\n".join(equation(c, unit, field, value=value) for c, value in pairs)
+    equations = "\n".join(equation(c, field, value=value) for c, value in pairs)
     # The values of a generic linear form t separate the points.
     form = "+".join(f"{chosen.randrange(prime)}*{name}" for name in names)
     program = (

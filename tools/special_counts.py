@@ -20,13 +20,7 @@ from itertools import islice
 
 import msolve
 import quaternion_counts
-from homomorphisms import (
-    Homomorphism,
-    NoHomomorphismError,
-    Rationals,
-    Rounded,
-    fields,
-)
+from homomorphisms import Homomorphism, fields
 from matrix_ideal import (
     Ideal,
     Polynomial,
@@ -40,7 +34,8 @@ from matrix_ideal import (
     without_linear,
 )
 from msolve import Count
-from residues import direction
+from number_parts import UnknownNumberError, direction
+from rational_numbers import Rationals, Rounded
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.instance import Constraint, Instance
@@ -210,7 +205,7 @@ def real_poses(
     ):
         try:
             ideal = equations(instance, numbers)
-        except NoHomomorphismError:
+        except UnknownNumberError:
             continue
         if without_parallel:
             ring = Ring(0)
