@@ -21,7 +21,7 @@ from gspcli.certification.pose_balls import PoseBall, pose_of_floats, pose_of_po
 from gspcli.certification.statement import length_scale
 from gspcli.defaults import MAX_PRECISION, TOLERANCE
 from gspcli.errors import ArgumentError
-from gspcli.geometry.building import checked
+from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance, Side
 
 #: Bits of the first attempt: candidates are floats, and a limb of FLINT has 64 bits.

@@ -21,12 +21,12 @@ from gspcli.catalogue.kinds import (
     Kind,
     Primitive,
 )
-from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES
+from gspcli.catalogue.types import CONSTRAINTS
 from gspcli.errors import ArgumentError
+from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number, Real
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point
-from gspcli.geometry.ranges import wrong_half_angle, wrong_value
 from gspcli.wording import listed, shown
 
 _SORTS = {Primitive.POINT: "point", Primitive.LINE: "line", Primitive.PLANE: "plane"}
@@ -280,53 +280,3 @@ class _Names:
             self.counts[letter] += 1
             name = self.names[geometry] = f"{letter}{self.counts[letter]}"
         return name
-
-
-def checked(instance: Instance) -> Instance:
-    """Return an instance that is one: six constraints, at most three angles, values in range.
-
-    Raises
-    ------
-    ArgumentError
-        Naming the first constraint, from 0, that is wrong.
-    """
-    if not isinstance(instance, Instance):
-        message = f"found a {type(instance).__name__}, expected an Instance: load reads one"
-        raise ArgumentError(message, "instance")
-    rows = instance.constraints
-    for index, row in enumerate(rows):
-        try:
-            wrong = wrong_value(row.kind, row.value, instance.units.angle)
-        except (ValueError, ArithmeticError):
-            wrong = "which is no real number"
-        if wrong:
-            message = f"found {row.value}, {wrong}"
-            raise ArgumentError(message, f"constraints[{index}].value")
-        low, high = row.limits or (row.value, row.value)
-        if low.value > high.value:
-            message = f"found {low} above {high}, expected (low, high)"
-            raise ArgumentError(message, f"constraints[{index}].range")
-        if row.side is not Side.BOTH and not row.kind.has_sides:
-            message = f"found a side for {row.kind}, expected one only for DPH and DHP"
-            raise ArgumentError(message, f"constraints[{index}].side")
-        for where, primitive in (("platform", row.platform), ("base", row.base)):
-            cone = primitive.cone if isinstance(primitive, Point) else None
-            if cone and (wrong := wrong_half_angle(cone.half_angle, instance.units.angle)):
-                message = f"found {cone.half_angle}, {wrong}"
-                raise ArgumentError(message, f"constraints[{index}].{where}.cone.half_angle")
-            if cone and not any(
-                other.kind is DPP and primitive == getattr(other, where) for other in rows
-            ):
-                message = "found a cone at a point without a leg (DPP), whose direction it limits"
-                raise ArgumentError(message, f"constraints[{index}].{where}.cone")
-    if len(rows) != CONSTRAINTS:
-        message = f"found {len(rows)} constraints, expected exactly six"
-        raise ArgumentError(message, "constraints")
-    angles = sum(not row.kind.is_distance for row in rows)
-    if angles > MAX_ANGLES:
-        message = (
-            f"found {angles} angles, expected at most three: "
-            "three fix the orientation (Definition 2.1)"
-        )
-        raise ArgumentError(message, "constraints")
-    return instance

@@ -60,7 +60,7 @@ def degree_of_mourrain() -> str:
 
 def lowest_degrees() -> str:
     """Prove the lowest degrees of DHP, DLP and DLL."""
-    from gspcli.symbolic.constraint_equations import lowest_degree
+    from gspcli.symbolic.constraint_degrees import lowest_degree
 
     found = []
     for kind in (DHP, DLP, DLL):

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.building import checked
+from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.solver.arguments import problems_of, value_rows, whole

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -20,88 +19,13 @@ from gspcli.geometry.residuals import condition_numbers, residuals, sides_of
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.self_motion import Motion
+from gspcli.solver.solution import Counts, Solution
 
 if TYPE_CHECKING:
     import pandas as pd
 
 Array = NDArray[np.float64]
 SCHEMA = "gsp.solve/1"
-
-
-@dataclass(frozen=True)
-class Counts:
-    """How many poses of which sort.
-
-    Attributes
-    ----------
-    found
-        Distinct finite isolated solutions.
-    real, certified, singular
-        How many of those are real, are certified, have a multiplicity above one.
-    """
-
-    found: int
-    real: int
-    certified: int
-    singular: int
-
-
-@dataclass(frozen=True, eq=False)
-class Solution:
-    """One pose.
-
-    Attributes
-    ----------
-    real, certified
-        Whether the pose is real, and whether that and its existence are proved.
-    multiplicity
-        How many paths end at it.
-    R, T
-        Rotation (3, 3) and translation (3,), complex for a pose that is not real.
-    quaternion
-        Of the rotation, scalar first, ``e.e = 1``, shape (4,).
-    residual
-        The largest difference between what a constraint measures and its value, in the units
-        of the instance (lengths and angles alike).
-    condition
-        Condition number of the pose (`gspcli.geometry.residuals.condition_numbers`).
-    sides
-        For each DPH and DHP constraint, by its number from 1: ``positive`` or ``negative``.
-    """
-
-    real: bool
-    certified: bool
-    multiplicity: int
-    R: Field
-    T: Field
-    quaternion: Field
-    residual: float
-    condition: float
-    sides: Mapping[int, str]
-
-    def __repr__(self) -> str:
-        sort = ("real" if self.real else "complex") + ", certified" * self.certified
-        size = f"residual {self.residual:.1e}, condition {self.condition:.4g}"
-        return f"<Solution: {sort}, {size}, T {np.array2string(self.T, precision=6)}>"
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the pose as plain data (see `SolveResult.to_json`)."""
-        document: dict[str, Any] = {
-            "real": self.real,
-            "certified": self.certified,
-            "multiplicity": self.multiplicity,
-            "R": self.R.real.tolist(),
-            "T": self.T.real.tolist(),
-            "quaternion": self.quaternion.real.tolist(),
-            "residual": self.residual,
-            "condition": self.condition if np.isfinite(self.condition) else None,
-            "sides": {str(number): side for number, side in self.sides.items()},
-        }
-        if not self.real:
-            document["R_imag"] = self.R.imag.tolist()
-            document["T_imag"] = self.T.imag.tolist()
-            document["quaternion_imag"] = self.quaternion.imag.tolist()
-        return document
 
 
 @dataclass(frozen=True, eq=False)

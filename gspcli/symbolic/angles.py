@@ -11,16 +11,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from gspcli.symbolic.eliminations import cramer, determinant
-from gspcli.symbolic.triangular import (
-    Condition,
-    Element,
-    Elimination,
-    Polynomial,
-    Relation,
-    TriangularSet,
-    coefficient,
-    coefficients,
-)
+from gspcli.symbolic.sparse_polynomials import Polynomial, coefficient, coefficients
+from gspcli.symbolic.triangular import Condition, Element, Elimination, Relation, TriangularSet
 
 #: The order of the unknowns in equations (12) and (13), ascending.
 ORDER = ("r32", "r31", "r23", "r22", "r21", "r13", "r12", "r11", "r33")

@@ -11,14 +11,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from gspcli.symbolic.triangular import (
-    Condition,
-    Elimination,
-    Polynomial,
-    Relation,
-    coefficient,
-    coefficients,
-)
+from gspcli.symbolic.sparse_polynomials import Polynomial, coefficient, coefficients
+from gspcli.symbolic.triangular import Condition, Elimination, Relation
 
 _AT_INFINITY = "a solution has gone to infinity, or the surfaces meet in a curve"
 _SAME_X = "two solutions have the same x, or the surfaces meet in a curve"

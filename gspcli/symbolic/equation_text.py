@@ -9,12 +9,12 @@ import sympy
 from sympy import Expr
 
 from gspcli.catalogue.kinds import Kind, Primitive
+from gspcli.symbolic.constraint_degrees import lowest_degree
 from gspcli.symbolic.constraint_equations import (
     ANGLE,
     DISTANCE,
     SymbolicEquation,
     equations,
-    lowest_degree,
     setting,
 )
 from gspcli.symbolic.coordinates import CoordinateSystem

@@ -6,7 +6,8 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from gspcli.symbolic.triangular import Definition, Polynomial, coefficients, symbols_of
+from gspcli.symbolic.sparse_polynomials import Polynomial, coefficients, symbols_of
+from gspcli.symbolic.triangular import Definition
 
 
 @dataclass(frozen=True)

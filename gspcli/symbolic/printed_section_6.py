@@ -11,7 +11,7 @@ from sympy import Expr, Matrix, Poly, Rational, Symbol, radsimp, symbols, sympif
 
 from gspcli.errors import CheckFailed
 from gspcli.symbolic.closed_forms import derive
-from gspcli.symbolic.triangular import parametrize
+from gspcli.symbolic.sparse_polynomials import parametrize
 
 #: An instance of equation (12) in the paper's frame, s2, s3, s5 and s6 of unit length.
 _ANGLES = {

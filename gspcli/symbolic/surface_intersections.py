@@ -11,13 +11,8 @@ from typing import Any
 
 from gspcli.symbolic import eliminations
 from gspcli.symbolic.eliminations import Reduction
-from gspcli.symbolic.triangular import (
-    Element,
-    Elimination,
-    Polynomial,
-    Relation,
-    TriangularSet,
-)
+from gspcli.symbolic.sparse_polynomials import Polynomial
+from gspcli.symbolic.triangular import Element, Elimination, Relation, TriangularSet
 
 VARIABLES = ("x", "y", "z")
 

@@ -25,13 +25,11 @@ from gspcli.catalogue.kinds import (
 )
 from gspcli.catalogue.recorded_varieties import varieties
 from gspcli.resources import data_json
+from gspcli.symbolic.constraint_degrees import difference_degree, lowest_degree, paper_degree
 from gspcli.symbolic.constraint_equations import (
     ANGLE,
     DISTANCE,
-    difference_degree,
     equations,
-    lowest_degree,
-    paper_degree,
     setting,
     squared_distance,
     written_equation,

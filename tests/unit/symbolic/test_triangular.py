@@ -8,20 +8,20 @@ from sympy import QQ, ZZ, Matrix, Poly, Rational, ring, symbols
 
 from gspcli.symbolic.closed_forms import CASES, derive
 from gspcli.symbolic.eliminations import determinant
-from gspcli.symbolic.surface_intersections import (
-    INTERSECTIONS,
-    cylinder_coefficients,
-    plane_coefficients,
-    sphere_coefficients,
-)
-from gspcli.symbolic.triangular import (
-    TriangularSet,
+from gspcli.symbolic.sparse_polynomials import (
     coefficient,
     coefficients,
     evaluate,
     parametrize,
     symbols_of,
 )
+from gspcli.symbolic.surface_intersections import (
+    INTERSECTIONS,
+    cylinder_coefficients,
+    plane_coefficients,
+    sphere_coefficients,
+)
+from gspcli.symbolic.triangular import TriangularSet
 
 #: Proposition 6.7.
 SOLUTIONS = {
