@@ -235,12 +235,9 @@ def _finite(value: Any) -> float | None:
 
 
 def _document(instance: Instance, given: Wrenches, entries: list[dict[str, Any]]) -> dict[str, Any]:
-    kind = instance.type
     return {
         "schema": "gsp.analyze/1",
-        "name": instance.name,
-        "type": {"id": kind.id, "number": kind.number, "class": kind.platform_class.id},
-        "units": {"length": instance.units.length, "angle": instance.units.angle.value},
+        **instance.to_json(),
         "length": given.length,
         "poses": entries,
     }

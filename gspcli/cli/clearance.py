@@ -96,13 +96,10 @@ def _table(instance: Instance, rows: list[dict[str, Any]], ranged: bool) -> Tabl
 
 
 def _document(instance: Instance, rows: list[dict[str, Any]]) -> dict[str, Any]:
-    kind = instance.type
     keys = [str(k) for k in range(1, len(instance.constraints) + 1)]
     return {
         "schema": "gsp.clearance/1",
-        "name": instance.name,
-        "type": {"id": kind.id, "number": kind.number, "class": kind.platform_class.id},
-        "units": {"length": instance.units.length, "angle": instance.units.angle.value},
+        **instance.to_json(),
         "modes": [
             {
                 **{key: row.get(key) for key in ("mode", "lower", "upper", "ratio", "R", "T")},
