@@ -14,7 +14,7 @@ from gspcli.catalogue.counts import law
 from gspcli.catalogue.kinds import DPP, Kind, Primitive, Quantity
 from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.counting import count_exactly
-from gspcli.certification.many_values import ValueProofs
+from gspcli.certification.many_values import Frames, ValueProofs
 from gspcli.export.chains import chain
 from gspcli.export.motion_coordinates import study
 from gspcli.export.polynomial_systems import system
@@ -70,7 +70,9 @@ EITHER: dict[str, Callable[[Kind], Any]] = {
     "quadrics": lambda kind: target_systems(arrangement(kind).normalized),
     "solve": lambda kind: solve(platform(kind)),
     "certify": lambda kind: certify(platform(kind), np.eye(3)[None], np.zeros((1, 3))),
-    "proofs of values": lambda kind: ValueProofs(platform(kind), ONE)._parameters(ONE, ONE),
+    "proofs of values": lambda kind: ValueProofs(platform(kind), ONE).decide(
+        ONE, ONE, np.zeros((1, 1, 1, 8), complex), Frames(1.0, Z, Z)
+    ),
     "exact count": lambda kind: count_exactly(platform(kind)),
     "exported system": lambda kind: system(platform(kind), study()),
     "exported chain": lambda kind: chain(kind, Z, UNIT, UNIT, UNIT),
