@@ -83,6 +83,10 @@ def solve(
         from gspcli.solver.closed_form import solve_closed_form
 
         poses: PoseSet | None = solve_closed_form(arrangement)
+        if certify and poses is not None:
+            from gspcli.solver.closed_form_proofs import proved_closed_form
+
+            poses = proved_closed_form(instance, arrangement, poses)
     else:
         from gspcli.solver.tracking import poses_by_paths, proved_by_paths, pursue_each
 
@@ -284,15 +288,7 @@ def _quick_blocks(
 ) -> Iterator[tuple[Block, Index]]:
     """Yield the poses for sets of values, and which of them are not found for certain."""
     if len(arrangement.angles) == MAX_ANGLES:
-        from gspcli.solver.closed_form import solve_closed_forms
-
-        solved = solve_closed_forms(arrangement, rows)
-        while part := list(islice(solved, _BLOCK)):
-            general = {
-                k: poses for k, poses in enumerate(part) if _is_general(poses, certify=False)
-            }
-            special = [k for k in range(len(part)) if certify or k not in general]
-            yield replace(Block.nothing(len(part)), others=general), np.array(special, np.intp)
+        yield from _closed_form_blocks(instance, arrangement, rows, certify=certify)
         return
     from gspcli.certification.many_values import ValueProofs
     from gspcli.solver.one_geometry import solve_rows
@@ -312,3 +308,32 @@ def _quick_blocks(
             poses = found.poses
             fields = poses.quaternions, poses.R, poses.T, poses.real
             yield Block(*fields, found.account, found.proof), np.flatnonzero(~poses.complete)
+
+
+def _closed_form_blocks(
+    instance: Instance, arrangement: Arrangement, rows: Array, *, certify: bool
+) -> Iterator[tuple[Block, Index]]:
+    """Yield the same for platforms with three angles."""
+    from gspcli.certification.many_values import ValueProofs
+    from gspcli.solver.closed_form import solve_closed_forms
+    from gspcli.solver.closed_form_proofs import block_of, prove_closed_forms
+
+    proofs = ValueProofs.of(instance, rows) if certify else None
+    solved = solve_closed_forms(arrangement, rows)
+    for begin in range(0, len(rows), _BLOCK):
+        part = list(islice(solved, _BLOCK))
+        general = {k: poses for k, poses in enumerate(part) if _is_general(poses, certify=False)}
+        given = rows[begin : begin + len(part)]
+        proved = prove_closed_forms(proofs, arrangement, given, part) if proofs else None
+        if proved is None:
+            special = [k for k in range(len(part)) if certify or k not in general]
+            yield replace(Block.nothing(len(part)), others=general), np.array(special, np.intp)
+            continue
+        where, poses = proved
+        # What is not proved has a row of its own, in which anything may be.
+        source = np.zeros(len(part), np.intp)
+        source[where] = np.arange(len(where))
+        done = np.zeros(len(part), np.bool_)
+        done[where] = poses.complete
+        others = {k: one for k, one in general.items() if not done[k]}
+        yield replace(block_of(poses, source), others=others), np.flatnonzero(~done)

@@ -257,6 +257,23 @@ def test_batches_are_certified_as_single_platforms_are(name):
         assert poses.real.sum() == single.counts.real
 
 
+def test_the_closed_form_is_certified_on_both_sides_of_planes():
+    """The second set has a distance of zero."""
+    instance = instance_of("DPH DHP DLL ALL ALL ALH")
+    values = _near(instance, 0.02, 4, 18)
+    values[1, next(i for i, c in enumerate(instance.constraints) if c.kind.has_sides)] = 0
+    sets = list(solve_values(instance, values))
+    for row, poses in zip(values, sets, strict=True):
+        numbers = {i: Number.of(float(value)) for i, value in enumerate(row)}
+        single = solve(instance.with_values(numbers))
+        assert poses.proof == single.proof
+        assert poses.proof.by is Ground.TYPE
+        assert poses.certified.all()
+        assert single.certified.all()
+        assert poses.account == single.account
+        assert _same(poses, single, 1.0)
+
+
 def test_a_special_geometry_is_certified_by_its_count():
     instance = _three_three()
     values = _near(instance, 0.02, 5, 16)

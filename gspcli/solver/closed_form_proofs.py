@@ -1,0 +1,101 @@
+"""Proofs of the poses of the closed form, for as many sets of values as there are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import DLL
+from gspcli.certification.many_values import Frames, ProvedPoses, ValueProofs
+from gspcli.continuation.paths import Basis, PathAccount
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.quaternions import quaternion_product
+from gspcli.geometry.residuals import sides_of
+from gspcli.solver.batch import Block
+from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.proof import Ground, Proof
+from gspcli.solver.study_systems import side_choices
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+_FRAMES = Frames(1.0, np.zeros(3), np.zeros(3))
+
+
+def prove_closed_forms(
+    proofs: ValueProofs,
+    arrangement: Arrangement,
+    rows: Array | None,
+    found: Sequence[PoseSet],
+) -> tuple[Index, ProvedPoses] | None:
+    """Return what is proved of sets of poses, and which these are.
+
+    Parameters
+    ----------
+    proofs, arrangement
+        The geometry, exactly and in floating point.
+    rows
+        The sets of values, shape (b, 6); None for the one of the instance.
+    found
+        The poses of each. Those of sets that have not as many as the type are left out.
+    """
+    values = arrangement.values[None] if rows is None else rows
+    choices = side_choices(arrangement.with_values(np.ones_like(values[0])))
+    chosen, points = [], []
+    for k, (row, poses) in enumerate(zip(values, found, strict=True)):
+        given = arrangement.with_values(row)
+        index = _by_sides(given, choices, poses)
+        if index is None:
+            continue
+        pure = np.concatenate((np.zeros((len(poses.T), 1)), poses.T), axis=1)
+        e = poses.quaternions
+        study = np.concatenate((e, quaternion_product(pure, e) / 2), axis=1)
+        chosen.append(k)
+        points.append(study[index].astype(np.complex128))
+    if not chosen:
+        return None
+    where = np.array(chosen, np.intp)
+    if rows is None:
+        return where, proofs.decide_own(choices, points[0], _FRAMES)
+    return where, proofs.decide(rows[where], choices, np.stack(points), _FRAMES)
+
+
+def proved_closed_form(instance: Instance, arrangement: Arrangement, poses: PoseSet) -> PoseSet:
+    """Return as many poses as the type has, all proved; the poses as they are if they are not."""
+    proofs = ValueProofs.of(instance, None)
+    proved = prove_closed_forms(proofs, arrangement, None, [poses]) if proofs else None
+    if proved is None or not proved[1].complete[0]:
+        return poses
+    return block_of(*proved[::-1]).pose_set(0)
+
+
+def block_of(poses: ProvedPoses, rows: Index) -> Block:
+    """Return some of the sets of poses (by their indices), each as many as the type has."""
+    number = poses.R.shape[1]
+    return Block(
+        quaternions=poses.quaternions[rows],
+        R=poses.R[rows],
+        T=poses.T[rows],
+        real=poses.real[rows],
+        account=PathAccount(expected=number, found=number, basis=Basis.COUNT),
+        proof=Proof(Ground.TYPE),
+    )
+
+
+def _by_sides(given: Arrangement, choices: Array, poses: PoseSet) -> Index | None:
+    """Return the poses of each choice of sides, shape (k, m); None if they are not as many."""
+    zero = [
+        not v and (k.has_sides or k is DLL) for k, v in zip(given.kinds, given.values, strict=True)
+    ]
+    if any(zero) or len(poses.R) != poses.account.expected or (poses.multiplicity > 1).any():
+        return None
+    if len(choices) == 1:
+        return np.arange(len(poses.R))[None]
+    signs = np.where(given.sided, sides_of(given, poses.R, poses.T), 1)
+    here = (signs[None] == np.where(given.sided, choices, 1)[:, None]).all(axis=2)
+    if len(set(here.sum(axis=1).tolist())) > 1:
+        return None
+    return np.stack([np.flatnonzero(members) for members in here])
