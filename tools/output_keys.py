@@ -319,6 +319,12 @@ KEYS: dict[str, str] = {
     "direction": "its direction",
     "reaction": "that load",
     "worst": "the largest load by a unit force",
+    "analyze.poses.geometry": "errors of the pose from those of the geometry, with --geometry",
+    "analyze.poses.geometry.worst": "largest errors of rx, ry, rz, x, y, z to first order; null "
+    "where singular",
+    "analyze.rms": "root mean squares of the same for independent errors",
+    "analyze.turn": "upper bound of the angle of rotation, to first order",
+    "analyze.shift": "upper bound of the distance of the point, to first order",
     # Workspaces
     "home": "the pose that travels begin at and that is kept but for what varies",
     "workspace.home.mode": "its number as a mode of the file, or null",

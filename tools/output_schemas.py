@@ -60,7 +60,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
     "maximize-real": ("3D3A PH PH PH --attempts 1 --state STATE",),
     "measure": ("@figure-3 POSES",),
     "track": ("@rubin-m2 VALUES", "LOOP --allow-loss --all --clearance"),
-    "analyze": ("@rubin-m2", "@figure-3"),
+    "analyze": ("@rubin-m2", "@figure-3", "@figure-3 --geometry 0.01,0.001"),
     "clearance": ("@octahedral-3-3 --mode 1", "@singular-pose --mode 1"),
     "scan": (
         "@octahedral-3-3 --vary 1=1:2:5",

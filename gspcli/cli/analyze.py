@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from gspcli.geometry.instance import Instance
     from gspcli.motion.accuracy import Accuracy
+    from gspcli.motion.geometry_errors import GeometryAccuracy
     from gspcli.motion.wrenches import Wrenches
 
     Array = NDArray[np.float64]
@@ -55,7 +56,12 @@ _ZERO = 1e-12
 )
 @click.option("--stiffness", metavar="K", help="Stiffness of each constraint: one number or six.")
 @click.option("--tolerance", metavar="D", help="How far each value may be off: one number or six.")
-@output_options(parts=("wrenches", "jacobian", "inverse", "stiffness", "errors"))
+@click.option(
+    "--geometry",
+    metavar="D[,A]",
+    help="How far each coordinate of each primitive may be off, and each direction be turned.",
+)
+@output_options(parts=("wrenches", "jacobian", "inverse", "stiffness", "errors", "geometry"))
 def command(
     spec: str,
     mode: int | None,
@@ -67,6 +73,7 @@ def command(
     load: str | None,
     stiffness: str | None,
     tolerance: str | None,
+    geometry: str | None,
     output: Output,
 ) -> None:
     """Analyze assembly modes: screws, Jacobian matrix, forces, stiffness and accuracy.
@@ -80,7 +87,8 @@ def command(
     With --load the forces in the constraints (positive: it pushes towards a greater value) and
     moments for angles. With --tolerance (or tolerance: in SPEC) the largest errors of the pose:
     exact to first order, with a proved bound that includes second order, and root mean squares
-    for independent errors.
+    for independent errors. With --geometry the errors of the pose when the points, lines and planes
+    are not quite where SPEC says: largest ones and root mean squares, exact to first order.
 
     \b
     Examples:
@@ -104,10 +112,12 @@ def command(
     R, T, numbers = poses_to_analyze(instance, mode, pose, euler, pivot)
     given = wrenches(instance, R, T, point=at, length=length)
     errors = None if limits is None else accuracy(given, limits)
+    shape = None if geometry is None else _geometry(given, geometry)
     reactions = None if load is None else given.reactions(*_load(load, given.point))
     stiff = None if six["stiffness"] is None else given.stiffness(six["stiffness"])
     entries = [
-        _entry(given, k, number, errors, reactions, stiff) for k, number in enumerate(numbers)
+        _entry(given, k, number, errors, shape, reactions, stiff)
+        for k, number in enumerate(numbers)
     ]
     detailed = mode is not None or pose is not None
     tables = _details(entries[0], given) if detailed else [_overview(entries, given)]
@@ -188,6 +198,7 @@ def _entry(
     k: int,
     number: int | None,
     errors: Accuracy | None,
+    shape: GeometryAccuracy | None,
     reactions: Array | None,
     stiffness: Array | None,
 ) -> dict[str, Any]:
@@ -225,7 +236,24 @@ def _entry(
             name: _finite(getattr(errors, name)[k])
             for name in ("worst_turn", "worst_shift", "bound_turn", "bound_shift")
         }
+    if shape is not None:
+        entry["geometry"] = {
+            "worst": [_finite(x) for x in shape.worst[k]],
+            "rms": [_finite(x) for x in shape.rms[k]],
+            "turn": _finite(shape.turn[k]),
+            "shift": _finite(shape.shift[k]),
+        }
     return entry
+
+
+def _geometry(given: Wrenches, text: str) -> GeometryAccuracy:
+    from gspcli.motion.geometry_errors import geometry_accuracy
+
+    coordinates, *tilts = _numbers(text, (1, 2), "geometry")
+    if min(coordinates, *tilts, 0) < 0:
+        message = f"--geometry: found {text}, expected numbers of at least 0"
+        raise GspError(message)
+    return geometry_accuracy(given, coordinates, *tilts)
 
 
 def _finite(value: Any) -> float | None:
@@ -340,6 +368,8 @@ def _details(entry: dict[str, Any], given: Wrenches) -> list[Table]:
         )
     if "accuracy" in entry:
         tables.append(_errors(entry["accuracy"], unit))
+    if "geometry" in entry:
+        tables.append(_geometry_errors(entry["geometry"], unit))
     return tables
 
 
@@ -353,6 +383,26 @@ def _matrix(part: str, title: str, corner: str, rows: Any, columns: Any, matrix:
         ],
         title=title,
         part=part,
+    )
+
+
+def _geometry_errors(errors: dict[str, Any], unit: str) -> Table:
+    rows = [
+        {"error": name, "worst": worst, "rms": rms}
+        for name, worst, rms in zip(_TWIST, errors["worst"], errors["rms"], strict=True)
+    ]
+    rows += [
+        {"error": "rotation", "worst": errors["turn"]},
+        {"error": "distance", "worst": errors["shift"]},
+    ]
+    columns = (
+        Column("error", essential=True),
+        Column("worst", "worst, first order", align="right", essential=True),
+        Column("rms", align="right", essential=True),
+    )
+    note = f"rotations in radians, distances in {unit}; of rotation and distance upper bounds"
+    return Table(
+        columns, rows, title="Errors of the pose from the geometry", notes=[note], part="geometry"
     )
 
 

@@ -46,14 +46,24 @@ def jacobian(bodies: Bodies, R: Field, T: Field) -> Field:
     At a distance or sine of zero the measured value has no derivative, and the row is not
     finite; parallel lines have that of a point and a line.
     """
-    r, w, arm = bodies.placed(R, T)
+    _, w, arm = bodies.placed(R, T)
+    return by_twist(gradients(bodies, R, T), arm, w)
+
+
+def gradients(bodies: Bodies, R: Field, T: Field) -> Gradient:
+    """Return the derivatives of `measured` by r, w and v, each ``(..., n, 3)``.
+
+    By the vectors between the primitives and their directions, as `Placed` has them; not finite
+    where the value has no derivative.
+    """
+    r, w, _ = bodies.placed(R, T)
     v = np.broadcast_to(bodies.v, w.shape)
-    by_r: Field = np.zeros(r.shape, dtype=r.dtype)
-    by_w: Field = np.zeros(r.shape, dtype=r.dtype)
+    found = Gradient(*(np.zeros(r.shape, dtype=r.dtype) for _ in range(3)))
     for kind, k in _alike(bodies.kinds):
         gradient = _gradient(kind, r[..., k, :], w[..., k, :], v[..., k, :])
-        by_r[..., k, :], by_w[..., k, :] = gradient.r, gradient.w
-    return by_twist(Gradient(by_r, by_w, v), arm, w)
+        for all_of_them, part in zip(found, gradient, strict=True):
+            all_of_them[..., k, :] = part
+    return found
 
 
 def hessian(bodies: Bodies, R: Field, T: Field) -> Field:

@@ -27,6 +27,15 @@ def test_one_mode_in_detail(gsp):
     assert "condition 34.7525; manipulability 0.00335094" in run.out
 
 
+def test_errors_from_the_geometry(gsp):
+    run = gsp("analyze", HEXAPOD, "--mode", "1", "--geometry", "1e-4", "--part", "geometry")
+    assert run.code == 0
+    assert run.out.splitlines()[0] == "Errors of the pose from the geometry"
+    run = gsp("analyze", HEXAPOD, "--geometry", "-1")
+    assert (run.code, run.out) == (2, "")
+    assert "--geometry: found -1, expected numbers of at least 0" in run.err
+
+
 def test_json_has_everything_in_full(gsp):
     run = gsp(
         "analyze", HEXAPOD, "--pose", POSE, "--load", "0,0,-10,1,2,3@0,0,2", "--format", "json",
