@@ -325,6 +325,11 @@ KEYS: dict[str, str] = {
     "analyze.rms": "root mean squares of the same for independent errors",
     "analyze.turn": "upper bound of the angle of rotation, to first order",
     "analyze.shift": "upper bound of the distance of the point, to first order",
+    "limits": "where ranges of values and cones of joints are left, or kept again",
+    "leaves": "whether the limit is left; else it is kept again",
+    "track.limits.body": "where the joint of the cone is: platform or base; null for ranges",
+    "track.limits.mode": "the mode whose leg leaves its cone; null for ranges",
+    "track.limits.kind": "range or cone",
     # Workspaces
     "home": "the pose that travels begin at and that is kept but for what varies",
     "workspace.home.mode": "its number as a mode of the file, or null",

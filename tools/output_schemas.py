@@ -59,7 +59,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
     "sample": ("6PP --count 20",),
     "maximize-real": ("3D3A PH PH PH --attempts 1 --state STATE",),
     "measure": ("@figure-3 POSES",),
-    "track": ("@rubin-m2 VALUES", "LOOP --allow-loss --all --clearance"),
+    "track": ("@rubin-m2 VALUES", "LOOP --allow-loss --all --clearance", "REACH"),
     "analyze": ("@rubin-m2", "@figure-3", "@figure-3 --geometry 0.01,0.001"),
     "clearance": ("@octahedral-3-3 --mode 1", "@singular-pose --mode 1"),
     "scan": (
@@ -213,6 +213,12 @@ def _words(sample: str, folder: Path) -> list[str]:
         rows = load(instance_files()["rubin-m2"]).constraints
         lines = [",".join(repr(row.value.value + k / 1000) for row in rows) for k in range(3)]
         paths["VALUES"].write_text("\n".join([",".join("123456"), *lines]) + "\n", encoding="utf-8")
+    if "REACH" in sample:
+        # To the side until legs leave their cones, then up until they are too long.
+        poses = [f"{x},0,{z},1,0,0,0" for x, z in ((0, 60), (60, 60), (0, 60), (0, 160))]
+        path = folder / "reach.csv"
+        path.write_text("\n".join(["x,y,z,qw,qx,qy,qz", *poses]) + "\n", encoding="utf-8")
+        sample = sample.replace("REACH", f"@workspace-study-cones {path} --near 0,0,60,1,0,0,0")
     sample = sample.replace("LOOP", f"{_LOOP}.yaml {_LOOP}.csv")
     for word, path in paths.items():
         sample = sample.replace(word, str(path))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gspcli.geometry.limits import has_limits, out_of_cone, out_of_range
 from gspcli.solver.proof import Ground
 
 if TYPE_CHECKING:
@@ -111,6 +112,7 @@ def remarks(result: SolveResult, numbers: Sequence[int]) -> list[str]:
     """Return notes on the poses shown, which have these numbers from 1: what is best and worst."""
     if not numbers:
         return [*_far(result), *_ground(result)]
+    limits = _limits(result, numbers)
     shown = [number - 1 for number in numbers]
     residual = result.residuals[shown].max()
     notes = [f"residuals at most {residual:.1e}"]
@@ -125,7 +127,29 @@ def remarks(result: SolveResult, numbers: Sequence[int]) -> list[str]:
         )
     if len(numbers) > 1 and lowest == highest:
         notes.append(f"every pose has condition {lowest}")
-    return ["; ".join(notes), *_far(result), *_ground(result)]
+    return ["; ".join(notes), *limits, *_far(result), *_ground(result)]
+
+
+def _limits(result: SolveResult, numbers: Sequence[int]) -> list[str]:
+    """Say which of the real poses shown the machine cannot take, by its ranges and cones."""
+    instance = result.instance
+    real = [number for number in numbers if result.real[number - 1]]
+    if not real or not has_limits(instance):
+        return []
+    from gspcli.motion import measure
+
+    chosen = [number - 1 for number in real]
+    R, T = result.R[chosen].real, result.T[chosen].real
+    values = measure(instance, R, T)
+    notes = [
+        f"constraint {k + 1} is outside its range: the machine can take none of these poses"
+        for k in np.flatnonzero(out_of_range(instance, values).all(axis=0)).tolist()
+    ]
+    left = np.flatnonzero(out_of_cone(instance, R, T).any(axis=1)).tolist()
+    if left:
+        names = ", ".join(str(real[k]) for k in left)
+        notes.append(f"a leg leaves the cone of a joint in pose{'s' * (len(left) > 1)} {names}")
+    return notes
 
 
 def _far(result: SolveResult) -> list[str]:

@@ -8,7 +8,7 @@ import click
 
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.cli.pose_options import pose_format, pose_options, text_of, warn_of_range
+from gspcli.cli.pose_options import pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
 from gspcli.errors import IncompleteError
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gspcli.motion import Event, Track
+    from gspcli.motion.limit_events import LimitEvent
 
     Array = NDArray[np.float64]
 
@@ -110,6 +111,7 @@ def command(
         message = "SPEC and VALUES cannot both be standard input"
         raise click.UsageError(message)
     from gspcli.motion import read_pose, read_values, track
+    from gspcli.motion.limit_events import limit_events
 
     instance = load_instance(spec)
     form = pose_format(instance, euler, pivot)
@@ -132,10 +134,11 @@ def command(
         )
     rows = _rows(result, _clearances(result) if clear else None)
     emit(output, _table(result, rows), document=_document(result, rows))
-    warn_of_range(instance, table.t.tolist(), table.values)
     if output.format != "json":
         for event in result.events:
             click.echo(_sentence(event), err=True)
+        for limit in limit_events(result):
+            click.echo(_limit_sentence(result, limit), err=True)
     if result.complete is False:
         message = (
             "the modes followed and the poses at the last row do not account for each other\n"
@@ -211,6 +214,8 @@ def _table(result: Track, rows: list[dict[str, Any]]) -> Table:
 
 
 def _document(result: Track, rows: list[dict[str, Any]]) -> dict[str, Any]:
+    from gspcli.motion.limit_events import limit_events
+
     instance = result.instance
     return {
         "schema": "gsp.track/1",
@@ -224,6 +229,7 @@ def _document(result: Track, rows: list[dict[str, Any]]) -> dict[str, Any]:
         "parts": result.segments,
         "poses": rows,
         "events": [_plain(event) for event in result.events],
+        "limits": [_plain_limit(event) for event in limit_events(result)],
     }
 
 
@@ -252,3 +258,32 @@ def _sentence(event: Event) -> str:
     if event.begins:
         return f"mode {event.mode} begins with {partner} in a fold at t = {event.low:.12g}, proved"
     return f"mode {event.mode} meets {partner} in a fold at t = {event.low:.12g} and ends, proved"
+
+
+def _plain_limit(event: LimitEvent) -> dict[str, Any]:
+    return {
+        "kind": event.kind,
+        "leaves": event.leaves,
+        "constraint": event.constraint + 1,
+        "body": event.body or None,
+        "mode": event.mode,
+        "t": [event.low, event.high],
+    }
+
+
+def _limit_sentence(result: Track, event: LimitEvent) -> str:
+    """Return in words that a limit is left or kept again."""
+    at_first = event.high == result.t[0]
+    what = "is outside" if at_first else "leaves" if event.leaves else "comes back into"
+    if event.kind == "range":
+        low, high = result.instance.constraints[event.constraint].limits or ("", "")
+        subject = f"the value of constraint {event.constraint + 1} {what} its range"
+        return f"{subject} from {low} to {high} at t = {event.low:.10g}"
+    when = (
+        f"at t = {event.low:.10g}"
+        if event.low == event.high
+        else f"between t = {event.low:.10g} and {event.high:.10g}"
+    )
+    return (
+        f"mode {event.mode}: leg {event.constraint + 1} {what} its cone at the {event.body} {when}"
+    )

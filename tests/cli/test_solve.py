@@ -270,3 +270,12 @@ def test_rotations_and_poses_that_cannot_be_read(gsp, arguments, message):
     run = gsp("solve", EXAMPLE, *arguments)
     assert (run.code, run.out) == (2, "")
     assert message in run.err
+
+
+def test_poses_that_the_machine_cannot_take_are_told(gsp):
+    run = gsp("solve", "@workspace-study-cones")
+    assert run.code == 0
+    assert "a leg leaves the cone of a joint in poses" in run.out
+    assert "outside its range" not in run.out
+    run = gsp("solve", "@workspace-study", "--set", "2=521")
+    assert "constraint 2 is outside its range: the machine can take none of these" in run.out
