@@ -100,6 +100,7 @@ struct Place {
   double shift;  // the length of h
   double rho, bend;
   bool tilted;       // whether the centre itself is turned from home
+  // Only if the box has other rotations than that of home:
   Vector column[3];  // of E
   Vector axis[3];    // of the derivatives by the angles
 

@@ -31,6 +31,9 @@ DRAWINGS = {
     "figure-14": ["realize", "@figure-2"],
     "figure-15": ["realize", "@figure-3"],
     "figure-16": ["realize", "@figure-4"],
+    # A mount from drawing to trajectory.
+    "mount-positions": ["workspace", "@rubin-m2", "--over", "x,y,z"],
+    "mount-tilts": ["workspace", "@rubin-m2", "--over", "rx,ry"],
     **{
         f"platforms/{name}": ["view", f"@{name}"]
         for name, path in instance_files().items()

@@ -30,14 +30,20 @@ class Home:
         The pose, shapes (3, 3) and (3,).
     pivot
         The point of the platform whose position counts, in its frame.
+    size
+        The typical length of the instance, next to which rounding errors are zero.
     mode
         Its number as a mode of the instance, or None.
+    placed
+        Whether its position means anything.
     """
 
     R: Array
     T: Array
     pivot: tuple[float, float, float]
+    size: float
     mode: int | None = None
+    placed: bool = True
 
     @property
     def text(self) -> str:
@@ -46,9 +52,11 @@ class Home:
 
         at = self.T + self.R @ self.pivot
         position, rotation = (
-            ", ".join(f"{x:.6g}" if abs(x) > _ZERO * abs(part).max() else "0" for x in part)
-            for part in (at, quaternion_from_rotation(self.R))
+            ", ".join(f"{x:.6g}" if abs(x) > _ZERO * size else "0" for x in part)
+            for part, size in ((at, self.size), (quaternion_from_rotation(self.R), 1.0))
         )
+        if not self.placed:
+            return f"quaternion ({rotation})"
         name = "" if self.mode is None else f"mode {self.mode}, "
         return f"{name}position ({position}), quaternion ({rotation})"
 
@@ -66,15 +74,17 @@ def home_pose(
     """Return the home pose; its position means nothing if that is not needed."""
     import numpy as np
 
+    from gspcli.geometry.arrangement import Arrangement
     from gspcli.motion import read_pose
 
+    size = Arrangement.of(instance).length
     if pose is not None:
         given = read_pose(pose, form)
-        home = Home(given.R[0], given.T[0], form.pivot)
+        home = Home(given.R[0], given.T[0], form.pivot, size)
     elif mode is None and (not needed or (orientation is not None and position is not None)):
-        home = Home(np.eye(3), np.zeros(3), form.pivot)
+        home = Home(np.eye(3), np.zeros(3), form.pivot, size, placed=needed)
     else:
-        home = _mode(instance, mode, form.pivot)
+        home = _mode(instance, mode, form.pivot, size)
     at = home.T + home.R @ form.pivot
     if orientation is not None:
         count = 3 if form.euler else 4
@@ -91,7 +101,9 @@ def home_pose(
     return home
 
 
-def _mode(instance: Instance, mode: int | None, pivot: tuple[float, float, float]) -> Home:
+def _mode(
+    instance: Instance, mode: int | None, pivot: tuple[float, float, float], size: float
+) -> Home:
     """Return a mode as home; by default of those that keep all limits the one turned least.
 
     Of several that are turned alike, as one is and its mirror image, the highest.
@@ -108,7 +120,7 @@ def _mode(instance: Instance, mode: int | None, pivot: tuple[float, float, float
         if mode > len(R):
             message = f"found mode {mode}, expected one of the {len(R)} real poses"
             raise GspError(message)
-        return Home(R[mode - 1], T[mode - 1], pivot, mode)
+        return Home(R[mode - 1], T[mode - 1], pivot, size, mode)
     kept = within_limits(instance, measure(instance, R, T), R, T).nonzero()[0]
     if not len(kept):
         message = (
@@ -119,4 +131,4 @@ def _mode(instance: Instance, mode: int | None, pivot: tuple[float, float, float
     # A turn by an angle a has the trace 1 + 2 cos a.
     trace = np.trace(R[kept], axis1=1, axis2=2).round(9)
     best = int(kept[np.lexsort((T[kept][:, 2], trace))[-1]])
-    return Home(R[best], T[best], pivot, best + 1)
+    return Home(R[best], T[best], pivot, size, best + 1)

@@ -80,7 +80,7 @@ _MOST_SHOWN = 2_000_000
     "--tolerance",
     type=click.FloatRange(0, 1, min_open=True, max_open=True),
     help=f"How near the bounds of the volume are to come, relatively.  [default: {_TOLERANCE}, "
-    f"for boxes and pictures {_COARSE}]",
+    f"for boxes and pictures of three parameters {_COARSE}]",
 )
 @click.option(
     "--most-boxes",
@@ -150,7 +150,7 @@ def command(
     form = pose_format(instance, euler, pivot)
     home = home_pose(
         instance, form, mode=mode, pose=pose, orientation=orientation, position=position,
-        needed=free is None or connected or set(free) != set("xyz"),
+        needed=free is None or connected or orientation is None or set(free) != set("xyz"),
     )  # fmt: skip
     sequence = euler or "ZYX"
     if free is None:
@@ -158,7 +158,7 @@ def command(
         return
     from gspcli.motion import workspace
 
-    coarse = listed or output.format in DRAWINGS
+    coarse = (listed or output.format in DRAWINGS) and len(free) == 3
     wanted = tolerance or (_COARSE if coarse else _TOLERANCE)
     with _interruptible() as interrupted:
         found = workspace(
@@ -333,11 +333,10 @@ def _show_travels(
     ]
     if output.format == "csv":
         columns[-2:-2] = [Column("down_end"), Column("up_end")]
-    what = "limits and singular poses" if connected else "limits"
+    what = "all limits are kept" + (" and no pose is singular" if connected else "")
     notes = [
         f"from home: {home.text}",
-        f"x, y, z in {units.length}, rx, ry, rz in {units.angle.value}; up to there {what} are "
-        "proved to be kept",
+        f"x, y, z in {units.length}, rx, ry, rz in {units.angle.value}; proved: up to there {what}",
     ]
     if any(row["down"] is None for row in rows):
         notes.append("without numbers: the pose from which an axis would travel leaves the limits")

@@ -141,7 +141,7 @@ class PoseBoxes:
             if row.kind.name == "DPP" and row.limits is not None:
                 y, x = vectors[k, 0, :, 0], vectors[k, 2, :, 0]
                 far = row.limits[1].value + np.linalg.norm(y)
-                far = far * (1 + 1e-9)
+                far = far + 1e-9 * (far + np.abs(x).max())
                 low[:3] = np.maximum(low[:3], x - far)
                 high[:3] = np.minimum(high[:3], x + far)
         return np.stack((low, np.maximum(low, high)), axis=1)

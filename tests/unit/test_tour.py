@@ -47,3 +47,25 @@ def test_the_example_is_the_one_that_is_solved() -> None:
             theirs.base,
             theirs.value,
         )
+
+
+MOUNT = TOUR.with_name("mount.md")
+
+
+def test_the_mount_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """From drawing to trajectory: every command, and what the page says of the answers."""
+    monkeypatch.chdir(tmp_path)
+    page = MOUNT.read_text(encoding="utf-8")
+    table = re.search(r"```text\n(t,x.*?)```", page, re.DOTALL)
+    assert table is not None
+    Path("path.csv").write_text(table[1], encoding="utf-8")
+    said = ""
+    for line in re.findall(r"^ {4}\$ gsp (.*)$", page, re.MULTILINE):
+        words = shlex.split(line, comments=True)
+        assert run(words) == 0, (words, capsys.readouterr().err)
+        printed = capsys.readouterr()
+        said += printed.out + printed.err
+    assert "2 real poses, all proved different; complete, proved" in said
+    assert "of constraint 4 leaves its range from 0.4789 to 0.5071 at t = 3.854" in said
