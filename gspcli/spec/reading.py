@@ -10,23 +10,15 @@ from functools import cached_property
 from pathlib import Path
 from typing import BinaryIO, TextIO
 
-from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, DPP, KINDS_BY_NAME, Kind
-from gspcli.catalogue.parsing import parse_type
-from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES
-from gspcli.errors import Problem, SpecError, TypeNameError
-from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
-from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Cone, Crank, Geometry, Line, Plane, Point, Vector
-from gspcli.geometry.ranges import wrong_half_angle, wrong_value
-from gspcli.spec.document import Mapping, Scalar, Sequence, Value, decode, parse, parse_correct
-from gspcli.spec.meaning import remarks
-from gspcli.spec.models import ConstraintModel, InstanceModel, PrimitiveModel
+from gspcli.errors import Problem, SpecError
+from gspcli.geometry.instance import AngleUnit, Instance
+from gspcli.spec.document import Mapping, Scalar, Value, decode, parse, parse_correct
+from gspcli.spec.file_checks import FileChecker
+from gspcli.spec.models import InstanceModel
 from gspcli.spec.proportion import out_of_proportion
-from gspcli.wording import listed, shown, suggestion
 
 #: A function of an angle, which is in radians, of a plain number but zero.
 _OF_RADIANS = re.compile(r"\b(sin|cos|tan)\(\s*[-+]?\s*((?=[\d.]*[1-9])[\d.]+)\s*\)")
-_SORTS = {Point: "point", Line: "line", Plane: "plane"}
 
 
 @dataclass(frozen=True)
@@ -40,7 +32,7 @@ class Reading:
     """
 
     instance: Instance
-    _reader: _Reader
+    _reader: FileChecker
 
     @cached_property
     def warnings(self) -> tuple[Problem, ...]:
@@ -127,7 +119,7 @@ def _reading(root: Value, problems: list[Problem]) -> Reading:
         message = "found no keys, expected an instance: gsp, units, platform, base, constraints"
         raise SpecError([*problems, Problem(root.location, "", message)])
     model = InstanceModel.model_validate(root, context=problems)
-    reader = _Reader(root, model, problems)
+    reader = FileChecker(root, model, problems)
     instance = reader.instance()
     if instance is None or problems:
         raise SpecError(sorted(problems, key=_place))
@@ -161,228 +153,3 @@ def _radians_message(match: re.Match[str]) -> str:
 def _place(problem: Problem) -> tuple[int, int]:
     location = problem.location
     return (location.line, location.column) if location else (0, 0)
-
-
-def _vector(components: list[Number]) -> Vector:
-    x, y, z = components
-    return (x, y, z)
-
-
-def _geometry(model: PrimitiveModel | None) -> Geometry | None:
-    if model is None:
-        return None
-    if model.line is not None:
-        return Line(_vector(model.line.point), _vector(model.line.direction))
-    if model.plane is not None:
-        return Plane(_vector(model.plane.point), _vector(model.plane.normal))
-    if model.point is None:
-        return None
-    cone, crank = model.cone, model.crank
-    return Point(
-        _vector(model.point),
-        None if cone is None else Cone(_vector(cone.axis), cone.half_angle),
-        None if crank is None else Crank(_vector(crank.centre), _vector(crank.axis)),
-    )
-
-
-Body = dict[str, Geometry | None]
-
-
-class _Reader:
-    """Checks what the shape of a file does not tell: names, kinds, ranges, sums."""
-
-    def __init__(self, root: Mapping, model: InstanceModel, problems: list[Problem]) -> None:
-        self.root = root
-        self.model = model
-        self.problems = problems
-        self.platform = self._body(model.platform)
-        self.base = self._body(model.base)
-        self.unit = AngleUnit(model.units.angle) if model.units else None
-
-    @staticmethod
-    def _body(models: dict[str, PrimitiveModel | None] | None) -> Body | None:
-        if models is None:
-            return None
-        return {name: _geometry(model) for name, model in models.items()}
-
-    def _note(self, value: Value, message: str) -> None:
-        self.problems.append(Problem(value.location, value.path, message))
-
-    def instance(self) -> Instance | None:
-        """Return the instance, or None if there are problems."""
-        models = self.model.constraints
-        if models is None:
-            return None
-        nodes = self.root[Scalar("constraints")]
-        constraints = [self._constraint(*pair) for pair in zip(nodes, models, strict=True)]
-        self._check_repetitions(nodes, constraints)
-        self._check_numbers(nodes)
-        self._check_cones(constraints)
-        complete = tuple(constraint for constraint in constraints if constraint is not None)
-        units = self.model.units
-        if self.problems or units is None or len(complete) != CONSTRAINTS:
-            return None
-        instance = Instance(
-            complete,
-            Units(units.length, AngleUnit(units.angle)),
-            self.model.name,
-            self.model.source,
-        )
-        self._check_type(instance)
-        return instance
-
-    def _constraint(self, node: Value, model: ConstraintModel | None) -> Constraint | None:
-        if not isinstance(node, Mapping):
-            return None
-        quantity = "distance" if "distance" in node else "angle"
-        pair = node.get(Scalar(quantity))
-        if not isinstance(pair, Sequence) or len(pair) != 2:
-            return None
-        platform = self._primitive(pair[0], "platform", self.platform, self.base)
-        base = self._primitive(pair[1], "base", self.base, self.platform)
-        if platform is None or base is None:
-            return None
-        kind = self._kind(pair, quantity, platform, base)
-        if kind is None or model is None:
-            return None
-        if self.unit is not None and (wrong := wrong_value(kind, model.value, self.unit)):
-            value = node[Scalar("value")]
-            self._note(value, f"found {shown(value)}, {wrong}")
-        if model.side is not None and not kind.has_sides:
-            message = f"found a side for {kind.name}, expected one only for DPH and DHP"
-            self._note(node[Scalar("side")], message)
-        side = Side(model.side or "both")
-        limits = self._limits(node, model, kind)
-        tolerance = model.tolerance
-        if tolerance is not None and tolerance.value < 0:
-            written = node[Scalar("tolerance")]
-            self._note(written, f"found {shown(written)}, expected a tolerance of at least 0")
-        return Constraint(
-            kind, platform, base, model.value, side, str(pair[0]), str(pair[1]), limits, tolerance
-        )
-
-    def _limits(
-        self, node: Mapping, model: ConstraintModel, kind: Kind
-    ) -> tuple[Number, Number] | None:
-        if model.range is None:
-            return None
-        low, high = model.range
-        written = node[Scalar("range")]
-        for number, text in zip(model.range, written, strict=True):
-            if self.unit is not None and (wrong := wrong_value(kind, number, self.unit)):
-                self._note(text, f"found {shown(text)}, {wrong}")
-        if low.value > high.value:
-            message = f"found {shown(written[0])} above {shown(written[1])}, expected [low, high]"
-            self._note(written, message)
-        return low, high
-
-    def _primitive(
-        self, name: Value, where: str, body: Body | None, other: Body | None
-    ) -> Geometry | None:
-        if body is None or not isinstance(name, Scalar) or not name:
-            return None
-        if name not in body:
-            if other is not None and name in other:
-                hint = ": the platform's primitive comes first, the base's second"
-            else:
-                hint = suggestion(name, body) or (f": {listed(body)}" if 0 < len(body) < 10 else "")
-            message = f"found the unknown name {shown(name)}, expected a primitive of the {where}"
-            self._note(name, message + hint)
-        return body.get(name)
-
-    def _kind(
-        self, pair: Sequence, quantity: str, platform: Geometry, base: Geometry
-    ) -> Kind | None:
-        sorts = platform.primitive.value + base.primitive.value
-        kind = KINDS_BY_NAME.get(quantity[0].upper() + sorts)
-        if kind is None:
-            exist = DISTANCE_KINDS if quantity == "distance" else ANGLE_KINDS
-            what = f"{quantity} of a {_SORTS[type(platform)]} and a {_SORTS[type(base)]}"
-            names = " ".join(kind.short for kind in exist)
-            self._note(pair, f"found the {what}, expected one of {names}: there is no other")
-        return kind
-
-    def _check_repetitions(self, nodes: Sequence, constraints: list[Constraint | None]) -> None:
-        first: dict[tuple[Kind, str, str], str] = {}
-        for node, constraint in zip(nodes, constraints, strict=True):
-            if constraint is None:
-                continue
-            key = (constraint.kind, constraint.platform_name, constraint.base_name)
-            if key in first:
-                what = "distance" if constraint.kind.is_distance else "angle"
-                message = f"found the {what} of {first[key]} again, expected each only once"
-                self._note(node, message)
-            first.setdefault(key, f"{node.path} ({key[1]}, {key[2]})")
-
-    def _check_numbers(self, nodes: Sequence) -> None:
-        if len(nodes) != CONSTRAINTS:
-            plural = "" if len(nodes) == 1 else "s"
-            message = f"found {len(nodes)} constraint{plural}, expected exactly six"
-            self._note(nodes, message)
-        angles = [node for node in nodes if isinstance(node, Mapping) and "angle" in node]
-        for node in angles[MAX_ANGLES:]:
-            message = (
-                f"found {len(angles)} angles, expected at most three: "
-                "three fix the orientation (Definition 2.1)"
-            )
-            self._note(node, message)
-            break
-
-    def _check_cones(self, constraints: list[Constraint | None]) -> None:
-        """Check the half angles of cones, and that each limits at least one leg."""
-        legs = [row for row in constraints if row is not None and row.kind is DPP]
-        ends = ({row.platform_name for row in legs}, {row.base_name for row in legs})
-        bodies = (("platform", self.platform), ("base", self.base))
-        for (where, body), joined in zip(bodies, ends, strict=True):
-            for name, geometry in (body or {}).items():
-                if not isinstance(geometry, Point) or geometry.cone is None:
-                    continue
-                node = self.root[Scalar(where)][name][Scalar("cone")]
-                written, angle = node[Scalar("half_angle")], geometry.cone.half_angle
-                if self.unit is not None and (wrong := wrong_half_angle(angle, self.unit)):
-                    self._note(written, f"found {shown(written)}, {wrong}")
-                if name not in joined and None not in constraints:
-                    message = (
-                        f"found a cone at {name}, which no point-point distance uses: "
-                        "a cone limits the directions of legs"
-                    )
-                    self._note(node, message)
-
-    def _check_type(self, instance: Instance) -> None:
-        if self.model.type is None:
-            return
-        node = self.root[Scalar("type")]
-        try:
-            stated = parse_type(self.model.type)
-        except TypeNameError as error:
-            self._note(node, str(error))
-            return
-        if stated != instance.type:
-            message = f"found {stated}, but the constraints make {instance.type}"
-            self._note(node, message)
-
-    def warnings(self, instance: Instance) -> list[Problem]:
-        """Return what is unusual about a correct file."""
-        nodes = self.root[Scalar("constraints")]
-        found = [
-            Problem(nodes[index].location, nodes[index].path, message)
-            for index, message in remarks(instance)
-        ]
-        used = {
-            "platform": {constraint.platform_name for constraint in instance.constraints},
-            "base": {constraint.base_name for constraint in instance.constraints},
-        }
-        for where, body in (("platform", self.platform), ("base", self.base)):
-            places: dict[Geometry, str] = {}
-            for key in self.root[Scalar(where)]:
-                geometry = (body or {})[key]
-                message = ""
-                if key not in used[where]:
-                    message = "not used by any constraint"
-                elif geometry in places:
-                    message = f"the same as {places[geometry]}: one name would show the sharing"
-                elif geometry is not None:
-                    places[geometry] = str(key)
-                if message:
-                    found.append(Problem(key.location, key.path, message))
-        return found
