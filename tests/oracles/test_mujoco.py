@@ -16,6 +16,7 @@ from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion import measure
+from gspcli.motion.wrenches import wrenches
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.solver.generate import random_instance
@@ -65,14 +66,20 @@ def _loaded(text):
     return model, data
 
 
-def _mobility(model, data):
-    mujoco.mj_forward(model, data)
+def _rows(model, data):
+    """Return the derivatives of what holds in the model, by its joints."""
     rows = np.zeros((data.nefc, model.nv))
     if mujoco.mj_isSparse(model):
         parts = (data.efc_J_rownnz, data.efc_J_rowadr, data.efc_J_colind)
         mujoco.mju_sparse2dense(rows, data.efc_J, *parts)
     else:
         rows[:] = data.efc_J.reshape(rows.shape)
+    return rows
+
+
+def _mobility(model, data):
+    mujoco.mj_forward(model, data)
+    rows = _rows(model, data)
     rows /= np.linalg.norm(rows, axis=1)[:, None]
     return model.nv - np.linalg.matrix_rank(rows, tol=1e-7)
 
@@ -206,6 +213,44 @@ def test_special_platforms_can_be_built(name):
     assert np.abs(data.efc_pos).max() < 1e-9
     _run(model, data, 0.005)
     assert np.abs(data.efc_pos).max() < 1e-7
+
+
+@pytest.mark.parametrize("name", OF_EACH_KIND)
+def test_derivatives_rank_and_forces_are_those_of_the_simulator(name):
+    """What `gsp analyze` says, against a simulator that knows joints and welds and no formulas."""
+    instance, arrangement, R, T = _instance(name, 11)
+    model, data = _loaded(mjcf(instance, R, T, gravity=0.0))
+    analyzed = wrenches(instance, R, T)
+    # In the model distances are not negative.
+    distances = np.array([kind.is_distance for kind in arrangement.kinds])
+    signs = np.where(distances, np.sign(measured(arrangement, R, T)), 1.0)
+    # Freely: the motions of the joints that keep the loops closed.
+    data.eq_active[_holds(model)] = False
+    mujoco.mj_forward(model, data)
+    _, sizes, right = np.linalg.svd(_rows(model, data))
+    free = right[np.count_nonzero(sizes > 1e-9 * sizes[0]) :]
+    assert len(free) == 6
+    places = np.zeros((2, 3, model.nv))
+    body = model.body("platform").id
+    mujoco.mj_jac(model, data, places[1], places[0], analyzed.point, body)
+    twists = np.concatenate(places) @ free.T
+    joints = [model.joint(f"value_{k}").dofadr[0] for k in range(1, 7)]
+    found = free[:, joints].T @ np.linalg.inv(twists) * signs[:, None]
+    assert np.allclose(found, analyzed.jacobian, atol=1e-7 * np.abs(analyzed.jacobian).max())
+    assert np.linalg.matrix_rank(found) == 6
+    # Held: what holds the values while a load acts.
+    data.eq_active[_holds(model)] = True
+    rng = np.random.default_rng(1)
+    force, moment = rng.normal(size=(2, 3))
+    at = T + 0.3 * rng.normal(size=3)
+    mujoco.mj_applyFT(model, data, force, moment, at, body, data.qfrc_applied)
+    _run(model, data, 0.05)
+    held = np.array([data.efc_force[data.efc_id == number].sum() for number in _holds(model)])
+    expected = analyzed.reactions(force, moment, at) * signs
+    assert np.allclose(held, expected, rtol=2e-3, atol=2e-3 * np.abs(expected).max())
+    # Not by chance: a load elsewhere is held otherwise.
+    other = analyzed.reactions(force, moment, at + 0.1) * signs
+    assert not np.allclose(held, other, rtol=2e-3, atol=2e-3 * np.abs(expected).max())
 
 
 def test_a_command_writes_the_model(tmp_path, capsys):
