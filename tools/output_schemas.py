@@ -68,6 +68,8 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@octahedral-3-3 --vary 1=1:2:5 --folds",
         "@platform-6-6 --vary 1=2.2:2.4:3 --vary 4=1.6:1.8:3 --folds --jobs 1",
         "@platform-6-6 --vary 1=2.4:2.6:3 --quantity clearance",
+        "@platform-6-6 --over x=-2:2:5 --over y=-2:2:5 --pose 0,0,0.5,1,0.2,0.1,0",
+        "@platform-6-6 --over x=-2:2:5 --over y=-2:2:5 --pose 0,0,0.5,1,0.2,0.1,0 --folds",
     ),
     "workspace": (
         "@workspace-study",

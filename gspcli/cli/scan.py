@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-import re
+import math
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli import __version__
+from gspcli.cli.grids import axes_of
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import (
     DRAWINGS,
@@ -23,20 +24,20 @@ from gspcli.cli.output import (
     output_options,
     write,
 )
+from gspcli.cli.pose_options import pose_options
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.worker_options import worker_options
 from gspcli.defaults import SEED
-from gspcli.errors import INTERRUPTED, GspError, IncompleteError
+from gspcli.errors import INTERRUPTED, IncompleteError
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
     from gspcli.motion.crossings import Boundary, Crossing
-    from gspcli.motion.scanning import Axis, Scan
+    from gspcli.motion.scanning import Scan
     from gspcli.workers import Workers
 
 QUANTITIES = ("modes", "condition", "clearance")
-_MOST_NODES = 1_000_000
-_AXIS = re.compile(r"([1-6])=([^:]+):([^:]+):(\d+)")
+_NUMBERS = tuple("123456")
 
 
 @click.command()
@@ -46,9 +47,19 @@ _AXIS = re.compile(r"([1-6])=([^:]+):([^:]+):(\d+)")
     "texts",
     metavar="N=LOW:HIGH:COUNT",
     multiple=True,
-    required=True,
     help="Let constraint N take COUNT values from LOW to HIGH; once or twice.",
 )
+@click.option(
+    "--over",
+    "coordinates",
+    metavar="X=LOW:HIGH:COUNT",
+    multiple=True,
+    help="Instead, let x, y, z (or rx, ry, rz with --euler) of the pose vary; once or twice.",
+)
+@click.option(
+    "--pose", metavar="NUMBERS", help="With --over: what does not vary, x,y,z,qw,qx,qy,qz."
+)
+@pose_options
 @click.option(
     "--folds",
     is_flag=True,
@@ -73,6 +84,10 @@ _AXIS = re.compile(r"([1-6])=([^:]+):([^:]+):(\d+)")
 def command(
     spec: str,
     texts: tuple[str, ...],
+    coordinates: tuple[str, ...],
+    pose: str | None,
+    euler: str | None,
+    pivot: str | None,
     folds: bool,
     quantity: str,
     journal: Path | None,
@@ -87,6 +102,11 @@ def command(
     discriminant. Over two values it is followed through them as curves, which pictures show
     with their cusps; the curves between the proved points are numbers, not proofs.
 
+    Over poses (--over) nothing is solved: the sign and size of the determinant of the Jacobian
+    matrix (free of units, as in `gsp analyze`) and the condition number. --folds gives the poses
+    on edges of the grid at which the determinant changes its sign, to the last digit; pictures
+    show the singular curve through them.
+
     Ctrl-C shows what is known so far. The exit code is 4 if not all poses could be found at
     some node; its modes are left out.
 
@@ -96,18 +116,22 @@ def command(
       gsp scan platform.yaml --vary 1=5:7:60 --vary 2=4:6:60 --folds -o discriminant.csv
       gsp scan platform.yaml --vary 1=5:7:60 --vary 2=4:6:60 --folds -o map.svg
       gsp scan platform.yaml --vary 1=5:7:500 --vary 2=4:6:500 --journal work.jsonl -o map.csv
+      gsp scan platform.yaml --over x=-9:9:60 --over y=-9:9:60 --pose 0,0,7,1,0,0,0 -o singular.svg
     """
+    if bool(texts) == bool(coordinates) or bool(coordinates) != (pose is not None):
+        message = "give either --vary, or --over with --pose"
+        raise click.UsageError(message)
+    if coordinates and pose is not None:
+        from gspcli.cli.pose_scans import scan_poses
+
+        scan_poses(load_instance(spec), coordinates, pose, (euler, pivot), folds, output)
+        return 0
     from gspcli.motion.crossings import Boundary
-    from gspcli.motion.scanning import MISSING, UNKNOWN, Scan
+    from gspcli.motion.scanning import MISSING, UNKNOWN, Axis, Scan
 
     instance = load_instance(spec)
-    axes = [_axis(text) for text in texts]
-    total = 1
-    for axis in axes:
-        total *= len(axis.values)
-    if total > _MOST_NODES:
-        message = f"found {total} nodes, expected at most {_MOST_NODES}"
-        raise GspError(message)
+    axes = [Axis(int(name) - 1, nodes) for name, nodes in axes_of("--vary", texts, _NUMBERS)]
+    total = math.prod(len(axis.values) for axis in axes)
     found = Scan.empty(instance, axes, clearance=quantity == "clearance")
     limits = Boundary()
     interrupted = False
@@ -220,23 +244,6 @@ def _document(found: Scan, limits: Boundary, folds: bool) -> dict[str, Any]:
 
 def _names(found: Scan) -> list[str]:
     return [str(axis.constraint + 1) for axis in found.axes]
-
-
-def _axis(text: str) -> Axis:
-    import numpy as np
-
-    from gspcli.motion.number_tables import wrong_number
-    from gspcli.motion.scanning import Axis
-
-    match = _AXIS.fullmatch(text.replace(" ", ""))
-    if match is None or wrong_number(match[2]) or wrong_number(match[3]):
-        message = f"--vary: found {text!r}, expected N=LOW:HIGH:COUNT, such as 1=5:7:200"
-        raise GspError(message)
-    low, high, count = float(match[2]), float(match[3]), int(match[4])
-    if not low < high or count < 2:
-        message = f"--vary: found {text!r}, expected LOW below HIGH and at least two values"
-        raise GspError(message)
-    return Axis(int(match[1]) - 1, tuple(np.linspace(low, high, count).tolist()))
 
 
 def _heading(instance: Instance, name: str) -> str:

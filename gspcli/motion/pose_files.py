@@ -132,6 +132,14 @@ def read_pose(text: str, form: PoseFormat, name: str = "--pose") -> PoseTable:
     SpecError
         With what is wrong.
     """
+    names, numbers = pose_numbers(text, name)
+    heading = ",".join(names)
+    row = ",".join(repr(number) for number in numbers)
+    return read_poses(f"{heading}\n{row}", name, form)
+
+
+def pose_numbers(text: str, name: str) -> tuple[tuple[str, ...], list[float]]:
+    """Return the columns of a pose on the command line and its numbers; see `read_pose`."""
     cells = [cell for cell in re.split(r"[,;\s]+", text.strip()) if cell]
     names = {7: _QUATERNION, 6: _ANGLES, 12: _ENTRIES}.get(len(cells))
     if names is None:
@@ -147,8 +155,21 @@ def read_pose(text: str, form: PoseFormat, name: str = "--pose") -> PoseTable:
             if (message := wrong_number(cell))
         ]
     )
-    heading = ",".join((*_POSITION, *names))
-    return read_poses(f"{heading}\n{','.join(cells)}", name, form)
+    return (*_POSITION, *names), [float(cell) for cell in cells]
+
+
+def poses_of(numbers: Array, form: PoseFormat) -> tuple[Array, Array]:
+    """Return poses (R, T) of rows of numbers: positions of the pivot, then rotations.
+
+    Parameters
+    ----------
+    numbers
+        Shape (n, 6), (n, 7) or (n, 12), as the columns of a file of poses.
+    form
+        What they do not say.
+    """
+    R, _ = _rotations(numbers[:, 3:], form)
+    return R, numbers[:, :3] - apply(R, np.array(form.pivot))
 
 
 def _rotations(numbers: Array, form: PoseFormat) -> tuple[Array, list[tuple[int, str]]]:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from gspcli.motion.crossings import Boundary
+    from gspcli.motion.pose_scanning import PoseScan
     from gspcli.motion.scanning import Scan
 
 Array = NDArray[np.float64]
@@ -106,3 +107,44 @@ def _map(figure: Figure, found: Scan, boundary: Boundary, quantity: str) -> None
     bar = figure.colorbar(mesh, ax=axes, ticks=ticks)
     bar.set_label(_TITLES[quantity])
     axes.set(xlabel=_label(found, 0), ylabel=_label(found, 1))
+
+
+def determinant_map(found: PoseScan, fmt: str) -> bytes:
+    """Return the determinant over one or two coordinates of the pose as a picture.
+
+    Parameters
+    ----------
+    found
+        The scan; over two coordinates its singular curve is drawn, too.
+    fmt
+        ``svg``, ``png`` or ``pdf``.
+    """
+    with styled():
+        from matplotlib.figure import Figure
+
+        flat = len(found.axes) == 1
+        figure = Figure(figsize=(6.0, 3.0 if flat else 4.4), layout="constrained")
+        axes = figure.subplots()
+        title = "determinant"
+        grids = [np.array(axis.values) for axis in found.axes]
+        labels = [f"{axis.name} ({_unit(found, axis.name)})" for axis in found.axes]
+        if flat:
+            axes.plot(grids[0], found.determinants, color=PLATFORM)
+            axes.axhline(0, color=ANGLE, linewidth=0.8)
+            axes.set(xlabel=labels[0], ylabel=title)
+            return written(figure, fmt)
+        most = float(np.nanmax(np.abs(found.determinants))) or 1.0
+        shown = np.ma.masked_invalid(found.determinants.T)
+        mesh = axes.pcolormesh(
+            *grids, shown, cmap="RdBu", vmin=-most, vmax=most, shading="nearest", rasterized=True
+        )
+        for curve in found.curves:
+            axes.plot(*curve.T, color=ANGLE, linewidth=1.2)
+        figure.colorbar(mesh, ax=axes).set_label(title)
+        axes.set(xlabel=labels[0], ylabel=labels[1])
+        return written(figure, fmt)
+
+
+def _unit(found: PoseScan, name: str) -> str:
+    units = found.instance.units
+    return units.angle.value if name.startswith("r") else units.length

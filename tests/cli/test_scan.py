@@ -30,9 +30,13 @@ def test_folds(gsp):
 @pytest.mark.parametrize(
     ("vary", "message"),
     [
-        ("7=1:2:3", "error: --vary: found '7=1:2:3', expected N=LOW:HIGH:COUNT, such as 1=5:7:200"),
+        (
+            "7=1:2:3",
+            "error: --vary: found '7=1:2:3', expected NAME=LOW:HIGH:COUNT with 1, 2, 3, 4, 5 or 6, "
+            "such as 1=5:7:200",
+        ),
         ("1=2:1:3", "expected LOW below HIGH and at least two values"),
-        ("1=1:x:3", "expected N=LOW:HIGH:COUNT"),
+        ("1=1:x:3", "expected NAME=LOW:HIGH:COUNT"),
         ("1=1:2:9999999", "expected at most 1000000"),
     ],
 )
@@ -90,3 +94,29 @@ def test_work_is_kept_and_taken_up(gsp, tmp_path, monkeypatch):
     other = ("scan", HEXAPOD, "--vary", "2=2.0:2.1:3", "--jobs", "1", "--journal", journal)
     assert gsp(*other).code == 0
     assert done == [0, 1]
+
+
+def test_poses(gsp, tmp_path):
+    over = ("--over", "x=-2:2:9", "--over", "y=-2:2:9", "--pose", "0,0,0.5,1,0.2,0.1,0")
+    run = gsp("scan", HEXAPOD, *over, "--format", "csv")
+    assert run.code == 0
+    assert run.out.splitlines()[0] == "x,y,determinant,condition"
+    assert len(run.out.splitlines()) == 1 + 81
+    document = json.loads(gsp("scan", HEXAPOD, *over, "--folds", "--format", "json").out)
+    assert len(document["singular"]) > 8
+    assert document["curves"]
+    assert document["over"]["x"][0] == -2
+    for arguments in (over, ("--over", "x=-2:2:9", *over[4:])):
+        path = tmp_path / "map.svg"
+        assert gsp("scan", HEXAPOD, *arguments, "-o", path).code == 0
+        assert path.read_bytes().startswith(b"<?xml")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [(), ("--over", "x=0:1:2"), ("--pose", "0,0,0,1,0,0,0", "--vary", "1=1:2:3")],
+)
+def test_either_values_or_poses(gsp, arguments):
+    run = gsp("scan", HEXAPOD, *arguments)
+    assert run.code == 2
+    assert "give either --vary, or --over with --pose" in run.err

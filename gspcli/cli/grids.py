@@ -1,0 +1,51 @@
+"""Options that give a grid: ``--vary 1=5:7:200``, ``--over x=-1:1:50``."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+
+from gspcli.errors import GspError
+from gspcli.wording import listed
+
+_MOST_NODES = 1_000_000
+_AXIS = re.compile(r"(\w+)=([^:]+):([^:]+):(\d+)")
+
+
+def axes_of(
+    option: str, texts: Sequence[str], names: Sequence[str]
+) -> list[tuple[str, tuple[float, ...]]]:
+    """Return the name and the nodes of each axis.
+
+    Raises
+    ------
+    GspError
+        If a text is none, or there are too many nodes.
+    """
+    axes = [_axis(option, text, names) for text in texts]
+    total = math.prod(len(nodes) for _, nodes in axes)
+    if total > _MOST_NODES:
+        message = f"found {total} nodes, expected at most {_MOST_NODES}"
+        raise GspError(message)
+    return axes
+
+
+def _axis(option: str, text: str, names: Sequence[str]) -> tuple[str, tuple[float, ...]]:
+    import numpy as np
+
+    from gspcli.motion.number_tables import wrong_number
+
+    match = _AXIS.fullmatch(text.replace(" ", ""))
+    if match is None or match[1] not in names or wrong_number(match[2]) or wrong_number(match[3]):
+        form = f"NAME=LOW:HIGH:COUNT with {listed(names)}, such as {names[0]}=5:7:200"
+        message = f"{option}: found {text!r}, expected {form}"
+        raise GspError(message)
+    low, high, count = float(match[2]), float(match[3]), int(match[4])
+    if not low < high or count < 2:
+        message = f"{option}: found {text!r}, expected LOW below HIGH and at least two values"
+        raise GspError(message)
+    if count > _MOST_NODES:
+        message = f"found {count} nodes, expected at most {_MOST_NODES}"
+        raise GspError(message)
+    return match[1], tuple(np.linspace(low, high, count).tolist())
