@@ -1,6 +1,6 @@
 """Proof that a branch follows a chord while all coefficients of the equations move.
 
-The theorem is that of native/tubes.cpp. There only the values move, and the quadrics stand still;
+The theorem is that of native/segment_proof.hpp. There only the values move, and the quadrics stand still;
 here the quadrics are polynomials in tau with bounded remainders (`gspcli.certification.taylor`).
 Written down on its own, for any number of branches at a time; where only values move the two can
 be compared.
@@ -22,7 +22,7 @@ from gspcli.certification.taylor import MovingQuadrics
 
 Array = NDArray[np.float64]
 
-#: As in native/tubes.cpp.
+#: As in native/segment_proof.hpp.
 REACH = 0.125
 LONGEST = 0.5
 _NORM = 1.07

@@ -2,7 +2,7 @@
 
 Let z be a Study point of a pose at values v, Y an approximate inverse of the Jacobian matrix there
 (with the row z for the patch), and let every value change by at most a width. As in
-native/tubes.cpp, with
+native/segment_proof.hpp, with
 
     |Y F(z, w)| <= beta,  |1 - Y F'(z, w)| <= q  for all values w in the box,
     |Y (F'(x, w) - F'(y, w))| <= kappa |x - y|  within some reach of z,
