@@ -1,7 +1,7 @@
 """Proof that a branch follows a chord while all coefficients of the equations move.
 
-The theorem is that of native/segment_proof.hpp. There only the values move, and the quadrics stand still;
-here the quadrics are polynomials in tau with bounded remainders (`gspcli.certification.taylor`).
+The theorem is that of native/segment_proof.hpp. There only the values move, and the quadrics stand
+still; here they are polynomials in tau with bounded remainders (`gspcli.certification.taylor`).
 Written down on its own, for any number of branches at a time; where only values move the two can
 be compared.
 
