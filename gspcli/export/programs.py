@@ -67,9 +67,12 @@ def macaulay2(system: PolynomialSystem, digits: int = DIGITS) -> str:
         f"R = QQ[{', '.join(system.names)}];\n"
         f"I = ideal(\n{rows});\n"
         '<< "# dimension " << dim I << ", degree " << degree I << endl;\n'
-        # By eigenvalues: the program's own path tracking loses solutions without a word.
+        # By eigenvalues, and improved: its path tracking loses solutions without a word.
         'needsPackage "EigenSolver";\n'
-        "found = if dim I == 0 then zeroDimSolve I else {};\n"
+        'needsPackage "NumericalAlgebraicGeometry";\n'
+        "S = CC[gens R];\n"
+        "found = if dim I != 0 then {} else\n"
+        "  refine(polySystem flatten entries sub(gens I, S), zeroDimSolve I, Bits => 53);\n"
         f'<< "{_heading(system.names)}" << endl;\n'
         'plain = z -> format(0, 17, 17, 17, "e", z);\n'
         'scan(found, s -> << demark(",",\n'
