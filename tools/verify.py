@@ -131,6 +131,11 @@ STEPS = (
         sample="--sample 12",
     ),
     Step(
+        "real-page",
+        ("docs/real-counts.md", "docs/images/real-families.svg"),
+        "tools/build_real_page.py --check",
+    ),
+    Step(
         "real-counts",
         ("data/witnesses/counts.csv", "data/witnesses/counts.manifest.json"),
         "tools/build_real_counts.py check --jobs {jobs}",
