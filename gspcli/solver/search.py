@@ -36,7 +36,7 @@ class Search:
     pursuit
         The paths.
     sides
-        For each constraint the index of its equation (`certification.system`).
+        For each constraint the index of its equation (`BallSystem.equations`).
 
     Attributes
     ----------
