@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
-from examination import Finding, Pose, examine
+from examination import MATCH, RESIDUAL, SEPARATION, Finding
 from numpy.typing import NDArray
 from random_platforms import Task, families_by_name, random_member
 from recording import ROOT
 
 from gspcli import hexapod, load
 from gspcli.catalogue.counts import generic_counts
+from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import rotation_from_quaternion
-from gspcli.solver import PoseSet, solve_values
+from gspcli.solver import PoseBatch, solve_batch
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 #: Geometries with six legs that are special, by their files.
 SPECIAL = (
@@ -33,8 +37,11 @@ SPECIAL = (
     "platforms/simscape-hexapod",
 )
 _RANDOM, _FAMILIES = 20, 20
-#: Families with more solutions, for both sides of all planes, take too long.
-_MOST = 100
+#: Families with more solutions, for both sides of all planes, take too long; those with three
+#: angles are solved in closed form.
+_MOST = 160
+#: So many sets of values are examined together.
+_CHUNK = 250
 #: Decimals of the coordinates of random geometries.
 _DIGITS = 4
 
@@ -45,6 +52,7 @@ def batch_tasks(rows: int) -> list[Task]:
         name
         for name, family in families_by_name().items()
         if generic_counts(family.types[0]).two_sided <= _MOST
+        and len(family.types[0].angles) < MAX_ANGLES
     ]
     chosen = np.random.default_rng(SEED).choice(small, _FAMILIES, replace=False).tolist()
     names = [*(f"legs {i}" for i in range(_RANDOM)), *sorted(chosen), *SPECIAL]
@@ -77,20 +85,74 @@ def examine_batch(task: Task) -> tuple[Finding, ...]:
     instance = geometry_of(task)
     arrangement = Arrangement.of(instance)
     R, T, values = hidden_poses(task, arrangement)
-    answers = list(solve_values(instance, values, seed=task.seed))
+    findings: list[Finding] = []
+    for begin in range(0, task.count, _CHUNK):
+        part = slice(begin, begin + _CHUNK)
+        batch = solve_batch(instance, values[part], seed=task.seed)
+        findings += _examined(arrangement, batch, (R[part], T[part]))
     # What a geometry has fewer than its type is the same for almost all values.
-    expected = int(np.median([poses.account.found for poses in answers]))
-    return tuple(
-        _examined(arrangement.with_values(row), poses, expected, (rotation, place))
-        for row, poses, rotation, place in zip(values, answers, R, T, strict=True)
-    )
+    expected = int(np.median([finding.found for finding in findings]))
+    return tuple(replace(finding, expected=expected) for finding in findings)
 
 
-def _examined(arrangement: Arrangement, poses: PoseSet, expected: int, hidden: Pose) -> Finding:
-    finding = examine(arrangement, poses, expected, hidden)
-    problems = set(finding.problems)
-    if poses.proof is not None and poses.account.verdict == "complete":
-        problems -= {"poses at infinity"}
-    else:
-        problems.add(f"{poses.account.verdict}, not proved")
-    return Finding(**{**vars(finding), "problems": tuple(sorted(problems))})
+def _examined(
+    arrangement: Arrangement, batch: PoseBatch, hidden: tuple[Array, Array]
+) -> list[Finding]:
+    """Return what is found of each set of a batch, as `examination.examine` does of one."""
+    lengths = np.array([arrangement.length_with(row) for row in batch.values])
+    there = np.arange(batch.real.shape[1]) < batch.number[:, None]
+    charted = _charted(np.where(there[..., None, None], batch.R, 0), batch.T, there, lengths)
+    apart = _distances(charted, charted, there)
+    diagonal = np.arange(len(there[0]))
+    apart[:, diagonal, diagonal] = np.inf
+    to_conjugates = _distances(charted.conj(), charted, there)
+    asymmetry = np.where(there, to_conjugates.min(axis=2, initial=np.inf), 0.0)
+    own = to_conjugates.argmin(axis=2) == diagonal
+    R, T = (part[:, None].astype(np.complex128) for part in hidden)
+    to_hidden = _distances(_charted(R, T, there[:, :1] | True, lengths), charted, there)[:, 0]
+    nearest = to_hidden.argmin(axis=1)[:, None]
+    size = np.maximum(1, np.abs(batch.R).max(axis=(2, 3)))
+    size += np.abs(batch.T).max(axis=2) / lengths[:, None]
+    residual = np.where(there, batch.residuals / lengths[:, None] / size**2, 0.0)
+    statements = {
+        "incomplete": ~batch.complete,
+        "not proved": ~batch.proved,
+        "multiple poses": (batch.multiplicity > 1).any(axis=1),
+        "equal poses": apart.min(axis=(1, 2)) < SEPARATION,
+        "conjugate missing": asymmetry.max(axis=1) > MATCH,
+        "reality wrong": (there & (own != batch.real)).any(axis=1),
+        "residual": ~(residual.max(axis=1) < RESIDUAL),
+        "hidden pose missing": ~(
+            (to_hidden.min(axis=1) < MATCH) & np.take_along_axis(batch.real, nearest, axis=1)[:, 0]
+        ),
+    }
+    return [
+        Finding(
+            int(batch.number[k]),
+            int(batch.number[k]),
+            int(batch.real[k].sum()),
+            float(residual[k].max()),
+            float(apart[k].min()),
+            float(asymmetry[k].max()),
+            tuple(name for name, wrong in statements.items() if wrong[k]),
+        )
+        for k in range(len(batch))
+    ]
+
+
+def _charted(R: Complex, T: Complex, there: NDArray[np.bool_], lengths: Array) -> Complex:
+    """Return (R, T, 1) scaled to norm 1 (`examination`), shape (b, n, 13)."""
+    place = np.where(there[..., None], T, 0) / lengths[:, None, None]
+    flat = np.concatenate((R.reshape(*T.shape[:2], 9), place, np.ones((*T.shape[:2], 1))), axis=2)
+    return np.asarray(flat / np.linalg.norm(flat, axis=2, keepdims=True))
+
+
+def _distances(points: Complex, among: Complex, there: NDArray[np.bool_]) -> Array:
+    """Return the distances of points (b, k, 13) from poses (b, n, 13), infinite from none."""
+    square = np.zeros((*points.shape[:2], among.shape[1]))
+    for a, b in ((points.real, among.real), (points.imag, among.imag)):
+        for i in range(points.shape[2]):
+            difference = a[:, :, None, i] - b[:, None, :, i]
+            difference *= difference
+            square += difference
+    return np.where(there[:, None, :], np.sqrt(square), np.inf)

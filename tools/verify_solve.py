@@ -2,7 +2,7 @@
 
     python tools/verify_solve.py platforms [--count 100000] [--jobs 2]
     python tools/verify_solve.py families [--each 10] [--jobs 2]
-    python tools/verify_solve.py batches [--rows 2000] [--jobs 2]
+    python tools/verify_solve.py batches [--rows 200] [--jobs 2]
     python tools/verify_solve.py all [--check [--sample N]]
     python tools/verify_solve.py show TASK INSTANCE
 
@@ -134,7 +134,7 @@ RUNS = {
         "families", "each", 10, "platforms of each family", family_tasks, verify_family
     ),
     "batches": Run(
-        "batches", "rows", 2000, "sets of values of a geometry", batch_tasks, verify_batch
+        "batches", "rows", 200, "sets of values of a geometry", batch_tasks, verify_batch
     ),
 }
 
@@ -183,17 +183,16 @@ def main() -> int:
         size = getattr(arguments, run.option)
         every = run.tasks(size)
         tasks = sampled(every, arguments.sample if arguments.check else None)
-        done = list(
-            carry_out(
-                tasks,
-                run.verify,
-                decode=Examined.of_entry,
-                journal=arguments.work / f"{run.record}-{origin[:12]}.jsonl",
-                workers=Workers(arguments.jobs),
-                progress=progress,
-                label=f"solving {run.help}",
-            ).values()
+        results = carry_out(
+            tasks,
+            run.verify,
+            decode=Examined.of_entry,
+            journal=arguments.work / f"{run.record}-{origin[:12]}.jsonl",
+            workers=Workers(arguments.jobs),
+            progress=progress,
+            label=f"solving {run.help}",
         )
+        done = [results[task] for task in tasks]
         if arguments.check:
             different += differences(run.record, done, whole=len(tasks) == len(every))
             platforms += sum(len(examined.findings) for examined in done)
