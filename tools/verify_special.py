@@ -152,7 +152,7 @@ def solve_all(chosen: list[Platform], every: list[Platform], arguments: argparse
         print(f"{name}: {remark}")
     print(f"\n{judgement.text()}\n")
     if arguments.record and len(chosen) == len(every):
-        _record(judgement, arguments.seeds)
+        _record(judgement, arguments.seeds, known)
     if judgement.wrong:
         return DIFFERENT
     total = judgement.total
@@ -164,10 +164,13 @@ def solve_all(chosen: list[Platform], every: list[Platform], arguments: argparse
     return CONFIRMED
 
 
-def _record(judgement: Judgement, seeds: int) -> None:
+def _record(judgement: Judgement, seeds: int, known: Mapping[str, Mapping[str, str]]) -> None:
+    finite = [row for row in known.values() if row["finite"] == "yes"]
+    real = sum(bool(row["real"]) for row in finite)
     note = (
         f"With {seeds} seed{'s' if seeds > 1 else ''} each, on {cpu_count()} shared cores; "
-        f"of the proved ones {judgement.proved_modulo_prime} rest on random primes."
+        f"of the proved ones {judgement.proved_modulo_prime} rest on random primes. The number of "
+        f"real poses is known for {real} of the {len(finite)} platforms with finitely many."
     )
     text = with_section(PAGE, "answers", f"{judgement.markdown()}\n\n{note}")
     PAGE.write_text(text, encoding="utf-8")
