@@ -15,8 +15,6 @@ from gspcli.certification.counting.motion_equations import (
     with_moments,
 )
 
-#: The equations between the coordinates of the rigid motions stay below this number of bits.
-_OF_MOTIONS = 16.0
 #: A function of a motion that is no coordinate is a sum of at most so many products of two.
 _PRODUCTS = 3
 #: What the sums and constants in an equation add to the heights of its numbers, at most; twice for
@@ -71,7 +69,7 @@ def equation_height(constraints: Sequence[ExactConstraint]) -> float:
     The height of a polynomial is the mean over all embeddings of the logarithm of the sum of the
     moduli of its coefficients, plus that of a common denominator.
     """
-    return max(_OF_MOTIONS, *(_constraint_height(row) for row in constraints))
+    return max(_constraint_height(row) for row in constraints)
 
 
 def _constraint_height(row: ExactConstraint) -> float:

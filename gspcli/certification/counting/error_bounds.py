@@ -13,6 +13,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from gspcli.catalogue.kinds import DLL
+from gspcli.catalogue.recorded_varieties import Variety, varieties
 from gspcli.certification.counting.coordinate_choice import Blocks
 from gspcli.certification.counting.equation_heights import equation_height
 from gspcli.certification.counting.exact_platform import ExactConstraint
@@ -28,6 +29,15 @@ _DRAWN_FROM = 2.0**60
 #: A combination of commutators is a polynomial of degree 3 in random numbers: a bound of the
 #: probability that one of fewer than a hundred vanishes by chance.
 COMMUTATOR_TESTS = 300 / _DRAWN_FROM
+#: The logarithm of the length of an equation of the motions: at most four terms, one or minus one.
+_OF_MOTIONS = 1.0
+#: The recorded varieties of the motions.
+_COORDINATES = {
+    Blocks.TRANSLATION: "R,T",
+    Blocks.BODY: "R,U",
+    Blocks.TRANSLATION | Blocks.BODY: "R,T,U",
+    Blocks.TRANSLATION | Blocks.BODY | Blocks.DISTANCE: "R,T,U,rho",
+}
 #: Quadrics that contain a mutual moment are sums of products of degree 4 of the moments'
 #: definitions, the motions' equations, and coordinates.
 _MOMENT_EXCESS = 2
@@ -50,43 +60,32 @@ class MinorBits:
     ----------
     height
         Of every equation.
-    variables
-        Coordinates of the motions, and moments.
-    excess
-        What is added to the degrees up to which products were formed.
+    variety
+        The motions in the coordinates that are used.
+    moments
+        Further coordinates.
     """
 
     height: float
-    variables: int
-    excess: int
+    variety: Variety
+    moments: int
 
     @classmethod
     def of(cls, constraints: Sequence[ExactConstraint], blocks: Blocks) -> MinorBits:
         """Return those of a platform in some coordinates."""
         moments = sum(row.kind is DLL for row in constraints)
-        sizes = {Blocks.TRANSLATION: 3, Blocks.BODY: 3, Blocks.DISTANCE: 1}
-        used = sum(size for block, size in sizes.items() if block in blocks)
-        return cls(
-            equation_height(constraints), 9 + used + moments, _MOMENT_EXCESS if moments else 0
-        )
+        return cls(equation_height(constraints), varieties()[_COORDINATES[blocks]], moments)
 
     def finite(self, reach: int) -> float:
         """Return the bits for a finite count that was found with products up to a degree.
 
         For each degree e up to it and each d below one minor, of the columns of degree above d.
         """
-        return self.height * sum(
-            self._monomials(e) - self._monomials(d)
-            for e in range(2, reach + self.excess + 1)
-            for d in range(e)
-        )
+        return sum(self._rows(e) - self._rows(d) for e in self._degrees(reach) for d in range(e))
 
     def infinite(self, reach: int) -> float:
         """Return the bits for infinitely many solutions: all leading minors of each degree."""
-        return self.height * sum(
-            self._monomials(e) * (self._monomials(e) + 1) / 2
-            for e in range(2, reach + self.excess + 1)
-        )
+        return sum(self._monomials(e) * self._rows(e) for e in self._degrees(reach))
 
     def distinct(self, reach: int, points: int) -> float:
         """Return the bits for how many of some points are distinct: discriminants."""
@@ -98,15 +97,34 @@ class MinorBits:
         # Linear in coordinates, or squares of such.
         return conditions * points * (2 * self._entries(reach, points) + self.height)
 
+    def _degrees(self, reach: int) -> range:
+        return range(2, reach + (_MOMENT_EXCESS if self.moments else 0) + 1)
+
     def _monomials(self, degree: int) -> int:
         """Return how many monomials there are up to a degree."""
-        return math.comb(self.variables + degree, degree)
+        return math.comb(self.variety.ambient_dimension + self.moments + degree, degree)
+
+    def _functions(self, degree: int) -> int:
+        """Return how many of them are independent on the motions."""
+        dimension = self.variety.dimension + self.moments
+        return sum(
+            coefficient * math.comb(dimension + degree - k, dimension)
+            for k, coefficient in enumerate(self.variety.hilbert_numerator)
+            if k <= degree
+        )
+
+    def _rows(self, degree: int) -> float:
+        """Return the bits of independent products of equations up to a degree.
+
+        So many are of the constraints, when those of the motions come first.
+        """
+        return self.height * self._functions(degree) + _OF_MOTIONS * self._monomials(degree)
 
     def _entries(self, reach: int, points: int) -> float:
         """Return the bits of multiplication matrices with their common denominators."""
-        constants = 4 * math.log2(max(points, 1) * self.variables)
-        degrees = range(2, reach + self.excess + 1)
-        return sum(self.height * self._monomials(e) + constants for e in degrees)
+        variables = self.variety.ambient_dimension + self.moments
+        constants = 4 * math.log2(max(points, 1) * variables)
+        return sum(self._rows(e) + constants for e in self._degrees(reach))
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ DEFAULT_LIMIT = 5.0
 _BILLION = 10**9
 _UNLIMITED = 2**62
 #: Further primes are taken until they all mislead with a probability below this, at most so many.
-_ENOUGH, _MOST_PRIMES = 1e-9, 4
+_ENOUGH, _MOST_PRIMES = 1e-9, 6
 #: From this generic count on a small prime is tried first: it takes a third of the time.
 _LARGE_COUNT = 100
 
