@@ -1,4 +1,4 @@
-"""Rebuild the drawings of platforms and of joint chains in docs/images/.
+"""Rebuild the drawings of platforms, of joint chains and of a trajectory in docs/images/.
 
     python tools/build_drawings.py [--check]
 
@@ -21,10 +21,14 @@ sys.path.insert(0, str(ROOT))
 from gspcli.catalogue.kinds import ALL, DLL, KINDS, Kind
 from gspcli.catalogue.realization import REALIZATIONS
 from gspcli.cli.main import run
+from gspcli.motion import PoseFormat, read_values, track
 from gspcli.pictures.chain_panels import chain_drawing
+from gspcli.pictures.track_charts import track_chart
 from gspcli.resources import instance_files
+from gspcli.spec import load
 
 IMAGES = ROOT / "docs" / "images"
+TRAJECTORIES = ROOT / "data" / "trajectories"
 DRAWINGS = {
     "example-6.8": ["view", "@example-6.8", "--mode", "57"],
     # The platforms of the paper's Figures 2 to 4 on their chains.
@@ -55,6 +59,14 @@ def drawn(words: list[str]) -> bytes:
         return path.read_bytes()
 
 
+def loop() -> bytes:
+    """Return the chart of the loop of values that leads a mode to another one."""
+    instance = load(TRAJECTORIES / "mode-change.yaml")
+    text = (TRAJECTORIES / "mode-change.csv").read_text(encoding="utf-8")
+    values = read_values(text, "mode-change.csv", instance, PoseFormat()).subdivided(30)
+    return track_chart(track(instance, values.values, t=values.t, modes=[2, 1]), "svg")
+
+
 def chains(kinds: tuple[Kind, ...]) -> bytes:
     """Return the drawing of all realizations of a constraint."""
     names = " and ".join(kind.name for kind in kinds)
@@ -72,6 +84,7 @@ def main() -> int:
     files: dict[Path, str | bytes] = {
         IMAGES / f"{name}.svg": drawn(words) for name, words in DRAWINGS.items()
     }
+    files[IMAGES / "mode-change.svg"] = loop()
     for kinds in CHAINS:
         files[IMAGES / f"{'-'.join(kind.name for kind in kinds)}.svg"] = chains(kinds)
     return save(files, check=arguments.check, confirmed=f"{len(files)} drawings")

@@ -158,6 +158,12 @@ STEPS = (
         "tools/verify_tracks.py --check --jobs {jobs}",
         sample="--sample 2",
     ),
+    Step(
+        "clearances",
+        ("data/verification/clearances.csv",),
+        "tools/verify_clearances.py --check --jobs {jobs}",
+        sample="--sample 4",
+    ),
     Step("view", ("data/view/*",), "tools/build_view.py --check"),
     Step(
         "distribution",

@@ -1,0 +1,47 @@
+"""Charts of modes along a trajectory: the values, and where the platform goes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gspcli.pictures.charts import PALETTE
+from gspcli.pictures.figures import SOFT, styled, written
+
+if TYPE_CHECKING:
+    from gspcli.motion import Track
+
+
+def track_chart(track: Track, fmt: str) -> bytes:
+    """Return the values and the positions x, y, z of the modes over t, side by side.
+
+    Parameters
+    ----------
+    track
+        Modes along a trajectory; each has its own stroke, and its number where it begins and ends.
+    fmt
+        ``svg``, ``png`` or ``pdf``.
+    """
+    with styled():
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(7.2, 3.0), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        units = track.instance.units
+        for k, column in enumerate(track.values.T):
+            left.plot(track.t, column, color=SOFT, linewidth=1.0)
+            left.annotate(str(k + 1), (track.t[0], column[0]), ha="right", fontsize=7)
+        left.set(xlabel="t", ylabel="values", title="values of the constraints")
+        strokes = ("-", "--", ":", "-.")
+        for m, mode in enumerate(track.modes.tolist()):
+            for k, name in enumerate("xyz"):
+                column = track.T[m, :, k]
+                stroke = strokes[m % len(strokes)]
+                right.plot(track.t, column, stroke, color=PALETTE[k], linewidth=1.2)
+                ends = [0, -1]
+                right.plot(track.t[ends], column[ends], "o", color=PALETTE[k], markersize=3)
+                place = {"textcoords": "offset points", "xytext": (-4, -2), "ha": "right"}
+                first = track.t[0], column[0]
+                right.annotate(f"{name} of {mode}", first, fontsize=6, **place)
+        right.margins(x=0.14)
+        right.set(xlabel="t", ylabel=f"x, y, z ({units.length})", title="positions of the modes")
+        return written(figure, fmt)

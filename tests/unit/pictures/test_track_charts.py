@@ -1,0 +1,21 @@
+from __future__ import annotations
+
+import pytest
+
+import gspcli
+from gspcli.motion import PoseFormat, read_values, track
+from gspcli.resources import data_path
+
+pytest.importorskip("matplotlib")
+
+
+def test_the_loop_is_drawn_with_all_its_modes():
+    from gspcli.pictures.track_charts import track_chart
+
+    instance = gspcli.load(data_path("trajectories", "mode-change.yaml"))
+    text = data_path("trajectories", "mode-change.csv").read_text(encoding="utf-8")
+    rows = read_values(text, "v", instance, PoseFormat())
+    found = track(instance, rows.values, t=rows.t, modes=[2, 1])
+    drawn = track_chart(found, "svg")
+    assert drawn.startswith(b"<?xml")
+    assert len(track_chart(track(instance, rows.values, t=rows.t, modes=[2]), "svg")) < len(drawn)
