@@ -17,7 +17,7 @@ from gspcli.geometry.quaternions import (
     quaternion_product,
 )
 from gspcli.motion.enclosures import SIGNS, Neighbourhood
-from gspcli.motion.following import MovingPlatform
+from gspcli.motion.following import MovingPlatform, apart
 from gspcli.motion.measuring import measure
 from gspcli.motion.wrenches import Wrenches
 
@@ -92,7 +92,7 @@ def accuracy(given: Wrenches, tolerances: ArrayLike) -> Accuracy:
 
 def _bounds(instance: Instance, given: Wrenches, limits: Array) -> tuple[Array, Array, Array]:
     """Return proved bounds of each error (n, 6), of the rotation and of the distance (n,)."""
-    platform = MovingPlatform(instance)
+    platform = MovingPlatform(apart(instance))
     values = platform.internal(measure(instance, given.R, given.T))
     points = platform.points(given.R, given.T)
     box = Neighbourhood(platform, points, values).box(platform.internal(limits))

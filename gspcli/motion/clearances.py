@@ -19,7 +19,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import jacobian
 from gspcli.motion.enclosures import Neighbourhood
-from gspcli.motion.following import MovingPlatform, Stop
+from gspcli.motion.following import MovingPlatform, Stop, apart
 from gspcli.motion.measuring import measure
 from gspcli.motion.trajectories import Event, track_from
 
@@ -50,7 +50,7 @@ def clearances(
     weights
         The unit of each value's changes, in the units of the instance, shape (6,); ones if None.
     """
-    platform = MovingPlatform(instance)
+    platform = MovingPlatform(apart(instance))
     R, T = np.asarray(R, float), np.asarray(T, float)
     widths = platform.internal(_weights(weights))
     values = platform.internal(measure(instance, R, T))
@@ -186,7 +186,7 @@ def _in_octants(
     way to the common corner, since regular solutions that agree at one point agree all along. For
     the same reason small boxes have the same solutions on common faces: they do at the corner.
     """
-    platform = MovingPlatform(instance)
+    platform = MovingPlatform(apart(instance))
     signs = np.array(list(product((1.0, -1.0), repeat=6)))
     widths = platform.internal(units)
     centre = platform.internal(values)

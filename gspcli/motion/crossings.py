@@ -13,7 +13,7 @@ from gspcli.defaults import SEED
 from gspcli.motion.discriminant import Curve, Discriminant
 from gspcli.motion.following import MovingPlatform
 from gspcli.motion.scanning import Scan
-from gspcli.motion.trajectories import Event, track
+from gspcli.motion.trajectories import Event, at_values, track
 
 Array = NDArray[np.float64]
 #: Parts of the ranges: what is nearer to the border of the grid is on it.
@@ -132,7 +132,8 @@ class _Curves:
 
     def __init__(self, found: Scan) -> None:
         self.found = found
-        self.platform = MovingPlatform(found.instance)
+        last = found.values_at([-1] * len(found.axes))
+        self.platform = MovingPlatform(at_values(found.instance, last))
         nodes = [np.array(axis.values) for axis in found.axes]
         low, high = (np.array([grid[k] for grid in nodes]) for k in (0, -1))
         varied = (found.axes[0].constraint, found.axes[1].constraint)

@@ -172,7 +172,8 @@ class Neighbourhood:
         best = {name: np.full(count, np.inf) for name in ("measure", "radius", "rest", "root", "q")}
         left, scales, right = np.linalg.svd(self.inverse, full_matrices=False)
         for exponent in EXPONENTS:
-            weights = (scales[:, :1] / scales) ** exponent
+            # Without an inverse there is no proof in any norm.
+            weights = (scales[:, :1] / np.where(scales > 0, scales, scales[:, :1])) ** exponent
             norm = _Norm(left, weights, self.inverse)
             found = self._in_norm(norm, first, whole, residual, gradient_errors, right, spreads)
             better = found["root"] + found["q"] < best["root"] + best["q"]

@@ -10,11 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli import _kernel
+from gspcli.catalogue.kinds import DLL
 from gspcli.certification.moving import Law, MovingEquations, Shape, moving_equations
 from gspcli.certification.taylor import MovingSystem
 from gspcli.continuation.tracker import helpful
 from gspcli.geometry.coordinates import Coordinate
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import pose_from_study, study_from_pose
 
 Array = NDArray[np.float64]
@@ -104,6 +106,19 @@ class StudyUnits:
         """Return the poses (R, T) of Study points, ``(..., 8) -> (..., 3, 3), (..., 3)``."""
         R, T = pose_from_study(points[..., :4], points[..., 4:])
         return R, T * self.scale
+
+
+def apart(instance: Instance) -> Instance:
+    """Return an instance whose distances of lines are not zero, for values that move from there.
+
+    The mutual moment is the equation of lines that meet, but not of a distance that grows.
+    """
+    zero = {
+        k: Number.of(1)
+        for k, constraint in enumerate(instance.constraints)
+        if constraint.kind is DLL and constraint.value.fraction == 0
+    }
+    return instance.with_values(zero) if zero else instance
 
 
 class MovingPlatform(StudyUnits):

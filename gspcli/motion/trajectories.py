@@ -220,9 +220,9 @@ def track(
         raise ArgumentError(message, "t")
     platform: MovingPlatform | MovingGeometry
     if chosen:
-        platform = MovingGeometry(at_values(instance, rows[0]), chosen)
+        platform = MovingGeometry(_over(instance, rows), chosen)
     else:
-        platform = MovingPlatform(at_values(instance, rows[0]))
+        platform = MovingPlatform(_over(instance, rows))
     R, T = _all_poses(platform, rows[0], seed, jobs)
     numbers = np.arange(1, len(R) + 1)
     if near is not None:
@@ -266,10 +266,14 @@ def track_from(
     rows = _checked(values, "values", (None, 6))
     times = np.arange(1.0, len(rows) + 1)
     R, T = np.asarray(R, float), np.asarray(T, float)
-    run = _Run(
-        MovingPlatform(at_values(instance, rows[0])), times, rows, options or FollowOptions()
-    )
+    run = _Run(MovingPlatform(_over(instance, rows)), times, rows, options or FollowOptions())
     return run.follow(R, T, np.arange(1, len(R) + 1))
+
+
+def _over(instance: Instance, rows: Array) -> Instance:
+    """Return the instance for following along rows: a value of zero stands for zero at all rows."""
+    values = rows[:, :6]
+    return at_values(instance, values[np.abs(values).argmax(axis=0), np.arange(6)])
 
 
 def at_values(instance: Instance, values: Array) -> Instance:

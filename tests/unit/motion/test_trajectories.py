@@ -8,6 +8,8 @@ from gspcli import _kernel
 from gspcli.errors import GspError
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
 from gspcli.motion import FollowOptions, MovingPlatform, measure, track
+from gspcli.motion.clearances import clearances
+from gspcli.motion.trajectories import at_values
 from gspcli.resources import data_path
 from gspcli.solver.generate import random_instance
 
@@ -200,3 +202,40 @@ def test_crossing_a_plane_is_no_fold():
 def test_mistakes_are_named(hexapod, changes, message):
     with pytest.raises(GspError, match=message):
         track(hexapod, **{"values": VALUES, **changes})
+
+
+def lines_that_meet():
+    """A random platform with a DLL, and its values with this distance zero."""
+    rng = np.random.default_rng(1)
+    kinds = gspcli.parse_type("DPP DPP DPP DPH DPH DLL")
+    instance, (R, T) = random_instance(kinds, rng)
+    values = measure(instance, R, T)
+    k = [constraint.kind.name for constraint in instance.constraints].index("DLL")
+    values[k] = 0
+    return instance, values, k
+
+
+def test_lines_that_meet_and_part_are_not_mistaken():
+    # While they meet the mutual moment is their equation; it is none of the distance that grows.
+    instance, values, k = lines_that_meet()
+    parted = values.copy()
+    parted[k] = 0.05
+    leaving = track(instance, np.stack((values, parted)))
+    assert np.isnan(leaving.T[:, -1]).all()
+    assert {event.kind for event in leaving.events} == {"undecided"}
+    # As long as they meet they can be followed.
+    moved = values * 1.0001
+    meeting = track(instance, np.stack((values, moved)))
+    there = ~np.isnan(meeting.T[:, -1, 0])
+    assert there.any()
+    found = measure(instance, meeting.R[there, -1], meeting.T[there, -1])
+    assert np.allclose(found, moved, atol=1e-9)
+
+
+def test_there_is_no_clearance_where_lines_meet():
+    instance, values, _ = lines_that_meet()
+    meeting = at_values(instance, values)
+    real = gspcli.solve(meeting)
+    R, T = real.R[real.real].real, real.T[real.real].real
+    assert len(R)
+    assert (clearances(meeting, R, T) == 0).all()
