@@ -36,7 +36,6 @@ INLINE Extended exact_product(const D& a, const D& b) {
 }
 
 INLINE Extended extend(const D& x) { return {x, D{}}; }
-INLINE Extended splat(double x) { return extend(D{} + x); }
 
 INLINE Extended operator-(const Extended& a) { return {-a.hi, -a.lo}; }
 INLINE Extended operator+(const Extended& a, const Extended& b) {
@@ -61,10 +60,10 @@ INLINE Extended operator/(const Extended& a, const Extended& b) {
 
 INLINE Extended operator*(double a, const Extended& b) { return (D{} + a) * b; }
 INLINE Extended operator*(const Extended& a, double b) { return (D{} + b) * a; }
-INLINE Extended operator/(double a, const Extended& b) { return splat(a) / b; }
-INLINE Extended operator-(double a, const Extended& b) { return splat(a) - b; }
-INLINE Extended operator+(double a, const Extended& b) { return splat(a) + b; }
-INLINE Extended operator+(const Extended& a, double b) { return a + splat(b); }
+INLINE Extended operator/(double a, const Extended& b) { return extend(D{} + a) / b; }
+INLINE Extended operator-(double a, const Extended& b) { return extend(D{} + a) - b; }
+INLINE Extended operator+(double a, const Extended& b) { return extend(D{} + a) + b; }
+INLINE Extended operator+(const Extended& a, double b) { return a + extend(D{} + b); }
 INLINE void operator+=(Extended& a, const Extended& b) { a = a + b; }
 INLINE void operator-=(Extended& a, const Extended& b) { a = a - b; }
 
@@ -76,10 +75,10 @@ INLINE Mask operator<=(const Extended& a, const Extended& b) {
 }
 INLINE Mask operator>(const Extended& a, const Extended& b) { return b < a; }
 INLINE Mask operator>=(const Extended& a, const Extended& b) { return b <= a; }
-INLINE Mask operator<(const Extended& a, double b) { return a < splat(b); }
-INLINE Mask operator<=(const Extended& a, double b) { return a <= splat(b); }
-INLINE Mask operator>(const Extended& a, double b) { return splat(b) < a; }
-INLINE Mask operator>=(const Extended& a, double b) { return splat(b) <= a; }
+INLINE Mask operator<(const Extended& a, double b) { return a < extend(D{} + b); }
+INLINE Mask operator<=(const Extended& a, double b) { return a <= extend(D{} + b); }
+INLINE Mask operator>(const Extended& a, double b) { return extend(D{} + b) < a; }
+INLINE Mask operator>=(const Extended& a, double b) { return extend(D{} + b) <= a; }
 
 INLINE Extended select(const Mask& m, const Extended& a, const Extended& b) {
   return {m ? a.hi : b.hi, m ? a.lo : b.lo};
@@ -93,8 +92,13 @@ INLINE Extended root(const Extended& x) {
   return quick_sum(first, correction);
 }
 
+// Sets one of the two doubles in all lanes.
+INLINE void put_part(Extended& x, int part, double value) { (part ? x.lo : x.hi) = D{} + value; }
 INLINE double lane(const Extended& x, int l) { return x.hi[l]; }
-INLINE double low_lane(const Extended& x, int l) { return x.lo[l]; }
+INLINE double part_of(const Extended& x, int l, int part) { return (part ? x.lo : x.hi)[l]; }
+INLINE void set_part(Extended& x, int l, int part, double value) {
+  (part ? x.lo : x.hi)[l] = value;
+}
 INLINE void put(Extended& x, int l, double value) {
   x.hi[l] = value;
   x.lo[l] = 0.0;

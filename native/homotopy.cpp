@@ -7,16 +7,66 @@ namespace gsp {
 namespace {
 
 // Features that are smaller than this part of a quadric are rounding noise, which must not take the
-// path out of the linear space of quadrics that both ends are in.
-constexpr double kNoise = 1e-15;
+// path out of the linear space of quadrics that both ends are in: of numbers in doubles, and of
+// those that are known to 64 digits.
+constexpr double kNoise = 1e-15, kDeepNoise = 1e-60;
+
+constexpr int kParts = 1 + kMore;
+
+// The unevaluated sum of doubles, large ones first: only sums, and products by powers of two.
+struct Sum {
+  double part[kParts];
+
+  // Adds a double; the last part is rounded.
+  void add(double x) {
+    for (double& p : part) {
+      const double s = p + x, v = s - p;
+      x = (p - (s - v)) + (x - v);
+      p = s;
+    }
+  }
+  // Makes the parts overlap by no bits.
+  void renormalize() {
+    for (int pass = 0; pass < 2; ++pass)
+      for (int k = kParts - 1; k > 0; --k) {
+        const double s = part[k - 1] + part[k], v = s - part[k - 1];
+        part[k] = (part[k - 1] - (s - v)) + (part[k] - v);
+        part[k - 1] = s;
+      }
+  }
+};
+
+Sum operator+(Sum a, const Sum& b) {
+  for (const double x : b.part) a.add(x);
+  a.renormalize();
+  return a;
+}
+Sum operator*(double x, Sum a) {
+  for (double& p : a.part) p *= x;
+  return a;
+}
+
+// A complex number in 64 digits.
+struct Wide {
+  Sum re, im;
+  Complex operator[](int k) const { return {re.part[k], im.part[k]}; }
+};
+
+Wide operator+(const Wide& a, const Wide& b) { return {a.re + b.re, a.im + b.im}; }
+Wide operator-(const Wide& a, const Wide& b) { return {a.re + -1.0 * b.re, a.im + -1.0 * b.im}; }
+Wide operator*(double x, const Wide& a) { return {x * a.re, x * a.im}; }
+
+Wide wide(const std::complex<double>& x) { return {{{x.real()}}, {{x.imag()}}}; }
+std::complex<double> rounded(const Wide& x) { return {x.re.part[0], x.im.part[0]}; }
 
 // Coefficients of e_i e_j, e_i f_j, f.f to those of the features of tracker.hpp (modulo e.f).
-void to_features(const std::complex<double>* q, std::complex<double>* out) {
+template <class T>
+void to_features(const T* q, T* out) {
   const auto b = [&](int i, int j) { return q[10 + 4 * i + j]; };
   for (int i = 0; i < 10; ++i) out[i] = q[i];
   for (int i = 1; i < 4; ++i) {
     const int j = i % 3 + 1, k = j % 3 + 1;
-    const std::complex<double> d = 0.25 * (b(0, i) - b(i, 0)), x = 0.25 * (b(j, k) - b(k, j));
+    const T d = 0.25 * (b(0, i) - b(i, 0)), x = 0.25 * (b(j, k) - b(k, j));
     out[kOffsetT + i - 1] = d + x;
     out[kOffsetU + i - 1] = d - x;
   }
@@ -45,32 +95,73 @@ unsigned groups(const std::complex<double>* q) {
 
 Complex plain(const std::complex<double>& x) { return {x.real(), x.imag()}; }
 
+// The features of one end without noise; returns the groups in use.
+unsigned clean(const std::complex<double>* q, std::complex<double>* out) {
+  to_features(q, out);
+  const double noise = kNoise * size_of(out);
+  for (int k = 0; k < kFeatures; ++k)
+    if (std::abs(out[k]) < noise) out[k] = 0.0;
+  return groups(out);
+}
+
+// The same in 64 digits.
+unsigned clean(const Wide* q, Wide* out) {
+  to_features(q, out);
+  std::complex<double> high[kFeatures];
+  for (int k = 0; k < kFeatures; ++k) high[k] = rounded(out[k]);
+  const double noise = kDeepNoise * size_of(high);
+  for (int k = 0; k < kFeatures; ++k)
+    if (std::abs(high[k]) < noise) high[k] = 0.0, out[k] = Wide{};
+  return groups(high);
+}
+
+// The number at a place of a target and of what is added to it.
+Wide gathered(const std::complex<double>* Side::* field, int at, const Side& target,
+              const Side* more) {
+  Wide sum = wide((target.*field)[at]);
+  for (int k = 0; k < kMore; ++k) sum = sum + wide((more[k].*field)[at]);
+  return sum;
+}
+
+void split(const Wide& x, Complex& first, Complex* more, int stride) {
+  first = x[0];
+  for (int k = 0; k < kMore; ++k) more[k * stride] = x[k + 1];
+}
+
 }  // namespace
 
-void make_homotopy(const bool* products, const Side& start, const Side& target, Homotopy& H) {
-  const Side* sides[2] = {&start, &target};
+void make_homotopy(const bool* products, const Side& start, const Side& target, const Side* more,
+                   Homotopy& H) {
   for (int i = 0; i < kQuadrics; ++i) {
     const int row = i % kEquations;
     if (i >= kEquations && !products[row]) continue;
-    std::complex<double> ends[2][kFeatures];
-    unsigned used = 0;
-    for (int s = 0; s < 2; ++s) {
-      to_features((i < kEquations ? sides[s]->g : sides[s]->h) + row * kCoefficients, ends[s]);
-      const double noise = kNoise * size_of(ends[s]);
-      for (std::complex<double>& x : ends[s])
-        if (std::abs(x) < noise) x = 0.0;
-      used |= groups(ends[s]);
-    }
-    H.quadric[i].groups = used;
-    for (int k = 0; k < kFeatures; ++k) {
-      H.quadric[i].start[k] = plain(ends[0][k]);
-      H.quadric[i].change[k] = plain(ends[1][k] - ends[0][k]);
+    const auto field = i < kEquations ? &Side::g : &Side::h;
+    const int at = row * kCoefficients;
+    Quadric& quadric = H.quadric[i];
+    std::complex<double> from[kFeatures];
+    quadric.groups = clean(start.*field + at, from);
+    for (int k = 0; k < kFeatures; ++k) quadric.start[k] = plain(from[k]);
+    if (more) {
+      Wide given[kCoefficients], to[kFeatures];
+      for (int k = 0; k < kCoefficients; ++k) given[k] = gathered(field, at + k, target, more);
+      quadric.groups |= clean(given, to);
+      for (int k = 0; k < kFeatures; ++k)
+        split(to[k] - wide(from[k]), quadric.change[k], &quadric.more[0][k], kFeatures);
+    } else {
+      std::complex<double> to[kFeatures];
+      quadric.groups |= clean(target.*field + at, to);
+      for (int k = 0; k < kFeatures; ++k)
+        split(wide(to[k] - from[k]), quadric.change[k], &quadric.more[0][k], kFeatures);
     }
   }
   for (int i = 0; i < kEquations; ++i) {
+    const std::complex<double> begin = products[i] ? start.tau[i] : 0.0;
+    const std::complex<double> end = products[i] ? target.tau[i] : 0.0;
+    Wide change = wide(end - begin);
+    if (more && products[i]) change = gathered(&Side::tau, i, target, more) - wide(begin);
     H.product[i] = products[i];
-    H.tau_start[i] = plain(products[i] ? start.tau[i] : 0.0);
-    H.tau_change[i] = plain(products[i] ? target.tau[i] - start.tau[i] : 0.0);
+    H.tau_start[i] = plain(begin);
+    split(change, H.tau_change[i], &H.tau_more[0][i], kEquations);
   }
 }
 

@@ -17,6 +17,9 @@ struct Side {
 };
 
 // The straight line from one system to another; `products` says which equations are products.
-void make_homotopy(const bool* products, const Side& start, const Side& target, Homotopy& H);
+// Where the target's numbers are known to more than doubles, `more` has kMore sides that are to be
+// added to it; else it is null.
+void make_homotopy(const bool* products, const Side& start, const Side& target, const Side* more,
+                   Homotopy& H);
 
 }  // namespace gsp

@@ -1,5 +1,5 @@
-// Complex arithmetic on vectors of real numbers, one path in each lane: doubles, or with GSP_EXTENDED
-// double-double numbers.
+// Complex arithmetic on vectors of real numbers, one path in each lane: sums of GSP_PARTS doubles,
+// one, two or four.
 //
 // Included by each build of tracker.cpp and of intersection.cpp: all in an anonymous namespace, so
 // that the linker cannot merge functions that were compiled for different processors.
@@ -9,6 +9,9 @@
 
 #if !defined(GSP_LANES)
 #error "GSP_LANES must be the width of the vectors of this build"
+#endif
+#if !defined(GSP_PARTS)
+#define GSP_PARTS 1
 #endif
 
 namespace gsp {
@@ -21,6 +24,7 @@ typedef double D __attribute__((vector_size(8 * W)));
 typedef long long Mask __attribute__((vector_size(8 * W)));
 
 #define INLINE inline __attribute__((always_inline))
+#define NOINLINE __attribute__((noinline, unused))
 
 INLINE D root(const D& x) {
   D r;
@@ -31,23 +35,29 @@ INLINE D root(const D& x) {
 }  // namespace
 }  // namespace gsp
 
-#if defined(GSP_EXTENDED)
+#if GSP_PARTS == 2
 #include "extended.hpp"
+#elif GSP_PARTS == 4
+#include "fourfold.hpp"
 #endif
 
 namespace gsp {
 namespace {
 
-#if defined(GSP_EXTENDED)
+#if GSP_PARTS == 4
+typedef Fourfold V;
+constexpr double kEpsilon = 1e-60;  // of rounding in the equations
+INLINE V splat(double x) { return fourfold(D{} + x); }
+#elif GSP_PARTS == 2
 typedef Extended V;
-constexpr double kEpsilon = 1e-31;  // of rounding in the equations
+constexpr double kEpsilon = 1e-31;
+INLINE V splat(double x) { return extend(D{} + x); }
 #else
 typedef D V;
 constexpr double kEpsilon = 4e-16;
 INLINE V splat(double x) { return V{} + x; }
 INLINE V select(const Mask& m, const V& a, const V& b) { return m ? a : b; }
 INLINE double lane(const V& x, int l) { return x[l]; }
-INLINE double low_lane(const V&, int) { return 0.0; }
 INLINE void put(V& x, int l, double value) { x[l] = value; }
 #endif
 
@@ -56,11 +66,18 @@ struct C {
 };
 
 INLINE Complex lane(const C& x, int l) { return {lane(x.re, l), lane(x.im, l)}; }
-INLINE Complex low_lane(const C& x, int l) { return {low_lane(x.re, l), low_lane(x.im, l)}; }
 INLINE void put(C& x, int l, const Complex& value) {
   put(x.re, l, value.re);
   put(x.im, l, value.im);
 }
+
+#if GSP_PARTS > 1
+// The same number into all lanes, as the first part or another one.
+INLINE void put(C& x, const Complex& value, int part = 0) {
+  put_part(x.re, part, value.re);
+  put_part(x.im, part, value.im);
+}
+#endif
 
 INLINE C operator+(const C& a, const C& b) { return {a.re + b.re, a.im + b.im}; }
 INLINE C operator-(const C& a, const C& b) { return {a.re - b.re, a.im - b.im}; }
@@ -68,6 +85,8 @@ INLINE C operator*(const C& a, const C& b) {
   return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
 }
 INLINE C operator*(const V& a, const C& b) { return {a * b.re, a * b.im}; }
+// a b for doubles a.
+INLINE C by(const D& a, const C& b) { return {a * b.re, a * b.im}; }
 INLINE C operator*(const Complex& a, const C& b) {
   return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
 }
@@ -102,8 +121,26 @@ INLINE V maximum(const V& a, const V& b) { return select(a > b, a, b); }
 INLINE C select(const Mask& m, const C& a, const C& b) {
   return {select(m, a.re, b.re), select(m, a.im, b.im)};
 }
-INLINE C line(const Complex& start, const Complex& change, const V& t) {
-  return {start.re + t * change.re, start.im + t * change.im};
+// How a coefficient changes along the path, in as many digits as there are: `more` has what doubles
+// cannot tell.
+template <int n>
+INLINE auto change_of(const Complex (&change)[n], [[maybe_unused]] const Complex (&more)[kMore][n],
+                      int i) {
+#if GSP_PARTS == 1
+  return change[i];
+#else
+  C sum;
+  put(sum, change[i]);
+  for (int k = 0; k + 1 < GSP_PARTS; ++k) put(sum, more[k][i], k + 1);
+  return sum;
+#endif
+}
+// The coefficient at t.
+template <int n>
+INLINE C line(const Complex (&start)[n], const Complex (&change)[n], const Complex (&more)[kMore][n],
+              int i, const V& t) {
+  const auto by = change_of(change, more, i);
+  return {start[i].re + t * by.re, start[i].im + t * by.im};
 }
 INLINE V norm(const C* x) {
   V s = square(x[0]);

@@ -46,6 +46,7 @@ struct Build {
   const char* name;
   Track* track;
   Track* track_extended;
+  Track* track_fourfold;
   Track* track_short;
   Intersect* intersect;
   Count* count;
@@ -55,13 +56,19 @@ struct Build {
   TrackShifts* track_shifts;
 };
 
-constexpr Build kPortable{"portable", track_portable, track_portable_extended, track_portable_short, intersect_portable,
-                          count_portable, follow_portable, prove_portable, decide_portable, track_shifts_portable};
+constexpr Build kPortable{
+    "portable",     track_portable,     track_portable_extended, track_portable_fourfold,
+    track_portable_short, intersect_portable, count_portable,    follow_portable,
+    prove_portable, decide_portable,    track_shifts_portable};
 #if defined(GSP_X86)
-constexpr Build kAvx2{"avx2", track_avx2, track_avx2_extended, track_avx2_short, intersect_avx2, count_avx2,
-                      follow_avx2, prove_avx2, decide_avx2, track_shifts_avx2};
-constexpr Build kAvx512{"avx512", track_avx512, track_avx512_extended, track_avx512_short, intersect_avx512,
-                        count_avx512, follow_avx512, prove_avx512, decide_avx512, track_shifts_avx512};
+constexpr Build kAvx2{
+    "avx2",           track_avx2, track_avx2_extended, track_avx2_fourfold, track_avx2_short,
+    intersect_avx2,   count_avx2, follow_avx2,         prove_avx2,          decide_avx2,
+    track_shifts_avx2};
+constexpr Build kAvx512{
+    "avx512",           track_avx512, track_avx512_extended, track_avx512_fourfold,
+    track_avx512_short, intersect_avx512, count_avx512,      follow_avx512,
+    prove_avx512,       decide_avx512,    track_shifts_avx512};
 
 bool has_avx2() { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
 #endif
@@ -89,9 +96,11 @@ Build build_named(const std::string& name) {
 
 nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu> products,
                 Matrix start_g, Matrix start_h, Vector start_tau, Matrices target_g,
-                Matrices target_h, Matrix target_tau, Points points, double predictor_tolerance,
-                double contraction, double radius_fraction, double min_step, double waypoint,
-                double nearest, int max_steps, bool extended, bool short_series, int jobs, const std::string& build) {
+                Matrices target_h, Matrix target_tau, Matrices more_g, Matrices more_h,
+                Matrix more_tau, Points points, Matrices low_points, double predictor_tolerance,
+                double contraction, double arrival, double radius_fraction, double min_step,
+                double waypoint, double nearest, int max_steps, int digits, bool short_series,
+                int jobs, const std::string& build) {
   const std::size_t targets = target_g.shape(0), paths = points.shape(0);
   require(products.shape(0) == kEquations && start_tau.shape(0) == kEquations, "six equations");
   require(start_g.shape(0) == kEquations && start_g.shape(1) == kCoefficients &&
@@ -102,18 +111,30 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
               target_h.shape(2) == kCoefficients && target_tau.shape(0) == targets &&
               target_tau.shape(1) == kEquations,
           "target coefficients must have shapes (targets, 6, 27), (targets, 6, 27), (targets, 6)");
+  const std::size_t more_parts = more_g.shape(0);
+  require((more_parts == 0 || (more_parts == kMore && targets == 1)) &&
+              more_g.shape(1) == kEquations && more_g.shape(2) == kCoefficients &&
+              more_h.shape(0) == more_parts && more_h.shape(1) == kEquations &&
+              more_h.shape(2) == kCoefficients && more_tau.shape(0) == more_parts &&
+              more_tau.shape(1) == kEquations,
+          "what more digits add to one target must have shapes (3, 6, 27), (3, 6, 27), (3, 6)");
+  require(low_points.shape(1) == kMore && low_points.shape(2) == kVariables &&
+              (low_points.shape(0) == 0 || low_points.shape(0) == paths),
+          "what is added to points must have shape (paths, 3, 8), or be of no paths");
+  require(digits == 16 || digits == 32 || digits == 64, "digits must be 16, 32 or 64");
+  const bool extended = digits > 16;
   require(points.shape(1) == kVariables, "points must have shape (paths, 8)");
   const Build chosen = build_named(build);
-  Track* const run = extended      ? chosen.track_extended
+  Track* const run = digits == 32   ? chosen.track_extended
+                     : digits == 64 ? chosen.track_fourfold
                      : short_series ? chosen.track_short
                                     : chosen.track;
-  const Options options{predictor_tolerance, contraction, radius_fraction,
-                        min_step,            waypoint,    nearest,
-                        max_steps};
+  const Options options{predictor_tolerance, contraction, arrival, radius_fraction,
+                        min_step,            waypoint,    nearest, max_steps};
 
   const std::size_t total = targets * paths;
   auto point = std::make_unique<std::complex<double>[]>(total * kVariables);
-  auto low = std::make_unique<std::complex<double>[]>(extended ? total * kVariables : 0);
+  auto low = std::make_unique<std::complex<double>[]>(extended ? total * kMore * kVariables : 0);
   auto t = std::make_unique<double[]>(total);
   auto status = std::make_unique<std::uint8_t[]>(total);
   auto steps = std::make_unique<std::int32_t[]>(total);
@@ -139,26 +160,34 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
         const std::size_t count = std::min(length, paths - begin);
         if (prepared != b) {
           const std::size_t stride = kEquations * kCoefficients;
+          const auto end = [&](const Matrices& g, const Matrices& h, const Matrix& tau,
+                               std::size_t k) {
+            return Side{g.data() + k * stride, h.data() + k * stride, tau.data() + k * kEquations};
+          };
+          Side more[kMore];
+          for (std::size_t k = 0; k < more_parts; ++k) more[k] = end(more_g, more_h, more_tau, k);
           make_homotopy(products.data(), {start_g.data(), start_h.data(), start_tau.data()},
-                        {target_g.data() + b * stride, target_h.data() + b * stride,
-                         target_tau.data() + b * kEquations},
+                        end(target_g, target_h, target_tau, b), more_parts ? more : nullptr,
                         *homotopy);
           prepared = b;
         }
         const std::size_t at = b * paths + begin;
         run(*homotopy, options, static_cast<int>(count),
             reinterpret_cast<const Complex*>(points.data() + begin * kVariables),
+            low_points.shape(0) == 0
+                ? nullptr
+                : reinterpret_cast<const Complex*>(low_points.data() + begin * kMore * kVariables),
             {reinterpret_cast<Complex*>(point.get() + at * kVariables),
-             extended ? reinterpret_cast<Complex*>(low.get() + at * kVariables) : nullptr,
+             extended ? reinterpret_cast<Complex*>(low.get() + at * kMore * kVariables) : nullptr,
              t.get() + at, status.get() + at, steps.get() + at, condition.get() + at, curvature.get() + at,
              residual.get() + at, correction.get() + at});
       }
     };
     share(jobs, pieces, work);
   }
-  const std::size_t eight = kVariables;
+  const std::size_t eight = kVariables, three = kMore;
   return nb::make_tuple(owned(std::move(point), {targets, paths, eight}),
-                        owned(std::move(low), {extended ? targets : 0, paths, eight}),
+                        owned(std::move(low), {extended ? targets : 0, paths, three, eight}),
                         owned(std::move(t), {targets, paths}),
                         owned(std::move(status), {targets, paths}),
                         owned(std::move(steps), {targets, paths}),
@@ -340,9 +369,10 @@ NB_MODULE(_kernel, m) {
         nb::kw_only(), "build"_a = "",
         "Return points, errors and what has been solved; see gspcli.geometry.intersections.");
   m.def("track", &gsp::track, "products"_a, "start_g"_a, "start_h"_a, "start_tau"_a, "target_g"_a,
-        "target_h"_a, "target_tau"_a, "points"_a, nb::kw_only(), "predictor_tolerance"_a,
-        "contraction"_a, "radius_fraction"_a, "min_step"_a, "waypoint"_a, "nearest"_a,
-        "max_steps"_a, "extended"_a, "short_series"_a, "jobs"_a, "build"_a = "",
+        "target_h"_a, "target_tau"_a, "more_g"_a, "more_h"_a, "more_tau"_a, "points"_a,
+        "low_points"_a, nb::kw_only(), "predictor_tolerance"_a, "contraction"_a, "arrival"_a,
+        "radius_fraction"_a, "min_step"_a, "waypoint"_a, "nearest"_a, "max_steps"_a, "digits"_a,
+        "short_series"_a, "jobs"_a, "build"_a = "",
         "Track every point from the start system to each target; see gspcli.continuation.tracker.");
   m.def("count", &gsp::count, "prime"_a, nb::kw_only(), "seed"_a, "blocks"_a, "hessians"_a,
         "moments"_a, "functions"_a, "squares"_a, "weights"_a, "owners"_a, "equations"_a, "groups"_a,

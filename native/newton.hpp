@@ -5,6 +5,9 @@
 // there without being written. J = L Q with L lower triangular and orthonormal rows of Q, by
 // modified Gram-Schmidt, which needs no pivoting and so no branches between lanes.
 //
+// With 64 digits lengths are measured in units of e and of f at the point:
+// poses far away are near each other in C^8, where e nearly vanishes, but not in these.
+//
 // Included by tracker.cpp in each of its builds: all in an anonymous namespace, so that the linker
 // cannot merge functions that were compiled for different processors.
 #pragma once
@@ -19,6 +22,8 @@ constexpr int kRows = kEquations + 1;
 #define GSP_ORDER 7
 #endif
 constexpr int kOrder = GSP_ORDER;  // of the Taylor series
+// Where e or f is zero it has no unit of its own.
+constexpr double kLeastSquare = 1e-280;
 
 // What one lane-wide step works with.
 struct Workspace {
@@ -28,9 +33,36 @@ struct Workspace {
   V magnitude[kRows];     // of the terms that cancel in the values
   C factor[kQuadrics][N]; // gradients of the factors of products
   C f[kRows];             // values
+  D unit[2];              // of e and of f
   // Series of the factors and of N, for products.
   C g[kEquations][kOrder + 1], h[kEquations][kOrder + 1], n[kOrder + 1];
 };
+
+constexpr bool kUnits = GSP_PARTS > 2;
+
+INLINE void set_units(Workspace& w, const C* z) {
+  if constexpr (kUnits) {
+    for (int l = 0; l < W; ++l) {
+      double size[2] = {0.0, 0.0};
+      for (int i = 0; i < N; ++i) {
+        const Complex x = lane(z[i], l);
+        size[i / 4] += x.re * x.re + x.im * x.im;
+      }
+      for (int k = 0; k < 2; ++k)
+        w.unit[k][l] = size[k] > kLeastSquare ? __builtin_sqrt(size[k]) : 1.0;
+    }
+  }
+}
+
+// Coordinate i of a vector in its unit; the vector's length.
+INLINE C in_units(const Workspace& w, const C& x, int i) {
+  return kUnits ? by(1.0 / w.unit[i / 4], x) : x;
+}
+INLINE V norm(const Workspace& w, const C* x) {
+  C scaled[N];
+  for (int i = 0; i < N; ++i) scaled[i] = in_units(w, x[i], i);
+  return norm(scaled);
+}
 
 INLINE C study(const C* z) {
   C s{};
@@ -40,6 +72,7 @@ INLINE C study(const C* z) {
 
 // Values and Jacobian matrix at (z, t).
 void linearize(const Homotopy& H, Workspace& w, const C* z, const V& t) {
+  set_units(w, z);
   w.f[0] = study(z);
   w.magnitude[0] = splat(1.0);
   for (int i = 0; i < N; ++i) w.row[0][i] = z[(i + 4) % N];
@@ -55,7 +88,7 @@ void linearize(const Homotopy& H, Workspace& w, const C* z, const V& t) {
     const C h = gradient(H.quadric[i + kEquations], z, t, dh);
     C n{};
     for (int j = 0; j < 4; ++j) add_product(n, z[j], z[j]);
-    const C tau_n = line(H.tau_start[i], H.tau_change[i], t) * n;
+    const C tau_n = line(H.tau_start, H.tau_change, H.tau_more, i, t) * n;
     w.g[i][0] = g;
     w.h[i][0] = h;
     w.n[0] = n;
@@ -69,8 +102,11 @@ void linearize(const Homotopy& H, Workspace& w, const C* z, const V& t) {
   }
 }
 
-// J = L Q; the rows of J become those of Q.
+// J = L Q, columns of J in their units; the rows of J become those of Q.
 void factorize(Workspace& w) {
+  if constexpr (kUnits)
+    for (int i = 0; i < kRows; ++i)
+      for (int j = 0; j < N; ++j) w.row[i][j] = by(w.unit[j / 4], w.row[i][j]);
   for (int j = 0; j < kRows; ++j) {
     C* q = w.row[j];
     const V scale = 1.0 / norm(q);
@@ -95,13 +131,13 @@ void substitute(const Workspace& w, C* b) {
   }
 }
 
-// The least-norm solution of J x = b; b becomes L^-1 b.
+// The solution of J x = b of the least norm in the units; b becomes L^-1 b.
 void solve(const Workspace& w, C* b, C* x) {
   substitute(w, b);
   for (int k = 0; k < N; ++k) {
     C s{};
     for (int j = 0; j < kRows; ++j) add_conjugate_product(s, w.row[j][k], b[j]);
-    x[k] = s;
+    x[k] = kUnits ? by(w.unit[k / 4], s) : s;
   }
 }
 

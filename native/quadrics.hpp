@@ -83,7 +83,7 @@ INLINE C value(const Quadric& q, const C* x, const C* y) {
   ranges(q.groups, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       add_product(s, q.start[i], x[i]);
-      add_product(r, q.change[i], y[i]);
+      add_product(r, change_of(q.change, q.more, i), y[i]);
     }
   });
   return s + r;
@@ -93,7 +93,7 @@ INLINE C value(const Quadric& q, const C* x, const C* y) {
 INLINE C gradient(const Quadric& q, const C* z, const V& t, C* g) {
   const C *e = z, *f = z + 4;
   for (int i = 0; i < N; ++i) g[i] = C{};
-  const auto coefficient = [&](int i) { return line(q.start[i], q.change[i], t); };
+  const auto coefficient = [&](int i) { return line(q.start, q.change, q.more, i, t); };
   int n = 0;
   for (int i = 0; i < 4; ++i) {
     const C square_term = coefficient(n++);

@@ -1,4 +1,4 @@
-// Built with GSP_EXTENDED: lanes of double-double numbers.
+// Built with GSP_PARTS = 2: lanes of double-double numbers.
 #include "residuals.hpp"
 
 #include "lanes.hpp"

@@ -51,7 +51,7 @@ INLINE V order_root(const V& x) {
   } else if constexpr (order == 7) {
     return root(root(root(x)));
   } else {
-#if defined(GSP_EXTENDED)
+#if GSP_PARTS > 1
     static_assert(order == 7);
 #else
     // The exponent and the fraction of a double are nearly its logarithm; then one step of Newton's.

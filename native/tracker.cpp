@@ -47,8 +47,8 @@ void expand(const Homotopy& H, Workspace& w, const V& t, C (*series)[N]) {
         add_product(n, w.n[j], w.n[k - j]);
         if (j < k) add_product(m, w.n[j], w.n[k - 1 - j]);
       }
-      b[i + 1] = line(H.tau_start[i], H.tau_change[i], t) * n - s;
-      add_product(b[i + 1], H.tau_change[i], m);
+      b[i + 1] = line(H.tau_start, H.tau_change, H.tau_more, i, t) * n - s;
+      add_product(b[i + 1], change_of(H.tau_change, H.tau_more, i), m);
     }
     C* x = series[k];
     solve(w, b, x);
@@ -90,16 +90,42 @@ INLINE void predict(const Lanes& s, C* z) {
   }
 }
 
+// A lane becomes scale (high + low), as far as there are digits for it; low is that of coordinate i.
+INLINE void put_all([[maybe_unused]] C& x, [[maybe_unused]] int l, [[maybe_unused]] double scale,
+                    [[maybe_unused]] const Complex& high, [[maybe_unused]] const Complex* low) {
+#if GSP_PARTS > 1
+  V re = splat(high.re), im = splat(high.im);
+  for (int k = 0; k < kMore; ++k) {
+    re += splat(low[k * N].re);
+    im += splat(low[k * N].im);
+  }
+  const D factor = D{} + scale;
+  re = factor * re, im = factor * im;
+  for (int k = 0; k < GSP_PARTS; ++k) {
+    set_part(x.re, l, k, part_of(re, l, k));
+    set_part(x.im, l, k, part_of(im, l, k));
+  }
+#endif
+}
+
 INLINE void normalize(C* z) {
   const V scale = 1.0 / norm(z);
   for (int i = 0; i < N; ++i) z[i] = scale * z[i];
+}
+
+INLINE void store_low([[maybe_unused]] const C& x, [[maybe_unused]] int l, Complex* low) {
+  for (int k = 0; k < kMore; ++k) low[k * N] = {0.0, 0.0};
+#if GSP_PARTS > 1
+  for (int k = 1; k < GSP_PARTS; ++k)
+    low[(k - 1) * N] = {part_of(x.re, l, k), part_of(x.im, l, k)};
+#endif
 }
 
 // A point of norm 1 goes out.
 INLINE void store(const C* z, int l, int path, const Results& out) {
   for (int i = 0; i < N; ++i) {
     out.point[path * N + i] = lane(z[i], l);
-    if (out.low) out.low[path * N + i] = low_lane(z[i], l);
+    if (out.low) store_low(z[i], l, out.low + path * kMore * N + i);
   }
 }
 
@@ -111,8 +137,9 @@ void refine(const Homotopy& H, Workspace& w, int count, const int* index, const 
   C z[N];
   for (int i = 0; i < N; ++i)
     for (int l = 0; l < W; ++l) {
-      const Complex& x = out.point[index[l < count ? l : 0] * N + i];
-      put(z[i], l, x);
+      const int p = index[l < count ? l : 0], k = p * N + i;
+      put(z[i], l, out.point[k]);
+      if (out.low) put_all(z[i], l, 1.0, out.point[k], out.low + p * kMore * N + i);
     }
   const V one = splat(1.0);
   V last = splat(1.0);
@@ -127,7 +154,7 @@ void refine(const Homotopy& H, Workspace& w, int count, const int* index, const 
     normalize(moved);
     const Mask settled = last < kSettled;
     for (int i = 0; i < N; ++i) z[i] = select(settled, z[i], moved[i]);
-    last = select(settled, last, norm(dz));
+    last = select(settled, last, norm(w, dz));
     going = false;
     for (int l = 0; l < W; ++l) going |= !(lane(last, l) < kSettled);
   }
@@ -168,8 +195,8 @@ void refine(const Homotopy& H, Workspace& w, int count, const int* index, const 
 class Tracker {
  public:
   Tracker(const Homotopy& homotopy, const Options& options, int paths, const Complex* points,
-          const Results& out)
-      : H(homotopy), options_(options), paths_(paths), points_(points), out_(out) {}
+          const Complex* low, const Results& out)
+      : H(homotopy), options_(options), paths_(paths), points_(points), low_(low), out_(out) {}
 
   void run() {
     for (int l = 0; l < W; ++l) load(l);
@@ -201,6 +228,7 @@ class Tracker {
     for (int i = 0; i < N; ++i) {
       for (int k = 0; k <= kOrder; ++k) put(s.series[k][i], l, {0.0, 0.0});
       put(s.series[0][i], l, {z[i].re * scale, z[i].im * scale});
+      if (low_) put_all(s.series[0][i], l, scale, z[i], low_ + (z - points_) * kMore + i);
     }
     s.begin(l);
     s.passed[l] = 0;
@@ -230,7 +258,7 @@ class Tracker {
     solve(w, w.f, second);
     for (int i = 0; i < N; ++i) z[i] = z[i] - second[i];
     normalize(z);
-    n1 = norm(first), n2 = norm(second);
+    n1 = norm(w, first), n2 = norm(w, second);
     noise = rounding(w);
   }
 
@@ -241,6 +269,7 @@ class Tracker {
   // Which lanes accept the step.
   INLINE Mask judge(const V& n1, const V& n2, const V& noise) const {
     Mask accepted = s.judge(aims(), n1, n2, noise);
+    accepted = accepted & ((s.next < 1.0) | (n2 <= options_.arrival));
     for (int l = 0; l < W; ++l)
       if (s.path[l] < 0) accepted[l] = 0;
     return accepted;
@@ -255,8 +284,10 @@ class Tracker {
       for (int i = 0; i < N; ++i) s.series[k][i] = select(accepted, series[k][i], s.series[k][i]);
     C product{};
     for (int i = 0; i < N; ++i)
-      add_conjugate_product(product, series[kOrder - 1][i], series[kOrder][i]);
-    s.expand({norm(series[kOrder]), norm(series[kOrder - 1]), norm(series[kOrder - 2]), product},
+      add_conjugate_product(product, in_units(w, series[kOrder - 1][i], i),
+                            in_units(w, series[kOrder][i], i));
+    s.expand({norm(w, series[kOrder]), norm(w, series[kOrder - 1]), norm(w, series[kOrder - 2]),
+              product},
              accepted);
   }
 
@@ -310,6 +341,7 @@ class Tracker {
   const Options& options_;
   const int paths_;
   const Complex* const points_;
+  const Complex* const low_;
   const Results& out_;
   int upcoming_ = 0, under_way_ = 0;
   alignas(64) Workspace w;
@@ -319,8 +351,8 @@ class Tracker {
 }  // namespace
 
 void GSP_TRACK(const Homotopy& homotopy, const Options& options, int paths, const Complex* points,
-               const Results& results) {
-  Tracker(homotopy, options, paths, points, results).run();
+               const Complex* low, const Results& results) {
+  Tracker(homotopy, options, paths, points, low, results).run();
 }
 
 }  // namespace gsp

@@ -23,11 +23,15 @@ struct Complex {
   double re, im;
 };
 
-// A quadric whose coefficients run along the straight line start + t change.
+constexpr int kMore = 3;  // doubles that are added to one for 64 digits
+
+// A quadric whose coefficients run along the straight line start + t change. The change is known
+// to as many digits as the tracker computes with: `more` is what doubles cannot tell of it.
 struct Quadric {
   unsigned groups;
   Complex start[kFeatures];
   Complex change[kFeatures];
+  Complex more[kMore][kFeatures];
 };
 
 // Six equations: quadric i alone, or quadric i times quadric 6 + i = tau N^2.
@@ -36,11 +40,13 @@ struct Homotopy {
   Quadric quadric[kQuadrics];
   Complex tau_start[kEquations];
   Complex tau_change[kEquations];
+  Complex tau_more[kMore][kEquations];
 };
 
 struct Options {
   double predictor_tolerance;  // aimed length of the first Newton correction (points have norm 1)
   double contraction;          // largest ratio of second to first Newton correction
+  double arrival;              // largest second Newton correction at t = 1
   double radius_fraction;      // largest step as a part of the estimated radius of convergence
   double min_step;             // a step in t below this fails
   double waypoint;             // 1 - t at which paths that cannot reach t = 1 are handed back
@@ -53,7 +59,7 @@ enum Status : std::uint8_t { kRegular = 0, kSingular = 1, kFailed = 2 };
 // Arrays over the paths of one homotopy.
 struct Results {
   Complex* point;          // (paths, 8), norm 1
-  Complex* low;            // likewise, what double-double arithmetic adds to it; else null
+  Complex* low;            // (paths, kMore, 8), what more digits add to it; null in doubles
   double* t;               // where the point belongs to
   std::uint8_t* status;
   std::int32_t* steps;     // accepted and rejected
@@ -63,12 +69,14 @@ struct Results {
   double* correction;      // length of the last Newton correction
 };
 
-// Tracks the paths of one homotopy that start at `points` (paths, 8) from t = 0 to t = 1.
+// Tracks the paths of one homotopy that start at `points` (paths, 8) from t = 0 to t = 1; what more
+// digits add to the points is `low` (paths, kMore, 8), or null.
 using Track = void(const Homotopy&, const Options&, int paths, const Complex* points,
-                   const Results&);
+                   const Complex* low, const Results&);
 Track track_portable, track_avx2, track_avx512;
-// The same in double-double arithmetic.
+// The same in 32 and in 64 digits.
 Track track_portable_extended, track_avx2_extended, track_avx512_extended;
+Track track_portable_fourfold, track_avx2_fourfold, track_avx512_fourfold;
 
 // The same in double precision with series of fewer terms, for paths that are short.
 Track track_portable_short, track_avx2_short, track_avx512_short;

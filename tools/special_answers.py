@@ -62,10 +62,10 @@ def answers(platform: Platform, seeds: int) -> tuple[str, list[Answer], str]:
     result = []
     try:
         for seed in range(SEED, SEED + seeds):
-            began = time.perf_counter()
+            began = time.process_time()
             solved = solve(platform.instance, seed=seed)
             document = solved.to_json(everything=True)
-            seconds = time.perf_counter() - began
+            seconds = time.process_time() - began
             proof = document.get("proof")
             by = "none" if proof is None else proof["by"]
             if proof is not None and proof.get("modulo_random_prime"):
@@ -120,7 +120,7 @@ class Judgement:
     proved_modulo_prime
         How many of the proved answers rest on a random prime.
     seconds
-        How long each solve took, by group.
+        How long each solve took, by group: time of the processor.
     remarks
         By id, what is wrong, incomplete or slow.
     """

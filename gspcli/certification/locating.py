@@ -29,8 +29,8 @@ Complex = NDArray[np.complex128]
 
 #: Bits of the attempts at a point that is known in doubles, and of the last attempt at any.
 FIRST_PRECISION, LAST_PRECISION = 64, 1024
-#: From this precision on a point that Newton's method still moves by more than the second number
-#: (coordinates are at most one) is given up: it is no approximation of a simple solution.
+#: From this precision on a point that Newton's method still moves by more than the second number,
+#: as a part of its largest coordinate, is given up: it is no approximation of a simple solution.
 _PATIENCE, _UNSETTLED = 256, 2.0**-12
 #: A solution with a smaller N is called infinite: decimals would need three hundred digits to
 #: make a platform so nearly special.
@@ -143,7 +143,11 @@ class Locator:
         return self._systems[precision]
 
     def locate(
-        self, points: Complex, low: Complex | None, sides: tuple[int, ...]
+        self,
+        points: Complex,
+        low: Complex | None,
+        sides: tuple[int, ...],
+        bits: int = FIRST_PRECISION,
     ) -> list[Located | AtInfinity | None]:
         """Return what is proved near each point, None where nothing is.
 
@@ -152,15 +156,16 @@ class Locator:
         points
             Study points in the coordinates of `frames`, of any norm, shape (n, 8).
         low
-            What is to be added to them, if they are known to more than doubles; shape (n, 8).
+            What is to be added to them, if they are known to more than doubles; shape (n, k, 8).
         sides
             For each constraint the index of its equation (`BallSystem.equations`).
+        bits
+            The first precision that is tried.
         """
-        precision = FIRST_PRECISION if low is None else 2 * FIRST_PRECISION
+        rest = np.zeros((len(points), 0, 8)) if low is None else low
         with ctx.workprec(LAST_PRECISION):
-            rest = np.zeros_like(points) if low is None else low
             starts = [self.in_frames(point, more) for point, more in zip(points, rest, strict=True)]
-        return [self.locate_exactly(start, sides, precision) for start in starts]
+        return [self.locate_exactly(start, sides, bits) for start in starts]
 
     @staticmethod
     def exactly(point: Complex) -> list[acb]:
@@ -168,8 +173,16 @@ class Locator:
         return [acb(x) for x in point.tolist()]
 
     def in_frames(self, point: Complex, low: Complex) -> list[acb]:
-        """Return a point in the frames of the instance, lengths in units of its scale."""
-        numbers = [a + b for a, b in zip(self.exactly(point), self.exactly(low), strict=True)]
+        """Return a point in the frames of the instance, lengths in units of its scale.
+
+        Parameters
+        ----------
+        point, low
+            As one of those of `locate`.
+        """
+        numbers = self.exactly(point)
+        for more in low:
+            numbers = [a + b for a, b in zip(numbers, self.exactly(more), strict=True)]
         e, f = numbers[:4], numbers[4:]
         base, platform = ([acb(0), *map(acb, x)] for x in (self.frames.base, self.frames.platform))
         ahead, behind = study.product(base, e), study.product(e, platform)
@@ -229,7 +242,8 @@ class Locator:
                 else:
                     # With too few digits Newton's method leaves even a good start: it is kept.
                     moved = float(largest([x - y for x, y in zip(found, point, strict=True)]))
-                    if not moved < _UNSETTLED and precision >= max(_PATIENCE, 2 * bits):
+                    size = float(largest(point))
+                    if not moved < _UNSETTLED * size and precision >= max(_PATIENCE, 2 * bits):
                         return None
             precision *= 2
         return None

@@ -79,7 +79,7 @@ def multiple_poses(
     with ctx.workprec(_PRECISION):
         system = locator.system(_PRECISION)
         for start, paths in zip(points, multiplicity, strict=True):
-            limit = _limit(system, locator.in_frames(start, np.zeros(8, complex)), sides)
+            limit = _limit(system, locator.in_frames(start, np.zeros((0, 8), complex)), sides)
             if limit is None or any(_gap(limit, other) < _SAME for other in limits):
                 continue
             limits.append(limit)

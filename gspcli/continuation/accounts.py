@@ -271,7 +271,7 @@ class _Attempt:
     def _waypoints(self, index: NDArray[np.intp], options: TrackerOptions) -> ComplexArray:
         """Return the points of some paths where the endgame starts; NaN if not reached."""
         points: ComplexArray = self.points[index]
-        away = np.flatnonzero(options.extended | (self.t[index] != 1 - options.waypoint))
+        away = np.flatnonzero(options.digits > 16 | (self.t[index] != 1 - options.waypoint))
         if len(away):
             near = self.origin.towards(self.target, 1 - options.waypoint)
             starts = self.start.points[index[away]]

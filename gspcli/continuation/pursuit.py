@@ -15,13 +15,25 @@ from gspcli.continuation.accounts import (
     regular_ends,
     settle,
 )
-from gspcli.continuation.quadrics import ComplexArray
+from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.regularity import clearly_simple
 from gspcli.continuation.solutions import SystemSolutions, solutions_of
 from gspcli.continuation.start import StartSystem, start_system
-from gspcli.continuation.systems import Coefficients, System
-from gspcli.continuation.tracker import DEEP, DEFAULT, PathResults, TrackerOptions, track
+from gspcli.continuation.systems import Coefficients, ExtendedCoefficients, System
+from gspcli.continuation.tracker import (
+    DEEP,
+    DEEPEST,
+    DEFAULT,
+    EXTENDED,
+    PathResults,
+    TrackerOptions,
+    track,
+)
 
+#: Newton's method converges where its last correction is not longer than this part of e.
+_SETTLED = 1e-3
+#: From so near to the target on paths are followed with 64 digits.
+_NEARBY = 1e-8
 _BATCH = 256
 _BATCH_PATHS = 65_536
 
@@ -35,18 +47,31 @@ class PursuedEnds:
     points
         Study points in the coordinates of the target, of any norm, shape (k, 8).
     low
-        What more digits than those of doubles add to them, shape (k, 8); zero if there are none.
+        What more digits than those of doubles add to them, shape (k, 3, 8); (k, 0, 8) if there are
+        none.
     simple
         Which are beyond doubt simple solutions of the system in doubles, shape (k,).
+    settled
+        At which Newton's method converges, with these digits, shape (k,).
+    digits
+        With how many digits they were computed.
     """
 
     points: ComplexArray
     low: ComplexArray
     simple: NDArray[np.bool_]
+    settled: NDArray[np.bool_]
+    digits: int
 
-    def take(self, index: NDArray[np.bool_]) -> PursuedEnds:
+    def take(self, index: NDArray[np.bool_] | NDArray[np.intp]) -> PursuedEnds:
         """Return some of the ends."""
-        return PursuedEnds(self.points[index], self.low[index], self.simple[index])
+        return PursuedEnds(
+            self.points[index],
+            self.low[index],
+            self.simple[index],
+            self.settled[index],
+            self.digits,
+        )
 
 
 class Pursuit:
@@ -60,6 +85,8 @@ class Pursuit:
         The equations in canonical order, balanced.
     scale
         The unit of f in them (`Coefficients.balanced`).
+    sizes
+        By what their factors were divided, shape (6,) each.
     results
         The first attempt at all paths, (1, P).
     is_regular
@@ -73,6 +100,7 @@ class Pursuit:
         start: StartSystem,
         target: System,
         scale: float,
+        sizes: tuple[FloatArray, FloatArray],
         results: PathResults,
         is_regular: bool,
         seed: int,
@@ -80,6 +108,7 @@ class Pursuit:
     ) -> None:
         self.is_regular = is_regular
         self.scale = scale
+        self._sizes = sizes
         self.seed = seed
         self._start = start
         self._target = target
@@ -93,26 +122,60 @@ class Pursuit:
 
     def first(self) -> PursuedEnds:
         """Return the ends of the first attempt at all paths."""
-        return self._ends(self._results)
+        return self._ends(self._results, DEFAULT.digits)
 
-    def deeply(self, index: NDArray[np.intp], attempt: int = 0) -> PursuedEnds:
+    def balanced(self, given: Coefficients) -> Coefficients:
+        """Return the equations, given to more digits, in the form in which they are tracked.
+
+        Parameters
+        ----------
+        given
+            In canonical order: arrays of objects, no leading axes.
+        """
+        return given.in_units(np.array(self.scale)).divided(*self._sizes)
+
+    def deeply(
+        self, index: NDArray[np.intp], target: ExtendedCoefficients, attempt: int = 0
+    ) -> PursuedEnds:
         """Follow some paths with 32 digits up to the target itself.
 
         Parameters
         ----------
         index
             Which paths, shape (k,).
+        target
+            The equations (`balanced`).
         attempt
             Another number leads the same start points along other paths.
         """
+        start = random_start(self._start, self.seed, attempt)
+        high, more = target
+        points = self._start.points[index]
+        results = track(start, high, points, more=more, options=DEEP, jobs=self._jobs)
+        return self._ends(results, DEEP.digits)
+
+    def deepest(
+        self, index: NDArray[np.intp], target: ExtendedCoefficients, attempt: int = 0
+    ) -> PursuedEnds:
+        """Follow some paths with 64 digits; as `deeply`.
+
+        All but the last part of the way is gone with 32 digits.
+        """
+        start = random_start(self._start, self.seed, attempt)
+        nearby = System(start.structure, target.nearby(start.coefficients, _NEARBY))
+        points = self._start.points[index]
+        there = track(start, nearby, points, options=EXTENDED, jobs=self._jobs)
+        high, more = target
         results = track(
-            random_start(self._start, self.seed, attempt),
-            self._target,
-            self._start.points[index],
-            options=DEEP,
+            nearby,
+            high,
+            there.points[0],
+            more=more,
+            low=there.low[0],
+            options=DEEPEST,
             jobs=self._jobs,
         )
-        return self._ends(results)
+        return self._ends(results, DEEPEST.digits)
 
     def solutions(self) -> SystemSolutions:
         """Return where all paths end, by the means of numerical path tracking alone."""
@@ -122,12 +185,15 @@ class Pursuit:
             ends = settle(self._start, self._target, self._results, self.seed, self._jobs)
         return solutions_of(ends, self.scale, self.seed)
 
-    def _ends(self, results: PathResults) -> PursuedEnds:
+    def _ends(self, results: PathResults, digits: int) -> PursuedEnds:
         points = results.points[0].copy()
-        low = results.low[0].copy() if len(results.low) else np.zeros_like(points)
+        low = results.low[0].copy() if len(results.low) else np.zeros((len(points), 0, 8), complex)
         for part in (points, low):
-            part[:, 4:] *= self.scale
-        return PursuedEnds(points, low, clearly_simple(results)[0])
+            part[..., 4:] *= self.scale
+        # Where it was not run the correction is negative.
+        correction, e = results.correction[0], np.abs(results.points[0, :, :4]).max(axis=1)
+        settled = (correction >= 0) & (correction < _SETTLED * e)
+        return PursuedEnds(points, low, clearly_simple(results)[0], settled, digits)
 
 
 def pursue(
@@ -153,6 +219,7 @@ def pursue(
         while batch := list(islice(group, size)):
             given = Coefficients.stacked([target.canonical() for target in batch])
             balanced, scale = given.balanced()
+            sizes = given.in_units(scale).sizes()
             results = track(
                 random_start(start, seed, 0),
                 balanced,
@@ -164,4 +231,6 @@ def pursue(
             for i in range(len(batch)):
                 row = PathResults(*(getattr(results, f.name)[i : i + 1] for f in fields(results)))
                 target = System(start.system.structure, balanced.take(i))
-                yield Pursuit(start, target, float(scale[i]), row, regular[i], seed, jobs)
+                divisors = sizes[0][i], sizes[1][i]
+                unit = float(scale[i])
+                yield Pursuit(start, target, unit, divisors, row, regular[i], seed, jobs)

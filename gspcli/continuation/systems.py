@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -85,13 +85,19 @@ class Coefficients(NamedTuple):
     tau: ComplexArray
     """Right-hand sides of the products, shape (..., 6); zero where there is none."""
 
-    def normalized(self) -> Coefficients:
-        """Return the same equations with every factor scaled to norm 1."""
+    def sizes(self) -> tuple[FloatArray, FloatArray]:
+        """Return the norms of the first and second factors, 1 where they vanish, shape (..., 6)."""
         size_g, size_h = (np.sqrt((x.real**2 + x.imag**2).sum(axis=-1)) for x in self[:2])
         size_g[size_g == 0] = size_h[size_h == 0] = 1.0
-        return Coefficients(
-            self.g / size_g[..., None], self.h / size_h[..., None], self.tau / (size_g * size_h)
-        )
+        return size_g, size_h
+
+    def normalized(self) -> Coefficients:
+        """Return the same equations with every factor scaled to norm 1."""
+        return self.divided(*self.sizes())
+
+    def divided(self, g: FloatArray, h: FloatArray) -> Coefficients:
+        """Return the same equations with factors divided by `g` and `h`, shape (..., 6)."""
+        return Coefficients(self.g / g[..., None], self.h / h[..., None], self.tau / g / h)
 
     def balanced(self) -> tuple[Coefficients, FloatArray]:
         """Return the normalized equations in e and f / scale, and the scales (...).
@@ -134,6 +140,37 @@ class Coefficients(NamedTuple):
     def take(self, index: int | slice | NDArray[np.intp]) -> Coefficients:
         """Return some of many systems, by their index on the first axis."""
         return Coefficients(self.g[index], self.h[index], self.tau[index])
+
+
+class ExtendedCoefficients(NamedTuple):
+    """Coefficients of one system in 64 digits, as unevaluated sums of doubles."""
+
+    high: Coefficients
+    """The numbers in doubles, leading axis (1,)."""
+    more: Coefficients
+    """What is to be added to them, leading axis (3,)."""
+
+    @classmethod
+    def of(cls, numbers: Coefficients) -> ExtendedCoefficients:
+        """Return the sums next to numbers of any precision: arrays of objects, no leading axes."""
+        columns = [_split(x) for x in numbers]
+        return cls(*(Coefficients(*(x[part] for x in columns)) for part in _PARTS))
+
+    def nearby(self, start: Coefficients, distance: float) -> Coefficients:
+        """Return the equations moved by a part of the way to others, rounded to doubles."""
+        return self.high.take(0).towards(start, distance)
+
+
+_PARTS = slice(0, 1), slice(1, 4)
+
+
+def _split(numbers: NDArray[Any]) -> ComplexArray:
+    """Return the four doubles whose sum is next to each number, leading axis (4,)."""
+    parts = []
+    for _ in range(4):
+        parts.append(numbers.astype(np.complex128))
+        numbers = numbers - parts[-1]
+    return np.array(parts)
 
 
 @dataclass(frozen=True, eq=False)

@@ -36,6 +36,9 @@ class TrackerOptions:
     """Aimed length of the first Newton correction; points have norm 1."""
     contraction: float = 0.05
     """Largest accepted ratio of the second to the first Newton correction."""
+    arrival: float = 1.0
+    """Largest accepted second Newton correction at the target. Solutions that are nearer to each
+    other than its square root attract Newton's method all alike from farther away."""
     radius_fraction: float = 0.7
     """Largest step, as a part of the estimated radius of convergence of the Taylor series."""
     min_step: float = 1e-14
@@ -47,9 +50,9 @@ class TrackerOptions:
     regular solutions as near as 1e-6 are told apart only if this is small."""
     max_steps: int = 1000
     """Accepted and rejected steps after which a path fails."""
-    extended: bool = False
-    """Whether to compute with 32 digits instead of 16, some sixteen times slower. Coefficients and
-    points stay doubles, taken as exact."""
+    digits: int = 16
+    """Digits to compute with: 16, or 32 or 64, ten and a hundred times slower. Start systems and
+    start points stay doubles, taken as exact; of a target 64 digits may be given."""
     short_series: bool = False
     """Whether the Taylor series have few terms (with 16 digits): quicker where steps are few."""
 
@@ -61,9 +64,11 @@ CAREFUL = TrackerOptions(predictor_tolerance=1e-6, contraction=0.02, radius_frac
 PARANOID = TrackerOptions(
     predictor_tolerance=1e-8, contraction=0.01, radius_fraction=0.2, max_steps=10_000
 )
-EXTENDED = replace(CAREFUL, extended=True)
+EXTENDED = replace(CAREFUL, digits=32)
 #: As near to the target as 32 digits can tell, for ends that are judged in more digits still.
-DEEP = replace(EXTENDED, nearest=1e-28, min_step=1e-30, max_steps=400)
+DEEP = replace(EXTENDED, arrival=1e-12, nearest=1e-28, min_step=1e-30, max_steps=400)
+#: The same with 64 digits.
+DEEPEST = replace(CAREFUL, digits=64, arrival=1e-20, nearest=1e-50, min_step=1e-56, max_steps=400)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +78,8 @@ class PathResults:
     points: ComplexArray
     """Study points of norm 1, shape (B, P, 8)."""
     low: ComplexArray
-    """What 32 digits add to the points, shape (B, P, 8); (0, P, 8) if 16 were computed."""
+    """What more digits add to the points: three doubles each, shape (B, P, 3, 8); (0, P, 3, 8) if
+    16 were computed."""
     t: FloatArray
     """Where on the way from 0 to 1 the points are, shape (B, P)."""
     status: NDArray[np.uint8]
@@ -98,6 +104,8 @@ def track(
     targets: Coefficients | System,
     points: ComplexArray,
     *,
+    more: Coefficients | None = None,
+    low: ComplexArray | None = None,
     options: TrackerOptions = DEFAULT,
     jobs: int = 1,
     build: str = "",
@@ -116,6 +124,11 @@ def track(
         The numbers of B systems of the same structure, with a leading axis; or one such system.
     points
         Solutions of the start system, shape (P, 8), nonzero.
+    more
+        Three doubles to be added to each number of a single target, if they are known to more than
+        16 digits; leading axis (3,).
+    low
+        What is to be added to the points, likewise, shape (P, 3, 8).
     options
         Settings.
     jobs
@@ -130,7 +143,9 @@ def track(
     """
     if isinstance(targets, System):
         targets = Coefficients.stacked([targets])
-    given = (*start.coefficients, *targets, points)
+    further = targets.take(slice(0)) if more is None else more
+    rest = np.zeros((0, 3, points.shape[1]), complex) if low is None else low
+    given = (*start.coefficients, *targets, *further, points, rest)
     arrays = [np.ascontiguousarray(x, dtype=np.complex128) for x in given]
     return PathResults(
         *_kernel.track(
@@ -138,12 +153,13 @@ def track(
             *arrays,
             predictor_tolerance=options.predictor_tolerance,
             contraction=options.contraction,
+            arrival=options.arrival,
             radius_fraction=options.radius_fraction,
             min_step=options.min_step,
             waypoint=options.waypoint,
             nearest=options.nearest,
             max_steps=options.max_steps,
-            extended=options.extended,
+            digits=options.digits,
             short_series=options.short_series,
             jobs=helpful(jobs, len(arrays[3]) * len(points)),
             build=build,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,15 +12,20 @@ from gspcli.certification.collecting import Collection
 from gspcli.certification.counting import poses_by_elimination
 from gspcli.certification.distinct import same
 from gspcli.certification.isolation import Isolation
-from gspcli.certification.locating import AtInfinity, Locator
+from gspcli.certification.locating import FIRST_PRECISION, AtInfinity, Locator
+from gspcli.certification.normalized import many_digits, normalized
 from gspcli.continuation.pursuit import PursuedEnds, Pursuit
+from gspcli.continuation.systems import Coefficients, ExtendedCoefficients
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import Field, pose_from_study, unit_quaternion
+from gspcli.solver.study_systems import coefficients_of
 
 #: Bits in which all poses are computed by elimination, and the largest number for which that is
 #: worth it: some seconds.
 _ELIMINATION = (512, 1024, 2048)
 _ELIMINABLE = 130
+#: Sets of random paths that are tried.
+_ATTEMPTS = 3
 #: Poses that agree to this part of their largest entry are not worth locating again.
 _KNOWN = 1e-13
 
@@ -68,15 +74,37 @@ class Search:
         unproved = ends.simple & ~proved
         if unproved.any():
             self._locate(ends.take(unproved))
-            yield
-        ends = self.pursuit.deeply(np.flatnonzero(~proved & ~unproved))
-        self._locate(ends)
         yield
+        yield from self._pursue(~proved & ~unproved, attempt=0)
         for bits in _ELIMINATION if self.pursuit.paths <= _ELIMINABLE else ():
             self._eliminate(bits)
             yield
-        self._locate(self.pursuit.deeply(np.arange(self.pursuit.paths), attempt=1))
+        for attempt in range(1, _ATTEMPTS):
+            yield from self._pursue(np.ones(self.pursuit.paths, np.bool_), attempt)
+
+    def _pursue(self, chosen: NDArray[np.bool_], attempt: int) -> Iterator[None]:
+        """Add the poses at the ends of chosen paths: with 32 digits, and then with 64."""
+        index = np.flatnonzero(chosen)
+        ends = self.pursuit.deeply(index, self._target, attempt)
+        new = np.zeros(len(index), np.bool_)
+        new[ends.settled] = self._locate(ends.take(ends.settled))
         yield
+        # Two paths to one pose: one of them has jumped.
+        self._locate(self.pursuit.deepest(index[~new], self._target, attempt))
+        yield
+
+    @cached_property
+    def _target(self) -> ExtendedCoefficients:
+        """The equations from the exact numbers, in 32 digits."""
+        arrangement = self.arrangement
+        asked = np.where(arrangement.sides == 0, 1 - 2 * np.array(self.sides), arrangement.signs)
+        with many_digits():
+            numbers = normalized(self.locator.instance, self.locator.frames)
+            values = numbers.values * np.where(asked < 0, -1, 1)
+            structure, coefficients = coefficients_of(arrangement.kinds, *numbers[:4], values[None])
+            order = list(structure.order)
+            given = Coefficients(*(x[0, order] for x in coefficients))
+            return ExtendedCoefficients.of(self.pursuit.balanced(given))
 
     def _add_simple(self, ends: PursuedEnds) -> NDArray[np.bool_]:
         """Add the ends that floating point can prove; return which."""
@@ -86,17 +114,19 @@ class Search:
         proved[finite] = self.found.add_doubles(R[finite], T[finite], quaternions[finite])
         return proved
 
-    def _locate(self, ends: PursuedEnds) -> None:
-        """Add the poses near ends, and their conjugates."""
+    def _locate(self, ends: PursuedEnds) -> NDArray[np.bool_]:
+        """Add the poses near ends, and their conjugates; return which ends have led to new ones."""
         new = ~self._is_known(ends)
-        located = self.locator.locate(ends.points[new], ends.low[new], self.sides)
-        self.found.add(located)
+        bits = FIRST_PRECISION * ends.digits // 16
+        located = self.locator.locate(ends.points[new], ends.low[new], self.sides, bits)
+        new[new] = [self.found.add([end]) == 1 for end in located]
         self.found.add_conjugates()
         for end in located:
             if isinstance(end, AtInfinity):
                 isolation = end.isolation
                 if not any(same(isolation, other) for other in self.infinite):
                     self.infinite.append(isolation)
+        return new
 
     def _eliminate(self, bits: int) -> None:
         """Add the poses that eigenvectors give, paths or not."""

@@ -81,14 +81,15 @@ def coefficients_of(
         As for `equation`, for each constraint: shape (6, 3), or (count, 6, 3) if they differ.
     values
         Likewise, shape (count, 6); a distance of two lines is zero for all or for none. Complex
-        values give complex systems of the same geometry.
+        values give complex systems of the same geometry. All of them may be arrays of objects that
+        calculate like complex numbers, and so are the coefficients then.
     """
     count = len(values)
-    g = np.zeros((count, EQUATIONS, COEFFICIENTS), complex)
-    h, tau = np.zeros_like(g), np.zeros((count, EQUATIONS), complex)
+    g = np.zeros((count, EQUATIONS, COEFFICIENTS), np.result_type(values, complex))
+    h, tau = np.zeros_like(g), np.zeros_like(g[..., 0])
     shape = [("", False)] * EQUATIONS
     meeting = tuple(
-        kind is DLL and not value for kind, value in zip(kinds, values[0].tolist(), strict=True)
+        kind is DLL and value == 0 for kind, value in zip(kinds, values[0].tolist(), strict=True)
     )
     for members, rows in _alike(tuple(kinds), meeting):
         points = y[..., rows, :], x[..., rows, :]
@@ -164,7 +165,7 @@ def equation(kind: Kind, y: Array, x: Array, u: Array, v: Array, value: Scalars)
         return _factors("q", _plane_point(y, x, a), _plane_point(y, x, b), value)
     if kind is DLL:
         moment = _mutual_moment(y, x, u, v)
-        if not value.any():
+        if (value == 0).all():
             return QuadricEquation("l", moment)
         return _factors("l", moment, value[..., None] * _turned(u, v), value)
     if kind in ANGLE_KINDS:
@@ -185,7 +186,7 @@ def _across(direction: Array) -> tuple[Array, Array]:
     """Return two unit vectors that complete a unit vector to an orthonormal basis."""
     # The reflection that takes it into the first unit vector, up to sign, has them as rows.
     mirror = direction.copy()
-    mirror[..., 0] += np.copysign(1, direction[..., 0])
+    mirror[..., 0] += np.copysign(1, direction[..., 0].astype(complex).real)
     scaled = mirror[..., 1:] / np.abs(mirror[..., :1])
     rows = np.eye(3)[1:] - scaled[..., None] * mirror[..., None, :]
     return rows[..., 0, :], rows[..., 1, :]

@@ -15,8 +15,9 @@ from gspcli.geometry.quaternions import canonical_sign
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.search import Search
 
-#: No count says whether more means would find more.
-_STEPS = 3
+#: Paths in doubles, their ends in more digits, paths with 32 and with 64 digits: no count says
+#: whether more means would find more.
+_STEPS = 4
 
 
 def without_count(search: Search) -> PoseSet:

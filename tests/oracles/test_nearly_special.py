@@ -12,8 +12,9 @@ SAMPLE = {
     "joints": ["3-3/spatial/1e-2", "3-3/planar/1e-7", "6-4/spatial/1e-12", "6-3/planar/exact"],
     "bodies": ["congruent/1e-5", "similar-plates/1e-7", "congruent/exact"],
     "double": ["axis-1/exact", "axis-1/+1e-14", "axis-2/-1e-14"],
-    "parallels": ["DPH-1/1e-8"],
-    "line-pairs": ["1/parallel", "1/1e-9"],
+    # Poses at 1e12 lengths: 64 digits.
+    "parallels": ["DPH-1/1e-8", "DLL-2/1e-12"],
+    "line-pairs": ["1/parallel", "1/1e-9", "2/1e-12"],
     "couplings": ["vees-1/one/1e-9", "vees-2/one/exact"],
     "dependent": ["1/1e-12"],
     "tangent": ["cylinders-52/-1e-10", "cylinders-52/+1e-12", "cylinders-41/+1e-12"],
@@ -33,3 +34,17 @@ def test_nearly_special_platforms_are_what_they_are(group: str, load_tool: Calla
         assert not failure
         assert [judge.judged(answer, exact[platform.id]) for answer in found] == ["right"]
         assert found[0].proof != "none"
+
+
+def test_nothing_said_depends_on_the_seed(load_tool: Callable) -> None:
+    made = load_tool("special_platforms")
+    judge = load_tool("special_answers")
+    wanted = {"double/axis-2/-1e-14", "line-pairs/1/1e-9", "joints/6-4/spatial/1e-12"}
+    groups = sorted({name.partition("/")[0] for name in wanted})
+    chosen = [platform for platform in made.platforms(groups) if platform.id in wanted]
+    assert len(chosen) == len(wanted)
+    for platform in chosen:
+        _, found, failure = judge.answers(platform, 4)
+        assert not failure
+        said = {(a.verdict, a.found, a.multiple, a.real, a.certified) for a in found}
+        assert len(said) == 1

@@ -67,7 +67,7 @@ def test_neighbours_that_doubles_cannot_tell_apart_are_two(tangent):
     instance = tangent(1 + Fraction(1, 10**40))
     collection = Collection(Locator(instance, FRAMES), SIDES)
     high = point(np.eye(3), [1, 0, 0])
-    low = np.array([[0, 0, 0, 0, *point(np.eye(3), [0, 0, z])[4:]] for z in (1.4e-20, -1.4e-20)])
+    low = np.array([[[0, 0, 0, 0, *point(np.eye(3), [0, 0, z])[4:]]] for z in (1.4e-20, -1.4e-20)])
     poses = collection.locator.locate(np.array([high, high]), low, SIDES)
     assert collection.add(poses) == 2
     assert collection.add(poses) == 0

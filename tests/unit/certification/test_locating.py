@@ -48,7 +48,7 @@ def test_poses_nearer_to_each_other_than_doubles_can_tell(tangent, digits):
     gap = (2 * 10.0**-digits) ** 0.5
     high = point(np.eye(3), [1, 0, 0])
     # f is linear in T.
-    low = np.array([[0, 0, 0, 0, *point(np.eye(3), [0, 0, 0.9 * z])[4:]] for z in (gap, -gap)])
+    low = np.array([[[0, 0, 0, 0, *point(np.eye(3), [0, 0, 0.9 * z])[4:]]] for z in (gap, -gap)])
     poses = Locator(instance, FRAMES).locate(np.array([high, high]), low, (0,) * 6)
     assert [pose is not None and pose.real for pose in poses] == [True, True]
     assert not poses[0].isolation.contains(poses[1].isolation)

@@ -12,7 +12,7 @@ from gspcli.continuation.accounts import random_start
 from gspcli.continuation.monodromy import random_quadrics
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import Coefficients, Structure, System
-from gspcli.continuation.tracker import EXTENDED, PathStatus, TrackerOptions, track
+from gspcli.continuation.tracker import DEEPEST, EXTENDED, PathStatus, TrackerOptions, track
 
 PRODUCTS = (False, True, False, True, False, False)
 
@@ -114,20 +114,24 @@ def test_wrong_shapes(homotopy):
         track(start, targets, points, build="sse9")
 
 
-def test_double_double_numbers_give_the_digits_that_doubles_cut_off(homotopy):
-    results = track(*homotopy, options=EXTENDED)
-    assert results.low.shape == results.points.shape
-    assert track(*homotopy).low.shape == (0, *results.points.shape[1:])
-    # On the Study quadric to 30 digits, in exact arithmetic.
-    high, low = ([Fraction(x) for x in row] for row in _parts(results.points, results.low))
-    z = [a + b for a, b in zip(high, low, strict=True)]
-    real, imaginary = z[:8], z[8:]
+@pytest.mark.parametrize(("options", "bound"), [(EXTENDED, 1e-28), (DEEPEST, 1e-56)])
+def test_more_digits_are_those_that_doubles_cut_off(homotopy, options, bound):
+    start, targets, points = homotopy
+    results = track(start, targets, points[:8], options=options)
+    assert results.low.shape == (3, 8, 3, 8)
+    assert track(start, targets, points[:8]).low.shape == (0, 8, 3, 8)
+    # On the Study quadric to so many digits, in exact arithmetic.
+    real, imaginary = (
+        [sum(map(Fraction, parts)) for parts in zip(*rows, strict=True)]
+        for rows in _rows(results.points[0, 0], *results.low[0, 0])
+    )
     on_quadric = [
         sum(real[k] * real[4 + k] - imaginary[k] * imaginary[4 + k] for k in range(4)),
         sum(real[k] * imaginary[4 + k] + imaginary[k] * real[4 + k] for k in range(4)),
     ]
-    assert 0 < max(map(abs, on_quadric)) < 1e-28
+    assert 0 < max(map(abs, on_quadric)) < bound
 
 
-def _parts(*arrays):
-    return [np.concatenate((x[0, 0].real, x[0, 0].imag)).tolist() for x in arrays]
+def _rows(*arrays):
+    """Return the real and the imaginary parts of arrays of complex numbers."""
+    return [x.real.tolist() for x in arrays], [x.imag.tolist() for x in arrays]

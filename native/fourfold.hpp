@@ -1,0 +1,173 @@
+// Vectors of quadruple-double numbers: an unevaluated sum of four doubles has 64 digits.
+//
+// Sums and products after Y. Hida, X. S. Li, D. H. Bailey (Algorithms for quad-double precision
+// floating point arithmetic, 2001), without branches: what is too small is left out rather than
+// looked for. Results are not rounded correctly; some bits of the 212 are lost. As in extended.hpp
+// nothing may be reassociated.
+//
+// Functions are not inlined: each takes hundreds of operations on all lanes. Included by lanes.hpp:
+// in an anonymous namespace, as everything there.
+#pragma once
+
+#include "extended.hpp"
+
+namespace gsp {
+namespace {
+
+struct Fourfold {
+  D part[4];
+};
+
+// Makes the parts overlap by no bits, as far as two passes do.
+INLINE Fourfold renormalized(D a, D b, D c, D d) {
+  for (int pass = 0; pass < 2; ++pass) {
+    Extended s = exact_sum(c, d);
+    c = s.hi, d = s.lo;
+    s = exact_sum(b, c);
+    b = s.hi, c = s.lo;
+    s = exact_sum(a, b);
+    a = s.hi, b = s.lo;
+  }
+  Extended s = exact_sum(b, c);
+  b = s.hi, c = s.lo;
+  s = exact_sum(c, d);
+  return {{a, b, s.hi, s.lo}};
+}
+
+INLINE Fourfold fourfold(const D& x) { return {{x, D{}, D{}, D{}}}; }
+
+INLINE Fourfold operator-(const Fourfold& a) {
+  return {{-a.part[0], -a.part[1], -a.part[2], -a.part[3]}};
+}
+
+// a plus b.
+NOINLINE void add(const Fourfold& a, const Fourfold& b, Fourfold& out) {
+  const Extended s0 = exact_sum(a.part[0], b.part[0]), s1 = exact_sum(a.part[1], b.part[1]),
+                 s2 = exact_sum(a.part[2], b.part[2]);
+  const Extended t1 = exact_sum(s1.hi, s0.lo);
+  const Extended t2 = exact_sum(s2.hi, s1.lo);
+  const Extended u2 = exact_sum(t2.hi, t1.lo);
+  const D rest = (a.part[3] + b.part[3]) + (s2.lo + (t2.lo + u2.lo));
+  out = renormalized(s0.hi, t1.hi, u2.hi, rest);
+}
+
+// a times b.
+NOINLINE void multiply(const Fourfold& a, const Fourfold& b, Fourfold& out) {
+  const Extended p00 = exact_product(a.part[0], b.part[0]);
+  const Extended p01 = exact_product(a.part[0], b.part[1]),
+                 p10 = exact_product(a.part[1], b.part[0]);
+  const Extended p02 = exact_product(a.part[0], b.part[2]),
+                 p11 = exact_product(a.part[1], b.part[1]),
+                 p20 = exact_product(a.part[2], b.part[0]);
+  // Of the second order: three numbers, and what their sum loses.
+  const Extended x = exact_sum(p01.hi, p10.hi), y = exact_sum(x.hi, p00.lo);
+  const Extended z = exact_sum(x.lo, y.lo);
+  // Of the third order: six numbers.
+  const Extended s = exact_sum(p02.hi, p20.hi), t = exact_sum(p01.lo, p10.lo);
+  const Extended u = exact_sum(s.hi, t.hi), v = exact_sum(p11.hi, z.hi);
+  const Extended w = exact_sum(u.hi, v.hi);
+  const D rest = ((a.part[0] * b.part[3] + a.part[3] * b.part[0]) +
+                  (a.part[1] * b.part[2] + a.part[2] * b.part[1])) +
+                 ((p02.lo + p20.lo) + p11.lo) + (s.lo + t.lo) + (u.lo + v.lo) + (w.lo + z.lo);
+  out = renormalized(p00.hi, y.hi, w.hi, rest);
+}
+
+// a times b, of a double.
+NOINLINE void multiply(const D& a, const Fourfold& b, Fourfold& out) {
+  const Extended p0 = exact_product(a, b.part[0]), p1 = exact_product(a, b.part[1]),
+                 p2 = exact_product(a, b.part[2]);
+  const Extended x = exact_sum(p1.hi, p0.lo);
+  const Extended y = exact_sum(p2.hi, p1.lo), z = exact_sum(y.hi, x.lo);
+  out = renormalized(p0.hi, x.hi, z.hi, a * b.part[3] + (p2.lo + (y.lo + z.lo)));
+}
+
+INLINE Fourfold operator+(const Fourfold& a, const Fourfold& b) {
+  Fourfold c;
+  add(a, b, c);
+  return c;
+}
+INLINE Fourfold operator-(const Fourfold& a, const Fourfold& b) { return a + -b; }
+INLINE Fourfold operator*(const Fourfold& a, const Fourfold& b) {
+  Fourfold c;
+  multiply(a, b, c);
+  return c;
+}
+INLINE Fourfold operator*(const D& a, const Fourfold& b) {
+  Fourfold c;
+  multiply(a, b, c);
+  return c;
+}
+
+// Each step of the long division finds the digits of one double.
+NOINLINE void divide(const Fourfold& a, const Fourfold& b, Fourfold& out) {
+  Fourfold left = a;
+  D digits[4];
+  for (int k = 0; k < 4; ++k) {
+    digits[k] = left.part[0] / b.part[0];
+    if (k < 3) left = left - digits[k] * b;
+  }
+  out = renormalized(digits[0], digits[1], digits[2], digits[3]);
+}
+INLINE Fourfold operator/(const Fourfold& a, const Fourfold& b) {
+  Fourfold c;
+  divide(a, b, c);
+  return c;
+}
+
+// The square root of numbers that are not negative, by Newton's method with a fixed derivative.
+NOINLINE void take_root(const Fourfold& x, Fourfold& out) {
+  const D first = root(x.part[0]);
+  const D slope = first > 0.0 ? 0.5 / first : first;
+  out = fourfold(first);
+  for (int k = 0; k < 3; ++k) {
+    const Fourfold left = x - out * out;
+    out = out + slope * left;
+  }
+}
+INLINE Fourfold root(const Fourfold& x) {
+  Fourfold c;
+  take_root(x, c);
+  return c;
+}
+
+INLINE Fourfold operator*(double a, const Fourfold& b) { return (D{} + a) * b; }
+INLINE Fourfold operator*(const Fourfold& a, double b) { return (D{} + b) * a; }
+INLINE Fourfold operator/(double a, const Fourfold& b) { return fourfold(D{} + a) / b; }
+INLINE Fourfold operator-(double a, const Fourfold& b) { return fourfold(D{} + a) - b; }
+INLINE Fourfold operator+(double a, const Fourfold& b) { return fourfold(D{} + a) + b; }
+INLINE Fourfold operator+(const Fourfold& a, double b) { return a + fourfold(D{} + b); }
+INLINE void operator+=(Fourfold& a, const Fourfold& b) { a = a + b; }
+INLINE void operator-=(Fourfold& a, const Fourfold& b) { a = a - b; }
+
+INLINE Mask operator<(const Fourfold& a, const Fourfold& b) {
+  const Fourfold left = a - b;
+  return left.part[0] < 0.0;
+}
+INLINE Mask operator<=(const Fourfold& a, const Fourfold& b) {
+  const Fourfold left = a - b;
+  return left.part[0] <= 0.0;
+}
+INLINE Mask operator>(const Fourfold& a, const Fourfold& b) { return b < a; }
+INLINE Mask operator>=(const Fourfold& a, const Fourfold& b) { return b <= a; }
+INLINE Mask operator<(const Fourfold& a, double b) { return a < fourfold(D{} + b); }
+INLINE Mask operator<=(const Fourfold& a, double b) { return a <= fourfold(D{} + b); }
+INLINE Mask operator>(const Fourfold& a, double b) { return fourfold(D{} + b) < a; }
+INLINE Mask operator>=(const Fourfold& a, double b) { return fourfold(D{} + b) <= a; }
+
+INLINE Fourfold select(const Mask& m, const Fourfold& a, const Fourfold& b) {
+  return {{m ? a.part[0] : b.part[0], m ? a.part[1] : b.part[1], m ? a.part[2] : b.part[2],
+           m ? a.part[3] : b.part[3]}};
+}
+
+// Sets one of the four doubles in all lanes.
+INLINE void put_part(Fourfold& x, int part, double value) { x.part[part] = D{} + value; }
+INLINE double lane(const Fourfold& x, int l) { return x.part[0][l]; }
+INLINE double part_of(const Fourfold& x, int l, int part) { return x.part[part][l]; }
+INLINE void set_part(Fourfold& x, int l, int part, double value) { x.part[part][l] = value; }
+INLINE void put(Fourfold& x, int l, double value) {
+  x.part[0][l] = value;
+  for (int k = 1; k < 4; ++k) x.part[k][l] = 0.0;
+}
+
+}  // namespace
+}  // namespace gsp
