@@ -6,8 +6,6 @@ Everything else is lost.
 
 from __future__ import annotations
 
-from itertools import islice
-
 import numpy as np
 
 from gspcli.continuation.paths import PathAccount
@@ -18,13 +16,17 @@ from gspcli.solver.search import Search
 #: Paths in doubles, their ends in more digits, paths with 32 and with 64 digits: no count says
 #: whether more means would find more.
 _STEPS = 4
+#: If at most one path in so many is missing, paths jumped rather than that the platform is special:
+#: other paths find what is missing.
+_FEW = 50
 
 
 def without_count(search: Search) -> PoseSet:
     """Return the proved poses, and an account of all paths."""
     found, paths = search.found, search.pursuit.paths
-    for _ in islice(search.steps(), _STEPS):
-        if len(found) + len(search.infinite) == paths:
+    for step, _ in enumerate(search.steps(), 1):
+        missing = paths - len(found) - len(search.infinite)
+        if missing == 0 or (step >= _STEPS and missing * _FEW > paths):
             break
     at_infinity = len(search.infinite)
     return PoseSet(
