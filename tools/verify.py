@@ -146,6 +146,7 @@ STEPS = (
         (
             "data/verification/platforms-6-6.csv",
             "data/verification/families.csv",
+            "data/verification/batches.csv",
             "data/verification/manifest.json",
             "docs/completeness.md",
         ),

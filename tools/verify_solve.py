@@ -2,7 +2,7 @@
 
     python tools/verify_solve.py platforms [--count 100000] [--jobs 2]
     python tools/verify_solve.py families [--each 10] [--jobs 2]
-    python tools/verify_solve.py batches [--rows 200] [--jobs 2]
+    python tools/verify_solve.py batches [--rows 2000] [--jobs 2]
     python tools/verify_solve.py all [--check [--sample N]]
     python tools/verify_solve.py show TASK INSTANCE
 
@@ -134,7 +134,7 @@ RUNS = {
         "families", "each", 10, "platforms of each family", family_tasks, verify_family
     ),
     "batches": Run(
-        "batches", "rows", 200, "sets of values of a geometry", batch_tasks, verify_batch
+        "batches", "rows", 2000, "sets of values of a geometry", batch_tasks, verify_batch
     ),
 }
 

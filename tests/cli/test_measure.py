@@ -106,4 +106,4 @@ def test_values_outside_their_range_are_told(gsp, tmp_path):
     values = tmp_path / "values.csv"
     values.write_text("1\n2.53\n1.99\n1.98\n", encoding="utf-8")
     told = gsp("track", path, values).err
-    assert "t = 2: the value 1.99 of constraint 1 is outside its range from 2 to 3 (and" in told
+    assert "the value of constraint 1 leaves its range from 2 to 3 at t = 1.98148" in told

@@ -85,7 +85,6 @@ def test_the_discriminant_is_followed_as_curves_with_cusps(hexapod):
         assert (np.abs(left - right) == 2).all()
     # Where three modes meet the discriminant has a cusp.
     (cusp,) = np.concatenate([curve.cusps for curve in limits.curves if len(curve.cusps)])[:1]
-    assert cusp == pytest.approx([2.3335468, 1.6820811], abs=1e-6) or len(cusp) == 2
     at = every[:1].copy()
     at[0, [0, 3]] = cusp
     (poses,) = gspcli.solve_values(hexapod, at + 1e-9)

@@ -75,7 +75,7 @@ def test_in_a_plane_and_along_a_line():
     assert disc.measure == "mm^2"
     line = workspace(instance, *HOME, free=("y",), tolerance=1e-6)
     assert contains(line.volume, 2)
-    assert len(line.inner) == 2 or line.judged < 500
+    assert line.judged < 500  # halved towards the four ends only
 
 
 FREE = [
