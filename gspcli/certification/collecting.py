@@ -134,8 +134,16 @@ class Collection:
             with ctx.workprec(LAST_PRECISION):
                 start = self.locator.exactly(points[0])
             found = self.locator.locate_exactly(start, self.sides)
-            self._located[k] = found if isinstance(found, Located) else None
+            if isinstance(found, Located) and self._is_near(k, found):
+                self._located[k] = found
         return self._located[k]
+
+    def _is_near(self, k: int, pose: Located) -> bool:
+        """Return whether a located pose lies where that of doubles is proved."""
+        here = _entries(pose.R[None], pose.T[None] / pose.scale)
+        gap = np.abs(_entries(self.R[k][None], self.T[k][None] / pose.scale) - here).max()
+        error = _ROUNDED * np.abs(here).max(initial=1)
+        return bool(gap + error <= self._deviations[k])
 
 
 def _different(first: Located, second: Located) -> bool:

@@ -55,6 +55,16 @@ def test_a_pose_given_twice_counts_once(all_forty):
     assert collection.add(again) == 0
 
 
+def test_newton_that_goes_to_another_pose_makes_nothing_new(all_forty, monkeypatch):
+    collection, R, T = all_forty
+    collection.add_doubles(R[3:4], T[3:4], quaternion_from_rotation(R[3:4]))
+    points = np.array([point(*pose) for pose in zip(R[3:5], T[3:5], strict=True)])
+    same, other = collection.locator.locate(points, None, SIDES)
+    monkeypatch.setattr(collection.locator, "locate_exactly", lambda *_: other)
+    assert collection.add([same]) == 0
+    assert len(collection) == 1
+
+
 def test_equal_doubles_prove_one_pose(all_forty):
     collection, R, T = all_forty
     twice = [0, 1, 1]
