@@ -181,6 +181,18 @@ def connected_boxes(
     periodic: NDArray[np.bool_],
     poles: int,
 ) -> NDArray[np.int64]: ...
+def track_reduced(
+    start: NDArray[np.complex128],
+    points: NDArray[np.complex128],
+    target: NDArray[np.complex128],
+    *,
+    predictor_tolerance: float,
+    contraction: float,
+    radius_fraction: float,
+    min_step: float,
+    max_steps: int,
+    build: str = "",
+) -> tuple[NDArray[np.complex128], NDArray[np.uint8]] | None: ...
 def track_shifts(
     pivots: NDArray[np.int32],
     free: NDArray[np.int32],

@@ -36,6 +36,12 @@ struct ShiftOptions {
   int max_steps;
 };
 
+// All coefficients along the way from a start (t = 0) to a target (1); the values are in the forms.
+struct ShiftLine {
+  Complex form[kEquations][kForms], form_change[kEquations][kForms];
+  Complex slope[kEquations][kMostScalars], slope_change[kEquations][kMostScalars];
+};
+
 // Paths from solved systems to others, `paths` to each; arrays over systems have complex values, the
 // left sides of the equations solved for the pivots.
 struct ShiftPaths {
@@ -44,6 +50,7 @@ struct ShiftPaths {
   const Complex* starts;        // (starts, paths, coordinates)
   const std::int32_t* start;    // from which of them, (targets,)
   const Complex* values;        // (targets, 6)
+  const ShiftLine* line;        // null: only values move; else there is one target, without values
 };
 
 struct ShiftEnds {

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <complex>
 #include <memory>
+#include <vector>
 
 #include "bindings.hpp"
+#include "reduced_quadrics.hpp"
 #include "threads.hpp"
 
 using namespace nanobind::literals;
@@ -66,7 +69,7 @@ nb::tuple track_shifts(Array<std::int32_t, 1> pivots, Array<std::int32_t, 1> fre
   const ShiftOptions options{predictor_tolerance, contraction, radius_fraction, min_step, max_steps};
   const auto plain = [](const Numbers* z) { return reinterpret_cast<const Complex*>(z); };
   const ShiftPaths given{static_cast<int>(paths), plain(start_values.data()),
-                       plain(starts.data()), start.data(), plain(values.data())};
+                       plain(starts.data()), start.data(), plain(values.data()), nullptr};
   const std::size_t total = targets * paths;
   auto point = std::make_unique<Numbers[]>(total * d);
   auto study = std::make_unique<Numbers[]>(total * eight);
@@ -93,6 +96,79 @@ nb::tuple track_shifts(Array<std::int32_t, 1> pivots, Array<std::int32_t, 1> fre
                         owned(std::move(steps), {targets, paths}));
 }
 
+// The coefficients of solved quadrics, as the start or the end of a line.
+void put_line(const ReducedQuadrics& q, const std::int32_t* free, ShiftLine& line, bool ends) {
+  const auto put = [&](Complex& from, Complex& change, const Numbers& x) {
+    if (ends)
+      change = {x.real() - from.re, x.imag() - from.im};
+    else
+      from = {x.real(), x.imag()};
+  };
+  for (int j = 0; j < kEquations; ++j) {
+    const Numbers* form = q.row[j] + kQuantities;
+    double size = 0.0;
+    for (int i = 0; i < kForms; ++i) size += std::norm(form[i]);
+    // Equations without a pivot have no scale of their own.
+    const double scale = j < q.pivots ? 1.0 : 1.0 / std::sqrt(size);
+    for (int i = 0; i < kForms; ++i) put(line.form[j][i], line.form_change[j][i], scale * form[i]);
+    for (int l = 0; l < q.free(); ++l)
+      put(line.slope[j][l], line.slope_change[j][l], j < q.pivots ? q.row[j][free[l]] : 0.0);
+  }
+}
+
+// A Study point in the coordinates e, of norm 1, and the free quantities.
+void place(const Numbers* z, const ShiftGeometry& geometry, Complex* out) {
+  const Numbers *e = z, *f = z + 4;
+  double size = 0.0;
+  for (int i = 0; i < 4; ++i) size += std::norm(e[i]);
+  const auto outer = [&](int i, int j) { return e[i] * f[j] - e[j] * f[i]; };
+  const Numbers quantity[kQuantities] = {
+      outer(0, 1), outer(0, 2), outer(0, 3), outer(2, 3), outer(3, 1), outer(1, 2),
+      f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + f[3] * f[3]};
+  const auto put = [](const Numbers& x) { return Complex{x.real(), x.imag()}; };
+  for (int i = 0; i < 4; ++i) out[i] = put(e[i] / std::sqrt(size));
+  for (int l = 0; l < geometry.scalars; ++l) out[4 + l] = put(quantity[geometry.free[l]] / size);
+}
+
+nb::object track_reduced(Array<Numbers, 2> start, Array<Numbers, 2> points, Array<Numbers, 2> target,
+                         double predictor_tolerance, double contraction, double radius_fraction,
+                         double min_step, int max_steps, const std::string& build) {
+  const std::size_t eight = kVariables, paths = points.shape(0);
+  require(start.shape(0) == kEquations && start.shape(1) == kQuadric &&
+              target.shape(0) == kEquations && target.shape(1) == kQuadric &&
+              points.shape(1) == eight,
+          "quadrics must have shape (6, 27), points (P, 8)");
+  ReducedQuadrics from, to;
+  if (!to.solve(target.data(), nullptr) || !from.solve(start.data(), &to)) return nb::none();
+  const std::size_t scalars = to.free();
+  if (scalars > kMostScalars || (to.quantities == kQuantities && scalars == 0)) return nb::none();
+  ShiftGeometry geometry{};
+  geometry.scalars = to.free();
+  geometry.has_h = to.quantities == kQuantities;
+  std::copy(to.pivot, to.pivot + to.pivots, geometry.pivot);
+  to.list_free(geometry.free);
+  ShiftLine line;
+  put_line(from, geometry.free, line, false);
+  put_line(to, geometry.free, line, true);
+  const std::size_t d = 4 + scalars;
+  std::vector<Complex> starts(paths * d), ends(paths * d);
+  for (std::size_t p = 0; p < paths; ++p)
+    place(&points(p, 0), geometry, starts.data() + p * d);
+  auto study = std::make_unique<Numbers[]>(paths * eight);
+  auto status = std::make_unique<std::uint8_t[]>(paths);
+  std::vector<std::int32_t> steps(paths);
+  const std::int32_t first = 0;
+  const ShiftOptions options{predictor_tolerance, contraction, radius_fraction, min_step, max_steps};
+  const ShiftPaths given{static_cast<int>(paths), nullptr, starts.data(), &first, nullptr, &line};
+  TrackShifts* const run = choose(build);
+  {
+    nb::gil_scoped_release release;
+    run(geometry, options, given, 0, 1,
+        {ends.data(), reinterpret_cast<Complex*>(study.get()), status.get(), steps.data()});
+  }
+  return nb::make_tuple(owned(std::move(study), {paths, eight}), owned(std::move(status), {paths}));
+}
+
 }  // namespace
 
 void bind_shifts(nb::module_& m, TrackShifts* (*choose_track)(const std::string& build)) {
@@ -102,6 +178,10 @@ void bind_shifts(nb::module_& m, TrackShifts* (*choose_track)(const std::string&
         "predictor_tolerance"_a, "contraction"_a, "radius_fraction"_a, "min_step"_a,
         "max_steps"_a, "jobs"_a = 1, "build"_a = "",
         "Track quadrics of which only multiples of N move; see gspcli.continuation.shifts.");
+  m.def("track_reduced", &track_reduced, "start"_a, "points"_a, "target"_a, nb::kw_only(),
+        "predictor_tolerance"_a, "contraction"_a, "radius_fraction"_a, "min_step"_a,
+        "max_steps"_a, "build"_a = "",
+        "Track quadrics that are solved for some quantities; see gspcli.continuation.shifts.");
 }
 
 }  // namespace gsp

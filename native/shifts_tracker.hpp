@@ -1,6 +1,7 @@
 // Tracking of the paths of shifts.hpp, one in each lane; included by shifts.cpp in each of its builds.
 #pragma once
 
+#include "shifts_system.hpp"
 #include "steps.hpp"
 
 namespace gsp {
@@ -9,7 +10,7 @@ namespace {
 // Corrections as long as this are rounding.
 constexpr double kRounding = 1e-12;
 
-template <int M, bool has_h>
+template <int M, bool has_h, class Moving>
 class ShiftTracker {
   static constexpr int D = 4 + M;
 
@@ -17,7 +18,7 @@ class ShiftTracker {
   ShiftTracker(const ShiftGeometry& geometry, const ShiftOptions& options, const ShiftPaths& paths,
              int begin, int end, const ShiftEnds& ends)
       : options_(options), paths_(paths), ends_(ends), upcoming_(begin * paths.paths),
-        first_(begin * paths.paths), last_(end * paths.paths), w(geometry) {}
+        first_(begin * paths.paths), last_(end * paths.paths), w(geometry, paths) {}
 
   void run() {
     for (int k = 0; k <= kOrder; ++k)
@@ -40,12 +41,7 @@ class ShiftTracker {
       put(series_[0][i], l, point[i]);
       for (int k = 1; k <= kOrder; ++k) put(series_[k][i], l, {0.0, 0.0});
     }
-    for (int j = 0; j < kEquations; ++j) {
-      const Complex from = paths_.start_values[start * kEquations + j];
-      const Complex to = paths_.values[target * kEquations + j];
-      put(from_[j], l, from);
-      put(change_[j], l, {to.re - from.re, to.im - from.im});
-    }
+    w.moving.load(l, target);
   }
 
   void finish(int l, Status status) {
@@ -89,20 +85,17 @@ class ShiftTracker {
   }
 
   void step() {
-    C z[D], v[kEquations], first[D], second[D];
+    C z[D], first[D], second[D];
     predict(z);
-    for (int j = 0; j < kEquations; ++j) {
-      v[j].re = from_[j].re + s.next * change_[j].re;
-      v[j].im = from_[j].im + s.next * change_[j].im;
-    }
+    w.moving.go(s.next);
     V weight = splat(1.0);
     for (int i = 4; i < D; ++i) weight += square(z[i]);
     weight = 1.0 / weight;
-    w.linearize(z, v);
+    w.linearize(z);
     w.factorize();
     w.solve(w.f, first);
     for (int i = 0; i < D; ++i) z[i] = z[i] - first[i];
-    w.linearize(z, v);
+    w.linearize(z);
     w.factorize();
     w.solve(w.f, second);
     const V n1 = length(first, weight), n2 = length(second, weight), noise = splat(kRounding);
@@ -111,7 +104,7 @@ class ShiftTracker {
       if (path_[l] < 0) accepted[l] = 0;
     // What the second correction changes in the factors is of second order.
     for (int i = 0; i < D; ++i) w.x[i] = w.x[i] - second[i];
-    renew(v, weight, accepted);
+    renew(weight, accepted);
     s.learn(n1, n2, noise, accepted);
     const V arrived = s.next;
     s.advance(aims(), accepted);
@@ -123,9 +116,9 @@ class ShiftTracker {
   }
 
   // The series, kept in the lanes that accepted the step.
-  INLINE void renew(const C* v, const V& weight, const Mask& accepted) {
+  INLINE void renew(const V& weight, const Mask& accepted) {
     C series[kOrder + 1][D];
-    w.expand(v, change_, series);
+    w.expand(series);
     for (int k = 0; k <= kOrder; ++k)
       for (int i = 0; i < D; ++i) series_[k][i] = select(accepted, series[k][i], series_[k][i]);
     const C *last = series[kOrder], *second = series[kOrder - 1];
@@ -151,19 +144,18 @@ class ShiftTracker {
 
   // A last step of Newton's method, and the Study points, of as many ends as there are lanes.
   void refine(int begin) {
-    C z[D], v[kEquations], change[D], study[N];
+    C z[D], change[D], study[N];
     for (int l = 0; l < W; ++l) {
       const int p = begin + l < last_ ? begin + l : last_ - 1;
       for (int i = 0; i < D; ++i) put(z[i], l, ends_.point[p * D + i]);
-      for (int j = 0; j < kEquations; ++j)
-        put(v[j], l, paths_.values[p / paths_.paths * kEquations + j]);
+      w.moving.arrive(l, p / paths_.paths);
     }
-    w.linearize(z, v);
+    w.linearize(z);
     w.factorize();
     w.solve(w.f, change);
     for (int i = 0; i < D; ++i) z[i] = z[i] - change[i];
     normalize(z);
-    w.measure(z, v);
+    w.measure(z);
     to_study(w, study);
     for (int l = 0; l < W && begin + l < last_; ++l) {
       for (int i = 0; i < D; ++i) ends_.point[(begin + l) * D + i] = lane(z[i], l);
@@ -177,9 +169,9 @@ class ShiftTracker {
   int upcoming_;
   const int first_, last_;
   int under_way_ = 0;
-  alignas(64) System<M, has_h> w;
+  alignas(64) System<M, has_h, Moving> w;
   Steps<kOrder> s;
-  C series_[kOrder + 1][D], from_[kEquations], change_[kEquations];
+  C series_[kOrder + 1][D];
   int path_[W];
   std::int32_t steps_[W];
 };

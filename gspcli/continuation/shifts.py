@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 
 from gspcli import _kernel
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
-from gspcli.continuation.tracker import DEFAULT, TrackerOptions, helpful
+from gspcli.continuation.start import start_system
+from gspcli.continuation.systems import Structure
+from gspcli.continuation.tracker import DEFAULT, PathStatus, TrackerOptions, helpful
 
 #: Pivots below this part of the largest entry are zero, ...
 _ZERO = 1e-12
@@ -142,6 +144,42 @@ class Shifts:
                 jobs=helpful(jobs, len(values)),
             )
         )
+
+
+def ends_from_start(structure: Structure, quadrics: ComplexArray) -> ComplexArray | None:
+    """Return the ends of the paths from the stored start system to six quadrics.
+
+    Both are solved for the same quantities, and all that is left moves along straight lines.
+
+    Parameters
+    ----------
+    structure
+        Their spaces, in canonical order, no products.
+    quadrics
+        Coefficients, shape (6, 27); lengths of order one.
+
+    Returns
+    -------
+    ComplexArray or None
+        Study points of any norm, shape (paths, 8), not a number where a path is lost; None if the
+        quadrics are not solved as those of the start are, because they are special.
+    """
+    start = start_system(structure)
+    found = _kernel.track_reduced(
+        start.system.coefficients.g,
+        np.ascontiguousarray(start.points),
+        quadrics,
+        predictor_tolerance=QUICK.predictor_tolerance,
+        contraction=QUICK.contraction,
+        radius_fraction=QUICK.radius_fraction,
+        min_step=QUICK.min_step,
+        max_steps=QUICK.max_steps,
+    )
+    if found is None:
+        return None
+    study, status = found
+    study[status != PathStatus.REGULAR] = np.nan
+    return np.asarray(study)
 
 
 def _solved(quantities: FloatArray) -> tuple[NDArray[np.intp], FloatArray] | None:

@@ -63,7 +63,7 @@ def solve(
         Threads for path tracking. The answer does not depend on them.
     certify
         Whether to prove each pose of a platform in general position, and whether it is real.
-        In special position that is always done.
+        That is always done where it costs nothing to speak of, and in special position.
     prove
         Whether to count the poses of a special platform however long it takes (True), not at
         all (False), or if it takes no longer than `PATIENCE` (None). Without a count only
@@ -88,12 +88,16 @@ def solve(
 
             poses = proved_closed_form(instance, arrangement, poses)
     else:
-        from gspcli.solver.tracking import poses_by_paths, proved_by_paths, pursue_each
+        from gspcli.solver import tracking
 
-        _, pursuits = next(pursue_each([arrangement], seed=seed, jobs=jobs))
-        poses = proved_by_paths(instance, arrangement, pursuits) if certify else None
-        if poses is None and all(pursuit.is_regular for pursuit in pursuits):
-            poses = poses_by_paths(arrangement, pursuits)
+        proofs = tracking.proofs_of(instance, arrangement)
+        poses = tracking.proved_directly(proofs, arrangement) if proofs else None
+        if poses is None:
+            _, pursuits = next(tracking.pursue_each([arrangement], seed=seed, jobs=jobs))
+            if proofs and certify:
+                poses = tracking.proved_by_paths(proofs, arrangement, pursuits)
+            if poses is None and all(pursuit.is_regular for pursuit in pursuits):
+                poses = tracking.poses_by_paths(arrangement, pursuits)
     if poses is not None and certify and len(poses.R) and poses.proof is None:
         poses = _proved(instance, poses)
     if poses is None or not _is_general(poses, certify):

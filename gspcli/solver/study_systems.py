@@ -35,10 +35,16 @@ def target_systems(arrangement: Arrangement) -> list[System]:
     The arrangement should be `Arrangement.normalized`: lengths of order one, points near the
     origins.
     """
-    values = arrangement.targets.copy()
+    structure, coefficients = coefficients_at(arrangement)
+    return [System.of(structure, *rest) for rest in zip(*coefficients, strict=True)]
+
+
+def coefficients_at(arrangement: Arrangement) -> tuple[Structure, Coefficients]:
+    """Return the structure and, for each combination of sides asked for, the coefficients."""
+    values = arrangement.values.copy()
     values[arrangement.angles] = arrangement.cosines(arrangement.values)
     geometry = (arrangement.y, arrangement.x, arrangement.u, arrangement.v)
-    return list(systems_of(arrangement.kinds, *geometry, values * side_choices(arrangement)))
+    return coefficients_of(arrangement.kinds, *geometry, values * side_choices(arrangement))
 
 
 def side_choices(arrangement: Arrangement) -> Array:

@@ -7,12 +7,13 @@ import pytest
 
 from gspcli import _kernel
 from gspcli.catalogue.parsing import parse_type
-from gspcli.continuation.shifts import Shifts
+from gspcli.continuation.shifts import Shifts, ends_from_start
 from gspcli.continuation.solve import solve_system
+from gspcli.continuation.start import path_count
 from gspcli.continuation.systems import Coefficients, System
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.generate import random_instance
-from gspcli.solver.study_systems import coefficients_of
+from gspcli.solver.study_systems import coefficients_of, target_systems
 
 #: Types with the number of quantities that stay free.
 TYPES = {
@@ -78,6 +79,38 @@ def test_paths_end_at_different_solutions_of_the_system(name):
 
 def test_planar_bodies_leave_two_quantities_free():
     _check(Case("DPP DPP DPP DPP DPP DPP", planar=True), 2)
+
+
+def _whole(name: str, seed: int = 35, *, planar: bool = False) -> System:
+    """Return the system of a platform in canonical order."""
+    rng = np.random.default_rng(seed)
+    given = Arrangement.of(random_instance(parse_type(name), rng, one_sided=True)[0]).normalized
+    if planar:
+        given.y[:, 2] = given.x[:, 0] = 0.0
+    return target_systems(given)[0].canonical()
+
+
+def _distinct(system: System, study: np.ndarray) -> int:
+    """Return how many different solutions of a system some points are at."""
+    points = study[np.isfinite(study).all(axis=1)]
+    points = points / np.linalg.norm(points, axis=1, keepdims=True)
+    assert np.abs(system.normalized().values(points)).max() < 1e-8
+    overlaps = np.abs(points.conj() @ points.T)
+    np.fill_diagonal(overlaps, 0)
+    return int((overlaps.max(axis=1) < 1 - 1e-9).sum())
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_paths_from_the_stored_start_lead_to_all_solutions(name):
+    system = _whole(name)
+    study = ends_from_start(system.structure, system.coefficients.g)
+    assert len(study) == path_count(system.structure)
+    assert _distinct(system, study) == len(study)
+
+
+def test_a_geometry_of_lower_rank_than_the_start_is_left_to_others():
+    system = _whole("DPP DPP DPP DPP DPP DPP", planar=True)
+    assert ends_from_start(system.structure, system.coefficients.g) is None
 
 
 @pytest.mark.parametrize("name", ["DPP DPP DPP DPP DPP DLL", "DPP DPP DPP ALL ALL ALH"])

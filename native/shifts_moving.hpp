@@ -1,0 +1,127 @@
+// What moves along the paths of shifts.hpp: only values, or all coefficients.
+//
+// Included by each build of shifts.cpp: all in an anonymous namespace.
+#pragma once
+
+#include "lanes.hpp"
+#include "shifts.hpp"
+
+namespace gsp {
+namespace {
+
+INLINE void add_real(C& s, double a, const C& b) {
+  s.re += a * b.re;
+  s.im += a * b.im;
+}
+INLINE C minus(const C& a) { return {-a.re, -a.im}; }
+INLINE double minus(double a) { return -a; }
+INLINE void subtract_times(C& s, double a, const C& b) { add_real(s, -a, b); }
+INLINE void subtract_times(C& s, const C& a, const C& b) { subtract_product(s, a, b); }
+
+// Orders of a series that what is next in it depends on: products of e of the order without what is
+// linear in it, and of the order before; N of both; the scalars of the order before.
+struct Orders {
+  const C *pairs, *before;
+  const C &n, &n_before;
+  const C* scalars;
+};
+
+// Forms and slopes of one geometry, the values moving from those of a start to those of a target,
+// another in each lane.
+struct MovingValues {
+  const ShiftGeometry& geometry;
+  const ShiftPaths& paths;
+  C from[kEquations], change[kEquations], v[kEquations];
+
+  INLINE void load(int l, int target) {
+    const int start = paths.start[target];
+    for (int j = 0; j < kEquations; ++j) {
+      const Complex a = paths.start_values[start * kEquations + j];
+      const Complex b = paths.values[target * kEquations + j];
+      put(from[j], l, a);
+      put(change[j], l, {b.re - a.re, b.im - a.im});
+    }
+  }
+  INLINE void go(const V& t) {
+    for (int j = 0; j < kEquations; ++j) {
+      v[j].re = from[j].re + t * change[j].re;
+      v[j].im = from[j].im + t * change[j].im;
+    }
+  }
+  INLINE void arrive(int l, int target) {
+    for (int j = 0; j < kEquations; ++j) put(v[j], l, paths.values[target * kEquations + j]);
+  }
+
+  // Half the gradient of form j minus its value times N.
+  INLINE void half_gradient(int j, const C* e, C* half) const {
+    const double* c = geometry.form[j];
+    for (int a = 0; a < 4; ++a) {
+      half[a] = C{};
+      subtract_product(half[a], v[j], e[a]);
+    }
+    for (int a = 0, k = 0; a < 4; ++a) {
+      add_real(half[a], c[k++], e[a]);
+      for (int b = a + 1; b < 4; ++b, ++k) {
+        add_real(half[a], 0.5 * c[k], e[b]);
+        add_real(half[b], 0.5 * c[k], e[a]);
+      }
+    }
+  }
+  INLINE double slope(int j, int l) const { return geometry.slope[j][l]; }
+  // The negative of equation j in the next order.
+  INLINE C next(int j, int order, const Orders& at) const {
+    C s{};
+    add_product(s, change[j], at.n_before);
+    if (order == 1) return s;
+    add_product(s, v[j], at.n);
+    for (int i = 0; i < kForms; ++i) add_real(s, -geometry.form[j][i], at.pairs[i]);
+    return s;
+  }
+};
+
+// All coefficients moving from those of a start to those of one target; values are in the forms.
+template <int M>
+struct MovingGeometry {
+  const ShiftGeometry& geometry;
+  const ShiftPaths& paths;
+  C form[kEquations][kForms], slopes[kEquations][M > 0 ? M : 1];
+
+  INLINE void load(int, int) {}
+  INLINE void go(const V& t) {
+    const ShiftLine& line = *paths.line;
+    const auto at = [&](const Complex& from, const Complex& change) {
+      return C{from.re + t * change.re, from.im + t * change.im};
+    };
+    for (int j = 0; j < kEquations; ++j) {
+      for (int i = 0; i < kForms; ++i) form[j][i] = at(line.form[j][i], line.form_change[j][i]);
+      for (int l = 0; l < M; ++l) slopes[j][l] = at(line.slope[j][l], line.slope_change[j][l]);
+    }
+  }
+  INLINE void arrive(int, int) { go(splat(1.0)); }
+
+  INLINE void half_gradient(int j, const C* e, C* half) const {
+    const C* c = form[j];
+    for (int a = 0; a < 4; ++a) half[a] = C{};
+    for (int a = 0, k = 0; a < 4; ++a) {
+      add_product(half[a], c[k++], e[a]);
+      for (int b = a + 1; b < 4; ++b, ++k) {
+        const C entry{0.5 * c[k].re, 0.5 * c[k].im};
+        add_product(half[a], entry, e[b]);
+        add_product(half[b], entry, e[a]);
+      }
+    }
+  }
+  INLINE const C& slope(int j, int l) const { return slopes[j][l]; }
+  INLINE C next(int j, int order, const Orders& at) const {
+    const ShiftLine& line = *paths.line;
+    C s{};
+    for (int i = 0; i < kForms; ++i) add_product(s, line.form_change[j][i], at.before[i]);
+    for (int l = 0; l < M; ++l) add_product(s, line.slope_change[j][l], at.scalars[l]);
+    if (order > 1)
+      for (int i = 0; i < kForms; ++i) add_product(s, form[j][i], at.pairs[i]);
+    return minus(s);
+  }
+};
+
+}  // namespace
+}  // namespace gsp
