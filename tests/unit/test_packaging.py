@@ -1,4 +1,8 @@
-"""The wheel holds the kernel and the data, and works without the checkout."""
+"""The wheel holds the kernel and the data, and works without the checkout.
+
+The kernel in it is the installed one: that its sources compile is seen by `make install`, and in
+the wheels for other machines by `tools/check_wheel.py`.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,15 @@ import subprocess
 import sys
 from pathlib import Path
 
+import gspcli._kernel
+
 ROOT = Path(__file__).resolve().parents[2]
+#: Stands for the CMakeLists.txt of the checkout, with the same rule of installation.
+KERNEL = """
+cmake_minimum_required(VERSION 3.24)
+project(gspcli LANGUAGES NONE)
+install(FILES "{kernel}" DESTINATION gspcli)
+"""
 CHECK = """
 import gspcli, pathlib, sys
 from gspcli.cli.main import run
@@ -26,7 +38,14 @@ def test_an_installed_wheel_is_complete(tmp_path: Path) -> None:
     wheels, home = tmp_path / "wheels", tmp_path / "home"
     pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check"]
     build = [*pip, "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(wheels)]
-    environment = {**os.environ, "SKBUILD_BUILD_DIR": str(tmp_path / "build")}
+    kernel = tmp_path / "kernel"
+    kernel.mkdir()
+    (kernel / "CMakeLists.txt").write_text(KERNEL.format(kernel=gspcli._kernel.__file__))
+    environment = {
+        **os.environ,
+        "SKBUILD_BUILD_DIR": str(tmp_path / "build"),
+        "SKBUILD_CMAKE_SOURCE_DIR": str(kernel),
+    }
     subprocess.run([*build, str(ROOT)], check=True, env=environment)
     (wheel,) = wheels.iterdir()
     subprocess.run([*pip, "install", "--no-deps", "--target", str(home), str(wheel)], check=True)
