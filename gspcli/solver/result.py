@@ -150,12 +150,10 @@ class SolveResult:
     def residuals(self) -> Array:
         """Residual of each constraint at each pose, units of the instance, shape (n, 6)."""
         R, T, real = self.R, self.T, self.real
-        return np.concatenate(
-            (
-                residuals(self.arrangement, R[real].real, T[real].real),
-                residuals(self.arrangement, R[~real], T[~real]),
-            )
-        )
+        found = np.empty((len(R), 6))
+        found[real] = residuals(self.arrangement, R[real].real, T[real].real)
+        found[~real] = residuals(self.arrangement, R[~real], T[~real])
+        return found
 
     @cached_property
     def conditions(self) -> Array:

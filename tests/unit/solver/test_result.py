@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -72,6 +73,14 @@ def test_counts_add_up(result):
     assert counts.found == counts.certified == result.expected
     assert counts.real == len(result.real_solutions)
     assert result.verdict == "complete"
+
+
+def test_residuals_are_those_of_their_poses_in_any_order(result):
+    order = np.arange(len(result.R))[::-1]
+    assert result.real.any()
+    assert not result.real.all()
+    turned = replace(result, poses=result.poses.reordered(order))
+    np.testing.assert_array_equal(turned.residuals, result.residuals[order])
 
 
 def test_certification_agrees_with_the_pairing_of_conjugates(result):
