@@ -20,6 +20,7 @@ import re
 from difflib import get_close_matches
 from fractions import Fraction
 
+from gspcli.geometry.intervals import without_zero
 from gspcli.geometry.numbers import FUNCTIONS, LARGEST, SMALLEST, Number
 from gspcli.wording import shown
 
@@ -78,9 +79,10 @@ def parse_number(text: str) -> Number:
         message = f"found {len(text)} characters, expected a number of at most {MAX_LENGTH}"
         raise ValueError(message)
     number = _Parser(text).number()
-    if number.fraction == 0 or SMALLEST <= abs(number.value) <= LARGEST:
+    size = abs(number.value)
+    if number.fraction == 0 or (SMALLEST <= size <= LARGEST and without_zero(number)):
         return number
-    if number.fraction is None and abs(number.value) < SMALLEST:
+    if number.fraction is None and size <= LARGEST:
         message = (
             f"found {shown(text)}, which cannot be told from zero: write 0, or a simpler expression"
         )
@@ -208,10 +210,14 @@ class _Parser:
                 exact = _rational_value(operation, arguments)
             # Evaluated at each step, so that no intermediate value can grow without limit.
             _ = number.value
+            # Raises an error for a divisor that is zero, or might be.
+            if operation in ("/", "tan"):
+                without_zero(number)
         except ZeroDivisionError:
             if operation == "tan":
                 raise self._error("the tangent of a right angle", "another angle") from None
-            raise self._error("a division by zero", "a nonzero divisor") from None
+            zero = "zero" if arguments[1].fraction == 0 else "what cannot be told from zero"
+            raise self._error(f"a division by {zero}", "a nonzero divisor") from None
         except OverflowError:
             raise self._error("a number that is too large", f"at most {LARGEST:g}") from None
         except ValueError:

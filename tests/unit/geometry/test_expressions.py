@@ -4,8 +4,10 @@ import math
 from fractions import Fraction
 
 import pytest
+import sympy
 
 from gspcli.geometry.expressions import parse_number
+from gspcli.geometry.intervals import INTERVALS
 
 
 @pytest.mark.parametrize(
@@ -38,6 +40,8 @@ def test_rational_numbers_are_exact(text, exact):
         ("acos(1/3)", math.acos(1 / 3)),
         ("atan(-tan(1))", -1),
         ("asin(sin(1))", 1),
+        ("1/(sqrt(2) - 1.4142135623731)", 1 / (math.sqrt(2) - 1.4142135623731)),
+        ("1/cos(1.5707963)", 1 / math.cos(1.5707963)),
     ],
 )
 def test_expressions_have_their_value(text, value):
@@ -64,6 +68,19 @@ def test_expressions_have_their_value(text, value):
         ("sin 1", "found '1' in 'sin 1', expected ( after sin"),
         ("(1", "found the end in '(1', expected )"),
         ("1/(2-2)", "found a division by zero in '1/(2-2)', expected a nonzero divisor"),
+        (
+            "1/(sqrt(2)*sqrt(2)-2)",
+            "found a division by what cannot be told from zero in '1/(sqrt(2)*sqrt(2)-2)', "
+            "expected a nonzero divisor",
+        ),
+        ("0/(sqrt(3)*sqrt(3)-3)", None),
+        ("1/(acos(1/3)+asin(1/3)-pi/2)", None),
+        ("tan(atan(sqrt(2)) + atan(1/sqrt(2)))", None),
+        (
+            "sqrt(2)*sqrt(2)-2",
+            "found 'sqrt(2)*sqrt(2)-2', which cannot be told from zero: write 0, or a simpler "
+            "expression",
+        ),
         ("sqrt(1-2)", "found sqrt of -1 in 'sqrt(1-2)', expected an argument of at least 0"),
         ("asin(2)", "found asin of 2 in 'asin(2)', expected one from -1 to 1"),
         ("1e999", "found '1e999', expected an exponent of at most 100"),
@@ -131,3 +148,13 @@ def test_rational_values_are_right_at_every_multiple_of_15_degrees():
                 continue
             value = getattr(math, name)(math.radians(degrees))
             assert parse_number(f"{name}d({degrees})").value == pytest.approx(value, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "text", ["sqrt(3)/2", "-pi*2-1-1", "tan(1.57)", "atan(-tan(1))/acos(1/3)", "asin(sin(1))*7/3"]
+)
+def test_intervals_contain_the_number(text):
+    interval = parse_number(text).evaluate(INTERVALS)
+    digits = sympy.sympify(text, rational=True).evalf(40)
+    assert interval.low < digits < interval.high
+    assert interval.high - interval.low < 1e-11 * abs(digits)
