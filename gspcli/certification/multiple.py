@@ -23,12 +23,14 @@ from gspcli.certification.locating import Locator, dot4
 Complex = NDArray[np.complex128]
 
 #: Bits in which multiple poses are approached; a pose of multiplicity m keeps a part 1/m of them.
-_PRECISION = 512
-#: Steps, and the length of the last one, of coordinates of at most about one.
+_PRECISION = 1024
+#: Steps, and the length of the last one, as a part of N, of coordinates of at most about one.
 _STEPS, _CONVERGED = 250, 2.0**-80
+#: A shorter step is one of quadratic convergence.
+_QUICK = 2.0**-400
 #: Convergence is linear if each of so many last steps is longer than this part of the one before.
 _STEADY, _SLOW = 8, 0.2
-#: A limit that is farther from where it was looked for than this is another one.
+#: A limit that is farther from where it was looked for than this part of it is another one.
 _REACH = 1e-3
 #: Coordinates that differ by less are the same at the end.
 _SAME = 2.0**-60
@@ -60,7 +62,11 @@ class MultiplePose:
 
 
 def multiple_poses(
-    locator: Locator, points: Complex, multiplicity: Sequence[int], sides: tuple[int, ...]
+    locator: Locator,
+    points: Complex,
+    low: Complex,
+    multiplicity: Sequence[int],
+    sides: tuple[int, ...],
 ) -> Iterator[MultiplePose]:
     """Yield the different multiple poses near approximate points; simple ones are left out.
 
@@ -70,25 +76,32 @@ def multiple_poses(
         Of the instance.
     points
         Study points in the coordinates of `Locator.frames`, of any norm, shape (n, 8).
+    low
+        What is to be added to them, shape (n, k, 8).
     multiplicity
-        How many paths end at each.
+        How many paths end at each; those that turn out to be one pose add up.
     sides
         For each constraint the index of its equation.
     """
     limits: list[list[acb]] = []
+    paths: list[int] = []
     with ctx.workprec(_PRECISION):
         system = locator.system(_PRECISION)
-        for start, paths in zip(points, multiplicity, strict=True):
-            limit = _limit(system, locator.in_frames(start, np.zeros((0, 8), complex)), sides)
-            if limit is None or any(_gap(limit, other) < _SAME for other in limits):
+        for start, more, number in zip(points, low, multiplicity, strict=True):
+            limit = _limit(system, locator.in_frames(start, more), sides)
+            if limit is None:
                 continue
-            limits.append(limit)
+            same = next((k for k, x in enumerate(limits) if _gap(limit, x) < _SAME), None)
+            if same is None:
+                limits.append(limit)
+                paths.append(number)
+            else:
+                paths[same] += number
+        for limit, number in zip(limits, paths, strict=True):
             # Two simple poses side by side look like a double one from far enough.
             if locator.locate_exactly(limit, sides) is not None:
                 continue
             n, rotation, translation = study.motion(limit)
-            if abs(n) < _SAME:
-                continue
             real = _gap(limit, [x.conjugate() for x in limit]) < _SAME
             R = [[x / n for x in row] for row in rotation]
             T = [x / n for x in translation]
@@ -98,7 +111,7 @@ def multiple_poses(
                 _rounded([x * system.scale for x in T], real),
                 _rounded([x / root for x in limit[:4]], real),
                 real,
-                int(paths),
+                number,
                 _is_pose(
                     system, [[x / n for x in row] for row in rotation], [x / n for x in translation]
                 ),
@@ -136,8 +149,11 @@ def _limit(system: BallSystem, start: list[acb], sides: tuple[int, ...]) -> list
         length = float(largest(step))
         point = [(x - dx).mid() for x, dx in zip(point, step, strict=True)]
         slow = slow + 1 if length > _SLOW * last > 0 else 0
-        if length < _CONVERGED:
-            return point if slow >= _STEADY and _gap(point, first) < _REACH else None
+        # A solution at infinity has N = 0: there this never ends.
+        if slow >= _STEADY and length < _CONVERGED * min(1.0, float(abs(dot4(point, point)))):
+            return point if _gap(point, first) < _REACH * float(largest(first)) else None
+        if length < _QUICK:
+            return None
         last = length
     return None
 

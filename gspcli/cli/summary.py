@@ -154,7 +154,9 @@ def _limits(result: SolveResult, numbers: Sequence[int]) -> list[str]:
 
 def _far(result: SolveResult) -> list[str]:
     """Say how many poses are nearly at infinity."""
-    far = int((np.abs(result.T).max(axis=1) > _FAR * result.arrangement.length).sum())
+    arrangement = result.arrangement
+    offset = result.R @ arrangement.platform_centre + result.T - arrangement.base_centre
+    far = int((np.abs(offset).max(axis=1) > _FAR * arrangement.length).sum())
     if not far:
         return []
     return [

@@ -22,6 +22,8 @@ from gspcli.geometry.quaternions import Field, cross, dot
 
 #: Lines that meet at a smaller angle than this (radians) are measured as parallel ones.
 _PARALLEL = 1e-9
+#: Complex vectors with a larger entry count as long: doubles do not know that they have length one.
+_LONG = 2.0
 _IDENTITY = np.eye(3)
 
 
@@ -168,7 +170,12 @@ def _angle(kind: Kind, w: Field, v: Field) -> Field:
     """Return the angle of directions by half angles, exact also near 0 and 180 degrees."""
     w = -w if kind is AHH else w
     near, far = w - v, w + v
-    sine, cosine = _root(dot(near, near)), _root(dot(far, far))
+    sine, cosine = dot(near, near), dot(far, far)
+    if np.iscomplexobj(sine):
+        # The squares of long complex vectors cancel.
+        long, product = np.abs(w).max(axis=-1) > _LONG, 2 * dot(w, v)
+        sine, cosine = np.where(long, 2 - product, sine), np.where(long, 2 + product, cosine)
+    sine, cosine = _root(sine), _root(cosine)
     if np.iscomplexobj(sine):
         # arctan of the smaller quotient; its two forms differ by a quarter turn.
         small = np.abs(sine) <= np.abs(cosine)

@@ -12,6 +12,7 @@ import numpy as np
 from gspcli.certification.collecting import Collection
 from gspcli.certification.multiple import MultiplePose, multiple_poses
 from gspcli.continuation.paths import Basis, PathAccount
+from gspcli.continuation.pursuit import PursuedEnds
 from gspcli.geometry.quaternions import canonical_sign
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.search import Search
@@ -31,9 +32,10 @@ def complete(search: Search, solutions: int, distinct: int, spurious: int | None
         How many solutions are none, besides; None if that is not known.
     """
     multiple: list[MultiplePose] = []
+    candidates = _Candidates(search)
     for _ in search.steps():
-        if solutions > distinct and not multiple and len(search.found) < distinct:
-            multiple = [pose for pose in _multiple(search) if pose.is_pose or spurious is None]
+        if solutions > distinct and len(search.found) + len(multiple) < distinct:
+            multiple = [pose for pose in candidates.poses() if pose.is_pose or spurious is None]
         if len(search.found) + len(multiple) >= distinct:
             break
     numbers = _multiplicities(search.found, multiple, solutions, distinct)
@@ -41,12 +43,35 @@ def complete(search: Search, solutions: int, distinct: int, spurious: int | None
     return _pose_set(search.found, known, search.pursuit.paths, solutions, spurious or 0)
 
 
-def _multiple(search: Search) -> list[MultiplePose]:
-    """Return the multiple poses that the endgame leads to."""
-    ends = search.pursuit.solutions()
-    multiple = ends.multiplicity > 1
-    paths = ends.multiplicity[multiple].tolist()
-    return list(multiple_poses(search.locator, ends.points[multiple], paths, search.sides))
+class _Candidates:
+    """The multiple poses that the endgame leads to, or paths with 64 digits that end nowhere else.
+
+    Parameters
+    ----------
+    search
+        For the poses of the system.
+    """
+
+    def __init__(self, search: Search) -> None:
+        self._search = search
+        self._tried: PursuedEnds | None = None
+        self._poses: list[MultiplePose] | None = None
+
+    def poses(self) -> list[MultiplePose]:
+        """Return the multiple poses that can be found by now."""
+        search, left = self._search, self._search.left
+        if self._poses is None or left is not self._tried:
+            self._tried = left
+            if left is None:
+                ends = search.pursuit.solutions()
+                chosen = ends.multiplicity > 1
+                points, paths = ends.points[chosen], ends.multiplicity[chosen].tolist()
+                low = np.zeros((len(points), 0, 8), complex)
+            else:
+                points, low, paths = left.points, left.low, [1] * len(left.points)
+            found = multiple_poses(search.locator, points, low, paths, search.sides)
+            self._poses = list(found)
+        return self._poses
 
 
 def _multiplicities(

@@ -53,11 +53,13 @@ def solve_infinite(
     best = max(answers, key=lambda x: (any(motion.real for motion in x.motions), len(x.motions)))
     best = best.decided(*decide(instance, best.R, best.T)) if len(best.R) else best
     if best.motions:
+        best = _isolated(best)
         # With a DLL the count may mean parallel lines: the samples are evidence, no proof.
         return best if DLL in arrangement.kinds else replace(best, proof=proof)
     if DLL not in arrangement.kinds:
         # No sample was found, but paths must end on the set: those that are lost or seemed to
         # end at infinity.
+        best = _isolated(best)
         rest = best.account.expected - best.account.found
         reduced = replace(_lost(best.account), on_curves=rest, lost=0)
         return replace(best, account=reduced, proof=proof)
@@ -66,6 +68,14 @@ def solve_infinite(
     first, second = (answer.account for answer in answers)
     agree = (first.found, len(answers[0].R)) == (second.found, len(answers[1].R))
     return best if agree else replace(best, account=_lost(best.account))
+
+
+def _isolated(poses: PoseSet) -> PoseSet:
+    """Drop the poses that are not proved to be isolated: they may lie on the set."""
+    kept, account = poses.reordered(poses.certified), poses.account
+    found = int(kept.multiplicity.sum())
+    on_curves = account.on_curves + account.found - found
+    return replace(kept, account=replace(account, found=found, on_curves=on_curves))
 
 
 def _cleaned(arrangement: Arrangement, poses: PoseSet) -> PoseSet:

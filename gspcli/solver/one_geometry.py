@@ -185,8 +185,7 @@ def _geometry(
         if counted is None or counted.solutions != found:
             return None
         # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md).
-        alone = given.kinds.count(DLL) < 2
-        proof = Proof(Ground.GEOMETRY, counted.error) if alone else None
+        proof = Proof(Ground.GEOMETRY, counted.error) if counted.has_lone_lines else None
     return _Geometry(given, inner, length, choices, start, expected, proof)
 
 

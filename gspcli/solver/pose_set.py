@@ -97,8 +97,8 @@ class PoseSet:
         """Return the poses with some of them certified, and proved to be real or not."""
         return replace(self, certified=certified, real=np.where(certified, real, self.real))
 
-    def reordered(self, order: NDArray[np.intp]) -> PoseSet:
-        """Return the poses in another order."""
+    def reordered(self, order: NDArray[np.intp] | NDArray[np.bool_]) -> PoseSet:
+        """Return the poses in another order, or some of them."""
         return replace(
             self,
             quaternions=self.quaternions[order],

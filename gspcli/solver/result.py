@@ -129,6 +129,8 @@ class SolveResult:
         """
         if self.proof is not None and self.proof.by is Ground.TYPE:
             return self.expected
+        if self.proof is not None and self.proof.by is Ground.GEOMETRY:
+            return len(self.R)
         if self.exact_count is None and self.verdict != "infinite":
             return None
         from gspcli.certification.counting import geometry_count

@@ -50,6 +50,8 @@ class Search:
         What is proved so far.
     infinite
         The simple solutions at infinity that were met, all different.
+    left
+        The ends, with 64 digits, of paths that have led to none of these.
     """
 
     def __init__(
@@ -65,6 +67,7 @@ class Search:
         self.sides = sides
         self.found = Collection(locator, sides)
         self.infinite: list[Isolation] = []
+        self.left: PursuedEnds | None = None
 
     def steps(self) -> Iterator[None]:
         """Add poses by one means after the other; whoever has enough stops asking."""
@@ -90,7 +93,9 @@ class Search:
         new[ends.settled] = self._locate(ends.take(ends.settled))
         yield
         # Two paths to one pose: one of them has jumped.
-        self._locate(self.pursuit.deepest(index[~new], self._target, attempt))
+        ends = self.pursuit.deepest(index[~new], self._target, attempt)
+        new = self._locate(ends)
+        self.left = ends.take(~new)
         yield
 
     @cached_property

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from gspcli.certification.counting import ExactCount, exact_count
+from gspcli.certification.counting import ExactCount, exact_count, geometry_count
 from gspcli.certification.locating import Frames, Locator
 from gspcli.continuation.pursuit import Pursuit
 from gspcli.geometry.arrangement import Arrangement
@@ -53,7 +53,7 @@ def solve_special(
         for pursuit, sides in zip(pursuits, _equations(arrangement), strict=True)
     ]
     if count is None:
-        return _proved(joined([without_count(search) for search in searches]), None)
+        return _uncounted(instance, searches, seed, limit)
     if not count.finite:
         return solve_infinite(instance, arrangement, pursuits, Proof(Ground.EXACT, count.error))
     parts = []
@@ -68,6 +68,22 @@ def solve_special(
         known = None if side.distinct is None else side.spurious
         parts.append(complete(search, solutions, distinct, known))
     return _proved(joined(parts), count)
+
+
+def _uncounted(
+    instance: Instance, searches: Sequence[Search], seed: int, limit: float | None
+) -> PoseSet:
+    """Return the poses of a platform that could not be counted exactly, by its geometry's count."""
+    count = geometry_count(instance, seed=seed, limit=limit) if limit != 0 else None
+    if count is None or count.solutions is None or not count.has_lone_lines:
+        # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md).
+        return _proved(joined([without_count(search, None) for search in searches]), None)
+    # All choices of sides are alike.
+    most = count.solutions // len(searches)
+    poses = joined([without_count(search, most) for search in searches])
+    if poses.certified.sum() == count.solutions < poses.account.expected:
+        return replace(poses, proof=Proof(Ground.GEOMETRY, count.error))
+    return _proved(poses, None)
 
 
 def _proved(poses: PoseSet, count: ExactCount | None) -> PoseSet:

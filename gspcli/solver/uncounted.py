@@ -1,14 +1,15 @@
 """What can be said of a system in special position whose solutions nobody could count.
 
-Only proved poses count as found, and only proved simple solutions with N = 0 as being at infinity.
-Everything else is lost.
+If as many poses are proved as the geometry has with values in general position, there are no
+others at all (docs/counts.md). Otherwise only proved poses count as found, and only proved simple
+solutions with N = 0 as being at infinity. Everything else is lost.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from gspcli.continuation.paths import PathAccount
+from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.quaternions import canonical_sign
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.search import Search
@@ -21,14 +22,24 @@ _STEPS = 4
 _FEW = 50
 
 
-def without_count(search: Search) -> PoseSet:
-    """Return the proved poses, and an account of all paths."""
+def without_count(search: Search, most: int | None) -> PoseSet:
+    """Return the proved poses, and an account of all paths.
+
+    Parameters
+    ----------
+    search
+        For the poses of the system.
+    most
+        The number of poses with values in general position if no other solution is possible
+        beside so many, else None.
+    """
     found, paths = search.found, search.pursuit.paths
     for step, _ in enumerate(search.steps(), 1):
-        missing = paths - len(found) - len(search.infinite)
-        if missing == 0 or (step >= _STEPS and missing * _FEW > paths):
+        missing = min(paths - len(found) - len(search.infinite), (most or paths) - len(found))
+        if missing <= 0 or (step >= _STEPS and missing * _FEW > paths):
             break
-    at_infinity = len(search.infinite)
+    is_all = len(found) == most
+    at_infinity = paths - len(found) if is_all else len(search.infinite)
     return PoseSet(
         quaternions=canonical_sign(found.quaternions),
         R=found.R,
@@ -42,5 +53,6 @@ def without_count(search: Search) -> PoseSet:
             found=len(found),
             at_infinity=at_infinity,
             lost=paths - len(found) - at_infinity,
+            basis=Basis.COUNT if is_all else Basis.PATHS,
         ),
     )

@@ -74,6 +74,9 @@ class ExactCount:
     spurious, spurious_distinct
         How many of them are no poses: the lines of a DLL are parallel, where its equation holds at
         any distance, and not at its distance. None if not known, or infinite.
+    has_lone_lines
+        Whether the lines of no two DLL can be parallel at once. Then no platform of the geometry
+        has another solution beside as many distinct simple ones as the geometry's count.
     primes
         The primes that were used: more than one only where one is not enough.
     """
@@ -88,6 +91,7 @@ class ExactCount:
     sides: tuple[SideCount, ...]
     spurious: int | None
     spurious_distinct: int | None
+    has_lone_lines: bool
     primes: tuple[int, ...]
 
 
@@ -275,6 +279,7 @@ def _assembled(platform: ModularPlatform, found: Sequence[_Result]) -> ExactCoun
         ),
         spurious=added(r.spurious and r.spurious[0] for r in found),
         spurious_distinct=added(r.spurious and r.spurious[1] for r in found),
+        has_lone_lines=platform.has_lone_lines,
         primes=(platform.prime,),
     )
 

@@ -6,10 +6,12 @@ import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
+from typing import Any
 
 from flint import nmod
 
 from gspcli.catalogue.kinds import DLL, Kind
+from gspcli.certification.balls import dot
 from gspcli.certification.counting.coordinate_choice import Blocks, choose
 from gspcli.certification.counting.elements import NoElementError
 from gspcli.certification.counting.exact_platform import (
@@ -35,6 +37,8 @@ from gspcli.geometry.instance import Instance
 
 #: Primes that are tried where one divides a denominator.
 _ATTEMPTS = 5
+#: Of more DLL `ModularPlatform.has_lone_lines` says nothing.
+_MOST_LINES = 3
 
 
 class NotCountedError(IncompleteError):
@@ -131,6 +135,19 @@ class ModularPlatform:
             if row.kind is DLL
         ]
 
+    @property
+    def has_lone_lines(self) -> bool:
+        """Whether no two pairs of lines of a DLL can be parallel at once, or anti-parallel.
+
+        For that the lines of both bodies must enclose the same angle. What differs modulo a prime
+        differs.
+        """
+        rows = [row for row in self.rows if row.kind is DLL]
+        return len(rows) <= _MOST_LINES and not any(
+            _cosine_squared(one.u, other.u) == _cosine_squared(one.v, other.v)
+            for one, other in itertools.combinations(rows, 2)
+        )
+
     def _images(self, candidates: Iterator[Homomorphism]) -> tuple[int, list[EvaluatedConstraint]]:
         for homomorphism in islice(candidates, _ATTEMPTS):
             try:
@@ -139,6 +156,11 @@ class ModularPlatform:
                 continue
         message = "the solutions cannot be counted exactly: a number is divided by zero"
         raise NotCountedError(message)
+
+
+def _cosine_squared(a: Sequence[Any], b: Sequence[Any]) -> Any:
+    """Return the square of the cosine of the angle of two directions."""
+    return dot(a, b) ** 2 / (dot(a, a) * dot(b, b))
 
 
 def on_sides(

@@ -12,6 +12,8 @@ from gspcli.geometry.quaternions import study_from_pose
 
 FRAMES = Frames(1.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 SIDES = (0,) * 6
+#: Starts are known in doubles.
+NO_MORE = np.zeros((1, 0, 8))
 
 
 def start(T: list[float], error: float) -> np.ndarray:
@@ -22,7 +24,7 @@ def start(T: list[float], error: float) -> np.ndarray:
 
 def found(instance, error, T=(1, 0, 0)):
     locator = Locator(instance, FRAMES)
-    return list(multiple_poses(locator, start(list(T), error)[None], [2], SIDES))
+    return list(multiple_poses(locator, start(list(T), error)[None], NO_MORE, [2], SIDES))
 
 
 def test_a_double_pose_is_found_to_all_digits_of_a_double(tangent):
@@ -46,4 +48,12 @@ def test_a_limit_far_away_is_another_pose(tangent):
 def test_one_pose_approached_twice_is_one(tangent):
     locator = Locator(tangent(Fraction(1)), FRAMES)
     starts = np.array([start([1, 0, 0], 1e-6), start([1, 0, 0], 1e-7)])
-    assert len(list(multiple_poses(locator, starts, [2, 2], SIDES))) == 1
+    [pose] = multiple_poses(locator, starts, NO_MORE.repeat(2, 0), [2, 2], SIDES)
+    assert pose.multiplicity == 4
+
+
+def test_a_double_pose_that_is_known_from_the_beginning_is_found(tangent):
+    locator, exact = Locator(tangent(Fraction(1)), FRAMES), start([1, 0, 0], 0.0)
+    more = 1e-40 * np.random.default_rng(6).standard_normal((1, 1, 8))
+    [pose] = multiple_poses(locator, exact[None], more, [2], SIDES)
+    assert pose.real

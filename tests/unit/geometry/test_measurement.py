@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gspcli.catalogue.kinds import DLL, KINDS
+from gspcli.catalogue.kinds import ALL, DLL, KINDS
 from gspcli.geometry.arrangement import Arrangement, Bodies
 from gspcli.geometry.constraint_polynomials import polynomial
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
-from gspcli.geometry.measurement import hessian, jacobian, measured
+from gspcli.geometry.measurement import _angle, hessian, jacobian, measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane, Point, vector
 from gspcli.geometry.quaternions import Field, rotation_from_quaternion
@@ -196,3 +196,14 @@ def test_derivatives_of_polynomials_against_complex_step(kind):
 def test_an_unknown_kind_is_an_error():
     with pytest.raises(KeyError):
         polynomial("DPQ")
+
+
+def test_the_angle_of_long_complex_directions_is_a_number():
+    # Unit vectors by the bilinear product, whose squares cancel beyond all digits of doubles.
+    size = 1e10
+    w = np.array([np.sqrt(1 + size**2), 1j * size, 0])
+    angle = _angle(ALL, w[None], np.array([[0.0, 0.0, 1.0]], complex))
+    np.testing.assert_allclose(angle, np.pi / 2)
+    assert np.isfinite(
+        _angle(ALL, w[None] * [1, 1j, 0], np.array([[1.0, 0.0, 0.0]], complex))
+    ).all()

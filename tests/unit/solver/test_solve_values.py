@@ -188,7 +188,11 @@ def test_a_special_geometry_is_followed_if_its_exact_count_says_that_nothing_is_
     instance = _three_three()
     values = _near(instance, 0.02, 5, 6)
     for number, trusted in ((16, True), (18, False), (None, False)):
-        count = None if number is None else SimpleNamespace(solutions=number, error=1e-9)
+        count = (
+            None
+            if number is None
+            else SimpleNamespace(solutions=number, error=1e-9, has_lone_lines=True)
+        )
         found = _quickly(instance, values, lambda n=count: n, 7)
         assert [poses is not None for poses in found] == [trusted] * 5
         for poses in found if trusted else []:

@@ -1,0 +1,66 @@
+"""Platforms whose numbers have no exact count: how far the count of their geometry goes."""
+
+from __future__ import annotations
+
+import pytest
+
+from gspcli.catalogue.kinds import KINDS_BY_NAME
+from gspcli.certification.counting import exact_count
+from gspcli.certification.counting.modular_platform import ModularPlatform
+from gspcli.defaults import SEED
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Line, Point, vector
+from gspcli.solver import solve
+
+ORIGIN, X, Y, Z = (vector(*v) for v in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
+P = Point(ORIGIN)
+#: More decimals of a degree than there are primes with so many roots of unity.
+MANY_DIGITS = "0.1234567890123"
+
+
+def instance(*rows: tuple[object, ...]) -> Instance:
+    constraints = (
+        Constraint(KINDS_BY_NAME[kind], platform, base, Number.of(value))
+        for kind, platform, base, value in rows
+    )
+    return Instance(tuple(constraints), Units("m", AngleUnit.DEGREE))
+
+
+def one_axis(value: str) -> Instance:
+    """Two angles from one line of the base: half of the eight rotations."""
+    angles = (("ALL", Line(ORIGIN, X), Line(ORIGIN, Z), 60 + float(value)),)
+    angles += (("ALL", Line(ORIGIN, Y), Line(ORIGIN, Z), 50),)
+    angles += (("ALL", Line(ORIGIN, Z), Line(ORIGIN, X), 70),)
+    return instance(
+        *angles, *(("DPP", P, Point(vector(*c)), 2) for c in ((0, 1, 0), (1, 0, 0), (0, 0, 1)))
+    )
+
+
+def test_as_many_poses_as_the_geometry_has_are_all() -> None:
+    platform = one_axis(MANY_DIGITS)
+    assert exact_count(platform) is None
+    result = solve(platform)
+    assert (result.verdict, result.counts.found, result.expected) == ("complete", 8, 16)
+    assert result.proof is not None
+    assert result.to_json()["proof"]["by"] == "geometry count"
+    assert result.geometry_count == 8
+
+
+def test_without_a_count_nothing_is_proved_to_be_at_infinity() -> None:
+    result = solve(one_axis(MANY_DIGITS), prove=False)
+    assert (result.verdict, result.counts.found, result.proof) == ("incomplete", 8, None)
+
+
+@pytest.mark.parametrize(("second", "alone"), [((0, 1, 1), False), ((0, 2, 1), True)])
+def test_lines_that_can_be_parallel_at_once_are_seen(second: tuple[int, ...], alone: bool) -> None:
+    rows = [("DPP", Point(vector(k, k * k, 1)), Point(vector(k, 0, -k)), 3) for k in range(4)]
+    first = ("DLL", Line(ORIGIN, Z), Line(ORIGIN, X), 1)
+    other = (
+        "DLL",
+        Line(vector(1, 2, 0), vector(*second)),
+        Line(vector(0, 1, 1), vector(1, -1, 0)),
+        2,
+    )
+    platform = ModularPlatform(instance(*rows, first, other), SEED, values_free=True)
+    assert platform.has_lone_lines == alone
