@@ -11,20 +11,20 @@ from gspcli.cli.names import load_instance
 from gspcli.cli.output import Output, check_writable, write
 from gspcli.cli.progress_bars import working
 from gspcli.errors import GspError
+from gspcli.export.programs import PROGRAMS
+from gspcli.wording import listed
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
 
 _MODEL = "mjcf"
-#: Those of `gspcli.export.programs`, which help and completion need not load.
-_PROGRAMS = ("msolve", "phcpack", "macaulay2", "singular", "hcjl", "sympy")
 _COORDINATES = ("study", "study-affine", "rt")
 
 
 @click.command()
 @click.argument("spec", metavar="SPEC")
 @click.option(
-    "--to", "target", type=click.Choice((_MODEL, *_PROGRAMS)), required=True, help="For which."
+    "--to", "target", type=click.Choice((_MODEL, *PROGRAMS)), required=True, help="For which."
 )
 @click.option(
     "--set",
@@ -75,9 +75,8 @@ def command(
     The others are systems of polynomials for programs that solve them, with rational
     coefficients exactly as in SPEC: study are unit dual quaternions q, f (each pose twice),
     study-affine those with q0 = 1 (without half turns), rt the entries of R and T. Irrational
-    numbers are exact for sympy, decimals for msolve, macaulay2 and singular, doubles for phcpack
-    and hcjl; what is not exact is said on stderr. `gsp certify SPEC FILE` reads what the programs
-    write.
+    numbers are {irrational}; what is not exact is said on stderr. `gsp certify SPEC FILE` reads
+    what the programs write.
 
     SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`).
 
@@ -101,6 +100,17 @@ def command(
     write(Output(target, file), text)
 
 
+def _irrational() -> str:
+    """Return what irrational numbers become for which programs."""
+    names: dict[str, list[str]] = {"exact": [], "decimals": [], "doubles": []}
+    for name, program in PROGRAMS.items():
+        names[program.irrational].append(name)
+    return ", ".join(f"{how} for {listed(those, 'and')}" for how, those in names.items())
+
+
+command.help = str(command.help).format(irrational=_irrational())
+
+
 def _model(instance: Instance, mode: int | None) -> str:
     from gspcli.export.mjcf import mjcf
     from gspcli.solver import solve
@@ -119,12 +129,12 @@ def _model(instance: Instance, mode: int | None) -> str:
 def _system(instance: Instance, target: str, coordinates: str, digits: int) -> str:
     from gspcli.export.motion_coordinates import MOTIONS
     from gspcli.export.polynomial_systems import system
-    from gspcli.export.programs import EXACT, PROGRAMS, RATIONAL
 
+    program = PROGRAMS[target]
     found = system(instance, MOTIONS[coordinates]())
-    if found.constants and target not in EXACT:
-        how = f"decimals of {digits} digits" if target in RATIONAL else "doubles"
+    if found.constants and program.irrational != "exact":
+        how = f"decimals of {digits} digits" if program.irrational == "decimals" else "doubles"
         count = len(found.constants)
         numbers = "1 irrational number" if count == 1 else f"{count} irrational numbers"
         click.echo(f"{numbers} became {how}", err=True)
-    return PROGRAMS[target](found, digits)
+    return program.write(found, digits)

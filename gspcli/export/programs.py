@@ -11,11 +11,14 @@ degree ..`` where they know it, and the solutions as CSV that `gsp certify` read
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
 
 from gspcli import __version__
-from gspcli.export.polynomial_systems import PolynomialSystem
 from gspcli.export.polynomials import Monomial, Polynomial, Style
+
+if TYPE_CHECKING:
+    from gspcli.export.polynomial_systems import PolynomialSystem
 
 DIGITS = 40
 _STYLE = Style()
@@ -155,19 +158,32 @@ def sympy(system: PolynomialSystem, digits: int = DIGITS) -> str:
     )
 
 
+@dataclass(frozen=True)
+class Program:
+    """A program that solves systems of polynomials.
+
+    Attributes
+    ----------
+    write
+        Its input for a system and a number of digits.
+    irrational
+        What it is given for irrational constants: the constants themselves, decimal fractions of
+        so many digits, or doubles.
+    """
+
+    write: Callable[[PolynomialSystem, int], str]
+    irrational: Literal["exact", "decimals", "doubles"]
+
+
 #: The programs by the names that the command line gives them.
-PROGRAMS: dict[str, Callable[[PolynomialSystem, int], str]] = {
-    "msolve": msolve,
-    "phcpack": phcpack,
-    "macaulay2": macaulay2,
-    "singular": singular,
-    "hcjl": hcjl,
-    "sympy": sympy,
+PROGRAMS = {
+    "msolve": Program(msolve, "decimals"),
+    "phcpack": Program(phcpack, "doubles"),
+    "macaulay2": Program(macaulay2, "decimals"),
+    "singular": Program(singular, "decimals"),
+    "hcjl": Program(hcjl, "doubles"),
+    "sympy": Program(sympy, "exact"),
 }
-#: Those that are given decimal fractions for irrational constants.
-RATIONAL = ("msolve", "macaulay2", "singular")
-#: Those that are given the irrational constants themselves.
-EXACT = ("sympy",)
 
 
 def _head(system: PolynomialSystem) -> str:

@@ -61,15 +61,28 @@ def test_rational_platforms_have_no_constants():
 
 def test_the_files_are_what_the_programs_read():
     small = system(load(instance_files()["six-planes"]), MOTIONS["rt"]())
-    texts = {name: write(small, 20) for name, write in PROGRAMS.items()}
-    first = "r11,r12,r13,r21,r22,r23,r31,r32,r33,t1,t2,t3\n0\n"
-    assert texts["msolve"].startswith(first)
-    assert texts["phcpack"].startswith("12\n")
+    texts = {name: program.write(small, 20) for name, program in PROGRAMS.items()}
+    beginnings = {
+        "msolve": "r11,r12,r13,r21,r22,r23,r31,r32,r33,t1,t2,t3\n0\n",
+        "phcpack": "12\n",
+        "macaulay2": "R = QQ[r11, r12",
+        "singular": "ring r = 0,(r11,r12",
+        "hcjl": "@var r11 r12",
+        "sympy": "unknowns = r11, r12",
+    }
+    assert set(beginnings) == set(texts)
+    for name, beginning in beginnings.items():
+        assert beginning in texts[name]
     assert texts["phcpack"].count(";\n") == 12
-    assert "R = QQ[r11, r12" in texts["macaulay2"]
-    assert "ring r = 0,(r11,r12" in texts["singular"]
-    assert "@var r11 r12" in texts["hcjl"]
     compile(texts["sympy"], "system", "exec")
+
+
+def test_irrational_constants_become_what_the_table_says():
+    curved = system(load(instance_files()["surfaces-pps"]), MOTIONS["rt"]())
+    assert curved.constants
+    for name, program in PROGRAMS.items():
+        same = program.write(curved, 20) == program.write(curved, 30)
+        assert same == (program.irrational != "decimals"), name
 
 
 PHC = """\
