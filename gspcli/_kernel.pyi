@@ -181,6 +181,20 @@ def connected_boxes(
     periodic: NDArray[np.bool_],
     poles: int,
 ) -> NDArray[np.int64]: ...
+def open(
+    measures: NDArray[np.int32],
+    numbers: NDArray[np.float64],
+    tables: NDArray[np.float64],
+    *,
+    tiny: float,
+) -> tuple[
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.int32],
+    NDArray[np.float64],
+    NDArray[np.int32],
+]: ...
 def track_reduced(
     start: NDArray[np.complex128],
     points: NDArray[np.complex128],

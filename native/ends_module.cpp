@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bindings.hpp"
+#include "open_equations.hpp"
 #include "threads.hpp"
 
 using namespace nanobind::literals;
@@ -103,10 +104,51 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> lows, Array<double,
                         owned(std::move(complete), {systems}));
 }
 
+// Numbers (parts, constraints, points and directions, coordinates) as `Doubled`s.
+nb::tuple open(Array<std::int32_t, 1> measures, Array<double, 4> numbers, Array<double, 3> tables,
+               double tiny) {
+  const std::size_t parts = 3, vectors = 4, coordinates = 3, eight = kVariables;
+  require(measures.shape(0) == kEquations && numbers.shape(0) == parts &&
+              numbers.shape(1) == kEquations && numbers.shape(2) == vectors &&
+              numbers.shape(3) == coordinates && tables.shape(0) == kStudyForms &&
+              tables.shape(1) == eight && tables.shape(2) == eight,
+          "measures, numbers and tables must have shapes (6,), (3, 6, 4, 3) and (27, 8, 8)");
+  Primitives constraints[kEquations];
+  for (std::size_t i = 0; i < kEquations; ++i) {
+    Primitives& p = constraints[i];
+    require(measures(i) >= 0 && measures(i) <= static_cast<std::int32_t>(Measure::kAngle),
+            "no such measure");
+    p.measure = static_cast<Measure>(measures(i));
+    Doubled* const vector[] = {p.a, p.b, p.u, p.v};
+    for (std::size_t k = 0; k < vectors; ++k)
+      for (std::size_t j = 0; j < coordinates; ++j)
+        vector[k][j] = {numbers(0, i, k, j), numbers(1, i, k, j), numbers(2, i, k, j)};
+  }
+  const std::size_t size = eight * eight, columns = 3, rows = 4, six = kEquations;
+  auto hessian = std::make_unique<double[]>(kMostQuadrics * size);
+  auto low = std::make_unique<double[]>(kMostQuadrics * size);
+  auto moduli = std::make_unique<double[]>(kMostQuadrics * size);
+  auto weights = std::make_unique<double[]>(rows * six);
+  auto table = std::make_unique<std::int32_t[]>(columns * six);
+  auto turned = std::make_unique<std::int32_t[]>(six);
+  double* const w = weights.get();
+  OpenEquations out{0, hessian.get(), low.get(), moduli.get(), w, w + six, w + 2 * six, w + 3 * six,
+                    table.get(), turned.get()};
+  open_equations(constraints, tables.data(), tiny, out);
+  const std::size_t quadrics = out.quadrics;
+  return nb::make_tuple(owned(std::move(hessian), {quadrics, eight, eight}),
+                        owned(std::move(low), {quadrics, eight, eight}),
+                        owned(std::move(moduli), {quadrics, eight, eight}),
+                        owned(std::move(table), {six, columns}),
+                        owned(std::move(weights), {rows, six}), owned(std::move(turned), {six}));
+}
+
 }  // namespace
 
 void bind_ends(nb::module_& m, Decide* (*choose_decide)(const std::string& build)) {
   choose = choose_decide;
+  m.def("open", &open, "measures"_a, "numbers"_a, "tables"_a, nb::kw_only(), "tiny"_a,
+        "Write down equations with their values left open; see gspcli.certification.many_values.");
   m.def("decide", &decide, "hessians"_a, "lows"_a, "moduli"_a, "equations"_a, "weights"_a, "turned"_a,
         "values"_a, "points"_a, nb::kw_only(), "unit"_a, "origins"_a, "scale"_a, "tolerance"_a,
         "jobs"_a = 1, "build"_a = "",

@@ -192,7 +192,7 @@ def quadrics() -> tuple[dict[tuple[int, ...], int], ...]:
     A polynomial maps the indices of the two factors of a monomial, in rising order, to its
     coefficient, an integer.
     """
-    rows = [int(entry) for entry in study.hessians().entries()]
+    rows = study.form_hessians().astype(int).ravel().tolist()
     found: list[dict[tuple[int, ...], int]] = []
     for start in range(0, len(rows), 64):
         hessian = rows[start : start + 64]

@@ -19,17 +19,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
-from flint import acb, acb_mat, arb, arb_mat
+from flint import acb, acb_mat, arb, arb_mat, fmpz_mat
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.certification import study
-from gspcli.certification.balls import OUTWARD, cross, dot, floats_above, norm
+from gspcli.certification.balls import cross, dot, floats_above, norm
+from gspcli.certification.centring import length_scale
 from gspcli.certification.pose_balls import PoseBall
-from gspcli.certification.statement import Statement, length_scale, statements
+from gspcli.certification.rounding import OUTWARD
+from gspcli.certification.statement import Statement, statements
 from gspcli.geometry.instance import Instance, Side
+
+
+@cache
+def _hessians() -> fmpz_mat:
+    """Return the Hessian matrices of all forms, one flattened matrix a row."""
+    entries = study.form_hessians().ravel().tolist()
+    return fmpz_mat(study.COUNT, 64, [int(entry) for entry in entries])
+
 
 #: A quadratic form: coefficients of the forms of `study`, by their position.
 Form = dict[int, arb]
@@ -70,7 +81,7 @@ class BallSystem:
         rows = [[form.get(k, arb(0)) for k in range(study.COUNT)] for form in self.forms]
         count = len(rows)
         self._coefficients = acb_mat(arb_mat(rows))
-        hessians = arb_mat(rows) * arb_mat(study.hessians())
+        hessians = arb_mat(rows) * arb_mat(_hessians())
         self._hessians = acb_mat(arb_mat(8 * count, 8, hessians.entries()))
         self._moduli = floats_above(hessians.entries()).reshape(count, 8, 8)
 

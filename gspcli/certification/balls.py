@@ -15,16 +15,10 @@ import numpy as np
 from flint import acb, arb, ctx, fmpq
 from numpy.typing import NDArray
 
+from gspcli.certification.rounding import OUTWARD, TINY
 from gspcli.geometry.numbers import Number
 
 Ball = TypeVar("Ball", arb, acb)
-
-#: Outward rounding of a sum or product of at most a few hundred nonnegative floats: each
-#: operation loses a relative 2^-53 at most, and this factor makes up for four thousand of them.
-OUTWARD = 1 + 2.0**-40
-
-#: Less than this is lost where a result leaves the normal range of floats.
-TINY = 2.0**-1000
 
 
 class _BallField:

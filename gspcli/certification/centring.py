@@ -7,20 +7,43 @@ with its coordinates less some origin is the same problem, exactly.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-
-from flint import acb, arb, ctx, fmpq
+from typing import TYPE_CHECKING
 
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Vector, vector
 
+if TYPE_CHECKING:
+    from flint import acb, arb
+
 #: Frames are moved if an origin is farther than so many sizes of the platform.
 FAR = 8
 #: Bits in which the translation of a pose given by doubles is exact in other frames.
 _EXACT = 4096
+
+
+def length_scale(instance: Instance, distances: Iterable[float] | None = None) -> float:
+    """Return a power of two next above the largest length in an instance, 1 if all vanish.
+
+    Parameters
+    ----------
+    instance
+        The instance.
+    distances
+        In place of its own.
+    """
+    if distances is None:
+        distances = (c.value.value for c in instance.constraints if c.kind.is_distance)
+    lengths = [abs(distance) for distance in distances]
+    for constraint in instance.constraints:
+        for geometry in (constraint.platform, constraint.base):
+            lengths += [abs(number.value) for number in geometry.position]
+    size = max(lengths)
+    return 2.0 ** math.frexp(size)[1] if 0 < size < math.inf else 1.0
 
 
 @dataclass(frozen=True)
@@ -86,6 +109,8 @@ class Centring:
     def _shifted(self, R: Sequence[Sequence[acb]], T: Sequence[acb], sign: int) -> list[acb]:
         if self.is_none:
             return list(T)
+        from flint import acb, ctx
+
         with ctx.workprec(max(ctx.prec, _EXACT if sign > 0 else 0)):
             platform, base = (
                 [_ball(sign * x) for x in part] for part in (self.platform, self.base)
@@ -97,6 +122,8 @@ class Centring:
 
 
 def _ball(value: Fraction) -> arb:
+    from flint import arb, fmpq
+
     return arb(fmpq(value.numerator, value.denominator))
 
 

@@ -8,9 +8,10 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
-from gspcli.certification.balls import OUTWARD, float_ends
+from gspcli.certification.balls import float_ends
 from gspcli.certification.isolation import Isolation
 from gspcli.certification.pose_balls import PoseBall
+from gspcli.certification.rounding import OUTWARD
 
 #: Fractional parts of multiples of the golden ratio: a linear form that no symmetry respects.
 _WEIGHTS = tuple((k * 0.6180339887498949) % 1 for k in range(1, 25))

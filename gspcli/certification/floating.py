@@ -16,7 +16,6 @@ numbers, and are rounded outward at the end, as in `BallSystem.curvatures`.
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,19 +25,20 @@ from numpy.typing import NDArray
 from gspcli import _kernel
 from gspcli.certification import study
 from gspcli.certification.ball_system import BallSystem
-from gspcli.certification.balls import OUTWARD, TINY
+from gspcli.certification.rounding import (
+    COMPLEX,
+    CONVERSION,
+    ISOLATED,
+    OUTWARD,
+    REAL,
+    ROUNDING,
+    TINY,
+)
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 #: Numbers, or bounds of their moduli.
 Values = NDArray[Any]
-
-#: Bounds the relative error (of the expression of the moduli) of everything computed here.
-ROUNDING = 2.0**-45
-#: A coefficient differs from its double by at most this part of its bound.
-CONVERSION = 2.0**-50
-#: Bits of what the kernel proves.
-ISOLATED, REAL, COMPLEX = 1, 2, 4
 
 
 class Proofs(NamedTuple):
@@ -59,13 +59,6 @@ class Proofs(NamedTuple):
     real: NDArray[np.bool_]
     complex: NDArray[np.bool_]
     deviation: Array
-
-
-@cache
-def form_hessians() -> Array:
-    """Return the Hessian matrices of all forms, integers, shape (27, 8, 8)."""
-    rows = study.hessians().tolist()
-    return np.array([[int(entry) for entry in row] for row in rows], float).reshape(-1, 8, 8)
 
 
 # Whatever is not a number proves nothing.
@@ -123,8 +116,8 @@ class Doubles:
         for row, form in enumerate(system.forms):
             for k, coefficient in form.items():
                 nearest[row, k], bounds[row, k] = converted(coefficient)
-        self.hessians = np.tensordot(nearest, form_hessians(), 1)
-        self.moduli = np.tensordot(bounds, np.abs(form_hessians()), 1)
+        self.hessians = np.tensordot(nearest, study.form_hessians(), 1)
+        self.moduli = np.tensordot(bounds, np.abs(study.form_hessians()), 1)
 
     def sides(self, points: Complex) -> NDArray[np.int64]:
         """Return for each point and constraint the side whose equation is nearer to zero."""

@@ -138,7 +138,7 @@ class _FoldSystem:
     def __init__(self, system: MovingSystem, rows: tuple[Array, Array], point: Array) -> None:
         self.system = system
         self.rows = rows
-        self.terms = [[int(x) for x in row] for row in study.hessians().tolist()]
+        self.terms = study.form_hessians().reshape(study.COUNT, -1).astype(int).tolist()
         self.patch = _unit(point)
         self.gauge: list[arb] = []
         self.norm = self._hessian({study.NORM: arb(1)})

@@ -24,7 +24,8 @@ import numpy as np
 from flint import acb, acb_mat, arb
 
 from gspcli.certification.ball_system import BallSystem
-from gspcli.certification.balls import OUTWARD, floats_above, largest
+from gspcli.certification.balls import floats_above, largest
+from gspcli.certification.rounding import OUTWARD
 
 #: Largest radius of a uniqueness ball. Coordinates of e are at most about one.
 REACH = 1 / 8

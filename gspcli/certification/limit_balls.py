@@ -11,7 +11,8 @@ from flint import arb
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
-from gspcli.certification.balls import OUTWARD, TINY, ball, norm, rotated
+from gspcli.certification.balls import ball, norm, rotated
+from gspcli.certification.rounding import OUTWARD, TINY
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.limits import joint_cones
 from gspcli.geometry.numbers import Number

@@ -31,8 +31,10 @@ from gspcli.certification.ball_system import (
     scaled,
     square_distance,
 )
-from gspcli.certification.balls import OUTWARD, TINY, norm
-from gspcli.certification.statement import length_scale, statements
+from gspcli.certification.balls import norm
+from gspcli.certification.centring import length_scale
+from gspcli.certification.rounding import OUTWARD, TINY
+from gspcli.certification.statement import statements
 from gspcli.geometry.instance import Instance
 
 Array = NDArray[np.float64]
@@ -117,7 +119,7 @@ def moving_equations(instance: Instance) -> MovingEquations:
                     nearest[i, j, k] = value = float(coefficient)
                     error = float((coefficient - value).abs_upper()) * OUTWARD + TINY
                     bounds[i, j, k] = max(abs(value), error * 2.0**50)
-        terms = np.array([[int(x) for x in row] for row in study.hessians().tolist()], float)
+        terms = study.form_hessians().reshape(study.COUNT, -1)
     hessians, moduli = nearest @ terms, bounds @ np.abs(terms)
     shape = (len(rows), 2, 8, 8)
     norms = [np.linalg.norm(m.reshape(shape), ord=2, axis=(2, 3)) for m in (hessians, moduli)]

@@ -11,8 +11,9 @@ from flint import acb, arb, ctx
 from numpy.typing import NDArray
 
 from gspcli.certification.balls import norm
+from gspcli.certification.centring import length_scale
 from gspcli.certification.locating import Frames
-from gspcli.certification.statement import Statement, length_scale, statements
+from gspcli.certification.statement import Statement, statements
 from gspcli.geometry.instance import Instance
 
 #: Arrays of `flint.acb`.

@@ -12,13 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.certification import study
 from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.balls import float_above, largest
-from gspcli.certification.centring import Centring
+from gspcli.certification.centring import Centring, length_scale
 from gspcli.certification.certificates import Certificate, Certificates, Outcome
 from gspcli.certification.distinct import close_pairs, same
 from gspcli.certification.isolation import Isolation, refine_point
 from gspcli.certification.measures import Measurement, as_stated, measure, residual
 from gspcli.certification.pose_balls import PoseBall, pose_of_floats, pose_of_point
-from gspcli.certification.statement import length_scale
 from gspcli.defaults import MAX_PRECISION, TOLERANCE
 from gspcli.errors import ArgumentError
 from gspcli.geometry.checking import checked

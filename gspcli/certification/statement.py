@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,6 +9,7 @@ from flint import arb
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, Kind
 from gspcli.certification.balls import ball, power_of_two
+from gspcli.certification.centring import length_scale
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.primitives import Line, Plane, Point, Vector
 
@@ -48,29 +48,32 @@ class Statement:
     @cached_property
     def cosine(self) -> arb:
         """``R u . v`` of an angle constraint, for unit vectors (paper, Section 4)."""
-        if self.kind is ALL:
-            return self.value.cos()
-        if self.kind in (ALH, AHL):
-            return self.value.sin()
-        if self.kind is AHH:
-            return -self.value.cos()
-        raise ValueError(self.kind)
+        return _cosine(self.kind, self.value)
 
 
-def length_scale(instance: Instance) -> float:
-    """Return a power of two next above the largest length in an instance, 1 if all vanish."""
-    lengths = [abs(c.value.value) for c in instance.constraints if c.kind.is_distance]
-    for constraint in instance.constraints:
-        for geometry in (constraint.platform, constraint.base):
-            lengths += [abs(number.value) for number in geometry.position]
-    size = max(lengths)
-    return 2.0 ** math.frexp(size)[1] if 0 < size < math.inf else 1.0
+def _cosine(kind: Kind, angle: arb) -> arb:
+    if kind is ALL:
+        return angle.cos()
+    if kind in (ALH, AHL):
+        return angle.sin()
+    if kind is AHH:
+        return -angle.cos()
+    raise ValueError(kind)
+
+
+def cosine(constraint: Constraint, unit: AngleUnit) -> arb:
+    """Return `Statement.cosine` of an angle constraint."""
+    return _cosine(constraint.kind, ball(constraint.value) * _radians(unit))
+
+
+def _radians(unit: AngleUnit) -> arb:
+    return arb.pi() / 180 if unit is AngleUnit.DEGREE else arb(1)
 
 
 def statements(instance: Instance) -> tuple[Statement, ...]:
     """Return the constraints of an instance in balls, lengths in units of `length_scale`."""
     scale = arb(length_scale(instance))
-    degree = arb.pi() / 180 if instance.units.angle is AngleUnit.DEGREE else arb(1)
+    degree = _radians(instance.units.angle)
     return tuple(_statement(row, scale, degree) for row in instance.constraints)
 
 

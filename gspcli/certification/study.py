@@ -14,7 +14,6 @@ from itertools import chain
 from typing import Any
 
 import numpy as np
-from flint import fmpz_mat
 from numpy.typing import NDArray
 
 from gspcli.geometry.quaternions import Field, study_from_pose
@@ -84,16 +83,17 @@ def forms_of_pose(R: Sequence[Sequence[Any]], T: Sequence[Any]) -> list[Any]:
 
 
 @cache
-def hessians() -> fmpz_mat:
-    """Return the Hessian matrices of all forms, one flattened 8x8 integer matrix a row."""
+def form_hessians() -> NDArray[np.float64]:
+    """Return the Hessian matrices of all forms, integers, shape (27, 8, 8)."""
     units = np.eye(8, dtype=int)
     single = np.array([forms(list(unit)) for unit in units])
-    result = np.empty((COUNT, 8, 8), dtype=int)
+    result = np.empty((COUNT, 8, 8))
     for j in range(8):
         for k in range(8):
             both = np.array(forms(list(units[j] + units[k])))
             result[:, j, k] = both - single[j] - single[k]
-    return fmpz_mat(COUNT, 64, [int(entry) for entry in result.ravel()])
+    result.setflags(write=False)
+    return result
 
 
 def study_points(R: Field, T: Field) -> tuple[Field, NDArray[np.intp]]:

@@ -20,9 +20,10 @@ from flint import arb, arb_series
 from numpy.typing import NDArray
 
 from gspcli.certification import study
-from gspcli.certification.balls import OUTWARD, TINY, ball, cross, dot, norm
+from gspcli.certification.balls import ball, cross, dot, norm
+from gspcli.certification.centring import length_scale
 from gspcli.certification.moving import Law, Shape, moving_equation
-from gspcli.certification.statement import length_scale
+from gspcli.certification.rounding import OUTWARD, TINY
 from gspcli.geometry.coordinates import Body, Coordinate, stated
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
 from gspcli.geometry.primitives import Crank, Line, Plane, Point
@@ -235,7 +236,7 @@ class MovingSystem:
             for j, (form, other) in enumerate(zip(forms, spreads, strict=True)):
                 for k, coefficient in form.items():
                     nearest[i, j, k], errors[i, j, k] = _rounded(coefficient, other[k])
-        terms = np.array([[int(x) for x in row] for row in study.hessians().tolist()], float)
+        terms = study.form_hessians().reshape(study.COUNT, -1)
         sizes = np.sqrt((terms**2).sum(axis=1))
         quadrics = np.moveaxis(nearest, 3, 2) @ terms
         moduli = np.sqrt(

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from gspcli.certification import study
 from gspcli.certification.ball_system import BallSystem
-from gspcli.certification.balls import OUTWARD, TINY
-from gspcli.certification.floating import ROUNDING, Doubles, _quadrics
+from gspcli.certification.floating import Doubles, _quadrics
 from gspcli.certification.isolation import REACH
+from gspcli.certification.rounding import OUTWARD, ROUNDING, TINY
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -119,8 +119,7 @@ class EliminationTrace:
 
 @cache
 def _hessians() -> NDArray[np.int64]:
-    entries = [int(entry) for entry in study.hessians().entries()]
-    return np.array(entries, dtype=np.int64).reshape(study.COUNT, 8, 8)[:FUNCTIONS].copy()
+    return study.form_hessians()[:FUNCTIONS].astype(np.int64)
 
 
 def _matrix(functions: Sequence[Function], width: int, prime: int) -> NDArray[np.uint64]:

@@ -12,19 +12,13 @@ from floating_reference import evaluated, reference
 
 from gspcli.catalogue.kinds import DISTANCE_KINDS
 from gspcli.catalogue.types import all_types
-from gspcli.certification import certify, decide
+from gspcli.certification import certify, decide, study
 from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.distinct import all_different
-from gspcli.certification.floating import (
-    ROUNDING,
-    Doubles,
-    Proofs,
-    deviations,
-    form_hessians,
-    prove,
-)
+from gspcli.certification.floating import Doubles, Proofs, deviations, prove
 from gspcli.certification.isolation import Isolation, refine_point
 from gspcli.certification.pose_balls import pose_of_floats, pose_of_point
+from gspcli.certification.rounding import ROUNDING
 from gspcli.certification.study import TRANSLATION, study_points
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_quaternion
@@ -148,8 +142,8 @@ def test_decisions_are_those_of_certificates(number: int) -> None:
 
 def test_few_forms_have_a_monomial_in_common() -> None:
     """The number of roundings that `ROUNDING` allows for depends on it."""
-    assert (form_hessians() != 0).sum(axis=0).max() == 4
-    assert np.abs(form_hessians()[: TRANSLATION[-1] + 1]).sum(axis=2).max() == 2
+    assert (study.form_hessians() != 0).sum(axis=0).max() == 4
+    assert np.abs(study.form_hessians()[: TRANSLATION[-1] + 1]).sum(axis=2).max() == 2
 
 
 def test_nearly_all_poses_are_proved_in_floating_point() -> None:

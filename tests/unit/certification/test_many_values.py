@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
 import pytest
-from flint import arb
+from flint import arb, ctx
 
 from gspcli import _kernel, hexapod
 from gspcli.catalogue.parsing import parse_type
 from gspcli.certification import decide
+from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.many_values import Frames, ValueProofs, _square
 from gspcli.certification.sines import SINE_ERROR, cosines, sines
+from gspcli.certification.study import form_hessians
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
@@ -138,13 +141,76 @@ def test_poses_far_away_are_proved_with_more_digits(error):
     found = proofs.decide(
         lengths[None], np.ones((1, 6)), points, Frames(1.0, np.zeros(3), np.zeros(3))
     )
-    assert "_lows" in vars(proofs)
     assert len(poses.R) == 40
     assert np.abs(found.T).max() > 100
     assert found.complete.all()
+    proofs._lows = np.zeros((0, 8, 8))
+    frames = Frames(1.0, np.zeros(3), np.zeros(3))
+    assert not proofs.decide(lengths[None], np.ones((1, 6)), points, frames).complete.any()
     single = decide(platform, found.R[0], found.T[0])
     assert single.certified.all()
     np.testing.assert_array_equal(single.real, found.real[0])
+
+
+def _irrational(instance: Instance) -> Instance:
+    """Return an instance with all its coordinates times a square root."""
+
+    def times(numbers):
+        return tuple(Number("*", (x, Number.of("sqrt(2)"))) for x in numbers)
+
+    def moved(body):
+        vectors = [value for value in vars(body).values() if isinstance(value, tuple)]
+        return type(body)(*map(times, vectors))
+
+    rows = [
+        replace(row, platform=moved(row.platform), base=moved(row.base))
+        for row in instance.constraints
+    ]
+    return replace(instance, constraints=tuple(rows))
+
+
+@pytest.mark.parametrize("change", [lambda x: x, _irrational])
+@pytest.mark.parametrize("name", ["DPP DPL DLP DPH DHP DLL", "DPP DPL DLL ALL ALH AHH"])
+def test_the_kernel_writes_the_equations_of_ball_arithmetic(name, change):
+    rng = np.random.default_rng(27)
+    instance = change(random_instance(parse_type(name), rng, one_sided=True)[0])
+    proofs = ValueProofs(instance, None)
+    values = proofs._own_values(side_choices(Arrangement.of(instance)))[0].tolist()
+    weights = proofs._weights.tolist()
+    with ctx.workprec(200):
+        system = BallSystem(instance, 200)
+
+        def exact(form):
+            terms = [arb(0)] * 64
+            for k, coefficient in form.items():
+                for i, c in enumerate(form_hessians()[k].ravel().astype(int).tolist()):
+                    terms[i] += c * coefficient
+            return terms
+
+        def written(k):
+            parts = zip(proofs._hessians[k].ravel(), proofs._lows[k].ravel(), strict=True)
+            return [arb(float(high)) + float(low) for high, low in parts]
+
+        def same(wanted, found, bound):
+            for x, y, size in zip(wanted, found, bound, strict=True):
+                assert (x - y).abs_upper() <= 2.0**-90 * size
+
+        for r, (row, equations) in enumerate(zip(proofs._table, system.equations, strict=True)):
+            [equation] = equations
+            main = written(row[0])
+            bound = proofs._moduli[row[0]].copy()
+            value = (arb(weights[0][r]) + weights[3][r]) * (arb(values[0][r]) + values[3][r])
+            for i in range(4):
+                main[9 * i] += 2 * value
+                bound[i, i] += 2 * (weights[1][r] * values[1][r] + weights[2][r])
+            same(exact(system.forms[equation.main]), main, bound.ravel())
+            for index, k in zip(equation.squares, row[1:], strict=False):
+                factor = arb(1)
+                if k == proofs._turned[r]:
+                    # The distance itself is known as a double.
+                    factor = system.statements[r].value
+                form = {i: c / factor for i, c in system.forms[index].items()}
+                same(exact(form), written(k), proofs._moduli[k].ravel())
 
 
 def test_what_doubles_leave_of_squares_is_exact():

@@ -1,0 +1,204 @@
+#include "open_equations.hpp"
+
+#include <cmath>
+
+namespace gsp {
+namespace {
+
+// Positions of the forms (`study`).
+constexpr int kNorm = 0, kRotation = 1, kTranslation = 10, kBody = 13, kRho = 16, kMoment = 17,
+              kStudy = 26;
+
+// Nothing may be reassociated or contracted here (T. J. Dekker; D. E. Knuth).
+Doubled renormalized(double high, double low, double size) {
+  const double s = high + low;
+  return {s, low - (s - high), size};
+}
+Doubled operator+(const Doubled& a, const Doubled& b) {
+  const double s = a.high + b.high, t = s - a.high;
+  const double rest = (a.high - (s - t)) + (b.high - t);
+  return renormalized(s, rest + (a.low + b.low), a.size + b.size);
+}
+Doubled operator*(const Doubled& a, const Doubled& b) {
+  const double p = a.high * b.high;
+  const double rest = std::fma(a.high, b.high, -p) + (a.high * b.low + a.low * b.high);
+  return renormalized(p, rest, a.size * b.size);
+}
+Doubled operator-(const Doubled& a) { return {-a.high, -a.low, a.size}; }
+Doubled operator-(const Doubled& a, const Doubled& b) { return a + -b; }
+// By a power of two.
+Doubled operator*(double c, const Doubled& a) { return {c * a.high, c * a.low, std::fabs(c) * a.size}; }
+
+// Of a positive number that is as large as its size.
+Doubled root(const Doubled& x) {
+  const double r = std::sqrt(x.high);
+  const Doubled square = Doubled{r, 0.0, r} * Doubled{r, 0.0, r};
+  return renormalized(r, (x - square).high / (2.0 * r), std::sqrt(x.size));
+}
+
+Doubled dot(const Doubled* a, const Doubled* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+struct Vector {
+  Doubled entry[3];
+};
+Vector cross(const Doubled* a, const Doubled* b) {
+  Vector c;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    c.entry[i] = a[j] * b[k] - a[k] * b[j];
+  }
+  return c;
+}
+
+struct Form {
+  Doubled of[kStudyForms];
+
+  // Adds c left . R right.
+  void turn(double c, const Doubled* left, const Doubled* right) {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        Doubled& entry = of[kRotation + 3 * i + j];
+        entry = entry + c * (left[i] * right[j]);
+      }
+  }
+  Form scaled(const Doubled& factor) const {
+    Form form;
+    for (int i = 0; i < kStudyForms; ++i) form.of[i] = factor * of[i];
+    return form;
+  }
+};
+
+// |R a + T - b|^2.
+Form square_distance(const Primitives& p) {
+  Form form;
+  form.turn(-2.0, p.b, p.a);
+  form.of[kNorm] = dot(p.a, p.a) + dot(p.b, p.b);
+  form.of[kRho] = {1.0, 0.0, 1.0};
+  for (int k = 0; k < 3; ++k) {
+    form.of[kBody + k] = 2.0 * p.a[k];
+    form.of[kTranslation + k] = -2.0 * p.b[k];
+  }
+  return form;
+}
+
+// v . (R a + T - b).
+Form base_height(const Primitives& p) {
+  Form form;
+  form.turn(1.0, p.v, p.a);
+  form.of[kNorm] = -dot(p.v, p.b);
+  for (int k = 0; k < 3; ++k) form.of[kTranslation + k] = p.v[k];
+  return form;
+}
+
+// R u . (R a + T - b).
+Form platform_height(const Primitives& p) {
+  Form form;
+  form.turn(-1.0, p.b, p.u);
+  form.of[kNorm] = dot(p.u, p.a);
+  for (int k = 0; k < 3; ++k) form.of[kBody + k] = p.u[k];
+  return form;
+}
+
+// (R a + T - b) . (R u x v).
+Form mutual_moment(const Primitives& p) {
+  Form form;
+  form.turn(1.0, p.v, cross(p.a, p.u).entry);
+  form.turn(-1.0, cross(p.v, p.b).entry, p.u);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) form.of[kMoment + 3 * i + j] = p.v[i] * p.u[j];
+  return form;
+}
+
+class Writer {
+ public:
+  Writer(const double* tables, double tiny, OpenEquations& out)
+      : tables_(tables), tiny_(tiny), out_(out) {
+    out_.quadrics = 0;
+  }
+
+  // A quadric; of the main one of an equation (-1: none) N is bounded apart.
+  int add(const Form& form, int equation = -1) {
+    double bound[kStudyForms];
+    for (int k = 0; k < kStudyForms; ++k) bound[k] = form.of[k].size + tiny_;
+    if (equation >= 0) {
+      out_.norm_bound[equation] = bound[kNorm];
+      bound[kNorm] = 0.0;
+    }
+    const int size = kVariables * kVariables, start = out_.quadrics * size;
+    for (int i = 0; i < size; ++i) {
+      Doubled entry;
+      double moduli = 0.0;
+      for (int k = 0; k < kStudyForms; ++k) {
+        const double c = tables_[k * size + i];
+        if (c == 0.0) continue;
+        entry = entry + c * form.of[k];
+        moduli += std::fabs(c) * bound[k];
+      }
+      out_.hessian[start + i] = entry.high;
+      out_.low[start + i] = entry.low;
+      out_.moduli[start + i] = moduli;
+    }
+    return out_.quadrics++;
+  }
+
+  void put(int equation, const Form& main, const Doubled& weight) {
+    out_.weight[equation] = weight.high;
+    out_.weight_low[equation] = weight.low;
+    out_.weight_bound[equation] = weight.size + tiny_;
+    out_.table[3 * equation] = add(main, equation);
+    out_.table[3 * equation + 1] = out_.table[3 * equation + 2] = out_.turned[equation] = -1;
+  }
+
+  void put_squares(int equation, const Form& first) { out_.table[3 * equation + 1] = add(first); }
+  void put_squares(int equation, const Form& first, const Form& turned) {
+    put_squares(equation, first);
+    out_.turned[equation] = out_.table[3 * equation + 2] = add(turned);
+  }
+
+ private:
+  const double* tables_;
+  double tiny_;
+  OpenEquations& out_;
+};
+
+void write(const Primitives& p, int equation, Writer& writer) {
+  const Doubled one{1.0, 0.0, 1.0};
+  switch (p.measure) {
+    case Measure::kPoints: return writer.put(equation, square_distance(p), -one);
+    case Measure::kBaseHeight: return writer.put(equation, base_height(p), -root(dot(p.v, p.v)));
+    case Measure::kPlatformHeight:
+      return writer.put(equation, platform_height(p).scaled(-one), -root(dot(p.u, p.u)));
+    case Measure::kBaseLine:
+    case Measure::kPlatformLine: {
+      const bool base = p.measure == Measure::kBaseLine;
+      const Doubled axis = base ? dot(p.v, p.v) : dot(p.u, p.u);
+      writer.put(equation, square_distance(p).scaled(axis), -axis);
+      return writer.put_squares(equation, base ? base_height(p) : platform_height(p));
+    }
+    case Measure::kLines: {
+      Form cosine;
+      cosine.turn(1.0, p.v, p.u);
+      writer.put(equation, Form{}, dot(p.u, p.u) * dot(p.v, p.v));
+      return writer.put_squares(equation, mutual_moment(p), cosine);
+    }
+    case Measure::kAngle: {
+      Form cosine;
+      cosine.turn(1.0, p.v, p.u);
+      return writer.put(equation, cosine, -(root(dot(p.u, p.u)) * root(dot(p.v, p.v))));
+    }
+  }
+}
+
+}  // namespace
+
+void open_equations(const Primitives* constraints, const double* tables, double tiny,
+                    OpenEquations& out) {
+  Writer writer(tables, tiny, out);
+  Form norm, study;
+  norm.of[kNorm] = study.of[kStudy] = {1.0, 0.0, 1.0};
+  writer.add(norm);
+  writer.add(study);
+  for (int i = 0; i < kEquations; ++i) write(constraints[i], i, writer);
+}
+
+}  // namespace gsp
