@@ -27,6 +27,8 @@ _SMALL = 1e-3
 _MOST_FREE = 3
 #: The series have few terms, so that they are computed quickly; what is lost is seen.
 QUICK = replace(DEFAULT, predictor_tolerance=3e-3, contraction=0.1, min_step=1e-6, max_steps=200)
+#: Paths from the stored start are longer, and come nearer to others.
+_FROM_START = replace(QUICK, min_step=1e-10)
 
 
 class ShiftEnds(NamedTuple):
@@ -169,11 +171,11 @@ def ends_from_start(structure: Structure, quadrics: ComplexArray) -> ComplexArra
         start.system.coefficients.g,
         np.ascontiguousarray(start.points),
         quadrics,
-        predictor_tolerance=QUICK.predictor_tolerance,
-        contraction=QUICK.contraction,
-        radius_fraction=QUICK.radius_fraction,
-        min_step=QUICK.min_step,
-        max_steps=QUICK.max_steps,
+        predictor_tolerance=_FROM_START.predictor_tolerance,
+        contraction=_FROM_START.contraction,
+        radius_fraction=_FROM_START.radius_fraction,
+        min_step=_FROM_START.min_step,
+        max_steps=_FROM_START.max_steps,
     )
     if found is None:
         return None
