@@ -7,10 +7,10 @@
 `search` and `check` take --jobs N, or --scheduler ADDRESS for the workers of a Dask scheduler.
 
 `search` makes attempts (`gspcli.reality.maximize`) for one family after the other, those with few
-solutions first, and appends each result to the journal, a work file; it continues where the journal
-ends. An attempt depends on the seed, its number and the effort only. `write` rounds the best
-platform of each family to short decimals, certifies its real poses and records it, if it is
-better than what is recorded. `check` solves every recorded platform and certifies its real poses
+solutions first, from the best platform known or from random ones in turn, and appends each result
+to the journal, a work file; it continues where the journal ends. `write` rounds the best platform
+of each family to short decimals, certifies its real poses and records it, if it is better than what
+is recorded. `check` solves every recorded platform and certifies its real poses
 again; it exits with 1 if a number differs.
 """
 
@@ -31,14 +31,26 @@ from typing import Any
 
 import flint
 import numpy as np
+from known_platforms import (
+    FOLDER,
+    Known,
+    add_entry,
+    canonical_families,
+    kinds_of,
+    read_journal,
+    recorded,
+    result,
+    simpler_ones,
+    solutions,
+)
 from recording import ROOT, add_sample, report, sampled
 
 sys.path.insert(0, str(ROOT))
 
-from gspcli.catalogue.counts import all_families, family_counts, mirrored
-from gspcli.catalogue.kinds import ALL, Kind
+from gspcli.catalogue.counts import all_families, family_counts
+from gspcli.catalogue.kinds import ALL
 from gspcli.catalogue.types import CONSTRAINTS, Family
-from gspcli.catalogue.witnesses import Witness, read_row, witness_text
+from gspcli.catalogue.witnesses import Witness, witness_text
 from gspcli.cli.progress_bars import progress
 from gspcli.defaults import SEED
 from gspcli.errors import GspError
@@ -47,83 +59,56 @@ from gspcli.reality.platforms import Platforms
 from gspcli.reality.witness_proofs import certified_real, real_instance, rows_of, witness_instance
 from gspcli.workers import Workers
 
-FOLDER = ROOT / "data" / "witnesses"
 EFFORT = 40_000
-
-
-def canonical_families() -> list[Family]:
-    """Return one of each two mirrored families, those with few solutions first."""
-    chosen = [f for f in all_families() if not mirrored(f.distances) < f.distances]
-    return sorted(chosen, key=solutions)
-
-
-def kinds_of(family: Family) -> tuple[Kind, ...]:
-    """Return the kinds of a type of a family, all angles ALL."""
-    return family.distances + (ALL,) * (CONSTRAINTS - len(family.distances))
-
-
-def solutions(family: Family) -> int:
-    """Return how many solutions almost every reduced platform has."""
-    return family_counts(family).two_sided // multiplier(kinds_of(family))
 
 
 def search(journal: Path, minutes: float, effort: int, most: int, workers: Workers) -> None:
     """Make attempts until the time is over, or all solutions of all families are real.
 
-    Families with more than `most` solutions are left out.
+    Families with more than `most` solutions are left out, and those to which a platform of a
+    simpler family with as many solutions is lifted (`tools/lift_witnesses.py`).
     """
-    families = [family for family in canonical_families() if solutions(family) <= most]
-    done: dict[str, dict[int, int]] = {family.id: {} for family in families}
+    known = Known(journal)
+    families = [
+        family
+        for family in canonical_families()
+        if solutions(family) <= most and not any(simpler_ones(family))
+    ]
+    done: dict[str, set[int]] = {family.id: set() for family in families}
     for entry in read_journal(journal):
-        done.setdefault(entry["family"], {})[entry["attempt"]] = entry["real"]
+        done.setdefault(entry["family"], set()).add(entry.get("attempt", -1))
     end = time.monotonic() + 60 * minutes
 
-    def wanted() -> Iterator[tuple[Family, int]]:
+    def wanted() -> Iterator[tuple[Family, int, Platforms | None]]:
         for number in range(10_000):
             for family in families:
-                known = done[family.id]
-                if number not in known and solutions(family) not in known.values():
+                best, kinds = known.counts.get(family.id, 0), kinds_of(family)
+                if number not in done[family.id] and best < solutions(family):
                     if time.monotonic() > end:
                         return
-                    yield family, number
+                    yield family, number, known.platform(kinds) if best else None
 
     for entry in workers.as_completed(partial(attempt, effort=effort), wanted()):
         name, number, real = entry["family"], entry["attempt"], entry["real"]
-        done[name][number] = real
-        with journal.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(entry) + "\n")
-        sys.stderr.write(f"{name}, attempt {number}: {real}\n")
+        best = known.counts.get(name, 0)
+        if real <= best:
+            entry.pop("numbers", None)
+        add_entry(journal, entry)
+        known.add(name, real, entry)
+        sys.stderr.write(f"{name}, attempt {number}: {real}, known {best}\n")
 
 
-def attempt(which: tuple[Family, int], effort: int) -> dict[str, Any]:
-    """Make an attempt; return its entry of the journal."""
-    family, number = which
+def attempt(which: tuple[Family, int, Platforms | None], effort: int) -> dict[str, Any]:
+    """Make an attempt, from the best platform or anew; return its entry of the journal."""
+    family, number, best = which
     kinds, total = kinds_of(family), solutions(family)
     starts, steps = max(4, min(32, effort // (20 * total))), max(20, effort // total)
-    found = Search(kinds, SEED, starts=starts, steps=steps).attempt(number)
+    search = Search(kinds, SEED, starts=starts, steps=steps)
+    found = search.near(best, number).attempt(number)
     entry: dict[str, Any] = {"family": family.id, "attempt": number, "effort": effort, "real": 0}
     if found is not None:
-        one = found.platform
-        entry["real"] = found.count
-        entry["numbers"] = [part.tolist() for part in (one.y, one.x, one.u, one.v, one.values)]
+        entry |= result(family, found)
     return entry
-
-
-def read_journal(journal: Path) -> list[dict]:
-    """Return the entries of the journal; a last line that was cut off is ignored."""
-    if not journal.exists():
-        return []
-    lines = journal.read_text(encoding="utf-8").split("\n")[:-1]
-    return [json.loads(line) for line in lines]
-
-
-def recorded() -> dict[str, Witness]:
-    """Return what is recorded, by the names of the families."""
-    path = FOLDER / "real.csv"
-    if not path.exists():
-        return {}
-    rows = csv.DictReader(path.read_text(encoding="utf-8").splitlines())
-    return {row["family"]: read_row(row) for row in rows}
 
 
 def write(journal: Path) -> None:
@@ -133,8 +118,10 @@ def write(journal: Path) -> None:
     for entry in read_journal(journal):
         best.setdefault(entry["family"], []).append(entry)
     for family in canonical_families():
-        entries = sorted(best.get(family.id, []), key=lambda entry: -entry["real"])
+        entries = sorted(best.get(family.id, []), key=_worth)
         for entry in entries:
+            if "numbers" not in entry:
+                continue
             each = multiplier(kinds_of(family))
             least = known[family.id].real if family.id in known else 0
             if each * entry["real"] <= least:
@@ -147,6 +134,12 @@ def write(journal: Path) -> None:
             save(known)
             sys.stderr.write(f"{family.id}: {least} -> {found.real}\n")
             break
+
+
+def _worth(entry: dict) -> tuple[int, float]:
+    """Sort entries of the journal: many real solutions first, then small platforms."""
+    numbers = np.abs(np.concatenate([np.ravel(part) for part in entry.get("numbers", [0.0])]))
+    return -entry["real"], float(numbers.max())
 
 
 def certified(family: Family, entry: dict) -> Witness | None:

@@ -2,46 +2,56 @@
 
     python tools/construct_witnesses.py JOURNAL [--seconds N] [--minutes N] [--most SOLUTIONS]
 
-For each family whose solutions are not all known to be real: split its DPL and DLP
-(`gspcli.reality.splitting`) in the way that leaves the most solutions, look for a platform of
-what remains with all of them real, N seconds of processor time for each pattern, and go from there
-to a platform of the family. The results go to the journal of `tools/build_witnesses.py`, whose part
-`write` rounds and certifies them.
+For each family whose solutions are not all known to be real, and to which no simpler one with as
+many solutions leads (`tools/lift_witnesses.py`): split its DPL and DLP (`gspcli.reality.splitting`)
+in one of the ways that leave the most solutions, look for a platform of what remains with all of
+them real, N seconds of processor time for each pattern, and go from there to a platform of the
+family. The results go to the journal of `tools/build_witnesses.py`, whose part `write` rounds and
+certifies them.
 """
 
 from __future__ import annotations
 
 import argparse
 import itertools
-import json
 import sys
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from build_witnesses import canonical_families, kinds_of, read_journal, recorded, solutions
+from known_platforms import (
+    Known,
+    add_entry,
+    by_dependents,
+    kinds_of,
+    numbers_of,
+    read_journal,
+    result,
+    solutions,
+)
 from recording import ROOT
 
 sys.path.insert(0, str(ROOT))
 
 from gspcli.catalogue.kinds import DHP, DPH
+from gspcli.continuation.pursuit import pursue
 from gspcli.continuation.start import path_count
 from gspcli.defaults import SEED
 from gspcli.geometry.quaternions import pose_from_study
-from gspcli.reality.fold_distances import moved
-from gspcli.reality.maximize import Search, Solved, multiplier, reduced
+from gspcli.reality.maximize import Search, Solved, reduced, solved, solved_anyhow
 from gspcli.reality.platforms import Platforms, random_platforms
-from gspcli.reality.recognition import reality
 from gspcli.reality.splitting import Pattern, Splitting, splittings
 
-#: Cosines or distances that are tried, and how far points that turn are away, in units of the
-#: largest distance of a place from their middle over the square of that.
-_GAPS, _REACHES = (0.2, 0.1, 0.05, 0.025, 0.012, 0.006, 0.003, 0.001), (2, 8)
-#: Attempts in turn begin with random platforms, and with the best one shaken by these lengths.
-_TURNS, _SHAKES = 4, (0.0, 0.01, 0.03, 0.06, 0.1)
+#: How far points that turn are away, in units of the largest distance of a place from their middle
+#: over the square of the cosine; the cosines, and the distances that are tried.
+_REACHES, _COSINES = (0.5, 2.0, 8.0), (0.4, 0.2, 0.1, 0.05, 0.025)
+_GAPS = (0.2, 0.1, 0.05, 0.025, 0.012, 0.006, 0.003, 0.001)
 #: A constraint that is not split has about this share of the real solutions of one that is.
 _UNSPLIT = 0.6
+#: How many ways are tried for a family.
+_WAYS = 3
 #: Values of planes and angles of the random platforms that are counted.
 _SPREAD = 0.3
 
@@ -68,12 +78,6 @@ def canonical(pattern: Pattern) -> tuple[Pattern, list[int]]:
     order = min(orders, key=renamed)
     kinds = tuple(pattern.kinds[i] for i in order)
     return Pattern(kinds, *renamed(order), pattern.right_angles), order
-
-
-def reordered(platform: Platforms, order: list[int]) -> Platforms:
-    """Return a platform with its constraints in another order."""
-    parts = (platform.y, platform.x, platform.u, platform.v, platform.values)
-    return Platforms(tuple(platform.kinds[i] for i in order), *(part[order] for part in parts))
 
 
 @dataclass
@@ -112,10 +116,30 @@ class Remaining:
             for i, kind in enumerate(pattern.kinds):
                 if kind in (DPH, DHP) or not (kind.is_distance or pattern.same_u):
                     values[0, i] = _SPREAD * rng.normal()
-            found = next(replace(platform, values=values).solutions(SEED))
-            if found.account.verdict == "complete":
-                counts.append(len(found.points))
+            (pursuit,) = pursue(replace(platform, values=values).systems(), seed=SEED)
+            counts.append(int(pursuit.first().simple.sum()))
         return cls(pattern, max(counts))
+
+    @property
+    def entry(self) -> dict[str, Any]:
+        """What goes to the journal of patterns."""
+        numbers = None if self.best is None else numbers_of(self.best.platform)
+        return {
+            "pattern": str(self.pattern),
+            "count": self.count,
+            "attempts": self.attempts,
+            "seconds": self.seconds,
+            "numbers": numbers,
+        }
+
+    @classmethod
+    def read(cls, pattern: Pattern, entry: dict[str, Any]) -> Remaining:
+        """Return what an entry of the journal says."""
+        best = None
+        if entry["numbers"] is not None:
+            numbers = (np.array(part, float) for part in entry["numbers"])
+            best = solved(Platforms(pattern.kinds, *numbers), SEED, entry["count"])
+        return cls(pattern, entry["count"], best, entry["attempts"], entry["seconds"])
 
     @property
     def real(self) -> int:
@@ -127,16 +151,22 @@ class Remaining:
         search = Search(self.pattern.kinds, steps=4000, special=self.pattern, solutions=self.count)
         begin, before = time.process_time(), self.seconds
         while self.real < self.count and self.seconds < seconds:
-            start = None
-            if self.attempts % _TURNS and self.best is not None:
-                rng = np.random.default_rng([SEED, self.attempts])
-                shake = self.pattern.projected(rng.normal(size=self.pattern.free.shape))
-                start = moved(self.best.platform, rng.choice(_SHAKES) * shake.ravel())
-            found = replace(search, start=start).attempt(self.attempts)
+            best = None if self.best is None else self.best.platform
+            found = search.near(best, self.attempts).attempt(self.attempts)
             if found is not None and found.count > self.real:
                 self.best = found
             self.attempts += 1
             self.seconds = before + time.process_time() - begin
+
+
+def _sizes(*, turned: bool, carried: bool) -> list[tuple[float, float, float]]:
+    """Return what is tried, reach, cosine and gap: first what needs the fewest digits."""
+    every = itertools.product(
+        _REACHES if turned else _REACHES[:1],
+        _COSINES if turned else _COSINES[:1],
+        _GAPS if carried else _GAPS[:1],
+    )
+    return sorted(every, key=lambda one: one[0] / (one[1] ** 2 * one[2] ** 2))
 
 
 def constructed(splitting: Splitting, known: Solved, order: list[int]) -> Solved | None:
@@ -145,11 +175,13 @@ def constructed(splitting: Splitting, known: Solved, order: list[int]) -> Solved
     R, T = R.real, T.real
     U = -np.einsum("nji,nj->ni", R, T)
     spread = max(float(np.linalg.norm(x - x.mean(axis=0), axis=1).max()) for x in (T, U))
-    platform = reordered(known.platform, list(np.argsort(order)))
+    platform = known.platform.permuted(np.argsort(order).tolist())
     best: Solved | None = None
-    for gap, reach in itertools.product(_GAPS, _REACHES if splitting.turned else (1,)):
-        far = float(f"{reach * max(spread, 0.05) / gap**2:.1g}")
-        found = _solved_anyhow(splitting.lifted(platform, R, T, gap=gap, reach=far))
+    turned, carried = bool(splitting.turned), bool(splitting.carried)
+    for reach, cosine, gap in _sizes(turned=turned, carried=carried):
+        far = float(f"{reach * max(spread, 0.05) / cosine**2:.1g}")
+        lifted = splitting.lifted(platform, R, T, gap=gap, reach=far, cosine=cosine)
+        found = solved_anyhow(lifted)
         if found is not None and (best is None or found.count > best.count):
             best = found
         if best is not None and best.count == known.count * splitting.factor:
@@ -162,55 +194,50 @@ def _hope(splitting: Splitting, count: int) -> float:
     return float(count * splitting.factor * _UNSPLIT**splitting.left)
 
 
-def _solved_anyhow(platform: Platforms) -> Solved | None:
-    """Return a platform with however many solutions it has."""
-    found = next(platform[None].solutions(SEED))
-    if found.account.verdict != "complete" or not len(found.points):
-        return None
-    which = reality(found.points, found.condition)
-    system = next(platform[None].systems())
-    return Solved(platform, system, found.points, which.real) if which.decided else None
-
-
 def construct(journal: Path, seconds: float, minutes: float, most: int) -> None:
     """Go through the families once."""
     end = time.monotonic() + 60 * minutes
-    known = {name: found.real for name, found in recorded().items()}
+    known = Known(journal)
+    patterns = journal.with_suffix(".patterns")
+    before = {entry["pattern"]: entry for entry in read_journal(patterns)}
     remaining: dict[Pattern, Remaining] = {}
 
     def rest(splitting: Splitting) -> Remaining:
         pattern, _ = canonical(splitting.pattern)
-        if pattern not in remaining:
+        if pattern not in remaining and str(pattern) in before:
+            remaining[pattern] = Remaining.read(pattern, before[str(pattern)])
+        elif pattern not in remaining:
             remaining[pattern] = Remaining.of(pattern)
+            add_entry(patterns, remaining[pattern].entry)
         return remaining[pattern]
 
-    done: dict[str, int] = {}
-    for entry in read_journal(journal):
-        done[entry["family"]] = max(entry["real"], done.get(entry["family"], 0))
-    for family in canonical_families():
+    def hope(splitting: Splitting) -> tuple[float, int]:
+        return _hope(splitting, rest(splitting).count), -len(splitting.turned)
+
+    for family in by_dependents():
         kinds, total = kinds_of(family), solutions(family)
-        now = max(known.get(family.id, 0) // multiplier(kinds), done.get(family.id, 0))
         ways = [one for one in splittings(kinds) if one.factor > 1]
-        if now >= total or total > most or not ways:
+        if known.counts.get(family.id, 0) >= total or total > most:
             continue
-        if time.monotonic() > end:
-            return
-        best = max(ways, key=lambda one: (_hope(one, rest(one).count), -len(one.turned)))
-        if rest(best).count * best.factor <= now:
-            continue
-        rest(best).search(seconds)
-        found = rest(best).best
-        platform = found and constructed(best, found, canonical(best.pattern)[1])
-        if platform is not None and platform.count > now:
-            one = platform.platform
-            numbers = [part.tolist() for part in (one.y, one.x, one.u, one.v, one.values)]
-            entry = {"family": family.id, "real": platform.count, "numbers": numbers}
-            with journal.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(entry) + "\n")
-        sys.stderr.write(
-            f"{family.id}: {now} -> {platform.count if platform else 0} of {total},"
-            f" at most {rest(best).count * best.factor} in this way\n"
-        )
+        for way in sorted(ways, key=hope, reverse=True)[:_WAYS]:
+            now = known.counts.get(family.id, 0)
+            if time.monotonic() > end:
+                return
+            if now >= total or rest(way).count * way.factor <= now:
+                continue
+            if rest(way).seconds < seconds:
+                rest(way).search(seconds)
+                add_entry(patterns, rest(way).entry)
+            found = rest(way).best
+            platform = found and constructed(way, found, canonical(way.pattern)[1])
+            if platform is not None and platform.count > now:
+                entry = result(family, platform)
+                add_entry(journal, entry)
+                known.add(family.id, platform.count, entry)
+            sys.stderr.write(
+                f"{family.id}: {now} -> {platform.count if platform else 0} of {total},"
+                f" at most {rest(way).count * way.factor} in this way\n"
+            )
 
 
 def main() -> int:

@@ -51,6 +51,9 @@ _RADIUS, _MAX_RADIUS, _MIN_RADIUS = 0.05, 0.3, 1e-3
 _DETOUR = 4.0
 #: Mean rank, by distance, of the conjugate pair that is driven.
 _RANK = 2.0
+#: Where something is known, one of so many attempts begins anew; the others begin with the best
+#: platform, its numbers changed by about one of these.
+_TURNS, _SHAKES = 4, (0.0, 0.01, 0.03, 0.06, 0.1)
 #: An attempt ends after so many steps without a new real pair.
 _PATIENCE = 200
 #: Solutions are followed from those of the last platform, and solved anew after so many steps.
@@ -127,6 +130,16 @@ def solved(platform: Platforms, seed: int = SEED, solutions: int | None = None) 
     return Solved(platform, system, result.points, found.real)
 
 
+def solved_anyhow(platform: Platforms, seed: int = SEED) -> Solved | None:
+    """Return a platform with however many solutions it has; None if that is unclear."""
+    found = next(platform[None].solutions(seed))
+    if found.account.verdict != "complete" or not len(found.points):
+        return None
+    which = reality(found.points, found.condition)
+    system = next(platform[None].systems())
+    return Solved(platform, system, found.points, which.real) if which.decided else None
+
+
 def _followed(known: Solved, platform: Platforms, rng: np.random.Generator) -> Solved | None:
     """Return a platform near another with all solutions, followed from those of the other."""
     system = next(platform[None].systems())
@@ -137,26 +150,30 @@ def _followed(known: Solved, platform: Platforms, rng: np.random.Generator) -> S
     return Solved(platform, system, ends.points, found.real) if found.decided else None
 
 
-def _acceptable(platform: Platforms) -> bool:
+def _acceptable(platform: Platforms, limit: float = _LARGEST) -> bool:
     """Return whether the numbers of a platform are neither too large nor degenerate."""
     values = np.abs(platform.values)
     distance = np.array([kind.is_distance for kind in platform.kinds])
     smallest = np.where([kind in (DPH, DHP, DLL) for kind in platform.kinds], 0.0, _SMALLEST)
-    largest = max(np.abs(platform.y).max(), np.abs(platform.x).max(), values.max())
     return bool(
-        largest < _LARGEST
+        _largest(platform) < limit
         and (values >= np.where(distance, smallest, 0.0)).all()
         and (values[~distance] < 1 - _COSINE).all()
     )
 
 
+def _largest(platform: Platforms) -> float:
+    """Return the largest number of a platform."""
+    parts = (platform.y, platform.x, platform.values)
+    return max(float(np.abs(part).max()) for part in parts)
+
+
 def _centred(platform: Platforms) -> Platforms:
-    """Return a platform with the origins of its frames at the centres of the points."""
-    distance = np.array([kind.is_distance for kind in platform.kinds])[:, None]
-    centres = ((part * distance).sum(0) / distance.sum() for part in (platform.y, platform.x))
+    """Return a platform with the origins of its frames amid the points, few of which may be far."""
+    distance = np.array([kind.is_distance for kind in platform.kinds])
     y, x = (
-        (part - centre) * distance
-        for part, centre in zip((platform.y, platform.x), centres, strict=True)
+        (part - np.median(part[distance], axis=0)) * distance[:, None]
+        for part in (platform.y, platform.x)
     )
     return replace(platform, y=y, x=x)
 
@@ -214,6 +231,22 @@ class Search:
         """Whether the deadline has passed."""
         return self.deadline is not None and time.time() > self.deadline
 
+    def near(self, best: Platforms | None, number: int) -> Search:
+        """Return the search that an attempt goes on with where something is known.
+
+        In turn it begins anew, and with the best platform known, shaken.
+        """
+        if best is None or number % _TURNS == 0:
+            return self
+        rng = np.random.default_rng([self.seed, number])
+        shake = self.pattern.projected(rng.normal(size=self.pattern.free.shape))
+        return replace(self, start=moved(best, rng.choice(_SHAKES) * shake.ravel()))
+
+    @property
+    def _limit(self) -> float:
+        """How large numbers may become."""
+        return _LARGEST if self.start is None else max(_LARGEST, 1.5 * _largest(self.start))
+
     def attempt(self, number: int) -> Solved | None:
         """Return the best platform that one attempt finds, None if it finds none in time."""
         rng = np.random.default_rng([self.seed, number])
@@ -243,17 +276,18 @@ class Search:
         """Return the platform after steps that make pairs real."""
         goal = min(self.target or len(best.points), len(best.points))
         radius, idle, followed = _RADIUS, 0, 0
+        near = best.folds(self.pattern)
         while best.count < goal and idle < _PATIENCE and not self.is_late:
             if followed == self.steps:
                 break
             idle += 1
-            step = _raising_step(best, self.pattern, radius, rng)
+            step = _raising_step(near, radius, rng)
             if step is None:
                 radius = radius / 2 if radius > 2 * _MIN_RADIUS else _RADIUS
                 continue
             platform = _centred(moved(best.platform, step))
             new = None
-            if _acceptable(platform):
+            if _acceptable(platform, self._limit):
                 followed += 1
                 if followed % _AFRESH:
                     new = _followed(best, platform, rng)
@@ -265,7 +299,7 @@ class Search:
             radius = min(1.5 * radius, _MAX_RADIUS)
             if new.count > best.count:
                 idle = 0
-            best = new
+            best, near = new, new.folds(self.pattern)
         return best
 
     def _comfortable(self, best: Solved, rng: np.random.Generator) -> Solved:
@@ -281,7 +315,7 @@ class Search:
             new = None
             if step is not None and np.linalg.norm(step) < _DETOUR * radius:
                 platform = _centred(moved(best.platform, step))
-                if _acceptable(platform):
+                if _acceptable(platform, self._limit):
                     new = _followed(best, platform, rng)
             further = nearest if new is None else _nearest(new, self.pattern)
             if new is None or new.count < best.count or further <= nearest:
@@ -297,18 +331,18 @@ def _nearest(platform: Solved, pattern: Pattern) -> float:
 
 
 def _raising_step(
-    best: Solved, pattern: Pattern, radius: float, rng: np.random.Generator
+    near: tuple[Folds, Folds], radius: float, rng: np.random.Generator
 ) -> Array | None:
     """Return a step of about a length at most that brings one conjugate pair together."""
-    pairs, real = best.folds(pattern)
+    pairs, real = near
     rank = min(int(rng.exponential(_RANK)), len(pairs.distances) - 1)
     chosen = np.argsort(pairs.distances)[rank]
     towards = min(float(pairs.distances[chosen]) + _MARGIN, radius)
-    near = real.distances < 3 * radius + _MARGIN
-    kept = np.minimum(_MARGIN, _GROWTH * real.distances[near])
+    close = real.distances < 3 * radius + _MARGIN
+    kept = np.minimum(_MARGIN, _GROWTH * real.distances[close])
     step = shortest_step(
-        np.concatenate((-pairs.normals[[chosen]], real.normals[near])),
-        np.concatenate(([towards], kept - real.distances[near])),
+        np.concatenate((-pairs.normals[[chosen]], real.normals[close])),
+        np.concatenate(([towards], kept - real.distances[close])),
     )
     if step is None or np.linalg.norm(step) > _DETOUR * radius:
         return None

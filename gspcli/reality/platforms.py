@@ -45,6 +45,18 @@ class Platforms(Bodies):
             self.kinds, *(part[index] for part in (self.y, self.x, self.u, self.v, self.values))
         )
 
+    def permuted(self, order: Sequence[int]) -> Platforms:
+        """Return the platforms with their constraints in another order."""
+        y, x, u, v = (part[..., order, :] for part in (self.y, self.x, self.u, self.v))
+        kinds = tuple(self.kinds[i] for i in order)
+        return Platforms(kinds, y, x, u, v, self.values[..., order])
+
+    @property
+    def exchanged(self) -> Platforms:
+        """The platforms with their bodies exchanged: their poses are the inverse ones."""
+        kinds = tuple(kind.mirrored for kind in self.kinds)
+        return Platforms(kinds, self.x, self.y, self.v, self.u, self.values)
+
     def systems(self) -> Iterator[System]:
         """Yield the system of each platform, for the sides that its values have."""
         return systems_of(self.kinds, self.y, self.x, self.u, self.v, self.values)

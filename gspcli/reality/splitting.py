@@ -168,7 +168,7 @@ class Splitting:
         return Pattern(tuple(kinds), _joined(points), _joined(u), _joined(v), right)
 
     def lifted(
-        self, known: Platforms, R: Array, T: Array, *, gap: float, reach: float
+        self, known: Platforms, R: Array, T: Array, *, gap: float, reach: float, cosine: float
     ) -> Platforms:
         """Return a reduced platform of the type near one of the pattern.
 
@@ -179,9 +179,9 @@ class Splitting:
         R, T
             Its real solutions, shapes (n, 3, 3) and (n, 3).
         gap
-            Half the difference of the two cosines or positions into which a constraint is split.
-        reach
-            How far away the points are that turn.
+            Half the difference of the two positions into which a constraint is split.
+        reach, cosine
+            How far away the points are that turn, and half the difference of their two cosines.
         """
         y, x, u, v = known.y.copy(), known.x.copy(), known.u.copy(), known.v.copy()
         values = known.values.copy()
@@ -191,7 +191,7 @@ class Splitting:
                 y[i], x[i] = reach * known.u[i], there
             else:
                 x[i], y[i] = reach * known.v[i], back
-            values[i] = reach * np.sqrt(1 - gap**2)
+            values[i] = reach * np.sqrt(1 - cosine**2)
         for i, carriers in self.carried:
             kind = self.kinds[carriers[-1]]
             if kind is DPP:

@@ -35,7 +35,7 @@ def test_a_carried_constraint_is_exactly_two(kinds: tuple[Kind, ...]) -> None:
         value = gap * _sine(splitting, known)
         halves = [_solutions(_with_value(known, line, side)) for side in (value, -value)]
         none = np.eye(3)[None], np.zeros((1, 3))
-        whole = _solutions(splitting.lifted(known, *none, gap=gap, reach=1.0))
+        whole = _solutions(splitting.lifted(known, *none, gap=gap, reach=1.0, cosine=gap))
         both = np.concatenate(halves)
         # Poses with parallel lines belong to no distance of lines, but to their moment.
         if pattern.kinds[line] is not DLL:
@@ -85,7 +85,7 @@ def test_points_that_turn_multiply_the_real_solutions() -> None:
     assert found is not None
     assert found.count == len(found.points) == 8
     R, T = (part.real for part in pose_from_study(found.points[:, :4], found.points[:, 4:]))
-    lifted = solved(splitting.lifted(known, R, T, gap=0.1, reach=100.0))
+    lifted = solved(splitting.lifted(known, R, T, gap=0.1, reach=100.0, cosine=0.1))
     assert lifted is not None
     assert lifted.count == len(lifted.points) == 8 * splitting.factor == 64
 
