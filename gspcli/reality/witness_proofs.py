@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
+from itertools import takewhile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,17 +21,19 @@ from gspcli.certification import certify
 from gspcli.defaults import SEED
 from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement, angle_of
+from gspcli.geometry.conjugates import find_real_points
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.reality.platforms import Platforms
 from gspcli.solver.pose_set import PoseSet
-from gspcli.solver.tracking import solve_by_tracking
+from gspcli.solver.tracking import pursue_each, solve_by_tracking
 
 Array = NDArray[np.float64]
 
-#: Decimals that are tried, in units of the size of the platform.
-_DIGITS = range(2, 13)
+#: Decimals that are tried, in units of the size of the platform; fewer, down to the least, where
+#: already the first do.
+_DIGITS, _LEAST_DIGITS = range(4, 13), 2
 #: Distances of planes and of lines that are tried, in the same units; the first is best. At the
 #: last, two poses that differ by it are still told apart by double precision.
 _GAPS = tuple(Fraction(m, 10**k) for k in range(1, 6) for m in (5, 2, 1))
@@ -77,24 +82,37 @@ def real_instance(
     has_gap = any(kind in (DPH, DHP, DLL) for kind in platform.kinds)
     without = count // 2 ** sum(kind in (DPH, DHP, DLL) for kind in platform.kinds)
     scaled = _scaled(platform, length)
-    for digits in _DIGITS:
-        draft = rounded(scaled, digits, exponent, units)
-        if not has_gap:
-            if _real_count(draft) == count:
-                return draft
-            continue
+
+    @cache
+    def instance_with(digits: int) -> Instance | None:
         # One sided at distance zero: the platform that the search found, rounded.
+        draft = rounded(scaled, digits, exponent, units)
         if _real_count(draft) != without:
-            continue
-        instances = [
-            _with_gap(draft, gap * Fraction(10) ** exponent)
-            for gap in _GAPS
-            if (gap * 10**digits).denominator == 1
-        ]
-        if _real_count(instances[-1]) == count:
-            return next(instance for instance in instances if _real_count(instance) == count)
-    message = f"no rounding of the platform keeps its {count} real poses"
-    raise GspError(message)
+            return None
+        return _with_largest_gap(draft, digits, exponent, count) if has_gap else draft
+
+    first = next((digits for digits in _DIGITS if instance_with(digits)), None)
+    if first is None:
+        message = f"no rounding of the platform keeps its {count} real poses"
+        raise GspError(message)
+    fewer = takewhile(instance_with, range(first - 1, _LEAST_DIGITS - 1, -1))
+    found = instance_with(min(fewer, default=first) if first == _DIGITS[0] else first)
+    assert found is not None
+    return found
+
+
+def _with_largest_gap(draft: Instance, digits: int, exponent: int, count: int) -> Instance | None:
+    """Return the instance with as large distances of planes and lines as keep a number of poses.
+
+    None if the smallest with so many digits does not; the number is taken to fall with the size.
+    """
+    instances = [
+        _with_gap(draft, gap * Fraction(10) ** exponent)
+        for gap in reversed(_GAPS)
+        if (gap * 10**digits).denominator == 1
+    ]
+    kept = bisect_left(instances, True, key=lambda instance: _real_count(instance) != count)
+    return instances[kept - 1] if kept else None
 
 
 def poses(instance: Instance, *, jobs: int = 1) -> PoseSet:
@@ -109,8 +127,12 @@ def certified_real(instance: Instance, *, jobs: int = 1) -> int:
 
 
 def _real_count(instance: Instance) -> int:
-    found = poses(instance)
-    return int(found.real.sum()) if found.account.verdict == "complete" else -1
+    """Return how many poses seem to be real; -1 if paths need more than a first attempt."""
+    ((_, pursuits),) = pursue_each([Arrangement.of(instance)], seed=SEED)
+    ends = [pursuit.first() for pursuit in pursuits]
+    if not all(end.settled.all() for end in ends):
+        return -1
+    return sum(int(find_real_points(end.points)[1].sum()) for end in ends)
 
 
 def _scaled(platform: Platforms, length: float) -> Platforms:
@@ -133,19 +155,23 @@ def rounded(
 ) -> Instance:
     """Return the instance of a platform, rounded to decimals; lengths in units of 10^exponent.
 
+    Directions of primitives that are far away, or meet points that are, have more decimals.
     Both sides of DPH and DHP are asked for, unless it is to be the one that the values have.
     """
     constraints = []
     for i, kind in enumerate(platform.kinds):
         value, places = float(platform.values[i]), digits - exponent
+        largest = max(np.abs(platform.y[i]).max(), np.abs(platform.x[i]).max(), 10.0**exponent)
+        finely = digits + math.floor(math.log10(largest)) - exponent
+        decimals = places if kind.is_distance else digits
         if not kind.is_distance:
-            value, places = angle_of(kind, value) / units.angle.in_radians, digits
+            value = angle_of(kind, value) / units.angle.in_radians
         constraints.append(
             Constraint(
                 kind,
-                _geometry(kind.platform, platform.y[i], platform.u[i], digits, exponent),
-                _geometry(kind.base, platform.x[i], platform.v[i], digits, exponent),
-                _decimal(abs(value) if kind.has_sides else value, places),
+                _geometry(kind.platform, platform.y[i], platform.u[i], places, finely),
+                _geometry(kind.base, platform.x[i], platform.v[i], places, finely),
+                _decimal(abs(value) if kind.has_sides else value, decimals),
                 _side(value) if kind.has_sides and one_sided else Side.BOTH,
             )
         )
@@ -157,12 +183,12 @@ def _side(value: float) -> Side:
 
 
 def _geometry(
-    primitive: Primitive, point: Array, direction: Array, digits: int, exponent: int
+    primitive: Primitive, point: Array, direction: Array, places: int, finely: int
 ) -> Geometry:
-    position = _vector(point, digits - exponent)
+    position = _vector(point, places)
     if primitive is Primitive.POINT:
         return Point(position)
-    along = _vector(direction, digits)
+    along = _vector(direction, finely)
     return Line(position, along) if primitive is Primitive.LINE else Plane(position, along)
 
 
