@@ -61,7 +61,11 @@ SAMPLES: dict[str, tuple[str, ...]] = {
     "measure": ("@figure-3 POSES",),
     "track": ("@rubin-m2 VALUES", "LOOP --allow-loss --all --clearance", "REACH"),
     "analyze": ("@rubin-m2", "@figure-3", "@figure-3 --geometry 0.01,0.001"),
-    "clearance": ("@octahedral-3-3 --mode 1", "@singular-pose --mode 1"),
+    "clearance": (
+        "@octahedral-3-3 --mode 1",
+        "@singular-pose --mode 1",
+        "@octahedral-3-3 --mode 1 --of pose",
+    ),
     "scan": (
         "@octahedral-3-3 --vary 1=1:2:5",
         "@octahedral-3-3 --vary 1=1:2:3 --vary 2=1:2:3",

@@ -25,7 +25,7 @@ SENTENCES = {
     "measure": "Measure the values of constraints at given poses (inverse kinematics).",
     "track": "Follow assembly modes while the values change, and prove that none jumps.",
     "analyze": "Analyze assembly modes: screws, Jacobian matrix, forces, stiffness and accuracy.",
-    "clearance": "Bound how far all values may change before a mode can meet a singularity.",
+    "clearance": "Bound how far values, or the pose, may change before a mode meets a singularity.",
     "scan": "Count the real assembly modes where one or two values vary.",
     "workspace": "Show what a platform can reach: travel of each axis, positions, orientations.",
     "view": "Show a platform, all its assembly modes and how it moves.",

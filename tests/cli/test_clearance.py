@@ -47,3 +47,33 @@ def test_mistakes(gsp):
     run = gsp("clearance", HEXAPOD, "--mode", "1", "--pose", "1")
     assert run.code == 2
     assert "give either --mode or --pose" in run.err
+
+
+def test_of_the_pose(gsp, tmp_path):
+    run = gsp("clearance", "@octahedral-3-3", "--of", "pose", "--mode", "1", "--format", "json")
+    document = json.loads(run.out)
+    assert document["of"] == "pose"
+    (mode,) = document["modes"]
+    assert 0 < mode["lower"] < mode["upper"]
+    (tmp_path / "pose.csv").write_text(_pose(mode), encoding="utf-8")
+    run = gsp("measure", "@octahedral-3-3", tmp_path / "pose.csv", "--format", "csv")
+    measured = [float(cell) for cell in run.out.splitlines()[1].split(",")[1:]]
+    assert measured == pytest.approx(mode["values"])
+    run = gsp("clearance", "@octahedral-3-3", "--of", "pose", "--mode", "1")
+    assert "singular at" in run.out
+    assert run.out.splitlines()[-1].startswith("clearances in m, root mean squares")
+
+
+def _pose(mode):
+    numbers = [*mode["T"], *(x for row in mode["R"] for x in row)]
+    names = ["Tx", "Ty", "Tz", *(f"r{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3))]
+    return ",".join(names) + "\n" + ",".join(map(repr, numbers)) + "\n"
+
+
+def test_mistakes_of_points(gsp):
+    pose = ("clearance", HEXAPOD, "--of", "pose", "--mode", "1", "--points")
+    assert "found 2 coordinates, expected X,Y,Z" in gsp(*pose, "0,0,0;1,0").err
+    assert "--points: found 'x', expected a finite number" in gsp(*pose, "0,0,x").err
+    assert "lie on a line" in gsp(*pose, "0,0,0;1,0,0").err
+    run = gsp("clearance", HEXAPOD, "--points", "0,0,0")
+    assert (run.code, "--points needs --of pose" in run.err) == (2, True)

@@ -50,6 +50,7 @@ CALLS = [
     ["analyze", "@rubin-m2"],
     ["analyze", "@octahedral-3-3", "--mode", "1", "--load", "0,0,-9.81", "--tolerance", "0.001"],
     ["clearance", "@octahedral-3-3", "--mode", "1"],
+    ["clearance", "@octahedral-3-3", "--mode", "1", "--of", "pose"],
     ["workspace", "@workspace-study", "--hold", "z=0:10:2"],
     ["workspace", "@workspace-study", "--over", "x,z"],
     ["workspace", "@workspace-study", "--over", "x,z", "--boxes", "--tolerance", "0.9"],
