@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping as Table
+from typing import TYPE_CHECKING, TypeAlias
+
 from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, DPP, KINDS_BY_NAME, Kind
 from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES
@@ -12,8 +15,16 @@ from gspcli.geometry.primitives import Cone, Crank, Geometry, Line, Plane, Point
 from gspcli.geometry.ranges import wrong_half_angle, wrong_value
 from gspcli.spec.document import Mapping, Scalar, Sequence, Value
 from gspcli.spec.meaning import remarks
-from gspcli.spec.models import ConstraintModel, InstanceModel, PrimitiveModel
+from gspcli.spec.plain import ConstraintFields, InstanceFields, PrimitiveFields
 from gspcli.wording import listed, shown, suggestion
+
+if TYPE_CHECKING:
+    from gspcli.spec.models import ConstraintModel, InstanceModel, PrimitiveModel
+
+    #: What is read of each, plainly or with a search for mistakes.
+    AnyConstraint: TypeAlias = ConstraintModel | ConstraintFields
+    AnyInstance: TypeAlias = InstanceModel | InstanceFields
+    AnyPrimitive: TypeAlias = PrimitiveModel | PrimitiveFields
 
 _SORTS = {Point: "point", Line: "line", Plane: "plane"}
 
@@ -23,7 +34,7 @@ def _vector(components: list[Number]) -> Vector:
     return (x, y, z)
 
 
-def _geometry(model: PrimitiveModel | None) -> Geometry | None:
+def _geometry(model: AnyPrimitive | None) -> Geometry | None:
     if model is None:
         return None
     if model.line is not None:
@@ -46,7 +57,7 @@ Body = dict[str, Geometry | None]
 class FileChecker:
     """Checks what the shape of a file does not tell: names, kinds, ranges, sums."""
 
-    def __init__(self, root: Mapping, model: InstanceModel, problems: list[Problem]) -> None:
+    def __init__(self, root: Mapping, model: AnyInstance, problems: list[Problem]) -> None:
         self.root = root
         self.model = model
         self.problems = problems
@@ -55,7 +66,9 @@ class FileChecker:
         self.unit = AngleUnit(model.units.angle) if model.units else None
 
     @staticmethod
-    def _body(models: dict[str, PrimitiveModel | None] | None) -> Body | None:
+    def _body(
+        models: Table[str, AnyPrimitive | None] | None,
+    ) -> Body | None:
         if models is None:
             return None
         return {name: _geometry(model) for name, model in models.items()}
@@ -86,7 +99,7 @@ class FileChecker:
         self._check_type(instance)
         return instance
 
-    def _constraint(self, node: Value, model: ConstraintModel | None) -> Constraint | None:
+    def _constraint(self, node: Value, model: AnyConstraint | None) -> Constraint | None:
         if not isinstance(node, Mapping):
             return None
         quantity = "distance" if "distance" in node else "angle"
@@ -117,7 +130,7 @@ class FileChecker:
         )
 
     def _limits(
-        self, node: Mapping, model: ConstraintModel, kind: Kind
+        self, node: Mapping, model: AnyConstraint, kind: Kind
     ) -> tuple[Number, Number] | None:
         if model.range is None:
             return None

@@ -24,31 +24,23 @@ from pydantic import (
 from pydantic.json_schema import SkipJsonSchema
 
 from gspcli.errors import Problem
-from gspcli.geometry.expressions import parse_number
 from gspcli.geometry.numbers import Number
+from gspcli.spec import entries
 from gspcli.spec.document import Mapping, Missing, Scalar, Sequence, Value, locate
+from gspcli.spec.entries import (
+    MAX_NAME,
+    complain,
+    found,
+    nonzero,
+    number,
+    optional_text,
+    proper_name,
+    text,
+    version,
+)
 from gspcli.wording import listed, nearest, shown, suggestion
 
-FORMAT_VERSION = 1
-MAX_TEXT = 1000
-MAX_NAME = 60
-#: Directions whose irrational components are all below this cannot be told from zero.
-_ROUNDING = 1e-12
-
 Item = TypeVar("Item")
-
-
-def found(value: Value) -> str:
-    """Return what stands in the file, as an error message says it."""
-    if isinstance(value, Mapping):
-        return f"a mapping with {listed(map(str, value), 'and')}" if value else "an empty mapping"
-    if isinstance(value, Sequence):
-        return f"a list of {len(value)}"
-    return shown(value) if value else "nothing"
-
-
-def _complain(value: Value, expected: str) -> ValueError:
-    return ValueError(f"found {found(value)}, expected {expected}")
 
 
 def note(error: ValidationError, problems: list[Problem]) -> None:
@@ -84,7 +76,7 @@ def _list(expected: str, length: int | None = None) -> BeforeValidator:
 
     def check(value: Value) -> Value:
         if not isinstance(value, Sequence):
-            raise _complain(value, expected)
+            raise complain(value, expected)
         if length is not None and len(value) != length:
             entries = "1 entry" if len(value) == 1 else f"{len(value)} entries"
             message = f"found {entries}, expected {expected}"
@@ -94,40 +86,16 @@ def _list(expected: str, length: int | None = None) -> BeforeValidator:
     return BeforeValidator(check)
 
 
-def _scalar(value: Value, expected: str) -> str:
-    if not isinstance(value, Scalar) or not value:
-        raise _complain(value, expected)
-    return str(value)
-
-
-def _text(value: Value) -> str:
-    text = _scalar(value, "a text")
-    if len(text) > MAX_TEXT:
-        message = f"found {len(text)} characters, expected at most {MAX_TEXT}"
-        raise ValueError(message)
-    if not all(character.isprintable() or character in " \t\n" for character in text):
-        raise _complain(value, "a printable text")
-    return text
-
-
-def _optional_text(value: Value) -> str | None:
-    return None if value == "" else _text(value)
-
-
 def _body(value: Value, info: ValidationInfo) -> Mapping:
     if not isinstance(value, Mapping):
-        raise _complain(value, "a mapping of names to primitives")
+        raise complain(value, "a mapping of names to primitives")
     for name in value:
-        if len(name) > MAX_NAME or any(c.isspace() or not c.isprintable() for c in name):
+        if not proper_name(name):
             message = (
                 f"found the name {shown(name)}, expected at most {MAX_NAME} characters, no blanks"
             )
             _problems(info).append(Problem(name.location, name.path, message))
     return value
-
-
-def _number(value: Value) -> Number:
-    return parse_number(_scalar(value, "a number or an expression like sqrt(3)/2"))
 
 
 def _one_of(*choices: str) -> BeforeValidator:
@@ -141,34 +109,18 @@ def _one_of(*choices: str) -> BeforeValidator:
     return BeforeValidator(check)
 
 
-def _version(value: Value) -> int:
-    if value != str(FORMAT_VERSION):
-        raise _complain(value, f"{FORMAT_VERSION}, the version of the file format")
-    return FORMAT_VERSION
-
-
-def _nonzero(components: list[Number]) -> list[Number]:
-    if all(
-        number.fraction == 0 or (number.fraction is None and abs(number.value) < _ROUNDING)
-        for number in components
-    ):
-        message = "found the zero vector, expected a direction: any nonzero vector"
-        raise ValueError(message)
-    return components
-
-
-Text = Annotated[str, BeforeValidator(_text)]
-OptionalText = Annotated[str | SkipJsonSchema[None], BeforeValidator(_optional_text)]
+Text = Annotated[str, BeforeValidator(text)]
+OptionalText = Annotated[str | SkipJsonSchema[None], BeforeValidator(optional_text)]
 _NAME_PATTERN = rf"^\S{{1,{MAX_NAME}}}$"
 _NAMES: dict[str, Any] = {"propertyNames": {"pattern": _NAME_PATTERN}}
 Named = Annotated[
     str,
-    BeforeValidator(lambda value: _scalar(value, "the name of a primitive")),
+    BeforeValidator(entries.name),
     WithJsonSchema({"type": "string", "pattern": _NAME_PATTERN}),
 ]
 Real = Annotated[
     Number,
-    BeforeValidator(_number),
+    BeforeValidator(number),
     WithJsonSchema(
         {
             "type": ["number", "string"],
@@ -179,7 +131,7 @@ Real = Annotated[
 Vector = Annotated[
     list[Real], Field(min_length=3, max_length=3), _list("three numbers [x, y, z]", 3)
 ]
-Direction = Annotated[Vector, AfterValidator(_nonzero)]
+Direction = Annotated[Vector, AfterValidator(nonzero)]
 
 
 def _schema_of(schema: dict[str, Any], model: type[Section]) -> None:
@@ -220,7 +172,7 @@ class Section(BaseModel):
         known = list(cls.model_fields)
         if not isinstance(section, Mapping):
             keys = listed(cls.one_of) if cls.one_of else listed(known, "and")
-            raise _complain(section, f"a mapping with {keys}")
+            raise complain(section, f"a mapping with {keys}")
         problems = _problems(info)
         kept, misspelt = Mapping(), set()
         for key, value in section.items():
@@ -347,7 +299,7 @@ Body = Annotated[dict[str, Tolerant[PrimitiveModel]], BeforeValidator(_body)]
 class InstanceModel(Section):
     """A generalized Stewart platform with numbers."""
 
-    gsp: Tolerant[Annotated[Literal[1], BeforeValidator(_version)]] = Field(
+    gsp: Tolerant[Annotated[Literal[1], BeforeValidator(version)]] = Field(
         description="The version of the file format."
     )
     name: Tolerant[OptionalText] = Field(None, description="A name of the instance.")

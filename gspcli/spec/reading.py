@@ -8,14 +8,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import BinaryIO, TextIO
+from typing import TYPE_CHECKING, BinaryIO, TextIO
 
 from gspcli.errors import Problem, SpecError
 from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.spec.document import Mapping, Scalar, Value, decode, parse, parse_correct
 from gspcli.spec.file_checks import FileChecker
-from gspcli.spec.models import InstanceModel
+from gspcli.spec.plain import read_plainly
 from gspcli.spec.proportion import out_of_proportion
+
+if TYPE_CHECKING:
+    from gspcli.spec.models import InstanceModel
 
 #: A function of an angle, which is in radians, of a plain number but zero.
 _OF_RADIANS = re.compile(r"\b(sin|cos|tan)\(\s*[-+]?\s*((?=[\d.]*[1-9])[\d.]+)\s*\)")
@@ -118,12 +121,17 @@ def _reading(root: Value, problems: list[Problem]) -> Reading:
     if not isinstance(root, Mapping):
         message = "found no keys, expected an instance: gsp, units, platform, base, constraints"
         raise SpecError([*problems, Problem(root.location, "", message)])
-    model = InstanceModel.model_validate(root, context=problems)
-    reader = FileChecker(root, model, problems)
+    reader = FileChecker(root, read_plainly(root) or _model(root, problems), problems)
     instance = reader.instance()
     if instance is None or problems:
         raise SpecError(sorted(problems, key=_place))
     return Reading(instance, reader)
+
+
+def _model(root: Mapping, problems: list[Problem]) -> InstanceModel:
+    from gspcli.spec.models import InstanceModel
+
+    return InstanceModel.model_validate(root, context=problems)
 
 
 def load(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> Instance:

@@ -1,0 +1,83 @@
+"""The texts, numbers and names of an instance file, or a `ValueError` that says what is wrong."""
+
+from __future__ import annotations
+
+from gspcli.geometry.expressions import parse_number
+from gspcli.geometry.numbers import Number
+from gspcli.spec.document import Mapping, Scalar, Sequence, Value
+from gspcli.wording import listed, shown
+
+FORMAT_VERSION = 1
+MAX_TEXT = 1000
+MAX_NAME = 60
+#: Directions whose irrational components are all below this cannot be told from zero.
+_ROUNDING = 1e-12
+
+
+def found(value: Value) -> str:
+    """Return what stands in the file, as an error message says it."""
+    if isinstance(value, Mapping):
+        return f"a mapping with {listed(map(str, value), 'and')}" if value else "an empty mapping"
+    if isinstance(value, Sequence):
+        return f"a list of {len(value)}"
+    return shown(value) if value else "nothing"
+
+
+def complain(value: Value, expected: str) -> ValueError:
+    """Return the error of a value that is not what was expected."""
+    return ValueError(f"found {found(value)}, expected {expected}")
+
+
+def scalar(value: Value, expected: str) -> str:
+    """Return a scalar that is not empty."""
+    if not isinstance(value, Scalar) or not value:
+        raise complain(value, expected)
+    return str(value)
+
+
+def text(value: Value) -> str:
+    """Return a text for people."""
+    given = scalar(value, "a text")
+    if len(given) > MAX_TEXT:
+        message = f"found {len(given)} characters, expected at most {MAX_TEXT}"
+        raise ValueError(message)
+    if not all(character.isprintable() or character in " \t\n" for character in given):
+        raise complain(value, "a printable text")
+    return given
+
+
+def optional_text(value: Value) -> str | None:
+    """Return a text for people, None if nothing is said."""
+    return None if value == "" else text(value)
+
+
+def number(value: Value) -> Number:
+    """Return an exact number."""
+    return parse_number(scalar(value, "a number or an expression like sqrt(3)/2"))
+
+
+def version(value: Value) -> int:
+    """Return the version of the file format."""
+    if value != str(FORMAT_VERSION):
+        raise complain(value, f"{FORMAT_VERSION}, the version of the file format")
+    return FORMAT_VERSION
+
+
+def nonzero(components: list[Number]) -> list[Number]:
+    """Return a vector that is not zero."""
+    if all(
+        x.fraction == 0 or (x.fraction is None and abs(x.value) < _ROUNDING) for x in components
+    ):
+        message = "found the zero vector, expected a direction: any nonzero vector"
+        raise ValueError(message)
+    return components
+
+
+def name(value: Value) -> str:
+    """Return the name of a primitive."""
+    return scalar(value, "the name of a primitive")
+
+
+def proper_name(key: str) -> bool:
+    """Whether a primitive may be called so."""
+    return len(key) <= MAX_NAME and not any(c.isspace() or not c.isprintable() for c in key)

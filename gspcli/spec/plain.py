@@ -1,0 +1,193 @@
+"""Instance files without mistakes, read without pydantic, which takes longer to load than to use.
+
+Whatever is unusual is left to `models`, which says what is wrong with it: nothing is accepted here
+that is not accepted there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any, NamedTuple
+
+from gspcli.geometry.numbers import Number
+from gspcli.spec.document import Mapping, Scalar, Sequence, Value
+from gspcli.spec.entries import name, nonzero, number, optional_text, proper_name, text, version
+
+#: What may be said of a platform.
+_SAID = ("name", "source", "type")
+#: Entries by their keys.
+Fields = dict[str, Any]
+
+
+class LineFields(NamedTuple):
+    """As `models.LineModel`."""
+
+    point: list[Number]
+    direction: list[Number]
+
+
+class PlaneFields(NamedTuple):
+    """As `models.PlaneModel`."""
+
+    point: list[Number]
+    normal: list[Number]
+
+
+class ConeFields(NamedTuple):
+    """As `models.ConeModel`."""
+
+    axis: list[Number]
+    half_angle: Number
+
+
+class CrankFields(NamedTuple):
+    """As `models.CrankModel`."""
+
+    centre: list[Number]
+    axis: list[Number]
+
+
+class PrimitiveFields(NamedTuple):
+    """As `models.PrimitiveModel`."""
+
+    point: list[Number] | None = None
+    line: LineFields | None = None
+    plane: PlaneFields | None = None
+    crank: CrankFields | None = None
+    cone: ConeFields | None = None
+
+
+class ConstraintFields(NamedTuple):
+    """As `models.ConstraintModel`, without the names."""
+
+    value: Number
+    range: list[Number] | None
+    tolerance: Number | None
+    side: str | None
+
+
+class UnitsFields(NamedTuple):
+    """As `models.UnitsModel`."""
+
+    length: str
+    angle: str
+
+
+class InstanceFields(NamedTuple):
+    """As `models.InstanceModel`."""
+
+    name: str | None
+    source: str | None
+    type: str | None
+    units: UnitsFields
+    platform: dict[str, PrimitiveFields]
+    base: dict[str, PrimitiveFields]
+    constraints: list[ConstraintFields]
+
+
+def read_plainly(root: Value) -> InstanceFields | None:
+    """Return what a document says, or None if anything in it may be wrong."""
+    try:
+        return _instance(root)
+    except ValueError:
+        return None
+
+
+def _section(value: Value, needed: Collection[str], allowed: Collection[str] = ()) -> Fields:
+    """Return the entries of a mapping that has some keys, and no others but those allowed."""
+    given = _entries(value)
+    if not given.keys() >= set(needed) or not given.keys() <= {*needed, *allowed}:
+        raise ValueError
+    return given
+
+
+def _entries(value: Value) -> Fields:
+    if not isinstance(value, Mapping):
+        raise ValueError
+    return {str(key): entry for key, entry in value.items()}
+
+
+def _list(value: Value, length: int | None = None) -> Sequence:
+    if not isinstance(value, Sequence) or len(value) != (length or len(value)):
+        raise ValueError
+    return value
+
+
+def _numbers(value: Value, length: int = 3) -> list[Number]:
+    return [number(entry) for entry in _list(value, length)]
+
+
+def _direction(value: Value) -> list[Number]:
+    return nonzero(_numbers(value))
+
+
+def _instance(root: Value) -> InstanceFields:
+    needed = ("gsp", "units", "platform", "base", "constraints")
+    given = _section(root, needed, _SAID)
+    version(given["gsp"])
+    units = _section(given["units"], ("length", "angle"))
+    said = [optional_text(given[key]) if key in given else None for key in _SAID]
+    return InstanceFields(
+        said[0],
+        said[1],
+        said[2],
+        UnitsFields(text(units["length"]), _choice(units["angle"], "deg", "rad")),
+        _body(given["platform"]),
+        _body(given["base"]),
+        [_constraint(entry) for entry in _list(given["constraints"])],
+    )
+
+
+def _body(value: Value) -> dict[str, PrimitiveFields]:
+    given = _entries(value)
+    if not all(map(proper_name, given)):
+        raise ValueError
+    return {key: _primitive(entry) for key, entry in given.items()}
+
+
+def _primitive(value: Value) -> PrimitiveFields:
+    given = _entries(value)
+    if "line" in given:
+        line = _section(_section(value, ("line",))["line"], LineFields._fields)
+        fields = LineFields(_numbers(line["point"]), _direction(line["direction"]))
+        return PrimitiveFields(line=fields)
+    if "plane" in given:
+        plane = _section(_section(value, ("plane",))["plane"], PlaneFields._fields)
+        return PrimitiveFields(
+            plane=PlaneFields(_numbers(plane["point"]), _direction(plane["normal"]))
+        )
+    _section(value, ("point",), ("crank", "cone"))
+    return PrimitiveFields(
+        _numbers(given["point"]),
+        crank=_crank(given["crank"]) if "crank" in given else None,
+        cone=_cone(given["cone"]) if "cone" in given else None,
+    )
+
+
+def _crank(value: Value) -> CrankFields:
+    given = _section(value, CrankFields._fields)
+    return CrankFields(_numbers(given["centre"]), _direction(given["axis"]))
+
+
+def _cone(value: Value) -> ConeFields:
+    given = _section(value, ConeFields._fields)
+    return ConeFields(_direction(given["axis"]), number(given["half_angle"]))
+
+
+def _constraint(value: Value) -> ConstraintFields:
+    quantity = "angle" if "angle" in _entries(value) else "distance"
+    given = _section(value, (quantity, "value"), ("range", "tolerance", "side"))
+    for entry in _list(given[quantity], 2):
+        name(entry)
+    return ConstraintFields(
+        number(given["value"]),
+        _numbers(given["range"], 2) if "range" in given else None,
+        number(given["tolerance"]) if "tolerance" in given else None,
+        _choice(given["side"], "positive", "negative", "both") if "side" in given else None,
+    )
+
+
+def _choice(value: Value, *choices: str) -> str:
+    if not isinstance(value, Scalar) or value not in choices:
+        raise ValueError
+    return str(value)
