@@ -100,6 +100,7 @@ def follow(
     values: NDArray[np.float64],
     trajectory: NDArray[np.int64],
     start: NDArray[np.float64],
+    near: NDArray[np.float64],
     *,
     certify: bool,
     most_halvings: int,
@@ -114,6 +115,8 @@ def follow(
     NDArray[np.float64],
     NDArray[np.int64],
     NDArray[np.int64],
+    NDArray[np.float64],
+    NDArray[np.float64],
     NDArray[np.float64],
 ]: ...
 def decide(

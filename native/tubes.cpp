@@ -28,7 +28,8 @@ struct Cursor {
   int row = 0, level = 0;
   std::int64_t part = 0;
   double z[N];
-  double end = 0.0;  // how near the proved zero is
+  double end = 0.0;    // how near the proved zero is
+  double alone = 0.0;  // and how near no other one
   // The points before at the same step, the last one first.
   double before[2][N];
   int known = 0;
@@ -105,7 +106,7 @@ class Follower {
       Branch& b = *next_++;
       b.stop = Stop::kStart;
       b.reached = -1;
-      b.fraction = 0.0;
+      b.fraction = b.alone = 0.0;
       b.segments = b.tries = 0;
       b.worst = 0.0;
       D z[N], v[kConstraints], c[kConstraints];
@@ -120,6 +121,7 @@ class Follower {
       for (int i = 0; i < N; ++i) {
         cursor.z[i] = b.point[i] = b.last[i] = b.previous[i] = z[i][0];
       }
+      if (b.near > 0.0) cursor.end = b.near + distance(cursor.z, b.start);
       b.reached = 0;
       if (b.rows > 1) return;
       b.stop = Stop::kEnd;
@@ -263,6 +265,7 @@ class Follower {
         const bool joined = 4.0 * cursor.end + 0x1p-40 < cursor.uniqueness[s];
         if (!(measure < kProved && joined)) break;
         cursor.end = cursor.ends[s];
+        cursor.alone = cursor.uniqueness[s];
         worst = std::max(worst, measure);
       } else {
         if (measure == kGaveUp || distance(cursor.z, cursor.point[s]) > kLongest) break;
@@ -322,6 +325,8 @@ class Follower {
     b.stop = stop;
     b.reached = cursor.row;
     b.fraction = std::ldexp(static_cast<double>(cursor.part), -cursor.level);
+    b.near = cursor.end;
+    b.alone = cursor.alone;
     std::copy(cursor.z, cursor.z + N, b.last);
     std::copy(cursor.known ? cursor.before[0] : cursor.z,
               (cursor.known ? cursor.before[0] : cursor.z) + N, b.previous);

@@ -54,6 +54,8 @@ struct Branch {
   const double* values;  // (rows, 6)
   int rows;
   double start[kCoordinates];
+  double near;           // how near to the start the pose is that is meant; 0: any that Newton finds.
+                         // Afterwards, how near to `last` the proved pose is
   double* point;         // (rows, 8), of norm one
   Stop stop;
   int reached;           // the last row that was reached, -1 if none
@@ -61,6 +63,7 @@ struct Branch {
   double last[kCoordinates];      // the point there
   double previous[kCoordinates];  // the one before, to see the direction
   std::int64_t segments, tries;
+  double alone;          // how near to `last` no other pose is
   double worst;          // largest q + sqrt(2 kappa beta) of a segment; proved below one
 };
 

@@ -25,8 +25,8 @@ ChooseFollow* choose;
 nb::tuple follow(Array<std::int32_t, 1> forms, Array<std::int32_t, 1> laws, Array<double, 1> signs,
                  Array<double, 1> largest, Array<double, 1> norms, Array<double, 4> hessians,
                  Array<double, 2> spectral, Array<double, 2> moduli, Array<double, 3> values,
-                 Array<std::int64_t, 1> trajectory, Array<double, 2> start, bool certify,
-                 int most_halvings, int jobs, const std::string& build) {
+                 Array<std::int64_t, 1> trajectory, Array<double, 2> start,
+                 Array<double, 1> near, bool certify, int most_halvings, int jobs, const std::string& build) {
   constexpr std::size_t six = kConstraints, two = 2, eight = kCoordinates;
   const std::size_t count = start.shape(0), rows = values.shape(1);
   for (const auto& array : {signs, largest, norms})
@@ -37,8 +37,8 @@ nb::tuple follow(Array<std::int32_t, 1> forms, Array<std::int32_t, 1> laws, Arra
               spectral.shape(1) == two && moduli.shape(0) == six && moduli.shape(1) == two,
           "equations must have shapes (6,), hessians (6, 2, 8, 8), their norms (6, 2)");
   require(values.shape(2) == six && rows > 0, "values must have shape (trajectories, rows, 6)");
-  require(start.shape(1) == eight && trajectory.shape(0) == count,
-          "start must have shape (branches, 8) and trajectory (branches,)");
+  require(start.shape(1) == eight && trajectory.shape(0) == count && near.shape(0) == count,
+          "start must have shape (branches, 8), trajectory and near (branches,)");
   MovingSystem system;
   for (std::size_t k = 0; k < six; ++k) {
     MovingEquation& q = system.equation[k];
@@ -60,6 +60,8 @@ nb::tuple follow(Array<std::int32_t, 1> forms, Array<std::int32_t, 1> laws, Arra
   auto previous = std::make_unique<double[]>(count * eight);
   auto fraction = std::make_unique<double[]>(count);
   auto worst = std::make_unique<double[]>(count);
+  auto ends = std::make_unique<double[]>(count);
+  auto alone = std::make_unique<double[]>(count);
   auto stop = std::make_unique<std::int32_t[]>(count);
   auto reached = std::make_unique<std::int32_t[]>(count);
   auto segments = std::make_unique<std::int64_t[]>(count);
@@ -76,6 +78,7 @@ nb::tuple follow(Array<std::int32_t, 1> forms, Array<std::int32_t, 1> laws, Arra
           values.data() + static_cast<std::size_t>(trajectory.data()[b]) * rows * six;
       branch.rows = static_cast<int>(rows);
       std::copy(start.data() + b * eight, start.data() + (b + 1) * eight, branch.start);
+      branch.near = near.data()[b];
       branch.point = points.get() + b * rows * eight;
     }
     const std::size_t piece =
@@ -95,6 +98,8 @@ nb::tuple follow(Array<std::int32_t, 1> forms, Array<std::int32_t, 1> laws, Arra
       std::copy(branch.previous, branch.previous + eight, previous.get() + b * eight);
       fraction[b] = branch.fraction;
       worst[b] = branch.worst;
+      ends[b] = branch.near;
+      alone[b] = branch.alone;
       stop[b] = static_cast<std::int32_t>(branch.stop);
       reached[b] = branch.reached;
       segments[b] = branch.segments;
@@ -106,7 +111,8 @@ nb::tuple follow(Array<std::int32_t, 1> forms, Array<std::int32_t, 1> laws, Arra
                         owned(std::move(fraction), {count}), owned(std::move(last), {count, eight}),
                         owned(std::move(previous), {count, eight}),
                         owned(std::move(segments), {count}), owned(std::move(tries), {count}),
-                        owned(std::move(worst), {count}));
+                        owned(std::move(worst), {count}), owned(std::move(ends), {count}),
+                        owned(std::move(alone), {count}));
 }
 
 }  // namespace
@@ -114,7 +120,7 @@ nb::tuple follow(Array<std::int32_t, 1> forms, Array<std::int32_t, 1> laws, Arra
 void bind_tubes(nb::module_& m, ChooseFollow* choose_follow) {
   choose = choose_follow;
   m.def("follow", &follow, "forms"_a, "laws"_a, "signs"_a, "largest"_a, "norms"_a, "hessians"_a,
-        "spectral"_a, "moduli"_a, "values"_a, "trajectory"_a, "start"_a, nb::kw_only(),
+        "spectral"_a, "moduli"_a, "values"_a, "trajectory"_a, "start"_a, "near"_a, nb::kw_only(),
         "certify"_a, "most_halvings"_a, "jobs"_a, "build"_a = "",
         "Follow real branches along trajectories of values; see gspcli.motion.following.");
 }

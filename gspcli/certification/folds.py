@@ -7,6 +7,13 @@ With z a Study point, u a direction and t the time, a fold is a zero of the seve
 (G. Moore and A. Spence, SIAM J. Numer. Anal. 17, 1980), and a simple zero of these is a quadratic
 turning point: t has an extremum along the curve of solutions, which passes through it in the
 direction u. Krawczyk's test in balls proves exactly one zero in a box.
+
+That a mode reaches the fold is proved in a larger box (`Fold.sides`), in two steps. For each s in
+an interval the nine equations ``F = 0, p.z = 1, c.z = s`` have exactly one solution (z, t) near the
+tangent (Krawczyk's test again, for all s at once), so that the solutions are one smooth curve
+through the fold. And the seventeen equations have at most one zero for all (z, t) near the curve
+with all u that its tangents can have, because the matrix of their derivatives is regular there: so
+t has no other extremum, and increases or decreases from the fold to each end of the curve.
 """
 
 from __future__ import annotations
@@ -16,13 +23,13 @@ from dataclasses import dataclass
 
 import flint
 import numpy as np
-from flint import arb, arb_mat, arb_series
+from flint import arb, arb_mat
 from numpy.typing import NDArray
 
-from gspcli.certification import study
-from gspcli.certification.balls import float_above, float_ends
-from gspcli.certification.moving import Shape
-from gspcli.certification.taylor import Element, MovingSystem
+from gspcli.certification.balls import float_above, float_ends, floats_above
+from gspcli.certification.fold_system import UNKNOWNS, FoldSystem, unit
+from gspcli.certification.rounding import OUTWARD
+from gspcli.certification.taylor import MovingSystem
 
 Array = NDArray[np.float64]
 
@@ -30,7 +37,12 @@ _PRECISION = 160
 _STEPS = 12
 #: Newton's method has converged when a step is below this.
 _CONVERGED = 2.0**-100
-_UNKNOWNS = 17
+#: How near to the zero Krawczyk's box is.
+_RADIUS = 2.0**-80
+#: How often the box about a curve is widened.
+_WIDENINGS = 8
+#: Of the power method, for weights.
+_ITERATIONS = 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +58,8 @@ class Fold:
     bends
         The sign of the second derivative of t along the branches: -1 if both end at the fold, 1
         if both begin there.
+    equations, zero
+        Of which it is a zero, and the zero, within 2^-80.
     """
 
     low: float
@@ -53,6 +67,29 @@ class Fold:
     point: Array
     direction: Array
     bends: int
+    equations: FoldSystem
+    zero: tuple[arb, ...]
+
+    def sides(self, points: Array, part: float, radius: float) -> list[int]:
+        """Prove that poses are on the curve through the fold, with no other fold between.
+
+        Parameters
+        ----------
+        points
+            Study points, shape (n, 8).
+        part
+            The part of the step at which they are.
+        radius
+            How near to each of them, in norm one, the pose is that is meant.
+
+        Returns
+        -------
+        list
+            For each pose -1 or 1, on which of the two branches it is: the mode that it belongs to
+            reaches the fold, without a singularity before; or 0, if that is not proved.
+        """
+        with flint.ctx.workprec(_PRECISION):
+            return [_side(self, point, arb(part), arb(radius)) for point in points]
 
 
 def prove_fold(
@@ -74,16 +111,16 @@ def prove_fold(
         the branch moves there, shape (8,).
     """
     with flint.ctx.workprec(_PRECISION):
-        equations = _FoldSystem(system, rows, point)
+        equations = FoldSystem(system, rows, point)
         x = [*map(arb, point.tolist()), *map(arb, direction.tolist()), arb(part)]
         scale = sum((a * b for a, b in zip(equations.patch, x[:8], strict=True)), arb(0))
         x[:8] = [(value / scale).mid() for value in x[:8]]
-        equations.gauge = _unit(direction)
+        equations.gauge = unit(direction)
         x[8:16] = list(equations.gauge)
         for _ in range(_STEPS):
             values, jacobian = equations.at(x)
             try:
-                step = jacobian.mid().solve(arb_mat(_UNKNOWNS, 1, values).mid()).entries()
+                step = jacobian.mid().solve(arb_mat(UNKNOWNS, 1, values).mid()).entries()
             except ZeroDivisionError:
                 return None
             x = [(a - b).mid() for a, b in zip(x, step, strict=True)]
@@ -95,18 +132,14 @@ def prove_fold(
     return None
 
 
-def _unit(direction: Array) -> list[arb]:
-    return [arb(value) for value in (direction / np.linalg.norm(direction)).tolist()]
-
-
-def _krawczyk(system: _FoldSystem, x: list[arb]) -> Fold | None:
+def _krawczyk(system: FoldSystem, x: list[arb]) -> Fold | None:
     values, jacobian = system.at(x)
     try:
         inverse = jacobian.mid().inv().mid()
     except ZeroDivisionError:
         return None
-    step = (inverse * arb_mat(_UNKNOWNS, 1, values)).entries()
-    radius = arb(2.0**-80)
+    step = (inverse * arb_mat(UNKNOWNS, 1, values)).entries()
+    radius = arb(_RADIUS)
     box = [arb(value, radius) for value in x]
     _, spread = system.at(box)
     defect = inverse * spread - 1
@@ -119,188 +152,117 @@ def _krawczyk(system: _FoldSystem, x: list[arb]) -> Fold | None:
     if bends == 0:
         return None
     middle = np.array([float(value) for value in x])
-    return Fold(low, high, middle[:8], middle[8:16], bends)
+    return Fold(low, high, middle[:8], middle[8:16], bends, system, tuple(box))
 
 
-@dataclass(frozen=True)
-class _Moving:
-    """An equation at a time: Hessian matrices and c, each with its derivative by time, or None."""
-
-    shape: Shape
-    a: tuple[arb_mat, arb_mat | None]
-    b: tuple[arb_mat, arb_mat | None] | None
-    c: tuple[arb, arb]
-
-
-class _FoldSystem:
-    """The seventeen equations with balls for coefficients."""
-
-    def __init__(self, system: MovingSystem, rows: tuple[Array, Array], point: Array) -> None:
-        self.system = system
-        self.rows = rows
-        self.terms = study.form_hessians().reshape(study.COUNT, -1).astype(int).tolist()
-        self.patch = _unit(point)
-        self.gauge: list[arb] = []
-        self.norm = self._hessian({study.NORM: arb(1)})
-        self.study = self._hessian({study.STUDY: arb(1)})
-        #: Those that do not move, by equation and quadric.
-        self._still: dict[tuple[int, int], arb_mat] = {}
-
-    def _hessian(self, form: dict[int, arb]) -> arb_mat:
-        entries = [arb(0)] * 64
-        for index, coefficient in form.items():
-            for k, factor in enumerate(self.terms[index]):
-                if factor:
-                    entries[k] += factor * coefficient
-        return arb_mat(8, 8, entries)
-
-    def _moving(self, t: arb) -> list[_Moving]:
-        """Return the equations at a time."""
-        found = []
-        for k, ((shape, _, _, forms), c) in enumerate(
-            self.system.equations(self.rows, t, arb(1), 1)
-        ):
-            quadrics = [self._jet(k, j, form) for j, form in enumerate(forms)]
-            b = quadrics[1] if len(quadrics) > 1 else None
-            found.append(_Moving(shape, quadrics[0], b, (_part(c, 0), _part(c, 1))))
-        return found
-
-    def _jet(self, k: int, j: int, form: dict[int, Element]) -> tuple[arb_mat, arb_mat | None]:
-        if not any(isinstance(x, arb_series) for x in form.values()):
-            if (k, j) not in self._still:
-                self._still[k, j] = self._hessian(form)
-            return self._still[k, j], None
-        value, slope = ({i: _part(x, d) for i, x in form.items()} for d in (0, 1))
-        return self._hessian(value), self._hessian(slope)
-
-    def at(self, x: Sequence[arb]) -> tuple[list[arb], arb_mat]:
-        """Return the values (17) and the Jacobian matrix (17, 17) at (z, u, t)."""
-        z, u, t = arb_mat(8, 1, list(x[:8])), arb_mat(8, 1, list(x[8:16])), x[16]
-        rows = [_equation(None, self, z, u)]
-        rows += [_equation(one, self, z, u) for one in self._moving(t)]
-        zeros = [arb(0)] * 8
-        patch, gauge = self.patch, self.gauge
-        values = [value for value, *_ in rows] + [_dot(patch, x[:8]) - 1]
-        values += [along for _, _, along, _, _, _ in rows]
-        values += [_dot(patch, x[8:16]), _dot(gauge, x[8:16]) - 1]
-        matrix = [[*gradient, *zeros, by_t] for _, gradient, _, _, by_t, _ in rows]
-        matrix.append([*patch, *zeros, arb(0)])
-        matrix += [[*bent, *gradient, along_t] for _, gradient, _, bent, _, along_t in rows]
-        matrix += [[*zeros, *patch, arb(0)], [*zeros, *gauge, arb(0)]]
-        return values, arb_mat(matrix)
-
-    def bends(self, x: Sequence[arb]) -> int:
-        """Return the sign of the second derivative of t along the branches, 0 if not decided.
-
-        With w the derivative of u along the curve, F' w + F''(u, u) + dF/dt t'' = 0 and p.w = 0: a
-        linear system for w and t''.
-        """
-        z, u, t = arb_mat(8, 1, list(x[:8])), arb_mat(8, 1, list(x[8:16])), x[16]
-        rows = [_equation(None, self, z, u)]
-        rows += [_equation(one, self, z, u) for one in self._moving(t)]
-        matrix = [[*gradient, by_t] for _, gradient, _, _, by_t, _ in rows]
-        right = [-_dot(bent, x[8:16]) for _, _, _, bent, _, _ in rows]
-        matrix += [[*self.patch, arb(0)], [*self.gauge, arb(0)]]
-        try:
-            solved = arb_mat(matrix).solve(arb_mat(9, 1, [*right, arb(0), arb(0)]))
-        except ZeroDivisionError:
-            return 0
-        second = solved.entries()[8]
-        return 1 if second > 0 else -1 if second < 0 else 0
+def _side(fold: Fold, point: Array, part: arb, radius: arb) -> int:
+    """Return on which branch of a fold a pose is, or 0; see `Fold.sides`."""
+    equations, zero = fold.equations, [value.mid() for value in fold.zero]
+    y = [arb(value) for value in point.tolist()]
+    scale = _dot(equations.patch, y)
+    if not scale.abs_lower() > 0.5:
+        return 0
+    offset = [a / scale - b for a, b in zip(y, zero, strict=False)]
+    s = _dot(equations.gauge, offset)
+    # On the patch the radius is at most four times as large, and s is off by as much.
+    near = 4 * radius + _RADIUS
+    apart = [a - s * u for a, u in zip(offset, zero[8:16], strict=True)]
+    wanted = [a.abs_upper() + 8 * near for a in (*apart, part - zero[16])]
+    reach = s.abs_upper() + near
+    curve = _Curve(fold, zero, reach)
+    if not (s.abs_lower() > near and curve.holds(wanted) and curve.has_one_fold()):
+        return 0
+    return 1 if s > 0 else -1
 
 
-def _part(x: Element, order: int) -> arb:
-    """Return a coefficient of a power series, or of a number."""
-    if isinstance(x, arb_series):
-        return x[order]
-    return x if order == 0 else arb(0)
+class _Curve:
+    """The solutions through a fold, ``|s| <= reach`` in its direction."""
 
+    def __init__(self, fold: Fold, zero: list[arb], reach: arb) -> None:
+        self.equations, self.zero, self.reach = fold.equations, zero, reach
+        values, matrix = self.equations.at(zero)
+        self.values, self.along, self.whole = values[:7], values[8:15], matrix
+        self.inverse = self._square(matrix).mid().inv().mid()
 
-def _equation(
-    given: _Moving | None, system: _FoldSystem, z: arb_mat, u: arb_mat
-) -> tuple[arb, list[arb], arb, list[arb], arb, arb]:
-    """Return F, F', F'u, F''u, dF/dt and dF'u/dt of one equation; None is the Study condition."""
-    if given is None:
-        a = _Quadric(system.study, z, u)
-        return a.value, a.gradient, a.along, a.bent, arb(0), arb(0)
-    c, change = given.c
-    n, a = _Quadric(system.norm, z, u), _Quadric(given.a[0], z, u)
-    nothing = a.scaled(arb(0))
-    moved_a = nothing if given.a[1] is None else _Quadric(given.a[1], z, u)
-    if given.b is None:
-        f, by_t = a.plus(n, -c), moved_a.plus(n, -change)
-        return (*f.parts, by_t.value, by_t.along)
-    b = _Quadric(given.b[0], z, u)
-    moved_b = nothing if given.b[1] is None else _Quadric(given.b[1], z, u)
-    both = b.times(moved_b)
-    if given.shape is Shape.LINES:
-        gap = n.squared().plus(b.squared(), arb(-1))
-        f = a.squared().plus(gap, -c)
-        by_t = a.times(moved_a).scaled(arb(2)).plus(gap, -change).plus(both, 2 * c)
-    else:
-        f = n.times(a.plus(n, -c)).plus(b.squared(), arb(-1))
-        by_t = n.times(moved_a.plus(n, -change)).plus(both, arb(-2))
-    return (*f.parts, by_t.value, by_t.along)
+    def _square(self, matrix: arb_mat) -> arb_mat:
+        """Return the derivatives of the nine equations by (z, t)."""
+        rows = [[*row[:8], row[16]] for row in matrix.tolist()[:8]]
+        return arb_mat([*rows, [*self.equations.gauge, arb(0)]])
 
+    def holds(self, wanted: list[arb]) -> bool:
+        """Whether the curve is proved in a box that is at least so wide about its tangent."""
+        widths = [width * 1.0625 for width in wanted]
+        for _ in range(_WIDENINGS):
+            self.box = self._around(widths)
+            _, matrix = self.equations.at(self.box)
+            bent = arb_mat([row[:8] for row in matrix.tolist()[8:15]])
+            second = (bent * arb_mat(8, 1, self.zero[8:16])).entries()
+            # F at z + s u, by Taylor's formula.
+            residuals = [
+                f + arb(0, self.reach) * fu + arb(0, self.reach**2 / 2) * fuu.abs_upper()
+                for f, fu, fuu in zip(self.values, self.along, second, strict=True)
+            ]
+            # That p.z = 1, p.u = 0, c.u = 1 hold for the zero itself only.
+            residuals += [arb(0, 4 * _RADIUS)] * 2
+            moved = (self.inverse * arb_mat(9, 1, residuals)).entries()
+            self.matrix = self._square(matrix)
+            defect = self.inverse * self.matrix - 1
+            needed = [
+                shift.abs_upper()
+                + sum((a.abs_upper() * w for a, w in zip(row, widths, strict=True)), arb(0))
+                for shift, row in zip(moved, defect.tolist(), strict=True)
+            ]
+            if all(a < b for a, b in zip(needed, widths, strict=True)):
+                return True
+            widths = [_larger(2 * a, b).mid() for a, b in zip(needed, widths, strict=True)]
+            if not all(width < 1 for width in widths[:8]):
+                return False
+        return False
 
-@dataclass(frozen=True)
-class _Jet:
-    """A function at z: value, gradient, their derivatives along u."""
+    def _around(self, widths: list[arb]) -> list[arb]:
+        z, u, t = self.zero[:8], self.zero[8:16], self.zero[16]
+        places = [a + arb(0, self.reach) * b for a, b in zip(z, u, strict=True)]
+        return [
+            *(a + arb(0, width) for a, width in zip(places, widths, strict=False)),
+            *u,
+            t + arb(0, widths[8]),
+        ]
 
-    value: arb
-    gradient: list[arb]
-    along: arb
-    bent: list[arb]
-
-    @property
-    def parts(self) -> tuple[arb, list[arb], arb, list[arb]]:
-        return self.value, self.gradient, self.along, self.bent
-
-    def scaled(self, factor: arb) -> _Jet:
-        """Return a multiple of the function."""
-        return _Jet(
-            factor * self.value,
-            [factor * x for x in self.gradient],
-            factor * self.along,
-            [factor * x for x in self.bent],
-        )
-
-    def plus(self, other: _Jet, factor: arb) -> _Jet:
-        """Return the function plus a multiple of another."""
-        return _Jet(
-            self.value + factor * other.value,
-            [a + factor * b for a, b in zip(self.gradient, other.gradient, strict=True)],
-            self.along + factor * other.along,
-            [a + factor * b for a, b in zip(self.bent, other.bent, strict=True)],
-        )
-
-    def times(self, other: _Jet) -> _Jet:
-        """Return the product with another function."""
-        pairs = list(zip(self.gradient, other.gradient, strict=True))
-        return _Jet(
-            self.value * other.value,
-            [self.value * b + other.value * a for a, b in pairs],
-            self.value * other.along + other.value * self.along,
-            [
-                self.along * b + self.value * bb + other.along * a + other.value * aa
-                for (a, b), aa, bb in zip(pairs, self.bent, other.bent, strict=True)
-            ],
-        )
-
-    def squared(self) -> _Jet:
-        """Return the square of the function."""
-        return self.times(self)
-
-
-class _Quadric(_Jet):
-    """The jet of a quadric with a given Hessian matrix."""
-
-    def __init__(self, hessian: arb_mat, z: arb_mat, u: arb_mat) -> None:
-        gradient, bent = (hessian * z).entries(), (hessian * u).entries()
-        super().__init__(
-            _dot(gradient, z.entries()) / 2, gradient, _dot(gradient, u.entries()), bent
-        )
+    def has_one_fold(self) -> bool:
+        """Whether no more than one fold is proved to be on the curve."""
+        norm, sizes = _contraction(self.inverse * self.matrix - 1)
+        if not norm < 1:
+            return False
+        # Tangents (z', t') differ from (u, 0) by at most this, in units of the sizes.
+        values, _ = self.equations.at(self.box)
+        right = arb_mat(9, 1, [*values[8:15], arb(0), arb(0)])
+        moved = floats_above((self.inverse * right).entries())
+        widths = (moved / sizes).max() / (1 - norm) * sizes * OUTWARD + _RADIUS
+        u = [
+            arb(value, width)
+            for value, width in zip(self.zero[8:16], widths.tolist(), strict=False)
+        ]
+        _, matrix = self.equations.at([*self.box[:8], *u, self.box[16]])
+        return _contraction(self.whole.mid().inv().mid() * matrix - 1)[0] < 1
 
 
 def _dot(a: Sequence[arb], b: Sequence[arb]) -> arb:
-    return sum((p * q for p, q in zip(a, b, strict=True)), arb(0))
+    return sum((x * y for x, y in zip(a, b, strict=False)), arb(0))
+
+
+def _larger(a: arb, b: arb) -> arb:
+    return a if a > b else b
+
+
+def _contraction(matrix: arb_mat) -> tuple[float, Array]:
+    """Return a bound of a norm of a matrix: that of the largest component in units of weights.
+
+    Any weights will do; the best are those of Perron's vector of the moduli.
+    """
+    moduli = floats_above(matrix.entries()).reshape(matrix.nrows(), matrix.ncols())
+    weights = np.ones(len(moduli))
+    with np.errstate(all="ignore"):
+        for _ in range(_ITERATIONS):
+            weights = moduli @ weights + 1e-3 * weights
+            weights /= weights.max()
+        return float((moduli @ weights / weights).max()) * OUTWARD, weights

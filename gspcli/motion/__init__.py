@@ -4,7 +4,8 @@ from gspcli.geometry.limits import out_of_range
 from gspcli.motion.following import FollowOptions, MovingPlatform
 from gspcli.motion.measuring import measure
 from gspcli.motion.pose_files import PoseFormat, PoseTable, read_pose, read_poses
-from gspcli.motion.trajectories import Event, Track, track
+from gspcli.motion.tracks import Event, Track
+from gspcli.motion.trajectories import track
 from gspcli.motion.travels import Travel, travels
 from gspcli.motion.value_files import ValueTable, read_values
 from gspcli.motion.workspaces import Workspace, workspace

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.certification.chord_residuals import ExactChords
 from gspcli.certification.moving import Shape
 from gspcli.certification.taylor import MovingQuadrics
 
@@ -28,11 +29,13 @@ LONGEST = 0.5
 _NORM = 1.07
 _ROUNDING = 2.0**-44
 _OUTWARD = 1 + 2.0**-30
+#: Of p.z and its gradient, sums of eight products.
+PATCH = 2.0**-49
 #: Degree of the quadrics in tau; what is above counts as error.
 DEGREE = 3
 #: Coefficients of an equation along a chord and of its gradient: with c, it has the degree
 #: of two quadrics and c.
-_VALUES, _SLOPES = 2 * (DEGREE + 2) + DEGREE + 1, 2 * (DEGREE + 2) + DEGREE
+VALUES, _SLOPES = 2 * (DEGREE + 2) + DEGREE + 1, 2 * (DEGREE + 2) + DEGREE
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +128,9 @@ class Proofs:
     uniqueness: Array
 
 
-def prove(parts: Parts, first: Array, last: Array) -> Proofs:
+def prove(
+    parts: Parts, first: Array, last: Array, exact: Sequence[ExactChords] | None = None
+) -> Proofs:
     """Try to prove that branches follow chords.
 
     Parameters
@@ -134,12 +139,16 @@ def prove(parts: Parts, first: Array, last: Array) -> Proofs:
         The equations.
     first, last
         The ends, Study points of norm about one, shape (n, 8).
+    exact
+        The same equations in balls, for modes that are very near to each other.
     """
     patch = first + last
     patch = patch / np.linalg.norm(patch, axis=1, keepdims=True)
     x, y = (z / np.sum(patch * z, axis=1, keepdims=True) for z in (first, last))
     z, d = (x + y) / 2, y - x
     chord = _Chord(parts, z, d)
+    for k, one in enumerate(exact or ()):
+        chord.values[k], chord.value_errors[k] = one.residuals(z[k], d[k], VALUES)
     matrix = np.concatenate((chord.slopes[:, :, 0], patch[:, None]), axis=1)
     with np.errstate(all="ignore"):
         regular = np.abs(np.linalg.det(matrix)) > 0
@@ -152,10 +161,13 @@ def prove(parts: Parts, first: Array, last: Array) -> Proofs:
         norms = np.linalg.norm(moved, axis=(2, 3))
         q += 0.5 * np.linalg.norm(moved[:, 0], ord=2, axis=(1, 2)) + _ROUNDING * norms[:, 0]
         q += norms[:, 1:] @ 0.5 ** np.arange(2, _SLOPES)
-        q += np.sum(size * chord.slope_errors, axis=1) + sizes[:, 7] * _ROUNDING
+        q += np.sum(size * chord.slope_errors, axis=1) + sizes[:, 7] * PATCH
         constant, linear, rest = _split(chord.values)
-        end = np.sum(size * (np.abs(constant) + 0.5 * np.abs(linear) + chord.value_errors), axis=1)
-        end += sizes[:, 7] * 2 * _ROUNDING
+        # What is left at the ends, in the directions in which the inverse is large or not.
+        shifts = np.stack([np.einsum("nxr,nr->nx", inner, part) for part in (constant, linear)])
+        lost = chord.value_errors + _ROUNDING * (np.abs(chord.values) @ 0.5 ** np.arange(VALUES))
+        end = np.linalg.norm(shifts, axis=2).T @ (1.0, 0.5) + np.sum(size * lost, axis=1)
+        end += sizes[:, 7] * 2 * PATCH
         bent = np.linalg.norm(np.einsum("nxr,nrd->ndx", inner, rest), axis=2) @ _WEIGHTS
         beta, q, end = (end + bent) * _OUTWARD, q * _OUTWARD, end * _OUTWARD
         kappa = np.sum(size * chord.curvatures, axis=1) * _OUTWARD
@@ -177,7 +189,7 @@ def prove(parts: Parts, first: Array, last: Array) -> Proofs:
 
 #: Maxima of (1/4 - tau^2) |tau|^j, rounded up.
 _WEIGHTS = np.array(
-    [0.5 / (j + 2) * (j / (4 * (j + 2))) ** (j / 2) * (1 + 1e-12) for j in range(_VALUES - 2)]
+    [0.5 / (j + 2) * (j / (4 * (j + 2))) ** (j / 2) * (1 + 1e-12) for j in range(VALUES - 2)]
 )
 
 
@@ -205,7 +217,7 @@ class _Chord:
 
     def __init__(self, parts: Parts, z: Array, d: Array) -> None:
         n = len(z)
-        self.values = np.zeros((n, 7, _VALUES))
+        self.values = np.zeros((n, 7, VALUES))
         self.slopes = np.zeros((n, 7, _SLOPES, 8))
         self.value_errors, self.slope_errors, self.curvatures = np.zeros((3, n, 7))
         self._z, self._d = z, d

@@ -21,7 +21,8 @@ from gspcli.geometry.measurement import jacobian
 from gspcli.motion.enclosures import Neighbourhood
 from gspcli.motion.following import MovingPlatform, Stop, apart
 from gspcli.motion.measuring import measure
-from gspcli.motion.trajectories import Event, track_from
+from gspcli.motion.tracks import Event
+from gspcli.motion.trajectories import track_from
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,8 @@ from gspcli.defaults import SEED
 from gspcli.motion.discriminant import Curve, Discriminant
 from gspcli.motion.following import MovingPlatform
 from gspcli.motion.scanning import Scan
-from gspcli.motion.trajectories import Event, at_values, track
+from gspcli.motion.tracks import Event
+from gspcli.motion.trajectories import at_values, track
 
 Array = NDArray[np.float64]
 #: Parts of the ranges: what is nearer to the border of the grid is on it.

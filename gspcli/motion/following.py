@@ -78,6 +78,9 @@ class Branches:
         How many segments were kept and how many were tried, shape (n,).
     worst
         The largest value of what must be below one in a proof, shape (n,).
+    near, alone
+        How near to ``last`` the proved pose is, and how near no other one is, in units of Study
+        points of norm one, shape (n,).
     """
 
     points: Array
@@ -89,6 +92,8 @@ class Branches:
     segments: Index
     tries: Index
     worst: Array
+    near: Array
+    alone: Array
 
 
 class StudyUnits:
@@ -204,6 +209,7 @@ class MovingPlatform(StudyUnits):
         trajectory: Index,
         start: Array,
         options: FollowOptions = FollowOptions(),
+        near: Array | None = None,
     ) -> Branches:
         """Follow branches along trajectories of values, which are linear between their rows.
 
@@ -217,6 +223,9 @@ class MovingPlatform(StudyUnits):
             Study points near the branches at the first rows, shape (n, 8).
         options
             How to follow.
+        near
+            How near to its start the pose is that is meant, if another may be as near, shape (n,);
+            zero, or None for all, means the one that Newton's method finds.
         """
         equations = self.equations
         low, high = self._bounds(values)
@@ -233,6 +242,7 @@ class MovingPlatform(StudyUnits):
                 np.ascontiguousarray(values),
                 np.ascontiguousarray(trajectory, np.int64),
                 np.ascontiguousarray(start),
+                np.zeros(len(start)) if near is None else near,
                 certify=options.certify,
                 most_halvings=options.most_halvings,
                 jobs=helpful(options.jobs, len(start)),

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range
-from gspcli.motion.trajectories import Track
+from gspcli.motion.tracks import Track
 
 Array = NDArray[np.float64]
 

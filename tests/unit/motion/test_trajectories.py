@@ -171,6 +171,49 @@ def test_branches_very_near_to_each_other_are_told_apart(hexapod):
     assert {int(np.abs(expected - end).max(axis=1).argmin()) for end in ends} == {0, 1}
 
 
+def near_miss(hexapod, offset):
+    """Values on a line that touches the discriminant, but for an offset: towards more modes."""
+    fold = track(hexapod, VALUES[:2], t=[0, 1]).events[0]
+    at = VALUES[0] + fold.low * (VALUES[1] - VALUES[0])
+    platform = MovingPlatform(hexapod)
+    jacobian = platform.jacobian(platform.points(fold.R, fold.T), platform.internal(at))
+    # The left null vector; squares of the values are what the equations are linear in.
+    normal = np.linalg.svd(jacobian[1:].T)[2][-1] * at
+    normal *= -np.sign(normal @ (VALUES[1] - VALUES[0])) / np.linalg.norm(normal)
+    along = np.random.default_rng(7).normal(size=6)
+    along -= along @ normal * normal
+    along /= np.linalg.norm(along)
+    return np.stack([at + offset * normal + step * along for step in (-1e-4, 0, 1e-4)])
+
+
+def test_modes_that_pass_each_other_at_a_distance_of_1e_6_do_not_jump(hexapod):
+    rows = near_miss(hexapod, 2.2e-13)
+    passing = track(hexapod, rows[[0, 2]], everything=True)
+    assert passing.events == ()
+    assert passing.complete
+    # Half way they are that near to each other, which solving shows, and come apart again.
+    platform = MovingPlatform(hexapod)
+    modes = gspcli.solve(at_values(hexapod, rows[1]))
+    a, b = platform.points(modes.R[modes.real].real, modes.T[modes.real].real)
+    assert 5e-7 < min(np.linalg.norm(a - b), np.linalg.norm(a + b)) < 1.5e-6
+    # In the direction in which they differ, their order never changes; a jump would reverse it.
+    ends = platform.points(passing.R, passing.T)
+    ends *= np.sign(ends @ a)[..., None]
+    order = (ends[0] - ends[1]) @ (a - b)
+    assert (np.abs(order) > 1e-11).all()
+    assert order[0] * order[1] > 0
+
+
+def test_modes_that_meet_at_a_distance_of_1e_6_from_being_born_again_do_not_jump(hexapod):
+    rows = near_miss(hexapod, -2.2e-13)
+    ending = track(hexapod, rows[[0, 2]], modes=[1], t=[-1, 1])
+    assert [event.kind for event in ending.events] == ["fold"]
+    assert -0.02 < ending.events[0].low < -0.001
+    # Half way there are no modes, and then again two.
+    assert not gspcli.solve(at_values(hexapod, rows[1])).real.any()
+    assert gspcli.solve(at_values(hexapod, rows[2])).real.sum() == 2
+
+
 def test_crossing_a_plane_is_no_fold():
     instance, _ = random_instance(gspcli.parse_type("6PH"), np.random.default_rng(3))
     R = rotation_from_quaternion(np.array([1.0, 0.2, -0.1, 0.3]))

@@ -1,0 +1,146 @@
+"""What became of assembly modes along a trajectory: events, and all poses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.coordinates import Coordinate, moved
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.quaternions import quaternion_from_rotation
+from gspcli.geometry.residuals import condition_numbers
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Event:
+    """Where a mode ends or begins.
+
+    Attributes
+    ----------
+    kind
+        ``fold``: proved, the mode and its partner meet and both vanish; ``undecided``: the mode was
+        followed up to here, and neither continued nor proved to end.
+    reason
+        Of what is undecided, what is seen there: that lines of a DLL become parallel, that the
+        platform goes far away, or nothing but that the pose is nearly singular.
+    begins
+        Whether the mode begins here instead of ending.
+    mode
+        Its number.
+    row
+        The row (from 0) before the event.
+    low, high
+        Between which t it is: for a fold proved, else where following stopped and the next row.
+    R, T
+        The pose, shapes (3, 3) and (3,); of a fold the singular one.
+    partner
+        The number of the mode that vanishes with it, if that is among those followed.
+    partner_R, partner_T
+        The pose of the partner at the row before (after, if it begins); None if not found.
+    """
+
+    kind: Literal["fold", "undecided"]
+    reason: str
+    begins: bool
+    mode: int
+    row: int
+    low: float
+    high: float
+    R: Array
+    T: Array
+    partner: int | None = None
+    partner_R: Array | None = None
+    partner_T: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Assembly modes along a trajectory.
+
+    Attributes
+    ----------
+    instance
+        Geometry and units.
+    t, values
+        The rows, shapes (r,) and (r, 6); the values change linearly between them.
+    modes
+        The numbers of the modes as `solve` orders them at the first row; those that are born later
+        are numbered on. Shape (m,).
+    R, T
+        Poses, shapes (m, r, 3, 3) and (m, r, 3); NaN where a mode does not exist or was not
+        followed.
+    certified
+        Whether every part of every mode is proved to be one branch with no other near it.
+    events
+        Where modes end, and with ``everything`` where they begin.
+    complete
+        Whether, with ``everything``, the modes at the last row are exactly the real poses there.
+    segments
+        Of how many proved (or followed) parts the modes are made.
+    poses_at_end
+        With ``everything``: all real poses (R, T) at the last row, found without following.
+    coordinates, places
+        The coordinates that move, c of them, and where they are at each row, shape (r, c).
+    """
+
+    instance: Instance
+    t: Array
+    values: Array
+    modes: NDArray[np.int64]
+    R: Array
+    T: Array
+    certified: bool
+    events: tuple[Event, ...]
+    complete: bool | None
+    segments: int
+    poses_at_end: tuple[Array, Array] | None = None
+    coordinates: tuple[Coordinate, ...] = ()
+    places: Array = field(default_factory=lambda: np.zeros((0, 0)))
+
+    def instances(self) -> Iterator[tuple[slice, Instance]]:
+        """Yield runs of rows with the instance there, whose values are not used."""
+        if not self.coordinates:
+            yield slice(None), self.instance
+            return
+        for k, place in enumerate(self.places):
+            yield slice(k, k + 1), moved(self.instance, self.coordinates, place)
+
+    @cached_property
+    def conditions(self) -> Array:
+        """Condition numbers of the poses, shape (m, r); NaN where there is none."""
+        conditions = np.full(self.T.shape[:2], np.nan)
+        there = ~np.isnan(self.T[..., 0])
+        for rows, instance in self.instances():
+            here = np.zeros(there.shape, bool)
+            here[:, rows] = there[:, rows]
+            conditions[here] = condition_numbers(
+                Arrangement.of(instance), self.R[here], self.T[here]
+            )
+        return conditions
+
+    @cached_property
+    def quaternions(self) -> Array:
+        """Unit quaternions of the rotations, shape (m, r, 4), continuous along each mode.
+
+        The first one of a mode has the sign of `quaternion_from_rotation`.
+        """
+        quaternions = np.full((*self.T.shape[:2], 4), np.nan)
+        there = ~np.isnan(self.T[..., 0])
+        quaternions[there] = quaternion_from_rotation(self.R[there])
+        turns = np.einsum("mri,mri->mr", quaternions[:, 1:], quaternions[:, :-1])
+        signs = np.where(turns < 0, -1.0, 1.0).cumprod(axis=1)
+        quaternions[:, 1:] *= signs[..., None]
+        return quaternions
+
+    @property
+    def ends(self) -> tuple[Event, ...]:
+        """The events at which a mode ends."""
+        return tuple(event for event in self.events if not event.begins)
