@@ -163,7 +163,7 @@ STEPS = (
         "clearances",
         ("data/verification/clearances.csv",),
         "tools/verify_clearances.py --check --jobs {jobs}",
-        sample="--sample 4",
+        sample="--sample 2",
     ),
     Step("view", ("data/view/*",), "tools/build_view.py --check"),
     Step(

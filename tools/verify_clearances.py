@@ -2,21 +2,23 @@
 
     python tools/verify_clearances.py [--count 20] [--jobs 2] [--check [--sample N]]
 
-For random 6-6 platforms (sizes and values of order one) the clearance of the pose they are made
-from is bounded from below with proof and from above by the nearest fold found, at once and refined
-(`gspcli.motion.clearances`). What must hold: the lower bound is positive and not above the upper
-one, refining makes neither worse, and the medians of the ratios are at most 4 and 2. The record is
-``data/verification/clearances.csv``.
+For random 6-6 platforms (sizes and values of order one) the clearances of the pose they are made
+from are bounded from below with proof and from above by the nearest fold or singular pose found, at
+once and refined: of the values (`gspcli.motion.clearances`) and of the pose
+(`gspcli.motion.pose_clearances`). What must hold: the lower bound is positive and not above the
+upper one, refining makes neither worse, the medians of the ratios are at most 4 and 2. Among many
+random poses within the refined lower bound of each the determinant of the Jacobian matrix, computed
+apart, must have one sign. The record is ``data/verification/clearances.csv``.
 """
 
 from __future__ import annotations
 
 import csv
 import io
-import statistics
 import sys
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
+from statistics import median
 
 import numpy as np
 from recording import ROOT, add_sample, parser, report, sampled, save
@@ -24,18 +26,24 @@ from recording import ROOT, add_sample, parser, report, sampled, save
 from gspcli.catalogue.parsing import parse_type
 from gspcli.defaults import SEED
 from gspcli.motion.clearances import clearance
+from gspcli.motion.displacements import Displacements
+from gspcli.motion.pose_clearances import pose_clearance
 from gspcli.solver.generate import random_instance
 from gspcli.workers import Workers
 
 RECORD = ROOT / "data" / "verification" / "clearances.csv"
 #: The most that medians of the ratios may be: at once, refined.
 MOST = (4.0, 2.0)
+OF = ("values", "pose")
+#: Random poses within each refined clearance of a pose.
+SAMPLES = 100_000
 
 
 @dataclass(frozen=True)
 class Row:
-    """The bounds of one platform."""
+    """The bounds of one platform, of its values or its pose."""
 
+    of: str
     number: int
     lower: float
     upper: float
@@ -55,22 +63,33 @@ class Row:
         )
 
 
-def examine(number: int) -> Row:
-    """Bound the clearance of a random platform."""
+def examine(key: tuple[str, int]) -> tuple[Row, bool]:
+    """Bound a clearance of a random platform; also whether all samples within have one sign."""
+    of, number = key
     rng = np.random.default_rng((SEED, number))
     instance, (R, T) = random_instance(parse_type("6PP"), rng)
-    found = [clearance(instance, R, T, refine=refine) for refine in (False, True)]
+    find = clearance if of == "values" else pose_clearance
+    once, refined = (find(instance, R, T, refine=refine) for refine in (False, True))
     # Four digits: the last ones depend on the processor.
-    numbers = [float(f"{bound:.4g}") for one in found for bound in (one.lower, one.upper)]
-    return Row(number, *numbers)
+    bounds = (once.lower, once.upper, refined.lower, refined.upper)
+    row = Row(of, number, *(float(f"{bound:.4g}") for bound in bounds))
+    return row, of == "values" or one_sign(Displacements(instance, R[None], T[None]), refined.lower)
 
 
-def written(rows: Mapping[int, Row]) -> str:
+def one_sign(home: Displacements, size: float) -> bool:
+    """Return whether determinants at random poses within a distance have one sign."""
+    s = np.random.default_rng(SEED).normal(size=(SAMPLES, 6))
+    lengths = size * np.random.default_rng(SEED + 1).uniform(size=SAMPLES) ** (1 / 6)
+    s *= (lengths / np.linalg.norm(s, axis=1))[:, None]
+    return len(set(np.sign(home.determinants(s)).tolist())) == 1
+
+
+def written(rows: Sequence[Row]) -> str:
     """Return the record."""
     text = io.StringIO()
     writer = csv.DictWriter(text, [field.name for field in fields(Row)], lineterminator="\n")
     writer.writeheader()
-    writer.writerows(asdict(rows[number]) for number in sorted(rows))
+    writer.writerows(asdict(row) for row in rows)
     return text.getvalue()
 
 
@@ -82,14 +101,20 @@ def main() -> int:
     options.add_argument("--jobs", type=int, default=1, help="processes")
     arguments = options.parse_args()
     numbers = sampled(range(arguments.count), arguments.sample if arguments.check else None)
-    rows = {row.number: row for row in Workers(arguments.jobs).in_order(examine, numbers)}
-    medians = [statistics.median(row.ratios[k] for row in rows.values()) for k in (0, 1)]
-    summary = (
-        f"{len(rows)} platforms: median ratio {medians[0]:.2f} at once, {medians[1]:.2f} refined"
-    )
-    wrong = [f"{row.number}: {asdict(row)}" for row in rows.values() if not row.holds]
-    if len(rows) == arguments.count and any(a > b for a, b in zip(medians, MOST, strict=True)):
-        wrong.append(f"the medians are above {MOST}")
+    keys = [(of, number) for of in OF for number in numbers]
+    examined = list(Workers(arguments.jobs).in_order(examine, keys))
+    rows = [row for row, _ in examined]
+    wrong = [str(row) for row in rows if not row.holds]
+    wrong += [f"{row}: the determinant changes its sign within" for row, one in examined if not one]
+    parts = []
+    for of in OF:
+        medians = [median(row.ratios[k] for row in rows if row.of == of) for k in (0, 1)]
+        parts.append(f"of the {of} {medians[0]:.2f} at once, {medians[1]:.2f} refined")
+        if len(numbers) == arguments.count and any(
+            a > b for a, b in zip(medians, MOST, strict=True)
+        ):
+            wrong.append(f"of the {of}: the medians are above {MOST}")
+    summary = f"{len(numbers)} platforms: median ratio " + "; ".join(parts)
     if arguments.check:
         lines = set(RECORD.read_text(encoding="utf-8").splitlines())
         differs = [line for line in written(rows).splitlines() if line not in lines]
