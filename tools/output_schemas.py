@@ -46,6 +46,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@dietmaier --all",
         "@figure-3 --all --digits 20",
         "@planar-hexagons --all",
+        "@workspace-study-cones --set 6=79",
         "@no-real-pose",
         "@griffis-duffy",
         "@singular-pose",

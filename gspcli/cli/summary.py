@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gspcli.geometry.limits import has_limits, out_of_cone, out_of_range
 from gspcli.solver.proof import Ground
 
 if TYPE_CHECKING:
@@ -132,23 +131,18 @@ def remarks(result: SolveResult, numbers: Sequence[int]) -> list[str]:
 
 def _limits(result: SolveResult, numbers: Sequence[int]) -> list[str]:
     """Say which of the real poses shown the machine cannot take, by its ranges and cones."""
-    instance = result.instance
-    real = [number for number in numbers if result.real[number - 1]]
-    if not real or not has_limits(instance):
-        return []
-    from gspcli.motion import measure
-
-    chosen = [number - 1 for number in real]
-    R, T = result.R[chosen].real, result.T[chosen].real
-    values = measure(instance, R, T)
+    left = {number: result.solutions[number - 1].limits for number in numbers}
+    ranges = {
+        one.constraint for limits in left.values() for one in limits or () if one.kind == "range"
+    }
     notes = [
         f"constraint {k + 1} is outside its range: the machine can take none of these poses"
-        for k in np.flatnonzero(out_of_range(instance, values).all(axis=0)).tolist()
+        for k in sorted(ranges)
     ]
-    left = np.flatnonzero(out_of_cone(instance, R, T).any(axis=1)).tolist()
-    if left:
-        names = ", ".join(str(real[k]) for k in left)
-        notes.append(f"a leg leaves the cone of a joint in pose{'s' * (len(left) > 1)} {names}")
+    beyond = [n for n, limits in left.items() if any(one.kind == "cone" for one in limits or ())]
+    if beyond:
+        names = ", ".join(map(str, beyond))
+        notes.append(f"a leg leaves the cone of a joint in pose{'s' * (len(beyond) > 1)} {names}")
     return notes
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -61,6 +61,29 @@ def joint_cones(instance: Instance) -> tuple[JointCone, ...]:
                 if isinstance(joint, Point) and joint.cone is not None
             ]
     return tuple(found)
+
+
+@dataclass(frozen=True)
+class LeftLimit:
+    """A limit that a pose does not keep.
+
+    Attributes
+    ----------
+    kind
+        ``range`` or ``cone``.
+    constraint
+        The index of the constraint or leg.
+    body
+        Where the joint of the cone is; None for a range.
+    """
+
+    kind: Literal["range", "cone"]
+    constraint: int
+    body: Literal["platform", "base"] | None
+
+    def to_json(self) -> dict[str, Any]:
+        """Return it as plain data, constraints numbered from 1."""
+        return {"kind": self.kind, "constraint": self.constraint + 1, "body": self.body}
 
 
 def has_limits(instance: Instance) -> bool:
@@ -139,6 +162,26 @@ def out_of_cone(instance: Instance, R: ArrayLike, T: ArrayLike) -> NDArray[np.bo
     room = _ROUNDING / instance.units.angle.in_radians
     outside: NDArray[np.bool_] = tilts(instance, R, T) > angles + room
     return outside
+
+
+def left_limits(
+    instance: Instance, values: Array, R: Array, T: Array
+) -> list[tuple[LeftLimit, ...]]:
+    """Return the limits that each of n poses does not keep, ranges first.
+
+    Parameters
+    ----------
+    instance
+        The platform with its limits.
+    values
+        What the constraints measure at the poses, shape (n, 6), distances to planes signed.
+    R, T
+        The poses, shapes (n, 3, 3) and (n, 3).
+    """
+    limits = [LeftLimit("range", k, None) for k in range(len(instance.constraints))]
+    limits += [LeftLimit("cone", joint.constraint, joint.body) for joint in joint_cones(instance)]
+    left = np.concatenate((out_of_range(instance, values), out_of_cone(instance, R, T)), axis=1)
+    return [tuple(limits[k] for k in np.flatnonzero(row)) for row in left]
 
 
 def within_limits(

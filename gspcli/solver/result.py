@@ -14,6 +14,7 @@ from gspcli import __version__
 from gspcli.continuation.paths import PathAccount, Verdict
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.limits import LeftLimit, has_limits, left_limits
 from gspcli.geometry.quaternions import Field
 from gspcli.geometry.residuals import condition_numbers, residuals, sides_of
 from gspcli.solver.pose_set import PoseSet
@@ -168,6 +169,7 @@ class SolveResult:
         quaternions = self.quaternions
         sides = sides_of(self.arrangement, self.R, self.T)
         names = {1: Side.POSITIVE.value, -1: Side.NEGATIVE.value}
+        limits = self._limits(sides)
         return tuple(
             Solution(
                 real=bool(self.real[k]),
@@ -179,9 +181,19 @@ class SolveResult:
                 residual=float(self.residuals[k].max()),
                 condition=float(self.conditions[k]),
                 sides={i + 1: names[s] for i, s in enumerate(sides[k].tolist()) if s},
+                limits=limits.get(k),
             )
             for k in range(len(self.R))
         )
+
+    def _limits(self, sides: NDArray[np.int64]) -> dict[int, tuple[LeftLimit, ...]]:
+        """Return the limits that real poses do not keep, by their indices, if there are any."""
+        if not has_limits(self.instance):
+            return {}
+        real = np.flatnonzero(self.real)
+        values = self.arrangement.values * np.where(sides[real] < 0, -1.0, 1.0)
+        found = left_limits(self.instance, values, self.R[real].real, self.T[real].real)
+        return dict(zip(real.tolist(), found, strict=True))
 
     @property
     def real_solutions(self) -> tuple[Solution, ...]:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from gspcli.geometry.limits import LeftLimit
 from gspcli.geometry.quaternions import Field
 
 
@@ -50,6 +51,9 @@ class Solution:
         Condition number of the pose (`gspcli.geometry.residuals.condition_numbers`).
     sides
         For each DPH and DHP constraint, by its number from 1: ``positive`` or ``negative``.
+    limits
+        The ranges and cones that the pose does not keep; None if it is not real, or the instance
+        has none.
     """
 
     real: bool
@@ -61,6 +65,7 @@ class Solution:
     residual: float
     condition: float
     sides: Mapping[int, str]
+    limits: tuple[LeftLimit, ...] | None = None
 
     def __repr__(self) -> str:
         sort = ("real" if self.real else "complex") + ", certified" * self.certified
@@ -80,6 +85,8 @@ class Solution:
             "condition": self.condition if np.isfinite(self.condition) else None,
             "sides": {str(number): side for number, side in self.sides.items()},
         }
+        if self.limits is not None:
+            document["limits"] = [limit.to_json() for limit in self.limits]
         if not self.real:
             document["R_imag"] = self.R.imag.tolist()
             document["T_imag"] = self.T.imag.tolist()

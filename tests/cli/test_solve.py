@@ -279,3 +279,11 @@ def test_poses_that_the_machine_cannot_take_are_told(gsp):
     assert "outside its range" not in run.out
     run = gsp("solve", "@workspace-study", "--set", "2=521")
     assert "constraint 2 is outside its range: the machine can take none of these" in run.out
+    run = gsp("solve", "@workspace-study-cones", "--set", "6=79", "--format", "json")
+    poses = json.loads(run.out)["solutions"]
+    beyond = {"kind": "range", "constraint": 6, "body": None}
+    assert all(pose["limits"][0] == beyond for pose in poses)
+    (kept,) = (pose for pose in poses if pose["limits"] == [beyond])
+    assert kept["T"] == pytest.approx([-3.218, -5.895, 56.166], abs=1e-3)
+    assert {one["body"] for pose in poses for one in pose["limits"][1:]} == {"base", "platform"}
+    assert "limits" not in gsp("solve", "@dietmaier", "--format", "json").out

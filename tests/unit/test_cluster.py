@@ -79,6 +79,7 @@ def test_commands_print_the_same(gsp: Callable, there: Workers) -> None:
     commands = [
         ("sample", "6PH", "--one-sided", "--count", "2100"),
         ("maximize-real", "3D3A PP PP PP ALL ALL ALL", "--attempts", "2"),
+        ("scan", "@octahedral-3-3", "--vary", "1=1:2:5"),
     ]
     for command in commands:
         here = gsp(*command, "--jobs", "1")
