@@ -54,7 +54,7 @@ class ModularEquation:
 
 
 @dataclass(frozen=True)
-class Body:
+class FramedPrimitive:
     """A primitive: a point of it, and an orthonormal frame that begins with its direction."""
 
     point: Vector
@@ -62,7 +62,7 @@ class Body:
 
 
 def equation(
-    kind: Kind, platform: Body, base: Body, value: int, *, sides: int = 1
+    kind: Kind, platform: FramedPrimitive, base: FramedPrimitive, value: int, *, sides: int = 1
 ) -> ModularEquation:
     """Return the equation of a constraint (Section 4).
 
@@ -156,8 +156,10 @@ def random_platform(
     of an angle is a random number; the angles are ALL.
     """
 
-    def body() -> Body:
-        return Body([random.randrange(prime) for _ in range(3)], _random_frame(prime, random))
+    def body() -> FramedPrimitive:
+        return FramedPrimitive(
+            [random.randrange(prime) for _ in range(3)], _random_frame(prime, random)
+        )
 
     return [
         equation(kind, body(), body(), random.randrange(1, prime), sides=sides)

@@ -23,7 +23,7 @@ Line = tuple[Vector, Vector]
 Screw = tuple[Fraction, ...]
 
 
-class Joint(Enum):
+class JointKind(Enum):
     """A joint, by its letter in the paper."""
 
     REVOLUTE = "R"
@@ -43,7 +43,7 @@ class Joint(Enum):
         return len(joint_screws(self, _SAMPLE_LINE))
 
 
-class Axis(Enum):
+class JointAxis(Enum):
     """Where a joint of a chain lies.
 
     Attributes
@@ -64,13 +64,15 @@ class Axis(Enum):
     ACROSS_TOO = "across-too"
 
     @property
-    def mirrored(self) -> Axis:
+    def mirrored(self) -> JointAxis:
         """The axis after platform and base are exchanged."""
-        return {Axis.PLATFORM: Axis.BASE, Axis.BASE: Axis.PLATFORM}.get(self, self)
+        return {JointAxis.PLATFORM: JointAxis.BASE, JointAxis.BASE: JointAxis.PLATFORM}.get(
+            self, self
+        )
 
 
 @dataclass(frozen=True)
-class Placed:
+class PlacedJoint:
     """A joint of a chain.
 
     Attributes
@@ -83,8 +85,8 @@ class Placed:
         Whether a motor moves it.
     """
 
-    joint: Joint
-    axis: Axis
+    joint: JointKind
+    axis: JointAxis
     driven: bool = False
 
     def __str__(self) -> str:
@@ -101,7 +103,7 @@ class Chain:
         The joints in order.
     """
 
-    joints: tuple[Placed, ...]
+    joints: tuple[PlacedJoint, ...]
 
     @property
     def name(self) -> str:
@@ -137,10 +139,10 @@ class Chain:
     def mirrored(self) -> Chain:
         """The chain with platform and base exchanged."""
         return Chain(
-            tuple(Placed(p.joint, p.axis.mirrored, p.driven) for p in reversed(self.joints))
+            tuple(PlacedJoint(p.joint, p.axis.mirrored, p.driven) for p in reversed(self.joints))
         )
 
-    def screws(self, axes: Mapping[Axis, Line]) -> tuple[Screw, ...]:
+    def screws(self, axes: Mapping[JointAxis, Line]) -> tuple[Screw, ...]:
         """Return the screws of all joints, in order, for axes in given places."""
         return tuple(
             screw
@@ -157,21 +159,24 @@ def chain(text: str) -> Chain:
     """
     words = (word.split(":") for word in text.split())
     return Chain(
-        tuple(Placed(Joint(name[0]), Axis(axis), name.endswith("*")) for name, axis in words)
+        tuple(
+            PlacedJoint(JointKind(name[0]), JointAxis(axis), name.endswith("*"))
+            for name, axis in words
+        )
     )
 
 
-def joint_screws(joint: Joint, line: Line) -> tuple[Screw, ...]:
+def joint_screws(joint: JointKind, line: Line) -> tuple[Screw, ...]:
     """Return independent screws of a joint whose axis, centre or normal is a line."""
     point, direction = line
-    if joint is Joint.SPHERICAL:
+    if joint is JointKind.SPHERICAL:
         return tuple(rotation((point, unit)) for unit in _UNITS)
     turn, slide = rotation(line), translation(direction)
-    if joint is Joint.REVOLUTE:
+    if joint is JointKind.REVOLUTE:
         return (turn,)
-    if joint is Joint.PRISMATIC:
+    if joint is JointKind.PRISMATIC:
         return (slide,)
-    if joint is Joint.CYLINDRICAL:
+    if joint is JointKind.CYLINDRICAL:
         return (turn, slide)
     # Two of the products with the axes span the plane: all but that of a component not zero.
     skipped = next(i for i in range(3) if direction[i])

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 
 from gspcli.catalogue.joints import (
-    Axis,
     Chain,
+    JointAxis,
     Line,
     along,
     chain,
@@ -216,7 +216,7 @@ SAMPLE: tuple[Line, Line] = (
 )
 
 
-def sample_axes(kind: Kind, primitives: tuple[Line, Line] = SAMPLE) -> dict[Axis, Line]:
+def sample_axes(kind: Kind, primitives: tuple[Line, Line] = SAMPLE) -> dict[JointAxis, Line]:
     """Return the axes of a constraint's chain where its primitives are.
 
     Parameters
@@ -231,11 +231,11 @@ def sample_axes(kind: Kind, primitives: tuple[Line, Line] = SAMPLE) -> dict[Axis
     leg = _leg(kind, platform, base)
     across = cross(leg[1], vector(5, -2, 7))
     return {
-        Axis.PLATFORM: platform,
-        Axis.BASE: base,
-        Axis.LEG: leg,
-        Axis.ACROSS: (base[0], across),
-        Axis.ACROSS_TOO: (base[0], cross(leg[1], across)),
+        JointAxis.PLATFORM: platform,
+        JointAxis.BASE: base,
+        JointAxis.LEG: leg,
+        JointAxis.ACROSS: (base[0], across),
+        JointAxis.ACROSS_TOO: (base[0], cross(leg[1], across)),
     }
 
 

@@ -20,7 +20,7 @@ INVERSE = "w"
 
 
 @dataclass(frozen=True)
-class Motion:
+class SymbolicMotion:
     """A rigid motion ``x -> R x + T``.
 
     Attributes
@@ -60,12 +60,12 @@ class Motion:
         return [dot(column, v) for column in self.columns]
 
 
-def study() -> Motion:
+def study() -> SymbolicMotion:
     """Return motions by unit dual quaternions q + f: N = 1, every pose twice."""
     return _dual_quaternions(_symbols(QUATERNION), _symbols(DUAL), (*QUATERNION, *DUAL), None)
 
 
-def study_affine() -> Motion:
+def study_affine() -> SymbolicMotion:
     """Return motions by dual quaternions with q0 = 1: every pose but the half turns, once."""
     one = Polynomial.constant(1)
     e = [one, *_symbols(QUATERNION[1:])]
@@ -73,7 +73,7 @@ def study_affine() -> Motion:
     return _dual_quaternions(e, _symbols(DUAL), names, Polynomial.symbol(INVERSE))
 
 
-def rotation_translation() -> Motion:
+def rotation_translation() -> SymbolicMotion:
     """Return motions by the entries of R and T: N = 1, every pose once."""
     entries = _symbols(ROTATION)
     rows = (entries[:3], entries[3:6], entries[6:])
@@ -88,7 +88,7 @@ def rotation_translation() -> Motion:
         dot(first, second),
         *(a - b for a, b in zip(third, product, strict=True)),
     )
-    return Motion(
+    return SymbolicMotion(
         names=(*ROTATION, *TRANSLATION),
         N=Polynomial.constant(1),
         R=rows,
@@ -101,7 +101,7 @@ def rotation_translation() -> Motion:
 
 
 #: The coordinates by the names that the command line gives them.
-MOTIONS: dict[str, Callable[[], Motion]] = {
+MOTIONS: dict[str, Callable[[], SymbolicMotion]] = {
     "study": study,
     "study-affine": study_affine,
     "rt": rotation_translation,
@@ -114,7 +114,7 @@ def _symbols(names: Sequence[str]) -> list[Polynomial]:
 
 def _dual_quaternions(
     e: Vector, f: Vector, names: tuple[str, ...], inverse: Polynomial | None
-) -> Motion:
+) -> SymbolicMotion:
     conjugate = [e[0], *(-x for x in e[1:])]
     dual = [f[0], *(-x for x in f[1:])]
 
@@ -126,7 +126,7 @@ def _dual_quaternions(
         return [a + b for a, b in pairs]
 
     N = dot(e, e)
-    return Motion(
+    return SymbolicMotion(
         names=names,
         N=N if inverse is not None else Polynomial.constant(1),
         R=tuple(zip(*(sandwich(axis, e, conjugate) for axis in _AXES), strict=True)),

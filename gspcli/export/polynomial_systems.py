@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.export.constants import Constants
-from gspcli.export.motion_coordinates import Motion
+from gspcli.export.motion_coordinates import SymbolicMotion
 from gspcli.export.polynomials import Polynomial, cross, dot
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
@@ -45,7 +45,7 @@ class PolynomialSystem:
     constants: Mapping[str, Number]
 
 
-def system(instance: Instance, motion: Motion) -> PolynomialSystem:
+def system(instance: Instance, motion: SymbolicMotion) -> PolynomialSystem:
     """Return the constraints of an instance and the relations of the coordinates."""
     rows, constants = equations(instance, motion)
     polynomials = [constants.reduced(expanded(row)) for row in rows]
@@ -57,7 +57,7 @@ def expanded(equation: SumOfProducts) -> Polynomial:
     return sum((p * q for p, q in equation), start=Polynomial({}))
 
 
-def equations(instance: Instance, motion: Motion) -> tuple[list[SumOfProducts], Constants]:
+def equations(instance: Instance, motion: SymbolicMotion) -> tuple[list[SumOfProducts], Constants]:
     """Return one equation for each constraint, and the irrational numbers in them.
 
     For DLL also lines that become parallel satisfy the equation, whatever their distance.
@@ -67,7 +67,9 @@ def equations(instance: Instance, motion: Motion) -> tuple[list[SumOfProducts], 
     return rows, constants
 
 
-def _equation(row: Constraint, unit: AngleUnit, motion: Motion, exact: Constants) -> SumOfProducts:
+def _equation(
+    row: Constraint, unit: AngleUnit, motion: SymbolicMotion, exact: Constants
+) -> SumOfProducts:
     y, x = exact.vector(row.platform.position), exact.vector(row.base.position)
     u, v = exact.vector(_direction(row.platform)), exact.vector(_direction(row.base))
     N = motion.N

@@ -13,7 +13,7 @@ from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.catalogue.realization import Realization
 from gspcli.pictures.figures import BASE, INK, PLATFORM, SOFT, styled, written
 from gspcli.pictures.joint_symbols import draw_joint
-from gspcli.pictures.mounting import Ends, MountedJoint, mounted
+from gspcli.pictures.mounting import ChainEnds, MountedJoint, mounted
 from gspcli.pictures.projection import Paper, View
 from gspcli.pictures.strokes import perpendicular
 
@@ -64,7 +64,7 @@ def chain_drawing(
         return written(figure, fmt)
 
 
-def draw_links(paper: Paper, joints: Sequence[MountedJoint], ends: Ends) -> None:
+def draw_links(paper: Paper, joints: Sequence[MountedJoint], ends: ChainEnds) -> None:
     """Draw the links of a chain: bars from the platform through all joints to the base."""
     places = [ends.platform, *(joint.at for joint in joints), *_ground(joints, ends)]
     for a, b in pairwise(places):
@@ -72,7 +72,7 @@ def draw_links(paper: Paper, joints: Sequence[MountedJoint], ends: Ends) -> None
             paper.line(np.stack((a, b)), INK, 1.8, above=-0.2)
 
 
-def _ground(joints: Sequence[MountedJoint], ends: Ends) -> list[Array]:
+def _ground(joints: Sequence[MountedJoint], ends: ChainEnds) -> list[Array]:
     """Return where the last link ends: at the base, unless a driver is beyond it."""
     return [] if joints[-1].placed.driven else [ends.base]
 
@@ -102,7 +102,7 @@ def _panel(paper: Paper, realization: Realization) -> None:
     paper.finish()
 
 
-def _canonical(kind: Kind) -> Ends:
+def _canonical(kind: Kind) -> ChainEnds:
     """Return primitives that show a kind well: the platform's above the base's."""
     top, bottom = np.array([0.0, 0.0, _HEIGHT]), np.zeros(3)
     x, z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
@@ -120,7 +120,7 @@ def _canonical(kind: Kind) -> Ends:
         (Primitive.PLANE, Primitive.PLANE): (np.cross([0, 1.0, 0], inclined), z),
     }
     w, v = directions[kind.platform, kind.base]
-    return Ends(top, bottom, w, v)
+    return ChainEnds(top, bottom, w, v)
 
 
 def _piece(paper: Paper, sort: Primitive, at: Array, direction: Array, color: str) -> None:

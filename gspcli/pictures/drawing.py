@@ -11,20 +11,20 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import Primitive
 from gspcli.pictures.figures import ANGLE, BASE, DISTANCE, PLATFORM, SOFT, styled, written
 from gspcli.pictures.projection import Paper, View
-from gspcli.pictures.scene import Body, Scene, Series, Style
+from gspcli.pictures.scene import DrawnBody, Scene, Series, StrokeStyle
 
 Array = NDArray[np.float64]
 
 #: Width in points, and dashes, of each stroke.
 _STROKES = {
-    Style.LEG: (2.2, "-"),
-    Style.PERPENDICULAR: (1.7, "-"),
-    Style.ARC: (1.6, "-"),
-    Style.RAY: (0.7, (0, (4, 3))),
-    Style.SQUARE: (0.7, "-"),
-    Style.GUIDE: (0.7, (0, (2, 2))),
+    StrokeStyle.LEG: (2.2, "-"),
+    StrokeStyle.PERPENDICULAR: (1.7, "-"),
+    StrokeStyle.ARC: (1.6, "-"),
+    StrokeStyle.RAY: (0.7, (0, (4, 3))),
+    StrokeStyle.SQUARE: (0.7, "-"),
+    StrokeStyle.GUIDE: (0.7, (0, (2, 2))),
 }
-_MAIN = (Style.LEG, Style.PERPENDICULAR, Style.ARC)
+_MAIN = (StrokeStyle.LEG, StrokeStyle.PERPENDICULAR, StrokeStyle.ARC)
 _PANEL = 3.4
 #: One drawing alone may be larger.
 _ALONE = 5.0
@@ -97,7 +97,7 @@ def _draw(paper: Paper, scene: Scene, mode: int, *, named: bool, fine: bool) -> 
 
 
 def draw_body(
-    paper: Paper, body: Body, color: str, weight: float, R: Array, T: Array, *, named: bool
+    paper: Paper, body: DrawnBody, color: str, weight: float, R: Array, T: Array, *, named: bool
 ) -> None:
     """Draw a body that is moved by R and T; `weight` scales the widths of its lines."""
 

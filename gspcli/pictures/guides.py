@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import Primitive
-from gspcli.pictures.scene import Element, Stroke, Style
+from gspcli.pictures.scene import DrawnPrimitive, Stroke, StrokeStyle
 
 Array = NDArray[np.float64]
 
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 _INSIDE = 1e-6
 
 
-def guides(element: Element, feet: Array) -> Iterator[Stroke]:
+def guides(element: DrawnPrimitive, feet: Array) -> Iterator[Stroke]:
     """Yield the way from what is drawn of a primitive to a foot on it at each pose.
 
     Parameters
@@ -41,4 +41,4 @@ def guides(element: Element, feet: Array) -> Iterator[Stroke]:
     if (np.abs(along - inside) <= _INSIDE).all():
         return
     nearest = np.where(np.abs(along - inside) <= _INSIDE, along, inside)
-    yield Stroke(Style.GUIDE, np.stack((centre + nearest @ halves, feet), axis=1))
+    yield Stroke(StrokeStyle.GUIDE, np.stack((centre + nearest @ halves, feet), axis=1))

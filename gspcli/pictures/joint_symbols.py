@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.joints import Joint
+from gspcli.catalogue.joints import JointKind
 from gspcli.pictures.figures import ANGLE, INK
 from gspcli.pictures.mounting import MountedJoint
 from gspcli.pictures.projection import Paper
@@ -29,19 +29,19 @@ def draw_joint(paper: Paper, mounted: MountedJoint, size: float, *, letter: bool
     joint, at, axis = mounted.placed.joint, mounted.at, mounted.axis
     driven = mounted.placed.driven
     fill, edge = (_DRIVEN, ANGLE) if driven else (_FREE, INK)
-    if joint is Joint.SPHERICAL:
+    if joint is JointKind.SPHERICAL:
         _ball(paper, at, _BALL * size, fill, edge)
-    elif joint is Joint.CYLINDRICAL:
+    elif joint is JointKind.CYLINDRICAL:
         half, radius = (size * part for part in _CYLINDER)
         paper.line(np.stack((at - 2 * half * axis, at + 2 * half * axis)), edge, 1.1)
         _sleeve(paper, at, axis, half, radius, fill, edge)
-    elif joint is Joint.REVOLUTE:
+    elif joint is JointKind.REVOLUTE:
         half, radius = (size * part for part in _HINGE)
         paper.line(np.stack((at - 2 * half * axis, at + 2 * half * axis)), edge, 1.1)
         _sleeve(paper, at, axis, half, radius, fill, edge)
     else:
-        box = _BOX if joint is Joint.PRISMATIC else _SLAB
-        if joint is Joint.PRISMATIC:
+        box = _BOX if joint is JointKind.PRISMATIC else _SLAB
+        if joint is JointKind.PRISMATIC:
             rod = 1.9 * box[0] * size * axis
             paper.line(np.stack((at - rod, at + rod)), edge, 1.6)
         _block(paper, at, axis, [size * half for half in box], fill, edge)
@@ -49,7 +49,7 @@ def draw_joint(paper: Paper, mounted: MountedJoint, size: float, *, letter: bool
         _arrow(paper, mounted, size)
     if letter:
         # Beside what stands upright, above what lies.
-        lies = joint is not Joint.SPHERICAL and abs(axis @ paper.view.axes[1]) < _UPRIGHT
+        lies = joint is not JointKind.SPHERICAL and abs(axis @ paper.view.axes[1]) < _UPRIGHT
         shift = np.array([-13.0, 12.0] if lies else [-17.0, 0.0])
         paper.text(at, str(mounted.placed), edge, shift, fontsize=9)
 
@@ -107,7 +107,7 @@ def _arrow(paper: Paper, mounted: MountedJoint, size: float) -> None:
     side = side / norm if norm > 1e-6 else perpendicular(axis)
     if side @ paper.view.axes[0] < 0:
         side = -side
-    if mounted.placed.joint is Joint.PRISMATIC:
+    if mounted.placed.joint is JointKind.PRISMATIC:
         middle = at + 1.05 * size * side
         paper.arrow(middle, middle + 1.3 * size * axis, ANGLE, width)
         paper.arrow(middle, middle - 1.3 * size * axis, ANGLE, width)

@@ -11,9 +11,9 @@ from gspcli.pictures.chain_panels import draw_links
 from gspcli.pictures.drawing import draw_body
 from gspcli.pictures.figures import BASE, PLATFORM, styled, written
 from gspcli.pictures.joint_symbols import draw_joint
-from gspcli.pictures.mounting import Ends, fitting, mounted, stretched
+from gspcli.pictures.mounting import ChainEnds, fitting, mounted, stretched
 from gspcli.pictures.projection import Paper, View
-from gspcli.pictures.scene import Body, Element, Scene
+from gspcli.pictures.scene import DrawnBody, DrawnPrimitive, Scene
 from gspcli.pictures.strokes import connection
 
 Array = NDArray[np.float64]
@@ -59,7 +59,7 @@ def mechanism_drawing(
         placed = [(chain, _ends(scene, chain, mode, size)) for chain in mechanism.chains]
         # The nearest chain last, each as a whole.
 
-        def depth(ends: Ends) -> float:
+        def depth(ends: ChainEnds) -> float:
             return round(float((ends.platform + ends.base) @ paper.view.axes[2]) / scene.size, 6)
 
         placed.sort(key=lambda pair: depth(pair[1]))
@@ -74,7 +74,7 @@ def mechanism_drawing(
         return written(figure, fmt)
 
 
-def _ends(scene: Scene, chain: MountedChain, mode: int, size: float) -> Ends:
+def _ends(scene: Scene, chain: MountedChain, mode: int, size: float) -> ChainEnds:
     """Return what a chain connects at a mode."""
     modes = scene.series[0]
     R, T = modes.R[mode], modes.T[mode]
@@ -86,24 +86,24 @@ def _ends(scene: Scene, chain: MountedChain, mode: int, size: float) -> Ends:
     w = R @ w
     if kind.is_distance:
         platform, base = modes.strokes[number][0].points[mode]
-        return Ends(platform, base, w, v)
+        return ChainEnds(platform, base, w, v)
     platform, base = R @ on_platform.centre + T, on_base.centre
     if on_platform.primitive is on_base.primitive is Primitive.LINE:
         feet = connection(DLL, *(part[None] for part in (platform, w, base, v)))
         platform = platform + _drawn(on_platform, (feet.platform[0] - platform) @ w) * w
         base = base + _drawn(on_base, (feet.base[0] - base) @ v) * v
-    return stretched(Ends(platform, base, w, v), size)
+    return stretched(ChainEnds(platform, base, w, v), size)
 
 
-def _drawn(element: Element, along: float) -> float:
+def _drawn(element: DrawnPrimitive, along: float) -> float:
     """Return a place on a line, from the middle of its drawn part, inside that part."""
     half = _INSIDE * float(np.linalg.norm(element.outline[1] - element.outline[0])) / 2
     return min(max(along, -half), half)
 
 
-def _element(body: Body, name: str) -> Element:
+def _element(body: DrawnBody, name: str) -> DrawnPrimitive:
     return next(element for element in body.elements if element.name == name)
 
 
-def _direction(element: Element) -> Array:
+def _direction(element: DrawnPrimitive) -> Array:
     return np.zeros(3) if element.direction is None else element.direction

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.joints import Axis, Joint, Placed
+from gspcli.catalogue.joints import JointAxis, JointKind, PlacedJoint
 from gspcli.catalogue.realization import Realization
 from gspcli.pictures.strokes import perpendicular
 
@@ -23,7 +23,7 @@ _PARALLEL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Ends:
+class ChainEnds:
     """What a chain connects, at one pose.
 
     Attributes
@@ -44,12 +44,12 @@ class Ends:
 class MountedJoint:
     """A joint in space: where it is, and the unit direction of its axis, shapes (3,)."""
 
-    placed: Placed
+    placed: PlacedJoint
     at: Array
     axis: Array
 
 
-def mounted(realization: Realization, ends: Ends, joint: float) -> tuple[MountedJoint, ...]:
+def mounted(realization: Realization, ends: ChainEnds, joint: float) -> tuple[MountedJoint, ...]:
     """Return the joints of a chain in space, from the platform to the base.
 
     Joints on the leg share the way between the ends; those on a line or in a plane lie side by
@@ -72,14 +72,14 @@ def mounted(realization: Realization, ends: Ends, joint: float) -> tuple[Mounted
     leg = down if realization.kinds[0].is_distance else _hinge(ends, down)
     across = perpendicular(leg)
     directions = {
-        Axis.PLATFORM: ends.w,
-        Axis.BASE: ends.v,
-        Axis.LEG: leg,
-        Axis.ACROSS: across,
-        Axis.ACROSS_TOO: np.cross(leg, across),
+        JointAxis.PLATFORM: ends.w,
+        JointAxis.BASE: ends.v,
+        JointAxis.LEG: leg,
+        JointAxis.ACROSS: across,
+        JointAxis.ACROSS_TOO: np.cross(leg, across),
     }
     places = _places(joints, ends, down, joint)
-    if not realization.kinds[0].is_distance and Axis.ACROSS in {p.axis for p in joints}:
+    if not realization.kinds[0].is_distance and JointAxis.ACROSS in {p.axis for p in joints}:
         # Three hinges and three slides have no place of their own.
         steps = np.linspace(0, 1, len(joints))
         places = [ends.platform + t * way for t in steps]
@@ -89,13 +89,13 @@ def mounted(realization: Realization, ends: Ends, joint: float) -> tuple[Mounted
     )
 
 
-def fitting(ends: Ends, joint: float) -> float:
+def fitting(ends: ChainEnds, joint: float) -> float:
     """Return the size of joints that find room between the ends, at most `joint`."""
     length = float(np.linalg.norm(ends.platform - ends.base))
     return joint * min(1.0, max(length / (_SHORTEST * joint), _SMALLEST))
 
 
-def stretched(ends: Ends, joint: float) -> Ends:
+def stretched(ends: ChainEnds, joint: float) -> ChainEnds:
     """Return the ends apart enough to draw joints between them.
 
     The ends of angles may be anywhere on their lines and planes; where those meet, the ends
@@ -104,26 +104,28 @@ def stretched(ends: Ends, joint: float) -> Ends:
     if np.linalg.norm(ends.platform - ends.base) >= _SHORTEST * joint:
         return ends
     step = _SHORTEST * joint
-    return Ends(ends.platform + step * ends.w, ends.base + step * ends.v, ends.w, ends.v)
+    return ChainEnds(ends.platform + step * ends.w, ends.base + step * ends.v, ends.w, ends.v)
 
 
-def _hinge(ends: Ends, down: Array) -> Array:
+def _hinge(ends: ChainEnds, down: Array) -> Array:
     """Return the axis about which an angle turns: perpendicular to both directions."""
     axis = np.cross(ends.w, ends.v)
     norm = float(np.linalg.norm(axis))
     return axis / norm if norm > _PARALLEL else perpendicular(down)
 
 
-def _places(joints: tuple[Placed, ...], ends: Ends, down: Array, joint: float) -> list[Array]:
+def _places(
+    joints: tuple[PlacedJoint, ...], ends: ChainEnds, down: Array, joint: float
+) -> list[Array]:
     """Return the places of the joints of a chain, in order."""
     last = len(joints)
-    while last and joints[last - 1].driven and joints[last - 1].axis is Axis.LEG:
+    while last and joints[last - 1].driven and joints[last - 1].axis is JointAxis.LEG:
         last -= 1
     inside = joints[:last]
-    on_leg = [k for k, placed in enumerate(inside) if placed.axis is Axis.LEG]
-    at_platform = [k for k, placed in enumerate(inside) if placed.axis is Axis.PLATFORM]
-    at_base = [k for k, placed in enumerate(inside) if placed.axis is Axis.BASE]
-    across = [k for k, p in enumerate(inside) if p.axis in (Axis.ACROSS, Axis.ACROSS_TOO)]
+    on_leg = [k for k, placed in enumerate(inside) if placed.axis is JointAxis.LEG]
+    at_platform = [k for k, placed in enumerate(inside) if placed.axis is JointAxis.PLATFORM]
+    at_base = [k for k, placed in enumerate(inside) if placed.axis is JointAxis.BASE]
+    across = [k for k, p in enumerate(inside) if p.axis in (JointAxis.ACROSS, JointAxis.ACROSS_TOO)]
     places: dict[int, Array] = {}
     for rank, k in enumerate(on_leg):
         t = (rank + 1) / (len(on_leg) + 1)
@@ -139,7 +141,7 @@ def _places(joints: tuple[Placed, ...], ends: Ends, down: Array, joint: float) -
     at_top = bool(across) and bool(on_leg) and across[0] < on_leg[0]
     for rank, k in enumerate(across):
         # Crossing hinges are one universal joint; slides lie one on the other.
-        apart = 0.0 if joints[k].joint is Joint.REVOLUTE else 0.55 * _APART * joint
+        apart = 0.0 if joints[k].joint is JointKind.REVOLUTE else 0.55 * _APART * joint
         if at_top:
             places[k] = ends.platform + rank * apart * down
         else:

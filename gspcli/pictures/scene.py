@@ -27,7 +27,7 @@ SCHEMA = "gsp.scene/1"
 _RESOLUTION = 1e-4
 
 
-class Style(Enum):
+class StrokeStyle(Enum):
     """What a stroke of a constraint means."""
 
     LEG = "leg"
@@ -45,7 +45,7 @@ class Style(Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class Element:
+class DrawnPrimitive:
     """A primitive of a body as it is drawn.
 
     Attributes
@@ -71,7 +71,7 @@ class Element:
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
+class DrawnBody:
     """The base or the platform.
 
     Attributes
@@ -87,12 +87,12 @@ class Body:
     """
 
     name: str
-    elements: tuple[Element, ...]
+    elements: tuple[DrawnPrimitive, ...]
     faces: tuple[Array, ...]
 
 
 @dataclass(frozen=True)
-class Bond:
+class DrawnConstraint:
     """A constraint as the labels name it.
 
     Attributes
@@ -128,7 +128,7 @@ class Bond:
 class Stroke:
     """A line drawn for a constraint at each of n poses: points of shape (n, k, 3)."""
 
-    style: Style
+    style: StrokeStyle
     points: Array
 
 
@@ -188,7 +188,7 @@ class Scene:
     summary
         What was found, in a sentence or two.
     length_unit, angle_unit
-        The units of all numbers; angles of `Bond.value` and `Series.measured` only.
+        The units of all numbers; angles of `DrawnConstraint.value` and `Series.measured` only.
     size
         The radius of base and platform together at a typical pose: the unit of all marks.
     platform, base
@@ -205,9 +205,9 @@ class Scene:
     length_unit: str
     angle_unit: str
     size: float
-    platform: Body
-    base: Body
-    bonds: tuple[Bond, ...]
+    platform: DrawnBody
+    base: DrawnBody
+    bonds: tuple[DrawnConstraint, ...]
     series: tuple[Series, ...]
 
     @cached_property
@@ -215,7 +215,7 @@ class Scene:
         """Decimals of drawn coordinates."""
         return max(0, -math.floor(math.log10(self.size * _RESOLUTION)))
 
-    def unit(self, bond: Bond) -> str:
+    def unit(self, bond: DrawnConstraint) -> str:
         """Return the unit in which a constraint is measured."""
         return self.length_unit if bond.kind.is_distance else self.angle_unit
 
@@ -238,7 +238,7 @@ class Scene:
         # Adding zero turns -0.0 into 0.0.
         return (points.round(self.decimals) + 0.0).tolist()
 
-    def _body(self, body: Body) -> dict[str, Any]:
+    def _body(self, body: DrawnBody) -> dict[str, Any]:
         return {
             "elements": [
                 {

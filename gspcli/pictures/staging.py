@@ -18,7 +18,7 @@ from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.residuals import condition_numbers, sides_of
 from gspcli.pictures.guides import guides
 from gspcli.pictures.hulls import convex_hull
-from gspcli.pictures.scene import Body, Bond, Element, Scene, Series, Stroke
+from gspcli.pictures.scene import DrawnBody, DrawnConstraint, DrawnPrimitive, Scene, Series, Stroke
 from gspcli.pictures.strokes import (
     Ends,
     Sizes,
@@ -132,7 +132,7 @@ def scene_of(
         platform=platform,
         base=base,
         bonds=tuple(
-            Bond(i + 1, row.kind, *names[i], row.value.value)
+            DrawnConstraint(i + 1, row.kind, *names[i], row.value.value)
             for i, row in enumerate(instance.constraints)
         ),
         series=tuple(series),
@@ -234,10 +234,10 @@ class _Stage:
         """Return points (n, 3), one at each pose, in the frame of the platform."""
         return np.asarray(np.einsum("nji,nj->ni", self.R, points - self.T))
 
-    def body(self, name: str, primitives: Sequence[Geometry]) -> Body:
+    def body(self, name: str, primitives: Sequence[Geometry]) -> DrawnBody:
         """Return a body with what is drawn of each of its primitives."""
         platform = name == "platform"
-        elements: dict[str, Element] = {}
+        elements: dict[str, DrawnPrimitive] = {}
         for primitive, placed in zip(primitives, self.placed, strict=True):
             label = placed.platform if platform else placed.base
             if label not in elements:
@@ -250,7 +250,9 @@ class _Stage:
                 elements[label] = self._element(label, primitive, feet)
         # A plane shows by itself where it belongs.
         joined = [e.centre for e in elements.values() if e.primitive is not Primitive.PLANE]
-        return Body(name, tuple(elements.values()), convex_hull(np.array(joined).reshape(-1, 3)))
+        return DrawnBody(
+            name, tuple(elements.values()), convex_hull(np.array(joined).reshape(-1, 3))
+        )
 
     def _feet(self, placed: _Placed, platform: bool) -> Array:
         """Return the ends of a distance on a body in the body's frame."""
@@ -258,10 +260,10 @@ class _Stage:
             return self.to_platform(placed.ends.platform)
         return placed.ends.base
 
-    def _element(self, name: str, primitive: Geometry, feet: list[Array]) -> Element:
+    def _element(self, name: str, primitive: Geometry, feet: list[Array]) -> DrawnPrimitive:
         anchor = primitive.point
         if isinstance(primitive, Point):
-            return Element(name, primitive.primitive, anchor[None], None)
+            return DrawnPrimitive(name, primitive.primitive, anchor[None], None)
         points = np.concatenate(feet) if feet and len(self.R) else anchor[None]
         middle = np.median(points, axis=0)
         points = points[np.linalg.norm(points - middle, axis=1) <= _NEAR * self.size]
@@ -279,11 +281,11 @@ class _Stage:
         low, high = along.min(axis=0), along.max(axis=0)
         half = np.maximum((high - low) / 2 + _MARGIN * self.size, _HALF * self.size)
         middle = anchor + (low + high) / 2 @ axes
-        return Element(
+        return DrawnPrimitive(
             name, primitive.primitive, middle + (np.array(corners) * half) @ axes, direction
         )
 
-    def drawn(self, platform: Body, base: Body) -> tuple[list[tuple[Stroke, ...]], Array]:
+    def drawn(self, platform: DrawnBody, base: DrawnBody) -> tuple[list[tuple[Stroke, ...]], Array]:
         """Return the strokes of every constraint and where its number is written, (n, 6, 3)."""
         of_platform = {element.name: element for element in platform.elements}
         of_base = {element.name: element for element in base.elements}
@@ -309,7 +311,9 @@ class _Stage:
             labels.append(middle)
         return strokes, np.stack(labels, axis=1)
 
-    def _vertex(self, placed: _Placed, on_platform: Element, on_base: Element) -> Array:
+    def _vertex(
+        self, placed: _Placed, on_platform: DrawnPrimitive, on_base: DrawnPrimitive
+    ) -> Array:
         """Return where an angle is drawn at each pose, shape (n, 3)."""
         n = len(self.R)
         if on_base.primitive is Primitive.LINE and on_platform.primitive is Primitive.PLANE:

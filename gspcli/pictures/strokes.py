@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.geometry.quaternions import cross, dot
-from gspcli.pictures.scene import Stroke, Style
+from gspcli.pictures.scene import Stroke, StrokeStyle
 
 Array = NDArray[np.float64]
 
@@ -91,7 +91,7 @@ def connection(kind: Kind, p: Array, w: Array, x: Array, v: Array) -> Ends:
 
 def distance_strokes(kind: Kind, ends: Ends, sizes: Sizes) -> Iterator[Stroke]:
     """Yield what is drawn for a distance."""
-    style = Style.LEG if kind is DPP else Style.PERPENDICULAR
+    style = StrokeStyle.LEG if kind is DPP else StrokeStyle.PERPENDICULAR
     yield Stroke(style, np.stack((ends.platform, ends.base), axis=1))
     leg = ends.platform - ends.base
     length = np.linalg.norm(leg, axis=1, keepdims=True)
@@ -115,9 +115,9 @@ def angle_strokes(kind: Kind, ends: Ends, sizes: Sizes) -> Iterator[Stroke]:
     angle = np.arctan2(norm[:, 0], dot(first, second))
     turn = angle[:, None] * np.linspace(0, 1, _ARC_POINTS)
     arc = np.cos(turn)[..., None] * first[:, None] + np.sin(turn)[..., None] * across[:, None]
-    yield Stroke(Style.ARC, at[:, None] + sizes.arc * arc)
+    yield Stroke(StrokeStyle.ARC, at[:, None] + sizes.arc * arc)
     for arm in (first, second):
-        yield Stroke(Style.RAY, np.stack((at, at + sizes.ray * arm), axis=1))
+        yield Stroke(StrokeStyle.RAY, np.stack((at, at + sizes.ray * arm), axis=1))
 
 
 def arms(kind: Kind, ends: Ends) -> tuple[Array, Array]:
@@ -158,4 +158,4 @@ def _square(at: Array, leg: Array, aside: Array, size: Array) -> Stroke:
     norm = np.linalg.norm(leg, axis=1, keepdims=True)
     up = size * leg / np.where(norm > 0, norm, 1.0)
     side = size * aside
-    return Stroke(Style.SQUARE, np.stack((at + side, at + side + up, at + up), axis=1))
+    return Stroke(StrokeStyle.SQUARE, np.stack((at + side, at + side + up, at + up), axis=1))

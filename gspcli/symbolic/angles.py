@@ -12,7 +12,13 @@ from collections.abc import Sequence
 
 from gspcli.symbolic.eliminations import cramer, determinant
 from gspcli.symbolic.sparse_polynomials import Polynomial, coefficient, coefficients
-from gspcli.symbolic.triangular import Condition, Element, Elimination, Relation, TriangularSet
+from gspcli.symbolic.triangular import (
+    Condition,
+    Elimination,
+    Relation,
+    TriangularPolynomial,
+    TriangularSet,
+)
 
 #: The order of the unknowns in equations (12) and (13), ascending.
 ORDER = ("r32", "r31", "r23", "r22", "r21", "r13", "r12", "r11", "r33")
@@ -84,7 +90,7 @@ def derive_angles() -> TriangularSet:
         system=system,
         definitions=tuple(ring.definitions),
         elements=tuple(
-            Element(f"h{i + 1}", name, element)
+            TriangularPolynomial(f"h{i + 1}", name, element)
             for i, (name, element) in enumerate(zip(ORDER, elements, strict=True))
         ),
         conditions=(
@@ -143,7 +149,7 @@ def derive_example_6_2() -> TriangularSet:
         system=system,
         definitions=(),
         elements=tuple(
-            Element(f"h{i + 1}", name, element)
+            TriangularPolynomial(f"h{i + 1}", name, element)
             for i, (name, element) in enumerate(zip(names, elements, strict=True))
         ),
         conditions=(

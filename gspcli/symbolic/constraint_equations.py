@@ -44,7 +44,7 @@ _ONE = sympy.Integer(1)
 
 
 @dataclass(frozen=True)
-class Element:
+class SymbolicPrimitive:
     """A primitive by its vectors.
 
     Attributes
@@ -62,17 +62,17 @@ class Element:
     directions: tuple[Vector, ...]
 
 
-def element(primitive: Primitive, frame: Frame) -> Element:
+def element(primitive: Primitive, frame: Frame) -> SymbolicPrimitive:
     """Return the vectors of a primitive of the platform or the base."""
     vector, names = (platform, "YBv") if frame is Frame.PLATFORM else (base, "XAu")
     point, axis = vector(names[1]), vector(names[2])
     match primitive:
         case Primitive.POINT:
-            return Element(vector(names[0]), None, ())
+            return SymbolicPrimitive(vector(names[0]), None, ())
         case Primitive.LINE:
-            return Element(point, axis, (axis,))
+            return SymbolicPrimitive(point, axis, (axis,))
         case Primitive.PLANE:
-            return Element(point, axis, (vector(f"{names[2]}1"), vector(f"{names[2]}2")))
+            return SymbolicPrimitive(point, axis, (vector(f"{names[2]}1"), vector(f"{names[2]}2")))
 
 
 @dataclass(frozen=True)
@@ -87,8 +87,8 @@ class Setting:
         The vector w from the base primitive's point to the platform primitive's.
     """
 
-    platform: Element
-    base: Element
+    platform: SymbolicPrimitive
+    base: SymbolicPrimitive
     offset: Sum
 
     @property

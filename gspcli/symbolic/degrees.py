@@ -14,7 +14,7 @@ from random import Random
 
 from gspcli.catalogue.kinds import Kind
 from gspcli.symbolic.coordinates import CoordinateSystem
-from gspcli.symbolic.rational_motions import Motion, monomials, rank
+from gspcli.symbolic.rational_motions import RationalMotion, monomials, rank
 from gspcli.symbolic.samples import sample
 from gspcli.symbolic.varieties import coordinates_at
 
@@ -24,7 +24,7 @@ SPARE_POINTS = 8
 
 def constrained_motions(
     kind: Kind, count: int, *, one_sided: bool = False, seed: int = 0
-) -> list[Motion]:
+) -> list[RationalMotion]:
     """Return exact motions that satisfy one random instance of a kind of constraint."""
     random = Random(seed)
     instance = sample(kind, random)
@@ -32,7 +32,10 @@ def constrained_motions(
 
 
 def excludes_degree(
-    coordinates: CoordinateSystem, motions: Sequence[Motion], degree: int, hilbert_value: int
+    coordinates: CoordinateSystem,
+    motions: Sequence[RationalMotion],
+    degree: int,
+    hilbert_value: int,
 ) -> bool:
     """Return whether every polynomial up to a degree that vanishes at the motions is trivial.
 

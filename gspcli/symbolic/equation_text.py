@@ -32,7 +32,7 @@ from gspcli.symbolic.forms import (
 
 
 @dataclass(frozen=True)
-class Style:
+class Signs:
     """The signs of one way of writing.
 
     Attributes
@@ -60,8 +60,8 @@ class Style:
     gap: str
 
 
-TEXT = Style("·", "×", "−", "±", "ρ", "²", "α", "", "½", "ᵀ", "")
-LATEX = Style(
+TEXT = Signs("·", "×", "−", "±", "ρ", "²", "α", "", "½", "ᵀ", "")
+LATEX = Signs(
     r" \cdot ",
     r" \times ",
     "-",
@@ -78,7 +78,7 @@ LATEX = Style(
 _ORDER = (RHO, on_moment, on_pullback, on_translation, on_rotation, dot)
 
 
-def definition(kind: Kind, style: Style = TEXT) -> str:
+def definition(kind: Kind, style: Signs = TEXT) -> str:
     """Return a constraint in R and T, as the paper writes it (Section 4)."""
     where = setting(kind)
     offset = f"R{style.gap}{where.platform.point.name} + T {style.minus} {where.base.point.name}"
@@ -102,7 +102,7 @@ def definition(kind: Kind, style: Style = TEXT) -> str:
 
 
 def written(
-    equation: SymbolicEquation, kind: Kind, coordinates: CoordinateSystem, style: Style = TEXT
+    equation: SymbolicEquation, kind: Kind, coordinates: CoordinateSystem, style: Signs = TEXT
 ) -> str:
     """Return an equation in the given coordinates; with both signs of d where there are sides."""
     if kind.has_sides and equation.form == "product":
@@ -136,7 +136,7 @@ def why_lowest(kind: Kind) -> str:
             )
 
 
-def write(form: Expr, coordinates: CoordinateSystem | None, style: Style = TEXT) -> str:
+def write(form: Expr, coordinates: CoordinateSystem | None, style: Signs = TEXT) -> str:
     """Return a polynomial in atoms, d and functions of alpha.
 
     Blocks that are not among the coordinates are written by those that are.
@@ -166,7 +166,7 @@ def _rank(term: Expr) -> tuple[int, str]:
 
 
 def _product(
-    coefficient: Expr, rest: Expr, coordinates: CoordinateSystem | None, style: Style
+    coefficient: Expr, rest: Expr, coordinates: CoordinateSystem | None, style: Signs
 ) -> str:
     if rest == 1:
         return str(coefficient)
@@ -178,7 +178,7 @@ def _product(
 
 
 def _factor(
-    factor: Expr, among_others: bool, coordinates: CoordinateSystem | None, style: Style
+    factor: Expr, among_others: bool, coordinates: CoordinateSystem | None, style: Signs
 ) -> str:
     if factor.is_Pow:
         base, exponent = factor.args
@@ -195,7 +195,7 @@ def _factor(
     return _atom(factor, coordinates, style)
 
 
-def _atom(atom: Expr, coordinates: CoordinateSystem, style: Style) -> str:
+def _atom(atom: Expr, coordinates: CoordinateSystem, style: Signs) -> str:
     blocks = coordinates.blocks
     if atom == RHO:
         for block, text in _rho(style).items():
@@ -220,7 +220,7 @@ def _atom(atom: Expr, coordinates: CoordinateSystem, style: Style) -> str:
     return f"{names[0]}{style.dot}R{gap}(U{times}{names[1]})"
 
 
-def _rho(style: Style) -> Mapping[str, str]:
+def _rho(style: Signs) -> Mapping[str, str]:
     return {
         "rho": style.rho,
         "T": f"T{style.dot}T",
@@ -229,7 +229,7 @@ def _rho(style: Style) -> Mapping[str, str]:
     }
 
 
-def _translation(blocks: tuple[str, ...], style: Style) -> str:
+def _translation(blocks: tuple[str, ...], style: Signs) -> str:
     if "T" in blocks:
         return "T"
     if "U" in blocks:
@@ -237,12 +237,12 @@ def _translation(blocks: tuple[str, ...], style: Style) -> str:
     return f"{style.functions}axial((T{style.times}R){style.gap}R{style.transposed})"
 
 
-def _name(vector: Expr, style: Style) -> str:
+def _name(vector: Expr, style: Signs) -> str:
     if vector.func == cross:
         return f"({style.times.join(str(argument) for argument in vector.args)})"
     return str(vector)
 
 
-def _carried(vector: Vector, style: Style) -> str:
+def _carried(vector: Vector, style: Signs) -> str:
     prefix = f"R{style.gap}" if vector.frame is Frame.PLATFORM else ""
     return prefix + str(vector.name)

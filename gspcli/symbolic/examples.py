@@ -10,7 +10,7 @@ from sympy import Expr, Matrix, Rational, Symbol, radsimp, sqrt, sqrtdenest, sym
 
 from gspcli.errors import GspError
 from gspcli.symbolic.closed_forms import derive
-from gspcli.symbolic.triangular import Element
+from gspcli.symbolic.triangular import TriangularPolynomial
 
 Number: TypeAlias = int | Expr
 Point: TypeAlias = tuple[Expr, Expr, Expr]
@@ -100,7 +100,7 @@ def _degenerate(d1: Number, d2: Number, d3: Number, why: str) -> str:
     return f"Example 6.2 with cosines {d1}, {d2}, {d3} is not in general position: {why}"
 
 
-def _coefficient(element: Element, degree: int, known: Mapping[Symbol, Expr]) -> Expr:
+def _coefficient(element: TriangularPolynomial, degree: int, known: Mapping[Symbol, Expr]) -> Expr:
     expression = element.polynomial.as_expr().expand()
     return expression.coeff(Symbol(element.leading), degree).subs(known).expand()
 

@@ -22,7 +22,7 @@ SURFACES = {1: "P", 2: "C", 3: "S"}
 
 
 @dataclass(frozen=True)
-class Locus:
+class DerivedLocus:
     """The locus of a point of a platform primitive under a fixed orientation.
 
     Attributes
@@ -95,7 +95,7 @@ def _plane_directions(directions: tuple[Vector, ...], normal: Matrix) -> dict[st
     }
 
 
-def locus(kind: Kind, *, parallel: bool = False) -> Locus:
+def locus(kind: Kind, *, parallel: bool = False) -> DerivedLocus:
     """Return the locus that a distance induces (Proposition 6.4).
 
     Raises
@@ -109,7 +109,7 @@ def locus(kind: Kind, *, parallel: bool = False) -> Locus:
         raise ArithmeticError(message)
     # The rank of a projection is its trace.
     surface = SURFACES[int(sympy.cancel(form.trace()))]
-    return Locus(surface, _describe(kind, surface))
+    return DerivedLocus(surface, _describe(kind, surface))
 
 
 def _describe(kind: Kind, surface: str) -> str:
@@ -130,7 +130,7 @@ def _carried(axis: Vector) -> str:
     return ("R" if axis.frame is Frame.PLATFORM else "") + str(axis.name)
 
 
-def loci(kind: Kind) -> dict[str, Locus]:
+def loci(kind: Kind) -> dict[str, DerivedLocus]:
     """Return the loci of a kind: ``generic`` and, for two lines, ``parallel``; empty for angles."""
     if not kind.is_distance:
         return {}

@@ -22,7 +22,7 @@ PRIME = 2**31 - 1
 
 
 @dataclass(frozen=True)
-class Motion:
+class RationalMotion:
     """A rigid motion ``x_base = R x_platform + T`` with rational entries.
 
     Attributes
@@ -70,9 +70,9 @@ def random_rotation(random: Random) -> Exact:
     return cayley(a, b, c)
 
 
-def random_motion(random: Random) -> Motion:
+def random_motion(random: Random) -> RationalMotion:
     """Return a random rational rigid motion."""
-    return Motion(random_rotation(random), random_vector(random))
+    return RationalMotion(random_rotation(random), random_vector(random))
 
 
 def residues(values: Sequence[Sequence[Any]]) -> Residues:

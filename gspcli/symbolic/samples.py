@@ -16,7 +16,7 @@ import numpy as np
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.symbolic.rational_motions import (
     Exact,
-    Motion,
+    RationalMotion,
     cayley,
     random_fraction,
     random_rotation,
@@ -25,7 +25,7 @@ from gspcli.symbolic.rational_motions import (
 
 
 @dataclass(frozen=True)
-class Sample:
+class RationalConstraint:
     """A constraint with rational data.
 
     Attributes
@@ -66,7 +66,7 @@ class Sample:
             "u": self.base_frame[:, 2],
         }
 
-    def motion(self, random: Random, side: int | None = None) -> Motion:
+    def motion(self, random: Random, side: int | None = None) -> RationalMotion:
         """Return a random rational motion that satisfies the constraint.
 
         Parameters
@@ -77,7 +77,9 @@ class Sample:
             +1 or -1 for a chosen side of a DPH or DHP; either when None.
         """
         if not self.kind.is_distance:
-            return Motion(self._at_angle(self.cosine, self.sine, random), random_vector(random))
+            return RationalMotion(
+                self._at_angle(self.cosine, self.sine, random), random_vector(random)
+            )
         if self.kind.platform is self.kind.base is Primitive.LINE:
             cosine, sine = circle_point(random)
             rotation = self._at_angle(cosine, sine, random)
@@ -92,7 +94,7 @@ class Sample:
                 frame = rotation @ self.platform_frame
             offset = frame @ self._offset(random, side)
         translation = offset - rotation @ self.platform_point + self.base_point
-        return Motion(rotation, translation)
+        return RationalMotion(rotation, translation)
 
     def _at_angle(self, cosine: Fraction, sine: Fraction, random: Random) -> Exact:
         """Return a random rotation that brings v to the given angle with u."""
@@ -130,10 +132,10 @@ def circle_point(random: Random) -> tuple[Fraction, Fraction]:
     return (1 - square) / (1 + square), 2 * slope / (1 + square)
 
 
-def sample(kind: Kind, random: Random) -> Sample:
+def sample(kind: Kind, random: Random) -> RationalConstraint:
     """Return a random rational instance of a kind of constraint."""
     cosine, sine = circle_point(random)
-    return Sample(
+    return RationalConstraint(
         kind,
         random_rotation(random),
         random_rotation(random),

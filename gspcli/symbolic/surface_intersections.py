@@ -12,7 +12,7 @@ from typing import Any
 from gspcli.symbolic import eliminations
 from gspcli.symbolic.eliminations import Reduction
 from gspcli.symbolic.sparse_polynomials import Polynomial
-from gspcli.symbolic.triangular import Element, Elimination, Relation, TriangularSet
+from gspcli.symbolic.triangular import Elimination, Relation, TriangularPolynomial, TriangularSet
 
 VARIABLES = ("x", "y", "z")
 
@@ -77,7 +77,9 @@ def derive_intersection(case: str) -> TriangularSet:
         parameters=tuple(parameters),
         system=tuple(map(Relation, _names(case), surfaces)),
         definitions=tuple(ring.definitions),
-        elements=tuple(map(Element, ("h1", "h2", "h3"), VARIABLES, reduction.elements)),
+        elements=tuple(
+            map(TriangularPolynomial, ("h1", "h2", "h3"), VARIABLES, reduction.elements)
+        ),
         conditions=reduction.conditions,
         steps=reduction.steps,
         notes=(*notes, _CYLINDER_NOTE) if "C" in case else notes,
@@ -101,7 +103,7 @@ def derive_example_6_8() -> TriangularSet:
         parameters=parameters,
         system=tuple(map(Relation, _names("CCC"), cylinders)),
         definitions=(),
-        elements=tuple(map(Element, ("h1", "h2", "h3"), VARIABLES, squares)),
+        elements=tuple(map(TriangularPolynomial, ("h1", "h2", "h3"), VARIABLES, squares)),
         conditions=(),
         notes=(
             "The paper prints (18), and Table 2, with r2 and r3 exchanged.",

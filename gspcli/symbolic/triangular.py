@@ -66,7 +66,7 @@ class Relation:
 
 
 @dataclass(frozen=True)
-class Element:
+class TriangularPolynomial:
     """One polynomial of a triangular set.
 
     Attributes
@@ -150,7 +150,7 @@ class TriangularSet:
     parameters: tuple[str, ...]
     system: tuple[Relation, ...]
     definitions: tuple[Definition, ...]
-    elements: tuple[Element, ...]
+    elements: tuple[TriangularPolynomial, ...]
     conditions: tuple[Condition, ...]
     steps: tuple[Relation, ...] = ()
     notes: tuple[str, ...] = ()

@@ -28,7 +28,7 @@ from gspcli.symbolic.coordinates import (
     cofactors,
 )
 from gspcli.symbolic.rational_motions import (
-    Motion,
+    RationalMotion,
     Residues,
     monomials,
     random_motion,
@@ -64,7 +64,7 @@ def _evaluator(coordinates: CoordinateSystem) -> Any:
     return sympy.lambdify(MOTIONS.symbols, entries, modules=[{}], cse=True)
 
 
-def coordinates_at(coordinates: CoordinateSystem, motions: Sequence[Motion]) -> Residues:
+def coordinates_at(coordinates: CoordinateSystem, motions: Sequence[RationalMotion]) -> Residues:
     """Return the coordinates of exact motions modulo `PRIME`, shape (motions, coordinates)."""
     evaluate = _evaluator(coordinates)
     return residues([evaluate(*m.rotation.flat, *m.translation) for m in motions])
@@ -103,7 +103,7 @@ def sampled_hilbert_function(
     return rank(monomials(coordinates_at(coordinates, motions), degree))
 
 
-def motion_variables(motion: Motion) -> dict[sympy.Symbol, sympy.Rational]:
+def motion_variables(motion: RationalMotion) -> dict[sympy.Symbol, sympy.Rational]:
     """Return the exact values of the coordinates (R, T), to substitute for the symbols."""
     values = np.concatenate([motion.rotation.ravel(), motion.translation])
     return {

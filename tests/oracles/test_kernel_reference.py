@@ -11,8 +11,6 @@ from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import Structure, System
 from gspcli.continuation.tracker import PathStatus, track
 
-IDENTITY = np.eye(4)
-
 
 def quadric(q, z):
     """Value and gradient of one quadric, written out from the definition of its coefficients."""

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gspcli import Line, Plane, Point, certify, distance, measure, solve
-from gspcli.atlas.modular_equations import Body, equation
+from gspcli.atlas.modular_equations import FramedPrimitive, equation
 from gspcli.catalogue.counts import law
 from gspcli.catalogue.kinds import DPP, Kind, Primitive, Quantity
 from gspcli.certification.ball_system import BallSystem
@@ -32,7 +32,7 @@ from gspcli.solver.study_systems import target_systems
 PLANES = Kind(Quantity.DISTANCE, Primitive.PLANE, Primitive.PLANE, 10)
 LINES = Kind(Quantity.ANGLE, Primitive.LINE, Primitive.LINE, 11)
 MIXED = Kind(Quantity.ANGLE, Primitive.LINE, Primitive.PLANE, 12)
-BODY = Body((0, 0, 1), ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
+BODY = FramedPrimitive((0, 0, 1), ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
 Z, UNIT = np.zeros(3), np.array([0.0, 0.0, 1.0])
 ONE = np.ones((1, 6))
 

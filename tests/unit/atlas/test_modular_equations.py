@@ -7,7 +7,7 @@ from random import Random
 import pytest
 
 from gspcli.atlas.modular_equations import (
-    Body,
+    FramedPrimitive,
     equation,
     quadrics,
     random_platform,
@@ -55,7 +55,12 @@ def _functions(R: list[list[int]], T: list[int]) -> list[int]:
 
 
 def _stated(
-    kind: Kind, R: list[list[int]], T: list[int], platform: Body, base: Body, value: int
+    kind: Kind,
+    R: list[list[int]],
+    T: list[int],
+    platform: FramedPrimitive,
+    base: FramedPrimitive,
+    value: int,
 ) -> int:
     """Return the left side minus the right side of the equation of Section 4."""
     placed = [p + t for p, t in zip(_apply(R, list(platform.point)), T, strict=True)]
@@ -83,7 +88,7 @@ def test_equations_say_what_is_stated(kind: Kind, sides: int) -> None:
     for _ in range(5):
         R, T = _rotation(random), _vector(random)
         platform, base = (
-            Body(_vector(random), tuple(_rotation(random)))  # type: ignore[arg-type]
+            FramedPrimitive(_vector(random), tuple(_rotation(random)))  # type: ignore[arg-type]
             for _ in range(2)
         )
         value = random.randrange(PRIME)

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from gspcli.catalogue.joints import (
-    Axis,
     Chain,
-    Joint,
+    JointAxis,
+    JointKind,
     Line,
     Screw,
     Vector,
@@ -160,7 +160,7 @@ def test_a_chain_leaves_six_freedoms_and_its_motors_move_the_measures(
     for placed in driven:
         (screw,) = Chain((placed,)).screws(axes)
         rates = [rate(kind, primitives, screw) != 0 for kind in made.kinds]
-        turns = placed.joint is Joint.REVOLUTE
+        turns = placed.joint is JointKind.REVOLUTE
         assert rates == [kind.is_distance != turns for kind in made.kinds]
 
 
@@ -198,7 +198,7 @@ def test_the_motions_that_are_idle() -> None:
 
 
 def test_freedoms_of_the_joints() -> None:
-    assert {joint.letter: joint.freedoms for joint in Joint} == {
+    assert {joint.letter: joint.freedoms for joint in JointKind} == {
         "R": 1,
         "P": 1,
         "C": 2,
@@ -234,7 +234,7 @@ def test_chains_jam_where_the_leg_has_no_direction_of_its_own(
     kind: Kind, platform: Line, base: Line, leg: Line
 ) -> None:
     # Parallel lines or normals, and a point on its line: the platform loses a freedom.
-    axes = {Axis.PLATFORM: platform, Axis.BASE: base, Axis.LEG: leg}
+    axes = {JointAxis.PLATFORM: platform, JointAxis.BASE: base, JointAxis.LEG: leg}
     assert rank(realization(kind).chain.screws(axes)) < 6
 
 

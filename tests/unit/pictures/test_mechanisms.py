@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gspcli.catalogue.joints import Axis, Joint
+from gspcli.catalogue.joints import JointAxis, JointKind
 from gspcli.catalogue.kinds import ALL, DLL, DPL, DPP, KINDS, Kind
 from gspcli.catalogue.mechanism import mechanism
 from gspcli.catalogue.realization import REALIZATIONS, Realization, outside, realization
 from gspcli.pictures.chain_panels import chain_drawing
 from gspcli.pictures.mechanisms import mechanism_drawing
-from gspcli.pictures.mounting import Ends, mounted
+from gspcli.pictures.mounting import ChainEnds, mounted
 from gspcli.pictures.staging import best_mode, scene_of
 from gspcli.resources import instance_files
 from gspcli.solver import solve
@@ -22,11 +22,11 @@ X, Z = np.array([1.0, 0, 0]), np.array([0, 0, 1.0])
 GROUPS = [*((kind,) for kind in KINDS), (DLL, ALL)]
 
 
-def ends(kind: Kind) -> Ends:
+def ends(kind: Kind) -> ChainEnds:
     zero = np.zeros(3)
     directions = {"P": (zero, zero), "L": (np.array([0, 0.6, 0.8]), X), "H": (Z, Z)}
     w, v = directions[kind.platform.value][0], directions[kind.base.value][1]
-    return Ends(2 * Z, zero, w, v)
+    return ChainEnds(2 * Z, zero, w, v)
 
 
 @pytest.mark.parametrize("kinds", GROUPS, ids=str)
@@ -36,12 +36,14 @@ def test_joints_are_apart_and_in_order(kinds: tuple[Kind, ...], name: str) -> No
     joints = mounted(made, ends(kinds[0]), SIZE)
     assert tuple(joint.placed for joint in joints) == made.chain.joints
     heights = [joint.at[2] for joint in joints]
-    assert heights == sorted(heights, reverse=True) or Axis.PLATFORM in {
+    assert heights == sorted(heights, reverse=True) or JointAxis.PLATFORM in {
         joint.placed.axis for joint in joints[1:]
     }
     for joint in joints:
         length = np.linalg.norm(joint.axis)
-        assert length == pytest.approx(0 if joint.placed.joint is Joint.SPHERICAL else 1, abs=1e-9)
+        assert length == pytest.approx(
+            0 if joint.placed.joint is JointKind.SPHERICAL else 1, abs=1e-9
+        )
 
 
 def test_joints_at_the_ends_are_on_their_primitives() -> None:

@@ -14,7 +14,7 @@ from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
 from gspcli.geometry.quaternions import rotation_from_vector
-from gspcli.pictures.scene import Stroke, Style
+from gspcli.pictures.scene import Stroke, StrokeStyle
 from gspcli.pictures.strokes import Ends, Sizes, angle_strokes, connection, distance_strokes
 
 SIZES = Sizes(0.1, 1.0, 0.5)
@@ -64,7 +64,7 @@ def test_a_leg_is_as_long_as_the_distance_and_perpendicular(kind: Kind) -> None:
 @pytest.mark.parametrize("kind", KINDS, ids=str)
 def test_marks_of_right_angles_are_right(kind: Kind) -> None:
     for stroke in _drawn(kind)[0]:
-        if stroke.style is Style.SQUARE:
+        if stroke.style is StrokeStyle.SQUARE:
             first, corner, last = np.moveaxis(stroke.points, 1, 0)
             turn = np.einsum("ni,ni->n", first - corner, last - corner)
             np.testing.assert_allclose(turn, 0, atol=1e-12)

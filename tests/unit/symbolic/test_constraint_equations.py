@@ -47,8 +47,8 @@ from gspcli.symbolic.degrees import constrained_motions, excludes_degree
 from gspcli.symbolic.facts import constraint_facts, unproved_degrees
 from gspcli.symbolic.forms import Frame, Vector, base, evaluate, inner, platform, triple
 from gspcli.symbolic.loci import loci, quadratic_part
-from gspcli.symbolic.rational_motions import Motion, random_motion
-from gspcli.symbolic.samples import Sample, sample
+from gspcli.symbolic.rational_motions import RationalMotion, random_motion
+from gspcli.symbolic.samples import RationalConstraint, sample
 from gspcli.symbolic.varieties import hilbert_function, motion_variables
 
 
@@ -57,11 +57,11 @@ def exact(array: Any) -> Matrix:
     return Matrix(array.shape[0], 1 if array.ndim == 1 else 3, [*map(Rational, array.flat)])
 
 
-def blocks_of(motion: Motion) -> dict[str, Matrix]:
+def blocks_of(motion: RationalMotion) -> dict[str, Matrix]:
     return motion_blocks(exact(motion.rotation), exact(motion.translation))
 
 
-def values_of(instance: Sample) -> dict[Any, Any]:
+def values_of(instance: RationalConstraint) -> dict[Any, Any]:
     """Return the value of the constraint, to substitute in its equations."""
     planes = (instance.kind.platform.value + instance.kind.base.value).count("H")
     cosine, sine = Rational(instance.cosine), Rational(instance.sine)
@@ -74,7 +74,9 @@ def values_of(instance: Sample) -> dict[Any, Any]:
     }
 
 
-def sides(instance: Sample, motion: Motion, left: Any, right: Any) -> tuple[Any, Any]:
+def sides(
+    instance: RationalConstraint, motion: RationalMotion, left: Any, right: Any
+) -> tuple[Any, Any]:
     vectors = {name: exact(vector) for name, vector in instance.vectors.items()}
     blocks = blocks_of(motion)
     values = values_of(instance)
