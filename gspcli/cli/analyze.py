@@ -94,7 +94,7 @@ def command(
     Examples:
       gsp analyze platform.yaml
       gsp analyze platform.yaml --mode 1 --load 0,0,-100@0,0,250 --tolerance 0.01
-      gsp analyze platform.yaml --pose 0,0,1.5,1,0,0,0 --stiffness 2e6 --format json
+      gsp analyze platform.yaml --pose 0,0,1.5,1,0,0,0 --stiffness 2e6
     """
     if mode is not None and pose is not None:
         message = "give either --mode or --pose"

@@ -58,7 +58,6 @@ def command(names: tuple[str, ...], chosen: str, output: Output) -> None:
     (P1-p2 is a distance, L1^l2 an angle); a SPEC is an instance file, or - for standard
     input. DLL and ALL between the same two lines make one chain with two driven joints.
 
-    \b
     Joints: R revolute, P prismatic, C cylindrical, S spherical, E planar; * is driven.
     Σf is the sum of their freedoms; idle ones do not move the platform; held are those
     that a chain leaves the platform when its driven joints are held.

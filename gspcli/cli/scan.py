@@ -113,10 +113,11 @@ def command(
     \b
     Examples:
       gsp scan platform.yaml --vary 1=5:7:200 -o modes.csv
-      gsp scan platform.yaml --vary 1=5:7:60 --vary 2=4:6:60 --folds -o discriminant.csv
+      gsp scan platform.yaml --vary 1=5:7:60 --vary 2=4:6:60 --folds -o folds.csv
       gsp scan platform.yaml --vary 1=5:7:60 --vary 2=4:6:60 --folds -o map.svg
-      gsp scan platform.yaml --vary 1=5:7:500 --vary 2=4:6:500 --journal work.jsonl -o map.csv
-      gsp scan platform.yaml --over x=-9:9:60 --over y=-9:9:60 --pose 0,0,7,1,0,0,0 -o singular.svg
+      gsp scan platform.yaml --vary 1=5:7:500 --journal work.jsonl -o map.csv
+      gsp scan platform.yaml --over x=-9:9:60 --over y=-9:9:60 \\
+        --pose 0,0,7,1,0,0,0 -o singular.svg
     """
     if bool(texts) == bool(coordinates) or bool(coordinates) != (pose is not None):
         message = "give either --vary, or --over with --pose"

@@ -102,7 +102,8 @@ def command(
       gsp track platform.yaml path.csv --euler ZYX --mode 1 --format json
       gsp track rotary.yaml angles.csv --steps 10
       gsp track platform.yaml values.csv --all --allow-loss
-      gsp track platform.yaml values.csv --steps 20 --format csv | gsp view platform.yaml --track -
+      gsp track platform.yaml values.csv --steps 20 --format csv |
+        gsp view platform.yaml --track -
     """
     if mode is not None and near is not None:
         message = "give either --mode or --near"

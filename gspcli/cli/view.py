@@ -89,7 +89,8 @@ def command(
       gsp view @example-6.8
       gsp view platform.yaml --set 1=5.2 -o platform.html
       gsp view platform.yaml --mode 3 --from=-40,25 -o figure.pdf
-      gsp track platform.yaml moves.csv --format csv | gsp view platform.yaml --track -
+      gsp track platform.yaml moves.csv --format csv |
+        gsp view platform.yaml --track -
     """
     if spec == track == "-":
         message = "SPEC and --track cannot both be standard input"

@@ -37,6 +37,8 @@ def test_every_command_has_help_with_examples(name: str) -> None:
             p.name for p in leaf.params if isinstance(p, click.Option) and not (p.help or p.hidden)
         ]
         assert not undocumented
+        page = leaf.get_help(click.Context(leaf, info_name=name, terminal_width=80))
+        assert max(map(len, page.splitlines())) <= 80, page
 
 
 def test_help_exits_with_0_and_lists_every_command(gsp: Run) -> None:
