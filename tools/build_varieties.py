@@ -21,7 +21,7 @@ from recording import ROOT, canonical_sha256, parser, save
 
 sys.path.insert(0, str(ROOT))
 
-from gspcli.symbolic.coordinates import SYSTEMS, CoordinateSystem
+from gspcli.symbolic.coordinate_systems import SYSTEMS, CoordinateSystem
 from gspcli.symbolic.varieties import equations
 
 TARGET = ROOT / "data" / "varieties.json"

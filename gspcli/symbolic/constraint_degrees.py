@@ -20,7 +20,7 @@ from gspcli.symbolic.constraint_equations import (
     setting,
     written_equation,
 )
-from gspcli.symbolic.coordinates import MOTIONS, SYSTEMS, CoordinateSystem
+from gspcli.symbolic.coordinate_systems import MOTIONS, SYSTEMS, CoordinateSystem
 from gspcli.symbolic.forms import RHO, degree
 
 

@@ -19,7 +19,7 @@ import sympy
 from sympy import Expr, Matrix, Symbol
 
 from gspcli.catalogue.kinds import Kind, Primitive
-from gspcli.symbolic.coordinates import (
+from gspcli.symbolic.coordinate_systems import (
     MOTIONS,
 )
 from gspcli.symbolic.forms import (

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from random import Random
 
 from gspcli.catalogue.kinds import Kind
-from gspcli.symbolic.coordinates import CoordinateSystem
+from gspcli.symbolic.coordinate_systems import CoordinateSystem
 from gspcli.symbolic.rational_motions import RationalMotion, monomials, rank
 from gspcli.symbolic.samples import sample
 from gspcli.symbolic.varieties import coordinates_at

@@ -17,7 +17,7 @@ from gspcli.symbolic.constraint_equations import (
     equations,
     setting,
 )
-from gspcli.symbolic.coordinates import CoordinateSystem
+from gspcli.symbolic.coordinate_systems import CoordinateSystem
 from gspcli.symbolic.forms import (
     RHO,
     Frame,

@@ -10,7 +10,7 @@ from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.recorded_varieties import varieties
 from gspcli.symbolic.constraint_degrees import difference_degree, lowest_degree, paper_degree
 from gspcli.symbolic.constraint_equations import FIXED_ORIENTATION, equation
-from gspcli.symbolic.coordinates import (
+from gspcli.symbolic.coordinate_systems import (
     LAZARD,
     MOURRAIN,
     SYSTEMS,

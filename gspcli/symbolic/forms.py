@@ -21,7 +21,7 @@ from typing import Any
 import sympy
 from sympy import Expr, Function, Symbol
 
-from gspcli.symbolic.coordinates import SYMBOLS
+from gspcli.symbolic.coordinate_systems import SYMBOLS
 
 
 class Frame(Enum):

@@ -14,7 +14,7 @@ from sympy import Expr, Matrix, Symbol
 
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.symbolic.constraint_equations import setting, squared_distance
-from gspcli.symbolic.coordinates import MOTIONS, motion_blocks
+from gspcli.symbolic.coordinate_systems import MOTIONS, motion_blocks
 from gspcli.symbolic.forms import Frame, Vector, evaluate, inner
 
 #: The surface by the rank of Q: plane, cylinder, sphere.

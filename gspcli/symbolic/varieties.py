@@ -20,7 +20,7 @@ import numpy as np
 import sympy
 from sympy import Expr, eye
 
-from gspcli.symbolic.coordinates import (
+from gspcli.symbolic.coordinate_systems import (
     EXPRESSIONS,
     MOTIONS,
     SYMBOLS,

@@ -3,7 +3,7 @@
 from gspcli.cli.output.emit import emit, write
 from gspcli.cli.output.files import check_writable, write_whole
 from gspcli.cli.output.options import DRAWINGS, FORMATS, Output, output_options
-from gspcli.cli.output.table import Column, Table
+from gspcli.cli.output.tables import Column, Table
 
 __all__ = [
     "DRAWINGS",

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Sequence
 
-from gspcli.cli.output.table import DIGITS, Column, Table
+from gspcli.cli.output.tables import DIGITS, Column, Table
 
 #: Numbers of a column are aligned if the largest lies between these; others need exponents.
 _SMALLEST, _LARGEST = 1e-3, 1e5

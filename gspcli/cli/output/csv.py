@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 
-from gspcli.cli.output.table import Table
+from gspcli.cli.output.tables import Table
 
 
 def render(table: Table) -> str:

@@ -12,7 +12,7 @@ import click
 from gspcli.cli.output import csv, json, latex, markdown, terminal
 from gspcli.cli.output.files import write_whole
 from gspcli.cli.output.options import Output
-from gspcli.cli.output.table import Table
+from gspcli.cli.output.tables import Table
 
 
 def emit(

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from gspcli.cli.output.table import Table
+from gspcli.cli.output.tables import Table
 
 
 def render(tables: Sequence[Table], document: object = None, schema: str = "") -> str:

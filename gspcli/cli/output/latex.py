@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 
 from gspcli.cli.output.cells import column_texts, printable
-from gspcli.cli.output.table import Column, Table
+from gspcli.cli.output.tables import Column, Table
 
 _HEAD = "% needs \\usepackage{booktabs}\n"
 _NUMBER = re.compile(r"-?\d+(\.\d+)?(?:e([+-]\d+))?")

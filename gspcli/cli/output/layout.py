@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from gspcli.cli.output.cells import column_texts
-from gspcli.cli.output.table import DIGITS, Column, Table
+from gspcli.cli.output.tables import DIGITS, Column, Table
 
 #: Blanks between two columns.
 GAP = 2

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from gspcli.cli.output.cells import column_texts, printable
-from gspcli.cli.output.table import Table
+from gspcli.cli.output.tables import Table
 
 
 def render(tables: Sequence[Table]) -> str:

@@ -12,7 +12,7 @@ import click
 from gspcli.cli.colour import coloured
 from gspcli.cli.output.cells import column_texts, printable
 from gspcli.cli.output.layout import GAP, Grid, cell_width, folded, lay_out
-from gspcli.cli.output.table import Column, Table
+from gspcli.cli.output.tables import Column, Table
 
 _RULE = "─"
 

@@ -34,7 +34,7 @@ from gspcli.symbolic.constraint_equations import (
     squared_distance,
     written_equation,
 )
-from gspcli.symbolic.coordinates import (
+from gspcli.symbolic.coordinate_systems import (
     LAZARD,
     MOTIONS,
     MOURRAIN,

@@ -16,7 +16,7 @@ from sympy import Matrix
 
 from gspcli.catalogue.recorded_varieties import varieties
 from gspcli.resources import data_json
-from gspcli.symbolic.coordinates import (
+from gspcli.symbolic.coordinate_systems import (
     EXPRESSIONS,
     LAZARD,
     MOTIONS,
