@@ -8,14 +8,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "balls.hpp"
+
 namespace gsp {
 
 constexpr int kParameters = 6;  // x, y, z and three angles, in this order
-
-// A number known to lie within r of m.
-struct Ball {
-  double m, r;
-};
 
 // What is measured; the squares of the first three.
 enum class Measure : std::int32_t {
