@@ -271,11 +271,6 @@ def _document(instance: Instance, given: Wrenches, entries: list[dict[str, Any]]
     }
 
 
-def _heading(given: Wrenches) -> str:
-    instance = given.instance
-    return ": ".join(part for part in (instance.name, instance.type.id) if part)
-
-
 def _overview(entries: list[dict[str, Any]], given: Wrenches) -> Table:
     columns = [
         Column("mode", align="right", essential=True),
@@ -300,7 +295,7 @@ def _overview(entries: list[dict[str, Any]], given: Wrenches) -> Table:
         f"lengths divided by {given.length:.6g} {unit}; worst force: the most that a unit force at "
         "the point can load a constraint with"
     ]
-    return Table(shown, rows, title=_heading(given), notes=notes)
+    return Table(shown, rows, title=given.instance.title, notes=notes)
 
 
 def _details(entry: dict[str, Any], given: Wrenches) -> list[Table]:
@@ -340,7 +335,7 @@ def _details(entry: dict[str, Any], given: Wrenches) -> list[Table]:
             f"worst unit force: ({along}) loads constraint {worst['constraint']} with "
             f"{worst['reaction']:.6g}"
         )
-    tables = [Table(columns, screws, title=_heading(given), notes=notes, part="wrenches")]
+    tables = [Table(columns, screws, title=given.instance.title, notes=notes, part="wrenches")]
     labels = [f"{k} {kind}" for k, kind in enumerate(kinds, 1)]
     tables.append(
         _matrix(

@@ -160,7 +160,7 @@ def _table(instance: Instance, rows: list[dict[str, Any]], of: str, unit: str) -
         Column(str(k), f"{k} {constraint.kind.name}", align="right")
         for k, constraint in enumerate(instance.constraints, 1)
     ]
-    title = ": ".join(part for part in (instance.name, instance.type.id) if part)
+    title = instance.title
     nearest = "singular pose" if of == "pose" else "fold"
     note = f"clearances in {unit}; last columns: the values of the nearest {nearest} found"
     return Table(columns, rows, title=title, notes=[note])

@@ -1,4 +1,4 @@
-"""Options that give a grid: ``--vary 1=5:7:200``, ``--over x=-1:1:50``."""
+"""Options that give intervals or grids: ``--vary 1=5:7:200``, ``--over x=-1:1:50``."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ from collections.abc import Sequence
 from gspcli.errors import GspError
 from gspcli.wording import listed
 
+#: What poses vary by: position of the pivot, turns.
+PARAMETERS = ("x", "y", "z", "rx", "ry", "rz")
 _MOST_NODES = 1_000_000
+_SPAN = re.compile(r"(r?[xyz])=([^:]+):([^:]+)(?::(\d+))?")
 _AXIS = re.compile(r"(\w+)=([^:]+):([^:]+):(\d+)")
 
 
@@ -49,3 +52,21 @@ def _axis(option: str, text: str, names: Sequence[str]) -> tuple[str, tuple[floa
         message = f"found {count} nodes, expected at most {_MOST_NODES}"
         raise GspError(message)
     return match[1], tuple(np.linspace(low, high, count).tolist())
+
+
+def span_of(option: str, text: str) -> tuple[str, float, float, int | None]:
+    """Return the parameter of a pose that an option names, its interval, and how many values.
+
+    Raises
+    ------
+    GspError
+        If the text is none.
+    """
+    from gspcli.motion.number_tables import wrong_number
+
+    match = _SPAN.fullmatch(text.replace(" ", ""))
+    if match is None or wrong_number(match[2]) or wrong_number(match[3]):
+        end = ":COUNT" if option == "hold" else ""
+        message = f"--{option}: found {text!r}, expected NAME=LOW:HIGH{end} with NAME one of "
+        raise GspError(message + ", ".join(PARAMETERS))
+    return match[1], float(match[2]), float(match[3]), int(match[4]) if match[4] else None

@@ -95,7 +95,7 @@ def _table(instance: Instance, rows: list[dict[str, Any]]) -> Table:
         for k, name in enumerate(kinds, 1)
     ]
     units = instance.units
-    title = ": ".join(part for part in (instance.name, instance.type.id) if part)
+    title = instance.title
     note = f"distances in {units.length}, angles in {units.angle.value}"
     if any(row["sides"] for row in rows):
         note += "; DPH and DHP signed, positive where the normal points"

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from gspcli.cli.grids import axes_of
+from gspcli.cli.grids import PARAMETERS, axes_of
 from gspcli.cli.output import DRAWINGS, Column, Output, Table, emit, write
 from gspcli.cli.pose_options import pose_format
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
     from gspcli.motion.pose_scanning import PoseScan
-
-_NAMES = ("x", "y", "z", "rx", "ry", "rz")
 
 
 def scan_poses(
@@ -43,7 +41,7 @@ def scan_poses(
     """
     from gspcli.motion.pose_scanning import PoseAxis, PoseScan
 
-    axes = tuple(PoseAxis(*axis) for axis in axes_of("--over", texts, _NAMES))
+    axes = tuple(PoseAxis(*axis) for axis in axes_of("--over", texts, PARAMETERS))
     found = PoseScan(instance, axes, pose, pose_format(instance, *given))
     if output.format in DRAWINGS:
         from gspcli.pictures.maps import determinant_map
@@ -61,7 +59,7 @@ def scan_poses(
     table = Table(
         columns,
         rows,
-        title=": ".join(part for part in (instance.name, instance.type.id) if part),
+        title=instance.title,
         notes=[f"{note}{signs[1]}; {len(found.singular)} singular poses on edges of the grid"],
     )
     document: dict[str, Any] = {

@@ -105,7 +105,7 @@ def pose_tables(
 ) -> list[Table]:
     """Return the poses for people: units in the headings, exceptions marked."""
     instance = result.instance
-    title = ": ".join(part for part in (instance.name, instance.type.id) if part)
+    title = instance.title
     if not shown.indices:
         return [Table([], [], title, notes=notes, summary=summary)]
     rows = _rows(result, shown, certify=certify)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gspcli.errors import GspError
 
@@ -44,6 +44,17 @@ class Home:
     size: float
     mode: int | None = None
     placed: bool = True
+
+    def document(self, instance: Instance, sequence: str, *, connected: bool) -> dict[str, Any]:
+        """Return what every document of `gsp workspace` begins with."""
+        return {
+            "schema": "gsp.workspace/1",
+            **instance.to_json(),
+            "home": {"mode": self.mode, "R": self.R.tolist(), "T": self.T.tolist()},
+            "pivot": list(self.pivot),
+            "sequence": sequence,
+            "connected": connected,
+        }
 
     @property
     def text(self) -> str:

@@ -218,7 +218,7 @@ def _table(found: Scan, limits: Boundary, folds: bool) -> Table:
     return Table(
         [*(Column(name, _heading(instance, name), "right", True) for name in names), *columns],
         _crossing_rows(limits.crossings, names) if folds else _node_rows(found, names),
-        title=": ".join(part for part in (instance.name, instance.type.id) if part),
+        title=instance.title,
         notes=notes,
     )
 

@@ -202,7 +202,7 @@ def _table(result: Track, rows: list[dict[str, Any]]) -> Table:
     if rows and "clearance" in rows[0]:
         columns.append(Column("clearance", align="right"))
     instance = result.instance
-    title = ": ".join(part for part in (instance.name, instance.type.id) if part)
+    title = instance.title
     kept = len(result.modes) - len(result.events)
     how = "proved" if result.certified else "not proved"
     note = (

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from gspcli.cli.grids import PARAMETERS, span_of
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import (
     DRAWINGS,
@@ -24,23 +24,20 @@ from gspcli.cli.output import (
 from gspcli.cli.pose_options import pose_format, pose_options
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.reachable_home import Home, home_pose
+from gspcli.cli.travel_tables import show_travels
 from gspcli.errors import GspError, IncompleteError
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from gspcli.geometry.instance import Instance
-    from gspcli.motion import Travel, Workspace
+    from gspcli.motion import Workspace
 
     Array = NDArray[np.float64]
 
-_PARAMETERS = ("x", "y", "z", "rx", "ry", "rz")
 _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
-_RANGE = re.compile(r"(r?[xyz])=([^:]+):([^:]+)(?::(\d+))?")
 #: The tolerance without --tolerance, and where every box is shown.
 _TOLERANCE, _COARSE = 0.01, 0.1
-_MOST_HELD = 1000
 _MOST_SHOWN = 2_000_000
 
 
@@ -154,7 +151,7 @@ def command(
     )  # fmt: skip
     sequence = euler or "ZYX"
     if free is None:
-        _show_travels(instance, home, sequence, held, connected, output)
+        show_travels(instance, home, sequence, held, output, connected=connected)
         return
     from gspcli.motion import workspace
 
@@ -236,158 +233,11 @@ def _check(
 
 
 def _interval(text: str) -> tuple[str, tuple[float, float]]:
-    name, low, high, count = _span("within", text)
+    name, low, high, count = span_of("within", text)
     if count is not None:
         message = f"--within: found {text!r}, expected NAME=LOW:HIGH, such as z=60:140"
         raise GspError(message)
     return name, (low, high)
-
-
-def _span(option: str, text: str) -> tuple[str, float, float, int | None]:
-    from gspcli.motion.number_tables import wrong_number
-
-    match = _RANGE.fullmatch(text.replace(" ", ""))
-    if match is None or wrong_number(match[2]) or wrong_number(match[3]):
-        end = ":COUNT" if option == "hold" else ""
-        message = f"--{option}: found {text!r}, expected NAME=LOW:HIGH{end} with NAME one of "
-        raise GspError(message + ", ".join(_PARAMETERS))
-    return match[1], float(match[2]), float(match[3]), int(match[4]) if match[4] else None
-
-
-def _offsets(held: tuple[str, ...]) -> list[dict[str, float]]:
-    """Return by how much parameters are moved from home, all combinations."""
-    from itertools import product
-
-    import numpy as np
-
-    from gspcli.motion.number_tables import wrong_number
-
-    choices: dict[str, list[float]] = {}
-    for text in held:
-        name, equals, value = text.replace(" ", "").partition("=")
-        if equals and name in _PARAMETERS and not wrong_number(value):
-            values = [float(value)]
-        else:
-            name, low, high, count = _span("hold", text)
-            if count is None or count < 1:
-                message = f"--hold: found {text!r}, expected NAME=VALUE or NAME=LOW:HIGH:COUNT"
-                raise GspError(message)
-            values = np.linspace(low, high, count).tolist()
-        choices.setdefault(name, []).extend(values)
-    found = [dict(zip(choices, row, strict=True)) for row in product(*choices.values())]
-    if len(found) > _MOST_HELD:
-        message = f"--hold: found {len(found)} combinations, expected at most {_MOST_HELD}"
-        raise GspError(message)
-    return found
-
-
-def _show_travels(
-    instance: Instance,
-    home: Home,
-    sequence: str,
-    held: tuple[str, ...],
-    connected: bool,
-    output: Output,
-) -> None:
-    from gspcli.errors import ArgumentError
-    from gspcli.motion.travels import moved, travels
-
-    offsets = _offsets(held)
-    names = list(offsets[0])
-    rows: list[dict[str, Any]] = []
-    for offset in progress(offsets, total=len(offsets), label="travels"):
-        R, T = moved(
-            home.R,
-            home.T,
-            offset,
-            pivot=home.pivot,
-            sequence=sequence,
-            in_radians=instance.units.angle.in_radians,
-        )
-        axes = [name for name in _PARAMETERS if name not in offset]
-        try:
-            found: list[Travel | None] = list(
-                travels(
-                    instance, R, T, axes=axes, pivot=home.pivot, sequence=sequence,
-                    connected=connected,
-                )
-            )  # fmt: skip
-        except ArgumentError:
-            if not offset:
-                raise
-            found = [None] * len(axes)
-        shown = {f"held_{name}": value for name, value in offset.items()}
-        rows += [
-            shown | _travel_row(axis, travel) for axis, travel in zip(axes, found, strict=True)
-        ]
-    units = instance.units
-    columns = [
-        *(Column(f"held_{name}", f"{name} held", "right", True) for name in names),
-        Column("axis", essential=True),
-        *(
-            Column(key, align="right", essential=True, aligned=True)
-            for key in ("down", "up", "total")
-        ),
-        Column("down_stops", "stops down", fold=", "),
-        Column("up_stops", "stops up", fold=", "),
-    ]
-    if output.format == "csv":
-        columns[-2:-2] = [Column("down_end"), Column("up_end")]
-    what = "all limits are kept" + (" and no pose is singular" if connected else "")
-    notes = [
-        f"from home: {home.text}",
-        f"x, y, z in {units.length}, rx, ry, rz in {units.angle.value}; proved: up to there {what}",
-    ]
-    if any(row["down"] is None for row in rows):
-        notes.append("without numbers: the pose from which an axis would travel leaves the limits")
-    prefix = "held_"
-    travel = [
-        {
-            "held": {name: row[prefix + name] for name in names},
-            **{key: value for key, value in row.items() if not key.startswith(prefix)},
-        }
-        for row in rows
-    ]
-    document = {**_heading(instance, home, sequence, connected), "travel": travel, "volume": None}
-    emit(output, Table(columns, rows, title=_title(instance), notes=notes), document=document)
-
-
-def _travel_row(axis: str, travel: Travel | None) -> dict[str, Any]:
-    row: dict[str, Any] = {"axis": axis}
-    if travel is None:
-        keys = ("down", "up", "total", "down_end", "up_end", "down_stops", "up_stops")
-        return row | dict.fromkeys(keys)
-    down, up = (value + 0.0 for value in travel.reached)
-    ends = [value if abs(value) < float("inf") else None for value in travel.ends]
-    stops = [_grouped(names) for names in travel.stops]
-    return row | {
-        "down": down, "up": up, "total": up - down, "down_end": ends[0], "up_end": ends[1],
-        "down_stops": stops[0], "up_stops": stops[1],
-    }  # fmt: skip
-
-
-def _grouped(names: tuple[str, ...]) -> str:
-    """Return limits in words, those of one sort together: range 1 2, cone base B1 (1)."""
-    found: dict[str, list[str]] = {}
-    for name in names:
-        sort, _, which = name.partition(" of ")
-        found.setdefault(sort, []).append(which)
-    return ", ".join(" ".join((sort, *which)).strip() for sort, which in found.items())
-
-
-def _title(instance: Instance) -> str:
-    return ": ".join(part for part in (instance.name, instance.type.id) if part)
-
-
-def _heading(instance: Instance, home: Home, sequence: str, connected: bool) -> dict[str, Any]:
-    return {
-        "schema": "gsp.workspace/1",
-        **instance.to_json(),
-        "home": {"mode": home.mode, "R": home.R.tolist(), "T": home.T.tolist()},
-        "pivot": list(home.pivot),
-        "sequence": sequence,
-        "connected": connected,
-    }
 
 
 def _show(found: Workspace, home: Home, listed: bool, output: Output) -> None:
@@ -409,7 +259,7 @@ def _show(found: Workspace, home: Home, listed: bool, output: Output) -> None:
 
 def _document(found: Workspace, home: Home, boxes: list[dict[str, Any]] | None) -> dict[str, Any]:
     low, high = found.volume
-    heading = _heading(found.instance, home, found.boxes.sequence, found.connected)
+    heading = home.document(found.instance, found.boxes.sequence, connected=found.connected)
     document = {
         **heading,
         "travel": None,
@@ -461,9 +311,7 @@ def _sum_table(found: Workspace, home: Home) -> Table:
             for key in ("least", "lowest", "highest", "most")
         ),
     ]
-    return Table(
-        columns, _extents(found), title=_title(found.instance), notes=notes, summary=summary
-    )
+    return Table(columns, _extents(found), title=found.instance.title, notes=notes, summary=summary)
 
 
 def _boxes(found: Workspace) -> list[dict[str, Any]]:
@@ -475,7 +323,7 @@ def _boxes(found: Workspace) -> list[dict[str, Any]]:
     corners = np.concatenate((found.inner, found.open))
     parameters = np.tile(found.boxes.home, (len(corners), 1))
     for k, name in enumerate(found.free):
-        parameters[:, _PARAMETERS.index(name)] = corners[:, k].mean(axis=1) * found.units[k]
+        parameters[:, PARAMETERS.index(name)] = corners[:, k].mean(axis=1) * found.units[k]
     R, T = found.boxes.poses(parameters)
     poses = np.concatenate((T, quaternion_from_rotation(R)), axis=1).tolist()
     keys = [f"{name}_{end}" for name in found.free for end in ("low", "high")]
@@ -496,4 +344,4 @@ def _box_table(found: Workspace, rows: list[dict[str, Any]]) -> Table:
     columns = [Column("status", essential=True)]
     columns += [Column(key, align="right") for key in _POSE]
     columns += [Column(key, align="right", essential=True) for key in keys]
-    return Table(columns, rows, title=_title(found.instance))
+    return Table(columns, rows, title=found.instance.title)

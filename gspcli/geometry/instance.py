@@ -147,6 +147,11 @@ class Instance:
         """The generic count of the type for the sides asked for."""
         return generic_counts(self.type).one_sided * self.side_choices
 
+    @property
+    def title(self) -> str:
+        """Its name, if it has one, and its type."""
+        return ": ".join(part for part in (self.name, self.type.id) if part)
+
     def to_json(self) -> dict[str, Any]:
         """Return what identifies the instance in every document: its name, type and units."""
         return {

@@ -153,7 +153,7 @@ def plain_table(result: SolveResult) -> str:
         "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True))
         for row in zip(*columns, strict=True)
     ]
-    name = ": ".join(part for part in (result.instance.name, result.instance.type.id) if part)
+    name = result.instance.title
     return "\n".join([name, *(rows if count else ()), result.poses.account_text])
 
 
