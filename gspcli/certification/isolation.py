@@ -133,11 +133,20 @@ def refine_point(
         following = _newton(system, moved, patch, sides)
         if following is None:
             break
-        shrinking = bool(2 * following.length < best.length)
+        # Half as long, again and again, are steps towards two solutions side by side.
+        shrinking = bool(5 * following.length < 4 * best.length)
         best = following
         if not shrinking and best.length < arb(2) ** (-system.precision // 4):
             break
     return _prove(system, best, patch, sides) or best.centre
+
+
+def step_length(
+    system: BallSystem, centre: Sequence[acb], patch: int, sides: tuple[int, ...]
+) -> float:
+    """Return the length of Newton's step at a point; parameters are those of `refine_point`."""
+    newton = _newton(system, list(centre), patch, sides)
+    return float("inf") if newton is None else float(newton.length)
 
 
 def _newton(

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from gspcli.certification import study
 from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.balls import largest
-from gspcli.certification.isolation import Isolation, refine_point
+from gspcli.certification.isolation import Isolation, refine_point, step_length
 from gspcli.certification.measures import as_stated
 from gspcli.certification.pose_balls import PoseBall, pose_of_point
 from gspcli.geometry.instance import Instance
@@ -228,9 +228,17 @@ class Locator:
         with ctx.workprec(last):
             point = [(x / start[patch]).mid() for x in start]
         point[patch] = acb(1)
+        reached = point
         while precision <= last:
             with ctx.workprec(precision):
                 system = self.system(precision)
+                # With too few digits Newton's method leaves even a good start; near a second
+                # solution it is slow, and goes on from where it came to. More digits tell.
+                if reached is not point:
+                    point = min(
+                        (point, reached), key=lambda x: step_length(system, x, patch, sides)
+                    )
+                    reached = point
                 found = refine_point(system, point, patch, sides)
                 if isinstance(found, Isolation):
                     located = _located(system, found)
@@ -240,11 +248,11 @@ class Locator:
                     if 2 * precision > last and dot4(point, point).abs_upper() < _NULL:
                         return AtInfinity(found)
                 else:
-                    # With too few digits Newton's method leaves even a good start: it is kept.
                     moved = float(largest([x - y for x, y in zip(found, point, strict=True)]))
                     size = float(largest(point))
                     if not moved < _UNSETTLED * size and precision >= max(_PATIENCE, 2 * bits):
                         return None
+                    reached = list(found)
             precision *= 2
         return None
 

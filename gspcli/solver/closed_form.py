@@ -313,7 +313,8 @@ class _Ledger:
             points += list(meet.points @ frame.T)
             counts += meet.multiplicity.tolist()
             samples += list(meet.samples @ frame.T)
-            lost += meet.lost
+            # Spheres meet in fewer points than quadrics.
+            lost += min(meet.lost, self.each // len(shapes.signs))
             for X in meet.distant if isolated else ():
                 X = np.concatenate((X[:1], there.basis[0] @ X[1:]))
                 pose = finite_pose(self.forms, shapes, signs, self.distances, e, X)

@@ -12,8 +12,9 @@ from gspcli.certification.collecting import Collection
 from gspcli.certification.counting import poses_by_elimination
 from gspcli.certification.distinct import same
 from gspcli.certification.isolation import Isolation
-from gspcli.certification.locating import FIRST_PRECISION, AtInfinity, Locator
+from gspcli.certification.locating import FIRST_PRECISION, AtInfinity, Located, Locator
 from gspcli.certification.normalized import many_digits, normalized
+from gspcli.certification.partners import is_alone, partner
 from gspcli.continuation.pursuit import PursuedEnds, Pursuit
 from gspcli.continuation.systems import Coefficients, ExtendedCoefficients
 from gspcli.geometry.arrangement import Arrangement
@@ -24,8 +25,8 @@ from gspcli.solver.study_systems import coefficients_of
 #: worth it: some seconds.
 _ELIMINATION = (512, 1024, 2048)
 _ELIMINABLE = 130
-#: Sets of random paths that are tried.
-_ATTEMPTS = 3
+#: Sets of random paths that are tried, and at most if each of them leads to more poses.
+_ATTEMPTS, _MOST_ATTEMPTS = 3, 8
 #: Poses that agree to this part of their largest entry are not worth locating again.
 _KNOWN = 1e-13
 
@@ -82,8 +83,11 @@ class Search:
         for bits in _ELIMINATION if self.pursuit.paths <= _ELIMINABLE else ():
             self._eliminate(bits)
             yield
-        for attempt in range(1, _ATTEMPTS):
+        for attempt in range(1, _MOST_ATTEMPTS):
+            before = len(self.found)
             yield from self._pursue(np.ones(self.pursuit.paths, np.bool_), attempt)
+            if attempt + 1 >= _ATTEMPTS and len(self.found) == before:
+                break
 
     def _pursue(self, chosen: NDArray[np.bool_], attempt: int) -> Iterator[None]:
         """Add the poses at the ends of chosen paths: with 32 digits, and then with 64."""
@@ -124,7 +128,7 @@ class Search:
         new = ~self._is_known(ends)
         bits = FIRST_PRECISION * ends.digits // 16
         located = self.locator.locate(ends.points[new], ends.low[new], self.sides, bits)
-        new[new] = [self.found.add([end]) == 1 for end in located]
+        new[new] = [self._adds(end) for end in located]
         self.found.add_conjugates()
         for end in located:
             if isinstance(end, AtInfinity):
@@ -132,6 +136,15 @@ class Search:
                 if not any(same(isolation, other) for other in self.infinite):
                     self.infinite.append(isolation)
         return new
+
+    def _adds(self, end: Located | AtInfinity | None) -> bool:
+        """Add what a path has led to; return whether that is new."""
+        if self.found.add([end]):
+            return True
+        if not isinstance(end, Located) or is_alone(end):
+            return False
+        # Two paths to one pose may be those to two that are side by side.
+        return self.found.add([partner(self.locator, end)]) == 1
 
     def _eliminate(self, bits: int) -> None:
         """Add the poses that eigenvectors give, paths or not."""

@@ -75,8 +75,9 @@ def _uncounted(
 ) -> PoseSet:
     """Return the poses of a platform that could not be counted exactly, by its geometry's count."""
     count = geometry_count(instance, seed=seed, limit=limit) if limit != 0 else None
-    if count is None or count.solutions is None or not count.has_lone_lines:
-        # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md).
+    if count is None or not count.solutions or not count.has_lone_lines:
+        # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md), and a
+        # geometry that has no pose for most values has infinitely many for others.
         return _proved(joined([without_count(search, None) for search in searches]), None)
     # All choices of sides are alike.
     most = count.solutions // len(searches)

@@ -340,3 +340,28 @@ def test_a_free_rotation_without_any_translation_has_no_pose():
     )
     assert result.verdict == "complete"
     assert (result.counts.found, result.account.at_infinity) == (0, 16)
+
+
+def test_nearly_equal_spheres_in_more_than_enough_places_still_add_up():
+    # Nearly congruent bodies: at some rotations two spheres and a plane are not made out.
+    first, second = (
+        (3060.000000119, -180.000000216, 4249.999999762),
+        (3059.999999193, -179.999999694, 4249.999999953),
+    )
+    third = (-6180.000000623, 8400.00000013, 9670.000000456)
+    minus = [tuple(-x for x in point) for point in (first, second)]
+    result = solved(
+        ("DPP", at(*first), at(*minus[0]), 15094.570666745),
+        ("DPP", at(*second), at(*minus[1]), 15094.570666715),
+        (
+            "DPH",
+            at(*third),
+            Plane(vector(6179.999999934, -8400.000000182, -9669.999999036), vector(-7, -6, 6)),
+            9024.54545548,
+            Side.NEGATIVE,
+        ),
+        ("ALL", Line(ORIGIN, vector(-7, -6, -6)), Line(ORIGIN, vector(6, 9, -2)), 155.796652974),
+        ("ALL", Line(ORIGIN, vector(-6, 9, 2)), Line(ORIGIN, vector(42, -108, 27)), 90),
+        ("ALL", Line(ORIGIN, vector(-6, 2, -9)), Line(ORIGIN, vector(-11, -10, 2)), 55.539341925),
+    )
+    assert (result.verdict, result.counts.found) == ("complete", 16)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
+from gspcli import load
 from gspcli.catalogue.kinds import KINDS_BY_NAME
-from gspcli.certification.counting import exact_count
+from gspcli.certification.counting import count_geometry, exact_count
 from gspcli.certification.counting.modular_platform import ModularPlatform
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
@@ -15,6 +18,7 @@ from gspcli.solver import solve
 
 ORIGIN, X, Y, Z = (vector(*v) for v in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
 P = Point(ORIGIN)
+EXAMPLES = Path(__file__).parents[3] / "data" / "examples"
 #: More decimals of a degree than there are primes with so many roots of unity.
 MANY_DIGITS = "0.1234567890123"
 
@@ -64,3 +68,14 @@ def test_lines_that_can_be_parallel_at_once_are_seen(second: tuple[int, ...], al
     )
     platform = ModularPlatform(instance(*rows, first, other), SEED, values_free=True)
     assert platform.has_lone_lines == alone
+
+
+def test_a_geometry_without_poses_for_most_values_proves_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    platform = load(EXAMPLES / "similar-hexagons.yaml")
+    assert count_geometry(platform).solutions == 0
+    monkeypatch.setattr("gspcli.solver.search._MOST_ATTEMPTS", 0)
+    monkeypatch.setattr("gspcli.solver.search._ELIMINABLE", 0)
+    monkeypatch.setattr("gspcli.solver.special.exact_count", lambda *_, **__: None)
+    assert solve(platform).verdict == "incomplete"
