@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from gspcli.cli.analysis_tables import details, overview
 from gspcli.cli.names import load_instance
-from gspcli.cli.output import Column, Output, Table, emit, output_options
+from gspcli.cli.output import Output, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options
 from gspcli.cli.progress_bars import working
 from gspcli.errors import GspError
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-_TWIST = ("rx", "ry", "rz", "x", "y", "z")
-_WRENCH = ("mx", "my", "mz", "fx", "fy", "fz")
 #: Formats for people.
 _READABLE = ("table", "markdown", "latex")
 _ZERO = 1e-12
@@ -120,7 +119,7 @@ def command(
         for k, number in enumerate(numbers)
     ]
     detailed = mode is not None or pose is not None
-    tables = _details(entries[0], given) if detailed else [_overview(entries, given)]
+    tables = details(entries[0], given) if detailed else [overview(entries, given)]
     if output.format in _READABLE:
         tables = [replace(table, rows=[_tidy(row) for row in table.rows]) for table in tables]
     emit(output, tables, document=_document(instance, given, entries))
@@ -269,156 +268,3 @@ def _document(instance: Instance, given: Wrenches, entries: list[dict[str, Any]]
         "length": given.length,
         "poses": entries,
     }
-
-
-def _overview(entries: list[dict[str, Any]], given: Wrenches) -> Table:
-    columns = [
-        Column("mode", align="right", essential=True),
-        Column("condition", align="right", essential=True),
-        Column("manipulability", align="right"),
-        Column("largest", "largest σ", align="right"),
-        Column("smallest", "smallest σ", align="right"),
-        Column("worst", "worst force", align="right"),
-        Column("worst_shift", "error of point", align="right"),
-        Column("bound_shift", "proved ≤", align="right"),
-    ]
-    rows = []
-    for entry in entries:
-        values = entry["singular_values"]
-        row = {key: entry[key] for key in ("mode", "condition", "manipulability")}
-        row |= {"largest": values[0], "smallest": values[-1]}
-        row["worst"] = entry["worst_force"]["reaction"]
-        rows.append(row | entry.get("accuracy", {}))
-    shown = columns if any("worst_shift" in row for row in rows) else columns[:-2]
-    unit = given.instance.units.length
-    notes = [
-        f"lengths divided by {given.length:.6g} {unit}; worst force: the most that a unit force at "
-        "the point can load a constraint with"
-    ]
-    return Table(shown, rows, title=given.instance.title, notes=notes)
-
-
-def _details(entry: dict[str, Any], given: Wrenches) -> list[Table]:
-    unit = given.instance.units.length
-    kinds = [constraint.kind.name for constraint in given.instance.constraints]
-    screws = []
-    for k, kind in enumerate(kinds):
-        row = {"number": k + 1, "kind": kind, "pitch": entry["pitches"][k]}
-        row |= zip(("fx", "fy", "fz"), entry["forces"][k], strict=True)
-        row |= zip(("mx", "my", "mz"), entry["moments"][k], strict=True)
-        row |= zip(("px", "py", "pz"), entry["feet"][k], strict=True)
-        if "reactions" in entry:
-            row["reaction"] = entry["reactions"][k]
-        screws.append(row)
-    keys = ("fx", "fy", "fz", "mx", "my", "mz")
-    columns = [
-        Column("number", "no.", align="right", essential=True),
-        Column("kind", essential=True),
-    ]
-    if "reactions" in entry:
-        columns.append(Column("reaction", align="right", essential=True))
-    columns += [Column(key, align="right", essential=True, aligned=True) for key in keys]
-    columns += [Column("pitch", align="right")]
-    columns += [Column(key, align="right") for key in ("px", "py", "pz")]
-    worst = entry["worst_force"]
-    values = " ".join(f"{value:.4g}" for value in entry["singular_values"])
-    condition = "infinite" if entry["condition"] is None else f"{entry['condition']:.6g}"
-    point = ", ".join(f"{x:.6g}" for x in entry["point"])
-    notes = [
-        f"about the point ({point}) {unit}; lengths divided by {given.length:.6g} {unit}:",
-        f"singular values {values}; condition {condition}; "
-        f"manipulability {entry['manipulability']:.6g}",
-    ]
-    if worst["reaction"] is not None:
-        along = ", ".join(f"{x:.4g}" for x in worst["direction"])
-        notes.append(
-            f"worst unit force: ({along}) loads constraint {worst['constraint']} with "
-            f"{worst['reaction']:.6g}"
-        )
-    tables = [Table(columns, screws, title=given.instance.title, notes=notes, part="wrenches")]
-    labels = [f"{k} {kind}" for k, kind in enumerate(kinds, 1)]
-    tables.append(
-        _matrix(
-            "jacobian",
-            "Derivatives of the values by the twist",
-            "value",
-            labels,
-            _TWIST,
-            entry["jacobian"],
-        )
-    )
-    tables.append(
-        _matrix("inverse", "Twist by the values", "twist", _TWIST, labels, entry["inverse"])
-    )
-    if "stiffness" in entry:
-        tables.append(
-            _matrix(
-                "stiffness",
-                "Stiffness: wrench by twist",
-                "wrench",
-                _WRENCH,
-                _TWIST,
-                entry["stiffness"],
-            )
-        )
-    if "accuracy" in entry:
-        tables.append(_errors(entry["accuracy"], unit))
-    if "geometry" in entry:
-        tables.append(_geometry_errors(entry["geometry"], unit))
-    return tables
-
-
-def _matrix(part: str, title: str, corner: str, rows: Any, columns: Any, matrix: Any) -> Table:
-    return Table(
-        [Column(corner, essential=True)]
-        + [Column(name, align="right", essential=True, aligned=True) for name in columns],
-        [
-            {corner: name, **dict(zip(columns, values, strict=True))}
-            for name, values in zip(rows, matrix, strict=True)
-        ],
-        title=title,
-        part=part,
-    )
-
-
-def _geometry_errors(errors: dict[str, Any], unit: str) -> Table:
-    rows = [
-        {"error": name, "worst": worst, "rms": rms}
-        for name, worst, rms in zip(_TWIST, errors["worst"], errors["rms"], strict=True)
-    ]
-    rows += [
-        {"error": "rotation", "worst": errors["turn"]},
-        {"error": "distance", "worst": errors["shift"]},
-    ]
-    columns = (
-        Column("error", essential=True),
-        Column("worst", "worst, first order", align="right", essential=True),
-        Column("rms", align="right", essential=True),
-    )
-    note = f"rotations in radians, distances in {unit}; of rotation and distance upper bounds"
-    return Table(
-        columns, rows, title="Errors of the pose from the geometry", notes=[note], part="geometry"
-    )
-
-
-def _errors(errors: dict[str, Any], unit: str) -> Table:
-    rows = [
-        {"error": name, "worst": a, "bound": b, "rms": c}
-        for name, a, b, c in zip(
-            _TWIST, errors["worst"], errors["bound"], errors["rms"], strict=True
-        )
-    ]
-    rows += [
-        {"error": "rotation", "worst": errors["worst_turn"], "bound": errors["bound_turn"]},
-        {"error": "distance", "worst": errors["worst_shift"], "bound": errors["bound_shift"]},
-    ]
-    columns = (
-        Column("error", essential=True),
-        Column("worst", "worst, first order", align="right", essential=True),
-        Column("bound", "proved ≤", align="right", essential=True),
-        Column("rms", align="right"),
-    )
-    note = f"rotations in radians, distances in {unit}"
-    if any(row["bound"] is None for row in rows):
-        note += "; the tolerances are too large for a proof"
-    return Table(columns, rows, title="Errors of the pose", notes=[note], part="errors")

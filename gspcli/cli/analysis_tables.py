@@ -1,0 +1,163 @@
+"""What `gsp analyze` says of poses, as tables for people."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from gspcli.cli.output import Column, Table
+
+if TYPE_CHECKING:
+    from gspcli.motion.wrenches import Wrenches
+
+_TWIST = ("rx", "ry", "rz", "x", "y", "z")
+_WRENCH = ("mx", "my", "mz", "fx", "fy", "fz")
+
+
+def overview(entries: list[dict[str, Any]], given: Wrenches) -> Table:
+    """Return a line for each pose."""
+    columns = [
+        Column("mode", align="right", essential=True),
+        Column("condition", align="right", essential=True),
+        Column("manipulability", align="right"),
+        Column("largest", "largest σ", align="right"),
+        Column("smallest", "smallest σ", align="right"),
+        Column("worst", "worst force", align="right"),
+        Column("worst_shift", "error of point", align="right"),
+        Column("bound_shift", "proved ≤", align="right"),
+    ]
+    rows = []
+    for entry in entries:
+        values = entry["singular_values"]
+        row = {key: entry[key] for key in ("mode", "condition", "manipulability")}
+        row |= {"largest": values[0], "smallest": values[-1]}
+        row["worst"] = entry["worst_force"]["reaction"]
+        rows.append(row | entry.get("accuracy", {}))
+    shown = columns if any("worst_shift" in row for row in rows) else columns[:-2]
+    unit = given.instance.units.length
+    notes = [
+        f"lengths divided by {given.length:.6g} {unit}; worst force: the most that a unit force at "
+        "the point can load a constraint with"
+    ]
+    return Table(shown, rows, title=given.instance.title, notes=notes)
+
+
+def details(entry: dict[str, Any], given: Wrenches) -> list[Table]:
+    """Return all tables of one pose."""
+    kinds = [constraint.kind.name for constraint in given.instance.constraints]
+    labels = [f"{k} {kind}" for k, kind in enumerate(kinds, 1)]
+    unit = given.instance.units.length
+    title = "Derivatives of the values by the twist"
+    tables = [
+        _screws(entry, given, kinds),
+        _matrix("jacobian", title, "value", labels, _TWIST, entry["jacobian"]),
+        _matrix("inverse", "Twist by the values", "twist", _TWIST, labels, entry["inverse"]),
+    ]
+    if "stiffness" in entry:
+        title = "Stiffness: wrench by twist"
+        tables.append(_matrix("stiffness", title, "wrench", _WRENCH, _TWIST, entry["stiffness"]))
+    if "accuracy" in entry:
+        tables.append(_errors(entry["accuracy"], unit))
+    if "geometry" in entry:
+        tables.append(_geometry_errors(entry["geometry"], unit))
+    return tables
+
+
+def _screws(entry: dict[str, Any], given: Wrenches, kinds: list[str]) -> Table:
+    """Return the wrenches of the constraints, and what the pose is like in notes."""
+    screws = []
+    for k, kind in enumerate(kinds):
+        row = {"number": k + 1, "kind": kind, "pitch": entry["pitches"][k]}
+        row |= zip(("fx", "fy", "fz"), entry["forces"][k], strict=True)
+        row |= zip(("mx", "my", "mz"), entry["moments"][k], strict=True)
+        row |= zip(("px", "py", "pz"), entry["feet"][k], strict=True)
+        if "reactions" in entry:
+            row["reaction"] = entry["reactions"][k]
+        screws.append(row)
+    keys = ("fx", "fy", "fz", "mx", "my", "mz")
+    columns = [
+        Column("number", "no.", align="right", essential=True),
+        Column("kind", essential=True),
+    ]
+    if "reactions" in entry:
+        columns.append(Column("reaction", align="right", essential=True))
+    columns += [Column(key, align="right", essential=True, aligned=True) for key in keys]
+    columns += [Column("pitch", align="right")]
+    columns += [Column(key, align="right") for key in ("px", "py", "pz")]
+    notes = _notes(entry, given)
+    return Table(columns, screws, title=given.instance.title, notes=notes, part="wrenches")
+
+
+def _notes(entry: dict[str, Any], given: Wrenches) -> list[str]:
+    unit = given.instance.units.length
+    worst = entry["worst_force"]
+    values = " ".join(f"{value:.4g}" for value in entry["singular_values"])
+    condition = "infinite" if entry["condition"] is None else f"{entry['condition']:.6g}"
+    point = ", ".join(f"{x:.6g}" for x in entry["point"])
+    notes = [
+        f"about the point ({point}) {unit}; lengths divided by {given.length:.6g} {unit}:",
+        f"singular values {values}; condition {condition}; "
+        f"manipulability {entry['manipulability']:.6g}",
+    ]
+    if worst["reaction"] is not None:
+        along = ", ".join(f"{x:.4g}" for x in worst["direction"])
+        notes.append(
+            f"worst unit force: ({along}) loads constraint {worst['constraint']} with "
+            f"{worst['reaction']:.6g}"
+        )
+    return notes
+
+
+def _matrix(part: str, title: str, corner: str, rows: Any, columns: Any, matrix: Any) -> Table:
+    return Table(
+        [Column(corner, essential=True)]
+        + [Column(name, align="right", essential=True, aligned=True) for name in columns],
+        [
+            {corner: name, **dict(zip(columns, values, strict=True))}
+            for name, values in zip(rows, matrix, strict=True)
+        ],
+        title=title,
+        part=part,
+    )
+
+
+def _geometry_errors(errors: dict[str, Any], unit: str) -> Table:
+    rows = [
+        {"error": name, "worst": worst, "rms": rms}
+        for name, worst, rms in zip(_TWIST, errors["worst"], errors["rms"], strict=True)
+    ]
+    rows += [
+        {"error": "rotation", "worst": errors["turn"]},
+        {"error": "distance", "worst": errors["shift"]},
+    ]
+    columns = (
+        Column("error", essential=True),
+        Column("worst", "worst, first order", align="right", essential=True),
+        Column("rms", align="right", essential=True),
+    )
+    note = f"rotations in radians, distances in {unit}; of rotation and distance upper bounds"
+    return Table(
+        columns, rows, title="Errors of the pose from the geometry", notes=[note], part="geometry"
+    )
+
+
+def _errors(errors: dict[str, Any], unit: str) -> Table:
+    rows = [
+        {"error": name, "worst": a, "bound": b, "rms": c}
+        for name, a, b, c in zip(
+            _TWIST, errors["worst"], errors["bound"], errors["rms"], strict=True
+        )
+    ]
+    rows += [
+        {"error": "rotation", "worst": errors["worst_turn"], "bound": errors["bound_turn"]},
+        {"error": "distance", "worst": errors["worst_shift"], "bound": errors["bound_shift"]},
+    ]
+    columns = (
+        Column("error", essential=True),
+        Column("worst", "worst, first order", align="right", essential=True),
+        Column("bound", "proved ≤", align="right", essential=True),
+        Column("rms", align="right"),
+    )
+    note = f"rotations in radians, distances in {unit}"
+    if any(row["bound"] is None for row in rows):
+        note += "; the tolerances are too large for a proof"
+    return Table(columns, rows, title="Errors of the pose", notes=[note], part="errors")
