@@ -60,7 +60,7 @@ ACCOUNTS = AccountOptions()
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class EndsOnCurve:
     """Ends on a positive-dimensional solution set; as `solve.SolutionCurve`, norm 1."""
 
     dimension: int
@@ -80,7 +80,7 @@ class Settled:
     account: PathAccount
     suspect: bool = False
     """Winding numbers and multiplicities contradict each other."""
-    curves: list[Curve] = field(default_factory=list)
+    curves: list[EndsOnCurve] = field(default_factory=list)
 
     @property
     def doubts(self) -> tuple[int, bool]:
@@ -366,7 +366,7 @@ class _Attempt:
                 return candidate, real
         return point, along
 
-    def _curves(self, found: list[_OnCurve]) -> list[Curve]:
+    def _curves(self, found: list[_OnCurve]) -> list[EndsOnCurve]:
         if not found:
             return []
         motions = sample_motions(
@@ -375,7 +375,7 @@ class _Attempt:
             np.array([end.tangents[:, 0] for end in found]),
         )
         return [
-            Curve(
+            EndsOnCurve(
                 end.tangents.shape[1],
                 self.points[end.members],
                 motion,

@@ -110,7 +110,7 @@ def equations_at(
 
 
 @dataclass(frozen=True, eq=False)
-class Proofs:
+class ChordProofs:
     """What is known of n chords.
 
     Attributes
@@ -130,7 +130,7 @@ class Proofs:
 
 def prove(
     parts: Parts, first: Array, last: Array, exact: Sequence[ExactChords] | None = None
-) -> Proofs:
+) -> ChordProofs:
     """Try to prove that branches follow chords.
 
     Parameters
@@ -180,7 +180,7 @@ def prove(
         good &= (np.linalg.norm(d, axis=1) < LONGEST) & (np.linalg.norm(z, axis=1) < _NORM)
         good &= (np.sum(patch * z, axis=1) > 0.9) & (e - de / 2 > radius * _OUTWARD)
         measure = np.where(good, measure, np.fmax(measure, 2.0))
-        return Proofs(
+        return ChordProofs(
             np.where(np.isnan(measure), np.inf, measure),
             2 * end / left * _OUTWARD,
             np.where(good, uniqueness, 0.0),

@@ -26,7 +26,7 @@ from gspcli.certification.counting.modular_platform import (
     on_sides,
 )
 from gspcli.certification.counting.motion_equations import equations, with_moments
-from gspcli.certification.counting.residue_counts import Outcome, trace
+from gspcli.certification.counting.residue_counts import Ending, trace
 from gspcli.certification.counting.spectrum import SpectrumError, eigenvectors
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
@@ -90,7 +90,7 @@ def poses_by_elimination(
                 seed=platform.randomness.below(2**63),
                 max_work=work_limit(limit),
             )
-            if result.outcome is not Outcome.FINITE:
+            if result.outcome is not Ending.FINITE:
                 return None
             if result.solutions == 0:
                 continue

@@ -13,7 +13,7 @@ from gspcli.certification.counting.coordinate_choice import DEGREES, quadrics
 from gspcli.certification.counting.error_bounds import COMMUTATOR_TESTS, ErrorBounds, total
 from gspcli.certification.counting.homomorphism import LARGE, SMALL
 from gspcli.certification.counting.modular_platform import ModularPlatform, NotCountedError
-from gspcli.certification.counting.residue_counts import Outcome, ResidueCount, count
+from gspcli.certification.counting.residue_counts import Ending, ResidueCount, count
 from gspcli.certification.counting.spurious import spurious
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
@@ -219,7 +219,7 @@ def _results(platform: ModularPlatform, max_work: int, *, same: bool) -> list[_R
         counted = run(
             conditions=[crossing for crossing, _ in lines], groups=[[k] for k in range(len(lines))]
         )
-        if counted.outcome is Outcome.STOPPED:
+        if counted.outcome is Ending.STOPPED:
             message = (
                 "the solutions cannot be counted exactly within the limit of "
                 f"{max_work / _BILLION:g} billion multiplications: --limit raises it"
@@ -257,8 +257,8 @@ def work_limit(limit: float | None) -> int:
 
 def _assembled(platform: ModularPlatform, found: Sequence[_Result]) -> ExactCount:
     results = [result.counted for result in found]
-    finite = all(result.outcome is Outcome.FINITE for result in results)
-    isolated = [r for r in results if r.outcome is Outcome.FINITE]
+    finite = all(result.outcome is Ending.FINITE for result in results)
+    isolated = [r for r in results if r.outcome is Ending.FINITE]
     errors, further_errors = zip(*(_errors(result, platform) for result in found), strict=True)
     error = total(errors)
 
@@ -285,7 +285,7 @@ def _assembled(platform: ModularPlatform, found: Sequence[_Result]) -> ExactCoun
 
 
 def _side(signs: tuple[int, ...], result: _Result) -> SideCount:
-    if result.counted.outcome is not Outcome.FINITE:
+    if result.counted.outcome is not Ending.FINITE:
         return SideCount(signs, None, None, None, None)
     wrong, distinct = result.spurious or (None, None)
     return SideCount(signs, result.counted.solutions, result.counted.distinct, wrong, distinct)
@@ -305,7 +305,7 @@ def _errors(found: _Result, platform: ModularPlatform) -> tuple[float, float]:
     bounds = ErrorBounds.of(platform.exact, platform.requirements, platform.blocks)
     reach, points = result.reach, result.solutions
     if error is None:
-        error = bounds.count(reach, finite=result.outcome is Outcome.FINITE)
+        error = bounds.count(reach, finite=result.outcome is Ending.FINITE)
     further = [] if is_distinct else [bounds.distinct(reach, points)]
     if is_spurious:
         further.append(bounds.spurious(reach, points, platform.kinds.count(DLL)))
@@ -321,7 +321,7 @@ def _proved_error(result: ResidueCount, platform: ModularPlatform) -> float | No
     are all (docs/counts.md), and only the random tests of the border basis may have misled.
     """
     blocks, kinds = platform.blocks, platform.kinds
-    if result.outcome is not Outcome.FINITE:
+    if result.outcome is not Ending.FINITE:
         return None
     if not result.has_falls and result.solutions == DEGREES[blocks] << quadrics(blocks, kinds):
         return 0.0

@@ -25,7 +25,7 @@ from gspcli.certification.counting.motion_equations import (
 MAX_ENTRIES = 2**27
 
 
-class Outcome(IntEnum):
+class Ending(IntEnum):
     """How a computation modulo a prime ended, as the kernel numbers it."""
 
     FINITE = 0
@@ -59,7 +59,7 @@ class ResidueCount:
         Multiplications.
     """
 
-    outcome: Outcome
+    outcome: Ending
     solutions: int
     distinct: int | None
     apart: tuple[tuple[int, int], ...]
@@ -234,7 +234,7 @@ def _run(
     )
     falls, reach, all_commutators, work = facts
     result = ResidueCount(
-        Outcome(outcome),
+        Ending(outcome),
         solutions,
         None if distinct < 0 else distinct,
         tuple(zip(apart, apart_distinct, strict=True)),

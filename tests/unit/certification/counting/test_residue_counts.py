@@ -5,7 +5,7 @@ import pytest
 from gspcli.certification import study
 from gspcli.certification.counting.coordinate_choice import DEGREES, Blocks
 from gspcli.certification.counting.motion_equations import MotionEquation, MotionEquations
-from gspcli.certification.counting.residue_counts import Outcome, count
+from gspcli.certification.counting.residue_counts import Ending, count
 
 PRIMES = (2**30 - 35, 2**60 + 33, 2**61 - 1)
 T = Blocks.TRANSLATION
@@ -32,23 +32,23 @@ def test_three_entries_on_the_diagonal_leave_eight_rotations(prime, build):
     # The squares of a quaternion's entries are given, and with them the entries up to signs.
     rows = [*fixed_translation(), *(entry(i, i, 3 + i * i, prime) for i in range(3))]
     result = run(rows, prime, build=build)
-    assert (result.outcome, result.solutions, result.distinct) == (Outcome.FINITE, 8, 8)
+    assert (result.outcome, result.solutions, result.distinct) == (Ending.FINITE, 8, 8)
 
 
 @pytest.mark.parametrize("prime", PRIMES)
 def test_identity_is_a_multiple_solution(prime):
     rows = [*fixed_translation(), *(entry(i, i, 1, prime) for i in range(3))]
     result = run(rows, prime)
-    assert (result.outcome, result.solutions, result.distinct) == (Outcome.FINITE, 8, 1)
+    assert (result.outcome, result.solutions, result.distinct) == (Ending.FINITE, 8, 1)
 
 
 @pytest.mark.parametrize("prime", PRIMES)
 def test_contradictions_and_freedom(prime):
     rows = [*fixed_translation(), entry(0, 0, 1, prime), entry(0, 1, 2, prime)]
     contradiction = run([*rows, entry(0, 0, 2, prime)], prime)
-    assert (contradiction.outcome, contradiction.solutions) == (Outcome.FINITE, 0)
+    assert (contradiction.outcome, contradiction.solutions) == (Ending.FINITE, 0)
     free = run([*rows[:4], entry(1, 1, 3, prime), entry(1, 1, 3, prime)], prime)
-    assert free.outcome is Outcome.INFINITE
+    assert free.outcome is Ending.INFINITE
 
 
 def test_all_builds_and_primes_agree_on_every_set_of_coordinates():
