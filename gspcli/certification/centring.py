@@ -46,6 +46,9 @@ def length_scale(instance: Instance, distances: Iterable[float] | None = None) -
     return 2.0 ** math.frexp(size)[1] if 0 < size < math.inf else 1.0
 
 
+_NOWHERE = (Fraction(0),) * 3
+
+
 @dataclass(frozen=True)
 class Centring:
     """Where the frames begin: ``T_centred = T + R platform - base``.
@@ -67,11 +70,12 @@ class Centring:
         for body in ("platform", "base"):
             points = [getattr(c, body).position for c in instance.constraints]
             columns = [[number.value for number in column] for column in zip(*points, strict=True)]
-            middles.append([Fraction((min(column) + max(column)) / 2) for column in columns])
-            extents += [max(column) - min(column) for column in columns]
+            ends = [(min(column), max(column)) for column in columns]
+            middles.append([(low + high) / 2 for low, high in ends])
+            extents += [high - low for low, high in ends]
         size = max(*distances, *extents)
         platform, base = (
-            tuple(middle) if max(map(abs, middle)) > FAR * size else (Fraction(0),) * 3
+            tuple(map(Fraction, middle)) if max(map(abs, middle)) > FAR * size else _NOWHERE
             for middle in middles
         )
         return cls(platform, base)  # type: ignore[arg-type]

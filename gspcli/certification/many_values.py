@@ -101,7 +101,9 @@ class ValueProofs:
         distances = [i for i, kind in enumerate(self.kinds) if kind.is_distance]
         largest = None if rows is None else np.abs(rows[:, distances]).max(axis=0).tolist()
         self.scale = length_scale(instance, largest)
-        numbers = np.array([_numbers(row, self.scale) for row in given])
+        numbers = np.array([_numbers(row) for row in given])
+        # Exact: a power of two.
+        numbers[:, :2] /= self.scale
         found = _kernel.open(
             np.array([_MEASURES[kind] for kind in self.kinds], np.int32),
             np.ascontiguousarray(np.moveaxis(numbers, -1, 0)),
@@ -127,6 +129,8 @@ class ValueProofs:
     def _is_fine(self, values: Array) -> bool:
         """Whether distances that quadrics are multiplied by are doubles (native/residuals.hpp)."""
         turned = self._turned >= 0
+        if not turned.any():
+            return True
         # The square of such a double needs no third one.
         square, low = _square(values[:, 2, turned])
         return bool((values[:, 0, turned] == square).all() and (values[:, 3, turned] == low).all())
@@ -256,10 +260,10 @@ class ValueProofs:
         )
 
 
-def _numbers(row: Constraint, scale: float) -> list[list[Doubled]]:
-    """Return the points and the directions of both primitives, lengths in units of the scale."""
+def _numbers(row: Constraint) -> list[list[Doubled]]:
+    """Return the points and the directions of both primitives."""
     bodies = row.platform, row.base
-    points = [[Doubled.of(x).scaled(1 / scale) for x in body.position] for body in bodies]
+    points = [[Doubled.of(x) for x in body.position] for body in bodies]
     return points + [_direction(body) for body in bodies]
 
 

@@ -2,9 +2,8 @@
 
 from gspcli.solver.api import solve, solve_batch, solve_values
 from gspcli.solver.batch import PoseBatch
-from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.pose_set import Motion, PoseSet
 from gspcli.solver.result import SolveResult
-from gspcli.solver.self_motion import Motion
 from gspcli.solver.solution import Counts, Solution
 
 __all__ = [

@@ -88,11 +88,13 @@ def solve(
 
             poses = proved_closed_form(instance, arrangement, poses)
     else:
-        from gspcli.solver import tracking
+        from gspcli.solver.direct import proofs_of, proved_directly
 
-        proofs = tracking.proofs_of(instance, arrangement)
-        poses = tracking.proved_directly(proofs, arrangement) if proofs else None
+        proofs = proofs_of(instance, arrangement)
+        poses = proved_directly(proofs, arrangement) if proofs else None
         if poses is None:
+            from gspcli.solver import tracking
+
             _, pursuits = next(tracking.pursue_each([arrangement], seed=seed, jobs=jobs))
             if proofs and certify:
                 poses = tracking.proved_by_paths(proofs, arrangement, pursuits)

@@ -36,9 +36,9 @@ from gspcli.geometry.surfaces import (
     surfaces,
 )
 from gspcli.solver.infinity import finite_pose
-from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.pose_set import Motion, PoseSet
 from gspcli.solver.rotations import Rotations, angle_forms, rotations
-from gspcli.solver.self_motion import Motion, local_motion
+from gspcli.solver.self_motion import local_motion
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

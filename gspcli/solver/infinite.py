@@ -16,9 +16,8 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.residuals import residuals
 from gspcli.solver.closed_form import solve_closed_form
-from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.pose_set import Motion, PoseSet
 from gspcli.solver.proof import Proof
-from gspcli.solver.self_motion import Motion
 from gspcli.solver.tracking import poses_by_paths, solve_by_tracking
 
 #: Samples of a motion meet the constraints up to this part of their size.

@@ -9,14 +9,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.paths import PathAccount
+from gspcli.geometry.quaternions import Field
 from gspcli.solver.proof import Proof
-from gspcli.solver.self_motion import Motion
 
 Complex = NDArray[np.complex128]
 
 
 #: Ends of paths that are no isolated poses.
 _NO_POSES = ("at_infinity", "on_curves", "spurious", "lost")
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A positive-dimensional set of poses around a sample.
+
+    Attributes
+    ----------
+    dimension
+        Local dimension of the set, as far as independent steps were found.
+    real
+        Whether the poses are real, so that the platform really moves; else the set is known
+        only over the complex numbers.
+    R, T
+        Consecutive poses, shapes (m, 3, 3) and (m, 3); the first is the sample.
+    """
+
+    dimension: int
+    real: bool
+    R: Field
+    T: Field
 
 
 @dataclass(frozen=True, eq=False)

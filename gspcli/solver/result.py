@@ -17,9 +17,8 @@ from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import LeftLimit, has_limits, left_limits
 from gspcli.geometry.quaternions import Field
 from gspcli.geometry.residuals import condition_numbers, residuals, sides_of
-from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.pose_set import Motion, PoseSet
 from gspcli.solver.proof import Ground, Proof
-from gspcli.solver.self_motion import Motion
 from gspcli.solver.solution import Counts, Solution
 
 if TYPE_CHECKING:
@@ -283,6 +282,5 @@ def stable_order(poses: PoseSet, length: float) -> Any:
     """
     unit = 10.0 ** math.floor(math.log10(length))
     pose = np.concatenate((poses.quaternions, poses.T * (1 / unit)), axis=1)
-    keys = np.concatenate((pose.real, pose.imag), axis=1).round(9)
-    # The last key is the first to sort by.
-    return np.lexsort((*keys.T[::-1], ~poses.real))
+    keys = np.concatenate((~poses.real[:, None], pose.real, pose.imag), axis=1).round(9).tolist()
+    return np.array(sorted(range(len(keys)), key=keys.__getitem__), np.intp)

@@ -6,8 +6,6 @@ and steps along it can be corrected to poses some way off that satisfy every con
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,6 +20,7 @@ from gspcli.geometry.quaternions import (
     quaternion_from_rotation,
     rotation_from_quaternion,
 )
+from gspcli.solver.pose_set import Motion
 
 Array = NDArray[np.float64]
 
@@ -36,27 +35,6 @@ _END = 1e-12
 _PARALLEL = 1e-6
 #: Largest remaining error of a corrected pose, in radians or typical lengths.
 _CONVERGED = 1e-11
-
-
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """A positive-dimensional set of poses around a sample.
-
-    Attributes
-    ----------
-    dimension
-        Local dimension of the set, as far as independent steps were found.
-    real
-        Whether the poses are real, so that the platform really moves; else the set is known
-        only over the complex numbers.
-    R, T
-        Consecutive poses, shapes (m, 3, 3) and (m, 3); the first is the sample.
-    """
-
-    dimension: int
-    real: bool
-    R: Field
-    T: Field
 
 
 def local_motion(arrangement: Arrangement, R: Field, T: Field) -> Motion | None:

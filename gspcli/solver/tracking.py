@@ -11,15 +11,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DPH, DPP
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.pursuit import Pursuit, pursue
-from gspcli.continuation.shifts import ends_from_start
 from gspcli.continuation.solutions import SystemSolutions
 from gspcli.continuation.systems import System
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.conjugates import find_real_points, made_real
-from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import (
     Field,
     canonical_sign,
@@ -27,19 +24,15 @@ from gspcli.geometry.quaternions import (
     quaternion_from_rotation,
     unit_quaternion,
 )
+from gspcli.solver.direct import all_proved
 from gspcli.solver.parallel_lines import judge_parallel_lines, polish_parallel_lines
-from gspcli.solver.pose_set import PoseSet
-from gspcli.solver.proof import Ground, Proof
-from gspcli.solver.self_motion import Motion
-from gspcli.solver.study_systems import coefficients_at, side_choices, target_systems
+from gspcli.solver.pose_set import Motion, PoseSet
+from gspcli.solver.study_systems import target_systems
 
 if TYPE_CHECKING:
     from gspcli.certification.many_values import ValueProofs
 
 Complex = NDArray[np.complex128]
-
-#: Whose equations are each one quadric that depends on e, e ^ f and f.f alone.
-_REDUCIBLE = frozenset({DPP, DPH, DHP, *ANGLE_KINDS})
 
 
 def solve_by_tracking(arrangement: Arrangement, *, seed: int, jobs: int = 1) -> PoseSet:
@@ -128,37 +121,6 @@ def poses_by_paths(arrangement: Arrangement, pursuits: list[Pursuit]) -> PoseSet
     )
 
 
-def proofs_of(instance: Instance, arrangement: Arrangement) -> ValueProofs | None:
-    """Return what proves the ends of paths; None if they need other equations, or more digits."""
-    if any(
-        kind is DLL and not value
-        for kind, value in zip(arrangement.kinds, arrangement.values.tolist(), strict=True)
-    ):
-        # Such lines meet, which is another equation.
-        return None
-    from gspcli.certification.many_values import ValueProofs
-
-    return ValueProofs.of(instance, None)
-
-
-def proved_directly(proofs: ValueProofs, arrangement: Arrangement) -> PoseSet | None:
-    """Return all poses, proved, by the quickest paths there are; as `proved_by_paths`.
-
-    None as well if an equation is a product or a mutual moment, or the geometry is special.
-    """
-    if not _REDUCIBLE.issuperset(arrangement.kinds):
-        return None
-    structure, coefficients = coefficients_at(arrangement.normalized)
-    order = list(structure.order)
-    ends = []
-    for quadrics in coefficients.g[:, order]:
-        points = ends_from_start(structure.canonical(), quadrics)
-        if points is None:
-            return None
-        ends.append(points)
-    return _all_proved(proofs, arrangement, np.array(ends))
-
-
 def proved_by_paths(
     proofs: ValueProofs, arrangement: Arrangement, pursuits: list[Pursuit]
 ) -> PoseSet | None:
@@ -172,29 +134,7 @@ def proved_by_paths(
         For each choice of sides.
     """
     points = np.stack([pursuit.first().points for pursuit in pursuits])
-    return _all_proved(proofs, arrangement, points)
-
-
-def _all_proved(proofs: ValueProofs, arrangement: Arrangement, points: Complex) -> PoseSet | None:
-    """Return the poses at the ends of all paths (sides, paths, 8) if all are proved."""
-    from gspcli.certification.many_values import Frames
-
-    frames = Frames(arrangement.length, arrangement.base_centre, arrangement.platform_centre)
-    found = proofs.decide_own(side_choices(arrangement), points, frames)
-    if not found.complete[0]:
-        return None
-    count = len(found.R[0])
-    return PoseSet(
-        quaternions=found.quaternions[0],
-        R=found.R[0],
-        T=found.T[0],
-        real=found.real[0],
-        certified=found.certified[0],
-        multiplicity=np.ones(count, np.int64),
-        motions=(),
-        account=PathAccount(expected=count, found=count),
-        proof=Proof(Ground.TYPE),
-    )
+    return all_proved(proofs, arrangement, points)
 
 
 def _poses(arrangement: Arrangement, points: Field) -> tuple[Field, Field]:

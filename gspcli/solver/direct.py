@@ -1,0 +1,71 @@
+"""All poses, proved, by the quickest paths there are: what most platforms need."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DPH, DPP
+from gspcli.certification.many_values import Frames, ValueProofs
+from gspcli.continuation.paths import PathAccount
+from gspcli.continuation.shifts import ends_from_start
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.instance import Instance
+from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.proof import Ground, Proof
+from gspcli.solver.study_systems import coefficients_at, side_choices
+
+Complex = NDArray[np.complex128]
+
+#: Whose equations are each one quadric that depends on e, e ^ f and f.f alone.
+_REDUCIBLE = frozenset({DPP, DPH, DHP, *ANGLE_KINDS})
+
+
+def proofs_of(instance: Instance, arrangement: Arrangement) -> ValueProofs | None:
+    """Return what proves the ends of paths; None if they need other equations, or more digits."""
+    if any(
+        kind is DLL and not value
+        for kind, value in zip(arrangement.kinds, arrangement.values.tolist(), strict=True)
+    ):
+        # Such lines meet, which is another equation.
+        return None
+    return ValueProofs.of(instance, None)
+
+
+def proved_directly(proofs: ValueProofs, arrangement: Arrangement) -> PoseSet | None:
+    """Return all poses, proved, by the quickest paths there are.
+
+    None unless they are as many as the type has; and if an equation is a product or a mutual
+    moment, or the geometry is special.
+    """
+    if not _REDUCIBLE.issuperset(arrangement.kinds):
+        return None
+    structure, coefficients = coefficients_at(arrangement.normalized)
+    order = list(structure.order)
+    ends = []
+    for quadrics in coefficients.g[:, order]:
+        points = ends_from_start(structure.canonical(), quadrics)
+        if points is None:
+            return None
+        ends.append(points)
+    return all_proved(proofs, arrangement, np.array(ends))
+
+
+def all_proved(proofs: ValueProofs, arrangement: Arrangement, points: Complex) -> PoseSet | None:
+    """Return the poses at ends of paths (sides, paths, 8) if all are proved."""
+    frames = Frames(arrangement.length, arrangement.base_centre, arrangement.platform_centre)
+    found = proofs.decide_own(side_choices(arrangement), points, frames)
+    if not found.complete[0]:
+        return None
+    count = len(found.R[0])
+    return PoseSet(
+        quaternions=found.quaternions[0],
+        R=found.R[0],
+        T=found.T[0],
+        real=found.real[0],
+        certified=found.certified[0],
+        multiplicity=np.ones(count, np.int64),
+        motions=(),
+        account=PathAccount(expected=count, found=count),
+        proof=Proof(Ground.TYPE),
+    )
