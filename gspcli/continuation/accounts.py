@@ -26,6 +26,7 @@ from gspcli.continuation.ends import (
     may_coincide,
     regular_error,
 )
+from gspcli.continuation.mending import collided
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.regularity import clearly_simple, simple
@@ -216,20 +217,12 @@ class _Attempt:
 
     def settled(self, seed: int) -> Settled:
         for options in (CAREFUL, PARANOID):
-            wrong = (self.status == PathStatus.FAILED) | self._collided()
+            wrong = collided(self.points, self.error, self.regular)
+            wrong |= self.status == PathStatus.FAILED
             if wrong.any():
                 self._track_again(np.flatnonzero(wrong), options)
         winding = self._find_singular_ends()
         return self._classify(winding, np.random.default_rng([seed, 1 << 16]))
-
-    def _collided(self) -> NDArray[np.bool_]:
-        """Return which paths share a regular end with another."""
-        collided = np.zeros(len(self.points), dtype=np.bool_)
-        index = np.flatnonzero(self.regular)
-        for group in clusters(self.points[index], self.error[index]):
-            if len(group) > 1:
-                collided[index[group]] = True
-        return collided
 
     def _track(
         self, origin: System, target: System, points: ComplexArray, options: TrackerOptions

@@ -15,6 +15,7 @@ from gspcli.continuation.accounts import (
     regular_ends,
     settle,
 )
+from gspcli.continuation.mending import mended
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.regularity import clearly_simple
 from gspcli.continuation.solutions import SystemSolutions, solutions_of
@@ -25,6 +26,7 @@ from gspcli.continuation.tracker import (
     DEEPEST,
     DEFAULT,
     EXTENDED,
+    FIRST,
     PathResults,
     TrackerOptions,
     track,
@@ -201,7 +203,7 @@ def pursue(
     *,
     seed: int,
     jobs: int = 1,
-    options: TrackerOptions = DEFAULT,
+    options: TrackerOptions = FIRST,
 ) -> Iterator[Pursuit]:
     """Yield the first attempt at the paths of many systems, in order.
 
@@ -220,17 +222,15 @@ def pursue(
             given = Coefficients.stacked([target.canonical() for target in batch])
             balanced, scale = given.balanced()
             sizes = given.in_units(scale).sizes()
-            results = track(
-                random_start(start, seed, 0),
-                balanced,
-                start.points,
-                options=options,
-                jobs=jobs,
-            )
+            origin = random_start(start, seed, 0)
+            results = track(origin, balanced, start.points, options=options, jobs=jobs)
             regular = all_regular(results).tolist()
             for i in range(len(batch)):
                 row = PathResults(*(getattr(results, f.name)[i : i + 1] for f in fields(results)))
                 target = System(start.system.structure, balanced.take(i))
+                if not regular[i]:
+                    row = mended(origin, target, start.points, row, jobs)
+                    regular[i] = bool(all_regular(row)[0])
                 divisors = sizes[0][i], sizes[1][i]
                 unit = float(scale[i])
                 yield Pursuit(start, target, unit, divisors, row, regular[i], seed, jobs)
