@@ -9,10 +9,11 @@ import subprocess
 import tempfile
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
+from types import MappingProxyType
 
 
 @dataclass(frozen=True)
@@ -41,8 +42,17 @@ _ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")
 _PATIENCE = 20
 
 
-def run(command: Sequence[str | Path], *, stdin: str = "", limit: float = 600.0) -> Finished:
-    """Run a program and wait for its end; after `limit` seconds of processor time it is stopped."""
+def run(
+    command: Sequence[str | Path],
+    *,
+    stdin: str = "",
+    limit: float = 600.0,
+    more: Mapping[str, str] = MappingProxyType({}),
+) -> Finished:
+    """Run a program and wait for its end; after `limit` seconds of processor time it is stopped.
+
+    Its environment is that of this process, with `more` in it.
+    """
     with (
         tempfile.TemporaryFile() as given,
         tempfile.TemporaryFile() as out,
@@ -56,7 +66,7 @@ def run(command: Sequence[str | Path], *, stdin: str = "", limit: float = 600.0)
             stdin=given,
             stdout=out,
             stderr=err,
-            env=os.environ | _ONE_THREAD,
+            env=os.environ | _ONE_THREAD | more,
             start_new_session=True,
         )
         seconds = ceil(limit)

@@ -292,8 +292,8 @@ solved before, which is kept for the process.
 """
 
 _SHELL = """\
-`gsp solve FILE --format json`, certified; wall time, of which a bare interpreter would take {bare}.
-The large ones ask for both sides of every plane.
+`gsp solve FILE --format json`, certified, modules compiled before; wall time, of which a bare
+interpreter would take {bare}. The large ones ask for both sides of every plane.
 """
 
 _SWEEP = """## Cost and the number of solutions
