@@ -10,15 +10,21 @@ from numpy.typing import NDArray
 
 from gspcli.certification.folds import prove_fold
 from gspcli.defaults import SEED
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.quaternions import Field
+from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.discriminant import Curve, Discriminant
 from gspcli.motion.following import MovingPlatform
 from gspcli.motion.scanning import Scan
 from gspcli.motion.tracks import Event
 from gspcli.motion.trajectories import at_values, track
+from gspcli.solver import solve_batch
 
 Array = NDArray[np.float64]
 #: Parts of the ranges: what is nearer to the border of the grid is on it.
 _BORDER = 1e-9
+#: Random values at which curves are looked for that no edge tells of.
+_SAMPLES = 32
 #: An edge of the grid: along which axis, and its first node.
 Edge = tuple[int, tuple[int, ...]]
 
@@ -70,7 +76,8 @@ def boundaries(found: Scan, *, seed: int = SEED) -> Iterator[Boundary]:
 
     The modes are followed with proof from the node that has more of them. Over two values the
     discriminant is followed as a curve from each fold so found, and where it crosses edges of the
-    grid, too, its folds are proved there; so only a few edges have to be looked at.
+    grid, too, its folds are proved there; so only a few edges have to be looked at. Curves that no
+    edge tells of are looked for at random values, without a proof that none is missed.
     """
     result = Boundary()
     sums: dict[Edge, int] = {}
@@ -80,28 +87,35 @@ def boundaries(found: Scan, *, seed: int = SEED) -> Iterator[Boundary]:
         (next(axis for axis, k in enumerate(node) if other[axis] != k), node, other)
         for node, other in found.edges
     ]
+
+    def enter(curve: Curve, *, new: bool) -> None:
+        before = len(result.crossings)
+        for edge, crossing in following.crossings(curve) if following else ():
+            # A curve may begin on a line, and be found again from another edge.
+            if any(_same(crossing, other) for other in known.get(edge, [])):
+                continue
+            known.setdefault(edge, []).append(crossing)
+            sums[edge] = sums.get(edge, 0) + crossing.change
+            result.crossings.append(crossing)
+        if new or len(result.crossings) > before:
+            result.curves.append(curve)
+
     for axis, node, other in edges:
         wanted = int(found.modes[other] - found.modes[node])
         if sums.get((axis, node), 0) != wanted:
             for event, values, change in _folds(found, node, other, seed):
                 curve = following.through(event, values) if following else None
-                if following is None or curve is None:
+                if curve is None:
                     sums[axis, node] = sums.get((axis, node), 0) + change
                     result.crossings.append(Crossing(values, change))
                     continue
-                before = len(result.crossings)
-                for edge, crossing in following.crossings(curve):
-                    # A curve may begin on a line, and be found again from another edge.
-                    if any(_same(crossing, other) for other in known.get(edge, [])):
-                        continue
-                    known.setdefault(edge, []).append(crossing)
-                    sums[edge] = sums.get(edge, 0) + crossing.change
-                    result.crossings.append(crossing)
-                if len(result.crossings) > before:
-                    result.curves.append(curve)
+                enter(curve, new=False)
                 if sums.get((axis, node), 0) == wanted:
                     break
         yield result
+    if following is not None:
+        for curve in following.hidden(result.curves, seed):
+            enter(curve, new=True)
     result.unexplained = [
         (axis, node)
         for axis, node, other in edges
@@ -147,6 +161,46 @@ class _Curves:
         point = self.platform.points(event.R, event.T)
         start = self.equations.start(point, np.array(values))
         return None if start is None else self.equations.follow(start)
+
+    def hidden(self, known: list[Curve], seed: int) -> Iterator[Curve]:
+        """Yield other curves, through singular poses near those at random values.
+
+        Newton's method begins at the real pose that is nearest to being singular and at the
+        complex one that is nearest to being real.
+
+        Parameters
+        ----------
+        known
+            Curves that are known; may grow meanwhile.
+        seed
+            Of the values.
+        """
+        instance, varied = self.found.instance, self.equations.varied
+        parts = np.random.default_rng(seed).uniform(size=(_SAMPLES, 2))
+        values = np.tile([row.value.value for row in instance.constraints], (_SAMPLES, 1))
+        values[:, varied] = self.equations.plane(np.pad(parts, ((0, 0), (16, 0))))
+        batch = solve_batch(instance, values, seed=seed)
+        for k in range(_SAMPLES):
+            for point in self._nearly_singular(batch.R[k], batch.T[k], batch.real[k]):
+                x = self.equations.start(point, values[k, varied])
+                if x is None or not ((x[16:] >= 0) & (x[16:] <= 1)).all():
+                    continue
+                if not any(curve.contains(x) for curve in known):
+                    yield self.equations.follow(x)
+
+    def _nearly_singular(self, R: Field, T: Field, real: NDArray[np.bool_]) -> Iterator[Array]:
+        """Yield Study points of one real and one complex solution of some values."""
+        arrangement = Arrangement.of(self.found.instance)
+        if real.any():
+            R_real, T_real = R[real].real, T[real].real
+            worst = int(condition_numbers(arrangement, R_real, T_real).argmax())
+            yield self.platform.points(R_real[worst], T_real[worst])
+        rest = ~real & np.isfinite(R).all(axis=(1, 2)) & np.isfinite(T).all(axis=1)
+        if rest.any():
+            points = self.platform.points(R[rest], T[rest])
+            sizes = np.linalg.norm(points.imag, axis=1) / np.linalg.norm(points.real, axis=1)
+            point = points[sizes.argmin()].real
+            yield np.asarray(point / np.linalg.norm(point))
 
     def crossings(self, curve: Curve) -> Iterator[tuple[Edge, Crossing]]:
         """Yield where a curve crosses edges of the grid and the fold there is proved."""

@@ -55,6 +55,14 @@ class Curve:
     cusps: Array
     closed: bool
 
+    def contains(self, x: Array) -> bool:
+        """Whether a singular pose, shape (18,), is nearer to a point than points to each other."""
+        square = np.sum((self.unknowns[:, 16:] - x[16:]) ** 2, axis=1)
+        for part in (slice(0, 8), slice(8, 16)):
+            # z and u are known up to sign, and of norm one.
+            square += 2 - 2 * np.abs(self.unknowns[:, part] @ x[part])
+        return bool(square.min() < _LONGEST**2)
+
 
 class Discriminant:
     """The equations of singular poses over two values.

@@ -93,6 +93,27 @@ def test_the_discriminant_is_followed_as_curves_with_cusps(hexapod):
     assert min(nearest) < 0.02
 
 
+def test_a_curve_that_the_numbers_at_the_nodes_do_not_tell_of_is_found(hexapod):
+    # It enters the only cell through an edge and leaves through the same.
+    axes = [Axis(0, (2.3162, 2.3562)), Axis(3, (1.6657, 1.6772))]
+    found = scan(hexapod, axes)
+    assert (found.modes == 0).all()
+    limits = boundary(found)
+    assert len(limits.curves) == 1
+    assert not limits.unexplained
+    first, last = sorted(limits.crossings, key=lambda one: one.values)
+    assert (first.change, last.change) == (2, -2)
+    assert first.values[1] == last.values[1] == 1.6772
+    between = found.values_at((0, 1))
+    between[0] = (first.values[0] + last.values[0]) / 2
+    assert gspcli.solver.solve_batch(hexapod, between[None]).real.sum() == 2
+    (curve,) = limits.curves
+    middle = curve.unknowns[len(curve.unknowns) // 2]
+    # A pose and its direction have two signs each; elsewhere there is no curve.
+    assert curve.contains(np.concatenate((-middle[:8], middle[8:])))
+    assert not curve.contains(np.concatenate((middle[8:16], middle[:8], middle[16:])))
+
+
 def test_pieces_can_be_done_apart(hexapod, monkeypatch):
     monkeypatch.setattr("gspcli.motion.scanning._PIECE", 4)
     axes = [Axis(0, (2.4, 2.5, 2.6)), Axis(3, (1.9, 2.0))]
