@@ -9,6 +9,7 @@ import click
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options, text_of, warn_of_range
+from gspcli.errors import GspError
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
@@ -19,12 +20,18 @@ if TYPE_CHECKING:
 @click.argument("spec", metavar="SPEC")
 @click.argument("poses", metavar="[POSES]", required=False)
 @click.option("--pose", metavar="NUMBERS", help="One pose instead of a file: x,y,z,qw,qx,qy,qz.")
+@click.option(
+    "--cranks",
+    is_flag=True,
+    help="The angles of the cranks instead; the values of SPEC are kept.",
+)
 @pose_options
 @output_options()
 def command(
     spec: str,
     poses: str | None,
     pose: str | None,
+    cranks: bool,
     euler: str | None,
     pivot: str | None,
     output: Output,
@@ -41,12 +48,18 @@ def command(
     to planes (DPH, DHP) are signed: positive on the side to which the normal points. The values of
     SPEC itself are not used.
 
+    With --cranks the columns are the angles of the cranks that turn points of SPEC (rotary
+    hexapods), each from where the point is stated, in its angle unit; the values of SPEC are kept.
+    Of two angles the one is taken that is nearer to that of the pose before, first to zero.
+    `gsp track` takes these columns.
+
     \b
     Examples:
       gsp measure platform.yaml poses.csv -o values.csv
       gsp measure platform.yaml path.csv --euler ZYX --pivot 0,0,-12.5
       gsp measure platform.yaml --pose 0,0,1.5,1,0,0,0
       gsp solve platform.yaml --format json | gsp measure platform.yaml -
+      gsp measure rotary.yaml poses.csv --cranks -o angles.csv
     """
     if (poses is None) == (pose is None):
         message = "give either POSES or --pose"
@@ -59,6 +72,9 @@ def command(
     instance = load_instance(spec)
     form = pose_format(instance, euler, pivot)
     table = read_pose(pose, form) if pose is not None else read_poses(*text_of(str(poses)), form)
+    if cranks:
+        _emit_cranks(instance, table, output)
+        return
     values = measure(instance, table.R, table.T)
     rows = _rows(instance, table, values.tolist())
     document = None
@@ -75,12 +91,56 @@ def command(
     warn_of_range(instance, [row["t"] for row in rows], values)
 
 
+def _emit_cranks(instance: Instance, table: PoseTable, output: Output) -> None:
+    """Write the angles of the cranks at poses.
+
+    Raises
+    ------
+    GspError
+        If a pose is out of reach.
+    """
+    import numpy as np
+
+    from gspcli.motion import crank_angles
+
+    cranks, angles = crank_angles(instance, table.R, table.T)
+    times = _times(table)
+    missing = [
+        f"the leg of {cranks[k].name} does not reach the pose at t = {times[row]:.10g}"
+        for row, k in np.argwhere(np.isnan(angles)).tolist()
+    ]
+    if missing:
+        raise GspError("\n".join(missing))
+    names = [one.name for one in cranks]
+    rows = [
+        {"t": t, **dict(zip(names, row, strict=True))}
+        for t, row in zip(times, angles.tolist(), strict=True)
+    ]
+    columns = [
+        Column(key, align="right", essential=True, aligned=key != "t") for key in ("t", *names)
+    ]
+    title = ": ".join(part for part in (instance.name, instance.type.id) if part)
+    note = f"angles in {instance.units.angle.value}, from where the points are stated"
+    document = {
+        "schema": "gsp.measure/1",
+        **instance.to_json(),
+        "cranks": names,
+        "poses": [{"t": t, "angles": row} for t, row in zip(times, angles.tolist(), strict=True)],
+    }
+    emit(output, Table(columns, rows, title=title, notes=[note]), document=document)
+
+
+def _times(table: PoseTable) -> list[float]:
+    """Return t of the poses, which are counted from 1 if the file has none."""
+    times: list[float] = list(range(1, len(table.R) + 1)) if table.t is None else table.t.tolist()
+    return times
+
+
 def _rows(instance: Instance, table: PoseTable, values: list[list[float]]) -> list[dict[str, Any]]:
-    """Return a row for each pose; t counts the poses from 1 if the file has none."""
+    """Return a row for each pose."""
     sided = [k for k, row in enumerate(instance.constraints, 1) if row.kind.has_sides]
-    times = range(1, len(values) + 1) if table.t is None else table.t.tolist()
     rows = []
-    for t, row in zip(times, values, strict=True):
+    for t, row in zip(_times(table), values, strict=True):
         named = {str(k): value for k, value in enumerate(row, 1)}
         sides = {str(k): "negative" if row[k - 1] < 0 else "positive" for k in sided}
         rows.append({"t": t, **named, "sides": sides})

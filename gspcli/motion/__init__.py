@@ -1,6 +1,7 @@
 """Platforms that move: what poses measure, and what poses do when the values change."""
 
 from gspcli.geometry.limits import out_of_range
+from gspcli.motion.cranks import crank_angles
 from gspcli.motion.following import FollowOptions, MovingPlatform
 from gspcli.motion.measuring import measure
 from gspcli.motion.pose_files import PoseFormat, PoseTable, read_pose, read_poses
@@ -20,6 +21,7 @@ __all__ = [
     "Travel",
     "ValueTable",
     "Workspace",
+    "crank_angles",
     "measure",
     "out_of_range",
     "read_pose",

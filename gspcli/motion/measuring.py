@@ -42,6 +42,27 @@ def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
     ArgumentError
         If the arrays have other shapes or numbers that are not finite.
     """
+    R, T = checked_poses(R, T)
+    arrangement = Arrangement.of(instance)
+    rotations, translations = R.reshape(-1, 3, 3), T.reshape(-1, 3)
+    values = np.empty((len(rotations), len(arrangement.kinds)))
+    for start in range(0, len(rotations), _CHUNK):
+        rows = slice(start, start + _CHUNK)
+        values[rows] = measured(arrangement, rotations[rows], translations[rows])
+    skew = [kind is DLL for kind in arrangement.kinds]
+    values[:, skew] = np.abs(values[:, skew])
+    values[:, arrangement.angles] /= arrangement.in_radians
+    return values.reshape(*T.shape[:-1], len(arrangement.kinds))
+
+
+def checked_poses(R: ArrayLike, T: ArrayLike) -> tuple[Array, Array]:
+    """Return poses as arrays of shapes (..., 3, 3) and (..., 3).
+
+    Raises
+    ------
+    ArgumentError
+        If they have other shapes or numbers that are not finite.
+    """
     R, T = np.asarray(R, float), np.asarray(T, float)
     if R.shape[-2:] != (3, 3) or T.shape[-1:] != (3,) or R.shape[:-2] != T.shape[:-1]:
         message = (
@@ -54,13 +75,4 @@ def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
             index = tuple(np.argwhere(~np.isfinite(part))[0].tolist())
             message = f"found {part[index]}, expected a finite number"
             raise ArgumentError(message, f"{name}{list(index)}")
-    arrangement = Arrangement.of(instance)
-    rotations, translations = R.reshape(-1, 3, 3), T.reshape(-1, 3)
-    values = np.empty((len(rotations), len(arrangement.kinds)))
-    for start in range(0, len(rotations), _CHUNK):
-        rows = slice(start, start + _CHUNK)
-        values[rows] = measured(arrangement, rotations[rows], translations[rows])
-    skew = [kind is DLL for kind in arrangement.kinds]
-    values[:, skew] = np.abs(values[:, skew])
-    values[:, arrangement.angles] /= arrangement.in_radians
-    return values.reshape(*T.shape[:-1], len(arrangement.kinds))
+    return R, T

@@ -107,3 +107,15 @@ def test_values_outside_their_range_are_told(gsp, tmp_path):
     values.write_text("1\n2.53\n1.99\n1.98\n", encoding="utf-8")
     told = gsp("track", path, values).err
     assert "the value of constraint 1 leaves its range from 2 to 3 at t = 1.98148" in told
+
+
+def test_angles_of_cranks(gsp):
+    run = gsp("measure", "@t-top-head", "--pose", "0,0,0.17,1,0,0,0", "--cranks", "--format", "csv")
+    assert (run.code, run.err) == (0, "")
+    head, row = run.out.splitlines()
+    assert head == "t,crank.B1,crank.B2,crank.B3,crank.B4,crank.B5,crank.B6"
+    angles = [float(x) for x in row.split(",")[1:]]
+    assert angles == pytest.approx([angles[0]] * 6, abs=1e-6)
+    run = gsp("measure", "@t-top-head", "--pose", "0,0,0.5,1,0,0,0", "--cranks")
+    assert run.code == 2
+    assert "error: the leg of crank.B1 does not reach the pose at t = 1" in run.err

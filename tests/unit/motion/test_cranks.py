@@ -1,0 +1,60 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import gspcli
+from gspcli.errors import GspError
+from gspcli.geometry.coordinates import moved
+from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.motion import crank_angles, measure, track
+from gspcli.resources import data_path
+
+
+@pytest.fixture(scope="module")
+def head():
+    return gspcli.load(data_path("platforms", "t-top-head.yaml"))
+
+
+def poses(rows):
+    """A smooth trajectory about a pose that the head reaches."""
+    t = np.linspace(0, 1, rows)
+    R = rotation_from_vector(np.stack([0.2 * t, -0.1 * np.sin(t), 0.15 * t**2], axis=1))
+    return R, np.stack([0.005 * t, 0 * t, 0.17 + 0.01 * t], axis=1)
+
+
+def test_the_legs_have_their_lengths_at_the_angles(head):
+    R, T = poses(7)
+    cranks, angles = crank_angles(head, R, T)
+    assert [one.name for one in cranks] == [f"crank.B{k}" for k in range(1, 7)]
+    lengths = [row.value.value for row in head.constraints]
+    for row, pose in zip(angles, zip(R, T, strict=True), strict=True):
+        assert measure(moved(head, cranks, row), *pose) == pytest.approx(lengths, abs=1e-14)
+    # The arms move on; none changes to its other elbow.
+    assert (np.abs(np.diff(angles, axis=0)) < 30).all()
+
+
+def test_following_the_angles_leads_through_the_poses(head):
+    R, T = poses(3)
+    cranks, angles = crank_angles(head, R, T)
+    values = np.tile([row.value.value for row in head.constraints], (3, 1))
+    columns = {one.name: column for one, column in zip(cranks, angles.T, strict=True)}
+    found = track(head, values, coordinates=columns, near=(R[0], T[0]))
+    assert found.certified
+    assert found.events == ()
+    assert np.allclose(found.T[0], T, atol=1e-12)
+    assert np.allclose(found.R[0], R, atol=1e-10)
+
+
+def test_what_is_out_of_reach_has_no_angle_and_others_are_as_before(head):
+    R, T = poses(3)
+    T[1, 2] = 1.0
+    angles = crank_angles(head, R, T)[1]
+    assert np.isnan(angles[1]).all()
+    assert np.allclose(angles[[0, 2]], crank_angles(head, R[[0, 2]], T[[0, 2]])[1])
+
+
+def test_without_cranks_there_is_nothing_to_turn():
+    hexapod = gspcli.load(data_path("examples", "platform-6-6.yaml"))
+    with pytest.raises(GspError, match="no point has a crank"):
+        crank_angles(hexapod, np.eye(3)[None], np.zeros((1, 3)))
