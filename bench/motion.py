@@ -1,14 +1,21 @@
-"""Speed of what moves, on one core: `OPENBLAS_NUM_THREADS=1 python -m bench.motion`."""
+"""Speed of what moves, on one core: `OPENBLAS_NUM_THREADS=1 python -m bench.motion [--write]`.
+
+With ``--write`` the table in docs/motion.md is written anew. Figures are processor time, the least
+of some runs; peers are asked once.
+"""
 
 from __future__ import annotations
 
+import argparse
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.motion_peers import RIGHT, Asked, ask_all
 from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.types import GspType, all_types
 from gspcli.geometry.instance import Instance
@@ -21,6 +28,9 @@ Array = NDArray[np.float64]
 
 SEED = 2003
 POSES = 100_000
+POSES_OF_PEERS = 999
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "motion.md"
+_BEGIN, _END = "<!-- speed -->\n", "<!-- end of speed -->\n"
 
 
 def seconds(run: Callable[[], object], *, repeat: int = 5) -> float:
@@ -116,28 +126,73 @@ def alone(instance: Instance, R: Array, T: Array, values: Array) -> float:
     return seconds(run) / (values.shape[1] - 1) * 1e6
 
 
-def main() -> None:
-    """Print the figures and their bars."""
+def figures() -> Iterator[tuple[str, str, str]]:
+    """Yield what is measured, how much it is, and the bar."""
+    a_second = "poses a second"
     hexapod = measured_a_second(parse_type("6PP"))
-    print(f"measure, 6PP: {hexapod:,.0f} poses a second (bar 1,000,000)")
+    yield "`measure`, 6PP", f"{hexapod:,.0f} {a_second}", "1,000,000"
     types = all_types()[::77]
     speeds = {gsp_type: measured_a_second(gsp_type) for gsp_type in types}
     slowest = min(speeds, key=speeds.__getitem__)
-    print(
-        f"measure, slowest of {len(speeds)} types, {slowest}: {speeds[slowest]:,.0f} poses a "
-        "second (bar 300,000)"
-    )
+    name = f"`measure`, slowest of {len(speeds)} types ({slowest})"
+    yield name, f"{speeds[slowest]:,.0f} {a_second}", "300,000"
     trajectories = cycle(64, 1001)
     speed = followed(*trajectories)
-    print(f"track, 6PP: {1e6 / speed.certified:,.0f} proved segments a second (bar 1,000,000)")
-    print(f"track, 6PP: {1e6 / speed.uncertified:,.0f} poses a second unproved (bar 3,000,000)")
-    print(f"track, 6PP, one branch alone: {alone(*trajectories):.2f} us a proved row (bar 2)")
+    yield "following, 6PP", f"{1e6 / speed.certified:,.0f} proved parts a second", "1,000,000"
+    unproved = f"{1e6 / speed.uncertified:,.0f} {a_second}"
+    yield "following, 6PP, not proved", unproved, "3,000,000"
+    yield "following, 6PP, one branch alone", f"{alone(*trajectories):.2f} us a proved row", "2"
     tracked = {gsp_type: followed(*small_moves(gsp_type, 64, 101)) for gsp_type in types}
-    slowest = max(tracked, key=lambda gsp_type: tracked[gsp_type].certified)
-    print(
-        f"track, slowest of {len(tracked)} types, {slowest}: "
-        f"{1e6 / tracked[slowest].certified:,.0f} proved segments a second (bar 100,000)"
+    for certified, what, bar in (
+        (True, "proved parts a second", "100,000"),
+        (False, a_second, "300,000"),
+    ):
+        times = {t: s.certified if certified else s.uncertified for t, s in tracked.items()}
+        slowest = max(times, key=times.__getitem__)
+        name = f"following, slowest of {len(times)} types ({slowest})"
+        name += "" if certified else ", not proved"
+        yield name, f"{1e6 / times[slowest]:,.0f} {what}", bar
+
+
+def compared() -> Iterator[Asked]:
+    """Yield how peers and gsp follow one trajectory of a hexapod, 999 rows one after the other."""
+    instance, R, T, values = cycle(1, POSES_OF_PEERS + 1)
+    platform = MovingPlatform(instance)
+    start, branch = platform.points(R[:, 0], T[:, 0]), np.zeros(1, int)
+    found = platform.follow(platform.internal(values), branch, start)
+    rotations, places = platform.poses(found.points)
+    right = (np.abs(rotations - R).max(axis=(2, 3)) < RIGHT) & (
+        np.abs(places - T).max(axis=2) < RIGHT
     )
+    yield Asked("gsp, proved", alone(instance, R, T, values), int((~right).sum()), 0)
+    yield from ask_all(instance, R[0], T[0], values[0])
+
+
+def page() -> str:
+    """Return the tables, in Markdown."""
+    lines = ["| what | measured | bar |", "|---|---:|---:|"]
+    lines += [f"| {' | '.join(row)} |" for row in figures()]
+    lines += ["", f"| {POSES_OF_PEERS} rows of one trajectory of a hexapod, by | us a pose | "]
+    lines[-1] += "in another mode | not solved |"
+    lines.append("|---|---:|---:|---:|")
+    for one in compared():
+        lines.append(f"| {one.name} | {one.microseconds:,.1f} | {one.other} | {one.unsolved} |")
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Print or write the tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--write", action="store_true", help="write docs/motion.md anew")
+    arguments = parser.parse_args()
+    tables = page()
+    if not arguments.write:
+        print(tables, end="")
+        return
+    text = PAGE.read_text(encoding="utf-8")
+    (before, rest), after = text.split(_BEGIN, 1), text.split(_END, 1)[1]
+    assert _END in rest
+    PAGE.write_text(f"{before}{_BEGIN}\n{tables}\n{_END}{after}", encoding="utf-8")
 
 
 if __name__ == "__main__":
