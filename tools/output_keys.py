@@ -304,7 +304,7 @@ KEYS: dict[str, str] = {
     "scan.y": "position of the pivot",
     "scan.determinant": "determinant of the Jacobian matrix, free of units; null if there is none",
     "scan.singular": "poses on edges of the grid at which the determinant changes its sign",
-    "scan.clearance": "smallest proved clearance of a mode; null if there is none",
+    "scan.clearance": "smallest proved clearance of a mode, or of the pose; null if there is none",
     "curves": "the discriminant through them, followed",
     "closed": "whether a curve ends where it begins",
     "scan.values": "the values that vary, along a curve",

@@ -75,6 +75,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@platform-6-6 --vary 1=2.4:2.6:3 --quantity clearance",
         "@platform-6-6 --over x=-2:2:5 --over y=-2:2:5 --pose 0,0,0.5,1,0.2,0.1,0",
         "@platform-6-6 --over x=-2:2:5 --over y=-2:2:5 --pose 0,0,0.5,1,0.2,0.1,0 --folds",
+        "@platform-6-6 --over x=-2:2:3 --pose 0,0,0.5,1,0.2,0.1,0 --quantity clearance",
     ),
     "workspace": (
         "@workspace-study",

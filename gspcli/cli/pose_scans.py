@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from gspcli.cli.grids import PARAMETERS, axes_of
 from gspcli.cli.output import DRAWINGS, Column, Output, Table, emit, write
 from gspcli.cli.pose_options import pose_format
+from gspcli.cli.progress_bars import working
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
@@ -20,6 +21,7 @@ def scan_poses(
     pose: str,
     given: tuple[str | None, str | None],
     folds: bool,
+    quantity: str,
     output: Output,
 ) -> None:
     """Scan poses and show what was found.
@@ -36,6 +38,8 @@ def scan_poses(
         ``--euler`` and ``--pivot``.
     folds
         Whether to show where the determinant changes its sign instead of the nodes.
+    quantity
+        What pictures show; ``clearance`` is a column then.
     output
         Where to.
     """
@@ -43,17 +47,22 @@ def scan_poses(
 
     axes = tuple(PoseAxis(*axis) for axis in axes_of("--over", texts, PARAMETERS))
     found = PoseScan(instance, axes, pose, pose_format(instance, *given))
+    if quantity == "clearance" and not folds:
+        with working("clearances"):
+            found.clearances  # noqa: B018
     if output.format in DRAWINGS:
-        from gspcli.pictures.maps import determinant_map
+        from gspcli.pictures.maps import pose_map
 
-        write(output, determinant_map(found, output.format))
+        write(output, pose_map(found, quantity, output.format))
         return
     names = [axis.name for axis in axes]
-    rows = _singular_rows(found, names) if folds else _node_rows(found, names)
+    cleared = quantity == "clearance"
+    rows = _singular_rows(found, names) if folds else _node_rows(found, names, cleared=cleared)
     columns = [Column(name, align="right", essential=True) for name in names]
     if not folds:
         columns.append(Column("determinant", align="right", essential=True))
         columns.append(Column("condition", align="right"))
+        columns += [Column("clearance", align="right")] * cleared
     signs = [int((found.determinants * sign > 0).sum()) for sign in (1, -1)]
     note = f"{found.determinants.size} poses; determinant positive at {signs[0]}, negative at "
     table = Table(
@@ -73,7 +82,7 @@ def scan_poses(
     emit(output, table, document=document)
 
 
-def _node_rows(found: PoseScan, names: list[str]) -> list[dict[str, Any]]:
+def _node_rows(found: PoseScan, names: list[str], *, cleared: bool) -> list[dict[str, Any]]:
     import numpy as np
 
     rows = []
@@ -84,6 +93,7 @@ def _node_rows(found: PoseScan, names: list[str]) -> list[dict[str, Any]]:
                 **dict(zip(names, found.places[node].tolist(), strict=True)),
                 "determinant": float(determinant) if np.isfinite(determinant) else None,
                 "condition": float(condition) if np.isfinite(condition) else None,
+                **({"clearance": float(found.clearances[node])} if cleared else {}),
             }
         )
     return rows

@@ -71,7 +71,8 @@ _NUMBERS = tuple("123456")
     type=click.Choice(QUANTITIES),
     default=QUANTITIES[0],
     show_default=True,
-    help="What pictures show; clearance is also found then (some milliseconds a mode).",
+    help="What pictures show (over poses for modes the determinant); clearance is also a column "
+    "then (some milliseconds a mode or pose).",
 )
 @click.option(
     "--journal",
@@ -125,7 +126,8 @@ def command(
     if coordinates and pose is not None:
         from gspcli.cli.pose_scans import scan_poses
 
-        scan_poses(load_instance(spec), coordinates, pose, (euler, pivot), folds, output)
+        shown = "determinant" if quantity == QUANTITIES[0] else quantity
+        scan_poses(load_instance(spec), coordinates, pose, (euler, pivot), folds, shown, output)
         return 0
     from gspcli.motion.crossings import Boundary
     from gspcli.motion.scanning import MISSING, UNKNOWN, Axis, Scan

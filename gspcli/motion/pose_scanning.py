@@ -14,6 +14,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import jacobian
 from gspcli.geometry.residuals import condition_numbers
+from gspcli.motion.pose_clearances import pose_clearances
 from gspcli.motion.pose_files import PoseFormat, pose_numbers, poses_of, read_pose
 
 Array = NDArray[np.float64]
@@ -119,6 +120,13 @@ class PoseScan:
         """Condition numbers at the nodes, shape (n1,) or (n1, n2)."""
         R, T = self.poses(self.places.reshape(-1, len(self.axes)))
         found = condition_numbers(Arrangement.of(self.instance), R, T)
+        return np.asarray(found.reshape(self.places.shape[:-1]))
+
+    @cached_property
+    def clearances(self) -> Array:
+        """Proved distances from singular poses (`pose_clearances`), shape (n1,) or (n1, n2)."""
+        R, T = self.poses(self.places.reshape(-1, len(self.axes)))
+        found = pose_clearances(self.instance, R, T)
         return np.asarray(found.reshape(self.places.shape[:-1]))
 
     @cached_property

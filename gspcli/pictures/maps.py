@@ -109,13 +109,15 @@ def _map(figure: Figure, found: Scan, boundary: Boundary, quantity: str) -> None
     axes.set(xlabel=_label(found, 0), ylabel=_label(found, 1))
 
 
-def determinant_map(found: PoseScan, fmt: str) -> bytes:
-    """Return the determinant over one or two coordinates of the pose as a picture.
+def pose_map(found: PoseScan, quantity: str, fmt: str) -> bytes:
+    """Return a scan of poses as a picture: a line over one coordinate, a coloured map over two.
 
     Parameters
     ----------
     found
         The scan; over two coordinates its singular curve is drawn, too.
+    quantity
+        What is shown: ``determinant``, ``condition`` or ``clearance``.
     fmt
         ``svg``, ``png`` or ``pdf``.
     """
@@ -125,22 +127,30 @@ def determinant_map(found: PoseScan, fmt: str) -> bytes:
         flat = len(found.axes) == 1
         figure = Figure(figsize=(6.0, 3.0 if flat else 4.4), layout="constrained")
         axes = figure.subplots()
-        title = "determinant"
+        numbers = {
+            "determinant": lambda: found.determinants,
+            "condition": lambda: found.conditions,
+            "clearance": lambda: found.clearances,
+        }[quantity]()
         grids = [np.array(axis.values) for axis in found.axes]
         labels = [f"{axis.name} ({_unit(found, axis.name)})" for axis in found.axes]
         if flat:
-            axes.plot(grids[0], found.determinants, color=PLATFORM)
-            axes.axhline(0, color=ANGLE, linewidth=0.8)
-            axes.set(xlabel=labels[0], ylabel=title)
+            axes.plot(grids[0], numbers, color=PLATFORM)
+            if quantity == "determinant":
+                axes.axhline(0, color=ANGLE, linewidth=0.8)
+            axes.set(xlabel=labels[0], ylabel=quantity)
             return written(figure, fmt)
-        most = float(np.nanmax(np.abs(found.determinants))) or 1.0
-        shown = np.ma.masked_invalid(found.determinants.T)
-        mesh = axes.pcolormesh(
-            *grids, shown, cmap="RdBu", vmin=-most, vmax=most, shading="nearest", rasterized=True
-        )
+        shown = np.ma.masked_invalid(numbers.T)
+        colours: dict[str, Any] = {"cmap": "viridis"}
+        if quantity == "determinant":
+            most = float(np.ma.max(np.ma.abs(shown))) or 1.0
+            colours = {"cmap": "RdBu", "vmin": -most, "vmax": most}
+        elif quantity == "condition":
+            colours["norm"] = "log"
+        mesh = axes.pcolormesh(*grids, shown, shading="nearest", rasterized=True, **colours)
         for curve in found.curves:
             axes.plot(*curve.T, color=ANGLE, linewidth=1.2)
-        figure.colorbar(mesh, ax=axes).set_label(title)
+        figure.colorbar(mesh, ax=axes).set_label(quantity)
         axes.set(xlabel=labels[0], ylabel=labels[1])
         return written(figure, fmt)
 

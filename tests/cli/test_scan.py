@@ -120,3 +120,19 @@ def test_either_values_or_poses(gsp, arguments):
     run = gsp("scan", HEXAPOD, *arguments)
     assert run.code == 2
     assert "give either --vary, or --over with --pose" in run.err
+
+
+def test_clearances_of_poses(gsp, tmp_path):
+    grid = ("scan", HEXAPOD, "--over", "x=-2:2:5", "--pose", "0,0,0.5,1,0.2,0.1,0")
+    run = gsp(*grid, "--quantity", "clearance", "--format", "csv")
+    head, *rows = run.out.splitlines()
+    assert head == "x,determinant,condition,clearance"
+    alone = gsp(
+        "clearance", HEXAPOD, "--of", "pose", "--pose", "2,0,0.5,1,0.2,0.1,0", "--format", "json"
+    )
+    lower = json.loads(alone.out)["modes"][0]["lower"]
+    assert float(rows[-1].split(",")[-1]) == pytest.approx(lower, rel=0.02)
+    assert "clearance" not in gsp(*grid, "--format", "csv").out
+    picture = tmp_path / "clearance.svg"
+    assert gsp(*grid, "--quantity", "clearance", "-o", picture).code == 0
+    assert "<svg" in picture.read_text(encoding="utf-8")
