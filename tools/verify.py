@@ -156,7 +156,7 @@ STEPS = (
     Step(
         "tracks",
         ("data/verification/tracks.csv", "data/trajectories/*"),
-        "tools/verify_tracks.py --check --jobs {jobs}",
+        "tools/verify_tracks.py --check --jobs {jobs} --work {work}",
         sample="--sample 2",
     ),
     Step(

@@ -1,6 +1,7 @@
 """Verify that followed modes never jump, on random trajectories of many types, and record it.
 
-    python tools/verify_tracks.py [--types 250] [--each 40] [--jobs 2] [--check [--sample N]]
+    python tools/verify_tracks.py [--types 250] [--each 40] [--jobs 2] [--work FOLDER]
+        [--check [--sample N]]
 
 For each of some types, random platforms are moved from the values of a random pose to those of
 another one nearby, in one step, and all real modes are followed with proof
@@ -17,6 +18,7 @@ following. What must hold:
 What does not hold is a `jump` or `unexplained`, and the exit code is 1. The record in
 ``data/verification/tracks.csv`` has a line for each type; it does not depend on ``--jobs``. The
 loop in ``data/trajectories/`` is followed, too: it must lead its mode to another one, with proof.
+Interrupted, the same command takes the work up again.
 """
 
 from __future__ import annotations
@@ -25,14 +27,19 @@ import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import partial
+from pathlib import Path
+from typing import Any
 
 import numpy as np
-from recording import ROOT, add_sample, csv_text, parser, report, sampled, save
+from recording import ROOT, add_sample, csv_text, parser, report, sampled, save, sources_sha256
 
 import gspcli
+from gspcli.atlas.journal import carry_out
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.types import GspType, all_types, type_by_number
+from gspcli.cli.progress_bars import progress
 from gspcli.defaults import SEED
+from gspcli.errors import INTERRUPTED
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import MovingPlatform, PoseFormat, Track, measure, read_values, track
 from gspcli.motion.following import Stop
@@ -40,6 +47,9 @@ from gspcli.solver.generate import random_instance
 from gspcli.workers import Workers
 
 RECORD = ROOT / "data" / "verification" / "tracks.csv"
+WORK = ROOT / "build" / "verify-tracks"
+#: What the answers come from: work files of other sources have other names.
+SOURCES = ("native", "gspcli", "data/start-systems")
 TRAJECTORIES = ROOT / "data" / "trajectories"
 #: Types with more poses on one side take too long to solve at both ends.
 MOST = 64
@@ -65,6 +75,16 @@ class Row:
     back_undecided: int = 0
     jumps: int = 0
     unexplained: int = 0
+
+    @property
+    def task(self) -> int:
+        """The number of the type."""
+        return self.number
+
+    @classmethod
+    def of_entry(cls, entry: Mapping[str, Any]) -> Row:
+        """Return what a line of the work file stands for."""
+        return cls(**entry)
 
     @property
     def problems(self) -> int:
@@ -167,10 +187,19 @@ def main() -> int:
     options.add_argument("--types", type=int, default=250, help="how many types")
     options.add_argument("--each", type=int, default=40, help="trajectories of each")
     options.add_argument("--jobs", type=int, default=1, help="processes")
+    options.add_argument("--work", type=Path, default=WORK, help="folder of the work file")
     arguments = options.parse_args()
     numbers = sampled(chosen(arguments.types), arguments.sample if arguments.check else None)
-    work = Workers(jobs=arguments.jobs).in_order(partial(examine, arguments.each), numbers)
-    rows = {row.number: row for row in work}
+    arguments.work.mkdir(parents=True, exist_ok=True)
+    rows = carry_out(
+        numbers,
+        partial(examine, arguments.each),
+        decode=Row.of_entry,
+        journal=arguments.work / f"{arguments.each}-{sources_sha256(SOURCES)[:12]}.jsonl",
+        workers=Workers(arguments.jobs),
+        progress=progress,
+        label="following modes",
+    )
     total = {
         field.name: sum(getattr(row, field.name) for row in rows.values())
         for field in fields(Row)[2:]
@@ -187,4 +216,7 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        sys.exit(INTERRUPTED)

@@ -171,6 +171,36 @@ def test_branches_very_near_to_each_other_are_told_apart(hexapod):
     assert {int(np.abs(expected - end).max(axis=1).argmin()) for end in ends} == {0, 1}
 
 
+def test_rows_that_repeat_or_turn_around_are_no_events(hexapod):
+    still = track(hexapod, np.stack([VALUES[0]] * 3), everything=True)
+    assert (still.events, still.complete) == ((), True)
+    assert np.allclose(still.T, still.T[:, :1], rtol=0, atol=1e-14)
+    there = VALUES[0] + 0.7 * (VALUES[1] - VALUES[0])
+    back = track(hexapod, np.stack([VALUES[0], there, there, VALUES[0]]), everything=True)
+    assert (back.events, back.complete) == ((), True)
+    assert np.allclose(back.T[:, -1], back.T[:, 0], atol=1e-12)
+
+
+def test_modes_that_end_and_others_that_are_born_on_the_way_back(hexapod):
+    path = track(hexapod, VALUES[[0, 1, 0]], everything=True)
+    assert path.complete
+    events = {(e.mode, e.partner, e.begins): e.low for e in path.events}
+    assert set(events) == {(1, 2, False), (2, 1, False), (3, 4, True), (4, 3, True)}
+    assert events[1, 2, False] - 1 == pytest.approx(3 - events[3, 4, True], abs=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("shift", "kind", "row"),
+    [(2e-15, "fold", 0), (-1e-9, "fold", 1), (-1e-12, "fold", 1), (0, "undecided", 0)],
+)
+def test_a_fold_at_a_row_is_before_it_or_after_it_or_undecided(hexapod, shift, kind, row):
+    fold = track(hexapod, VALUES[:2], modes=[1], t=[0, 1]).events[0]
+    at = VALUES[0] + (fold.low + shift) * (VALUES[1] - VALUES[0])
+    (event,) = track(hexapod, np.stack([VALUES[0], at, VALUES[1]]), modes=[1]).events
+    assert (event.kind, event.row) == (kind, row)
+    assert event.low == pytest.approx(2, abs=1e-8)
+
+
 def near_miss(hexapod, offset):
     """Values on a line that touches the discriminant, but for an offset: towards more modes."""
     fold = track(hexapod, VALUES[:2], t=[0, 1]).events[0]
