@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import Primitive
-from gspcli.pictures.figures import ANGLE, BASE, DISTANCE, PLATFORM, SOFT, styled, written
+from gspcli.pictures.figures import ANGLE, BASE, DISTANCE, PLATFORM, SOFT, styled, written_drawing
 from gspcli.pictures.projection import Paper, View
 from gspcli.pictures.scene import DrawnBody, Scene, Series, StrokeStyle
 
@@ -81,7 +81,7 @@ def drawing(
                 axes.set_title(f"mode {mode + 1}", color=SOFT, pad=8)
         for axes in grid[len(panels) :]:
             axes.set_axis_off()
-        return written(figure, fmt)
+        return written_drawing(figure, fmt)
 
 
 def _draw(paper: Paper, scene: Scene, mode: int, *, named: bool, fine: bool) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
@@ -83,3 +84,21 @@ def written(figure: Figure, fmt: str) -> bytes:
         metadata=_NO_METADATA[fmt],
     )  # fmt: skip
     return buffer.getvalue()
+
+
+#: Names that matplotlib makes from the bits of coordinates, and zeros with a sign.
+_NAME = re.compile(r"\b[mp][0-9a-f]{10}\b")
+_NEGATIVE_ZERO = re.compile(r"(?<![\w.])-0(?![\w.])")
+
+
+def written_drawing(figure: Figure, fmt: str) -> bytes:
+    """Return the content of a file, as `written`, that the last bits of coordinates do not change.
+
+    In SVG, names are numbered instead.
+    """
+    content = written(figure, fmt)
+    if fmt != "svg":
+        return content
+    text = _NEGATIVE_ZERO.sub("0", content.decode())
+    numbers = {name: k for k, name in enumerate(dict.fromkeys(_NAME.findall(text)), 1)}
+    return _NAME.sub(lambda match: f"{match[0][0]}{numbers[match[0]]}", text).encode()

@@ -9,7 +9,7 @@ from gspcli.catalogue.kinds import DLL, Primitive
 from gspcli.catalogue.mechanism import Mechanism, MountedChain
 from gspcli.pictures.chain_panels import draw_links
 from gspcli.pictures.drawing import draw_body
-from gspcli.pictures.figures import BASE, PLATFORM, styled, written
+from gspcli.pictures.figures import BASE, PLATFORM, styled, written_drawing
 from gspcli.pictures.joint_symbols import draw_joint
 from gspcli.pictures.mounting import ChainEnds, fitting, mounted, stretched
 from gspcli.pictures.projection import Paper, View
@@ -71,7 +71,7 @@ def mechanism_drawing(
                 for joint in joints:
                     draw_joint(paper, joint, own, letter=False)
         paper.finish()
-        return written(figure, fmt)
+        return written_drawing(figure, fmt)
 
 
 def _ends(scene: Scene, chain: MountedChain, mode: int, size: float) -> ChainEnds:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.pictures.figures import ANGLE, PLATFORM, SOFT, styled, written
+from gspcli.pictures.figures import ANGLE, PLATFORM, SOFT, styled, written_drawing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -56,7 +56,7 @@ def workspace_slices(found: Workspace, fmt: str) -> bytes:
                 _frame(axes, found, left=k % _COLUMNS == 0, below=k >= _SLICES - _COLUMNS)
                 axes.set_title(f"{found.free[2]} = {at:.4g} {_unit(found, 2)}")
         figure.legend(handles=_legend(), loc="outside lower center", ncols=2)
-        return written(figure, fmt)
+        return written_drawing(figure, fmt)
 
 
 def _cut(boxes: Array, at: float) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from gspcli.pictures.charts import PALETTE
-from gspcli.pictures.figures import SOFT, styled, written
+from gspcli.pictures.figures import SOFT, styled, written_drawing
 
 if TYPE_CHECKING:
     from gspcli.motion import Track
@@ -44,4 +44,4 @@ def track_chart(track: Track, fmt: str) -> bytes:
                 right.annotate(f"{name} of {mode}", first, fontsize=6, **place)
         right.margins(x=0.14)
         right.set(xlabel="t", ylabel=f"x, y, z ({units.length})", title="positions of the modes")
-        return written(figure, fmt)
+        return written_drawing(figure, fmt)

@@ -9,9 +9,11 @@ from functools import cache
 import matplotlib.image
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from gspcli.errors import GspError
 from gspcli.pictures.drawing import drawing
+from gspcli.pictures.figures import styled, written, written_drawing
 from gspcli.pictures.projection import View
 from gspcli.pictures.scene import Scene
 from gspcli.pictures.staging import scene_of
@@ -76,3 +78,18 @@ def test_without_matplotlib_it_says_what_to_install(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr("gspcli.pictures.figures.find_spec", lambda name: None)
     with pytest.raises(GspError, match=r"pip install 'gspcli\[plot\]'"):
         drawing(scene("octahedral-3-3"), "svg", [0])
+
+
+def test_the_last_bits_of_coordinates_do_not_show() -> None:
+    def figure(width: float) -> Figure:
+        made = Figure()
+        axes = made.add_axes((0.1, 0.1, width, 0.8))
+        axes.set_axis_off()
+        axes.plot([0, width], [-0.0, 1])
+        return made
+
+    with styled():
+        one, other = (figure(width) for width in (0.8, np.nextafter(0.8, 1)))
+        assert written(one, "svg") != written(other, "svg")
+        assert written_drawing(one, "svg") == written_drawing(other, "svg")
+        assert written_drawing(one, "svg") != written_drawing(figure(0.7), "svg")
