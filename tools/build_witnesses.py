@@ -56,7 +56,14 @@ from gspcli.defaults import SEED
 from gspcli.errors import GspError
 from gspcli.reality.maximize import Search, multiplier
 from gspcli.reality.platforms import Platforms
-from gspcli.reality.witness_proofs import certified_real, real_instance, rows_of, witness_instance
+from gspcli.reality.witness_proofs import (
+    certified_real,
+    quickly_certified_real,
+    real_instance,
+    roughly_rounded,
+    rows_of,
+    witness_instance,
+)
 from gspcli.workers import Workers
 
 EFFORT = 40_000
@@ -127,13 +134,14 @@ def write(journal: Path) -> None:
             if each * entry["real"] <= least:
                 break
             found = certified(family, entry)
-            if found is None:
-                sys.stderr.write(f"{family.id}: {entry['real']} cannot be rounded\n")
+            if found is None or found.real <= least:
+                sys.stderr.write(f"{family.id}: {entry['real']} do not survive rounding\n")
                 continue
             known[family.id] = found
             save(known)
             sys.stderr.write(f"{family.id}: {least} -> {found.real}\n")
-            break
+            if found.real == each * entry["real"]:
+                break
 
 
 def _worth(entry: dict) -> tuple[int, float]:
@@ -143,17 +151,19 @@ def _worth(entry: dict) -> tuple[int, float]:
 
 
 def certified(family: Family, entry: dict) -> Witness | None:
-    """Return the witness of an entry of the journal, None if it does not survive rounding."""
+    """Return a witness from an entry of the journal; rounding may cost it real solutions.
+
+    None if their number is then an odd one: not all were certified.
+    """
     kinds = kinds_of(family)
     numbers = Platforms(kinds, *(np.array(part, float) for part in entry["numbers"]))
-    real = entry["real"] * multiplier(kinds)
+    wanted = entry["real"] * multiplier(kinds)
     try:
-        instance = real_instance(numbers, real)
+        instance = real_instance(numbers, wanted)
     except GspError:
-        return None
-    if certified_real(instance) != real:
-        return None
-    return Witness(family, real, tuple(rows_of(instance)))
+        instance = roughly_rounded(numbers)
+    real = quickly_certified_real(instance, wanted)
+    return None if real % 2 else Witness(family, real, tuple(rows_of(instance)))
 
 
 def save(known: dict[str, Witness]) -> None:
@@ -187,7 +197,7 @@ def wrong(found: Witness) -> str:
     """Return what is wrong with a record, after solving and certifying the platform again."""
     name, most = found.family.id, family_counts(found.family).two_sided
     instance = witness_instance(found, (ALL,) * (CONSTRAINTS - len(found.family.distances)))
-    real = certified_real(instance)
+    real = certified_real(instance, found.real)
     if real != found.real:
         return f"{name}: {found.real} recorded, {real} certified"
     return f"{name}: {real} recorded, more than the generic count" if real > most else ""

@@ -1,6 +1,7 @@
 """Construct platforms with many real solutions for types with DPL and DLP.
 
     python tools/construct_witnesses.py JOURNAL [--seconds N] [--minutes N] [--most SOLUTIONS]
+        [--below SHARE]
 
 For each family whose solutions are not all known to be real, and to which no simpler one with as
 many solutions leads (`tools/lift_witnesses.py`): split its DPL and DLP (`gspcli.reality.splitting`)
@@ -17,6 +18,7 @@ import itertools
 import sys
 import time
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -35,12 +37,12 @@ from recording import ROOT
 
 sys.path.insert(0, str(ROOT))
 
-from gspcli.catalogue.kinds import DHP, DPH
+from gspcli.catalogue.kinds import DHP, DPH, Kind
 from gspcli.continuation.pursuit import pursue
 from gspcli.continuation.start import path_count
 from gspcli.defaults import SEED
 from gspcli.geometry.quaternions import pose_from_study
-from gspcli.reality.maximize import Search, Solved, reduced, solved, solved_anyhow
+from gspcli.reality.maximize import Search, Solved, quickly_solved, reduced, solved
 from gspcli.reality.platforms import Platforms, random_platforms
 from gspcli.reality.splitting import Pattern, Splitting, splittings
 
@@ -52,8 +54,18 @@ _GAPS = (0.2, 0.1, 0.05, 0.025, 0.012, 0.006, 0.003, 0.001)
 _UNSPLIT = 0.6
 #: How many ways are tried for a family.
 _WAYS = 3
+#: A platform with all solutions real is moved so far away from folds, in so many steps.
+_COMFORT, _IMPROVEMENTS = 0.15, 300
 #: Values of planes and angles of the random platforms that are counted.
 _SPREAD = 0.3
+#: Relative norms below are those of solutions at infinity.
+_INFINITY = 1e-8
+
+
+@cache
+def _generic_count(kinds: tuple[Kind, ...]) -> int:
+    """Return how many solutions almost every reduced platform has."""
+    return path_count(Search(kinds).structure)
 
 
 def canonical(pattern: Pattern) -> tuple[Pattern, list[int]]:
@@ -107,7 +119,7 @@ class Remaining:
     def of(cls, pattern: Pattern) -> Remaining:
         """Count the solutions of a pattern, at two random platforms if they are special ones."""
         if not (pattern.same_points or pattern.same_u):
-            return cls(pattern, path_count(Search(pattern.kinds).structure))
+            return cls(pattern, _generic_count(pattern.kinds))
         counts = [0]
         for seed in range(2):
             rng = np.random.default_rng([SEED, seed])
@@ -117,7 +129,10 @@ class Remaining:
                 if kind in (DPH, DHP) or not (kind.is_distance or pattern.same_u):
                     values[0, i] = _SPREAD * rng.normal()
             (pursuit,) = pursue(replace(platform, values=values).systems(), seed=SEED)
-            counts.append(int(pursuit.first().simple.sum()))
+            ends = pursuit.first()
+            norm = np.abs((ends.points[:, :4] ** 2).sum(axis=-1))
+            finite = norm > _INFINITY * np.linalg.norm(ends.points, axis=-1) ** 2
+            counts.append(int((ends.simple & finite).sum()))
         return cls(pattern, max(counts))
 
     @property
@@ -146,14 +161,21 @@ class Remaining:
         """The most real solutions known."""
         return 0 if self.best is None else self.best.count
 
+    @property
+    def worth(self) -> tuple[int, float]:
+        """That number, and how far the platform is from losing some."""
+        return self.real, 0.0 if self.best is None else self.best.margin(self.pattern)
+
     def search(self, seconds: float) -> None:
         """Look for a platform with all solutions real, until so much time was spent."""
         search = Search(self.pattern.kinds, steps=4000, special=self.pattern, solutions=self.count)
         begin, before = time.process_time(), self.seconds
-        while self.real < self.count and self.seconds < seconds:
-            best = None if self.best is None else self.best.platform
-            found = search.near(best, self.attempts).attempt(self.attempts)
-            if found is not None and found.count > self.real:
+        while self.worth < (self.count, _COMFORT) and self.seconds < seconds:
+            known = self.best if self.real < self.count else None
+            found = search.near(known and known.platform, self.attempts).attempt(self.attempts)
+            if found is not None and found.count == self.count:
+                found = search.comfortable(found, 0, comfort=_COMFORT, most=_IMPROVEMENTS)
+            if found is not None and (found.count, found.margin(self.pattern)) > self.worth:
                 self.best = found
             self.attempts += 1
             self.seconds = before + time.process_time() - begin
@@ -181,7 +203,7 @@ def constructed(splitting: Splitting, known: Solved, order: list[int]) -> Solved
     for reach, cosine, gap in _sizes(turned=turned, carried=carried):
         far = float(f"{reach * max(spread, 0.05) / cosine**2:.1g}")
         lifted = splitting.lifted(platform, R, T, gap=gap, reach=far, cosine=cosine)
-        found = solved_anyhow(lifted)
+        found = quickly_solved(lifted)
         if found is not None and (best is None or found.count > best.count):
             best = found
         if best is not None and best.count == known.count * splitting.factor:
@@ -194,8 +216,8 @@ def _hope(splitting: Splitting, count: int) -> float:
     return float(count * splitting.factor * _UNSPLIT**splitting.left)
 
 
-def construct(journal: Path, seconds: float, minutes: float, most: int) -> None:
-    """Go through the families once."""
+def construct(journal: Path, seconds: float, minutes: float, most: int, below: float) -> None:
+    """Go through the families once, those of which a smaller share is known to be real."""
     end = time.monotonic() + 60 * minutes
     known = Known(journal)
     patterns = journal.with_suffix(".patterns")
@@ -211,19 +233,27 @@ def construct(journal: Path, seconds: float, minutes: float, most: int) -> None:
             add_entry(patterns, remaining[pattern].entry)
         return remaining[pattern]
 
-    def hope(splitting: Splitting) -> tuple[float, int]:
-        return _hope(splitting, rest(splitting).count), -len(splitting.turned)
+    def best_ways(kinds: tuple[Kind, ...]) -> list[Splitting]:
+        """Return the most promising ways, counting solutions of as few patterns as possible."""
+        ways = {canonical(one.pattern)[0]: one for one in splittings(kinds) if one.factor > 1}
+        bounds = {one: _hope(one, _generic_count(one.pattern.kinds)) for one in ways.values()}
+        found: list[tuple[float, int, Splitting]] = []
+        for way in sorted(bounds, key=lambda one: (-bounds[one], len(one.turned))):
+            if len(found) == _WAYS and bounds[way] <= found[-1][0]:
+                break
+            found.append((_hope(way, rest(way).count), -len(way.turned), way))
+            found = sorted(found, key=lambda one: one[:2], reverse=True)[:_WAYS]
+        return [way for _, _, way in found]
 
     for family in by_dependents():
         kinds, total = kinds_of(family), solutions(family)
-        ways = [one for one in splittings(kinds) if one.factor > 1]
-        if known.counts.get(family.id, 0) >= total or total > most:
+        if known.counts.get(family.id, 0) >= below * total or total > most:
             continue
-        for way in sorted(ways, key=hope, reverse=True)[:_WAYS]:
+        for way in best_ways(kinds):
             now = known.counts.get(family.id, 0)
             if time.monotonic() > end:
                 return
-            if now >= total or rest(way).count * way.factor <= now:
+            if now >= below * total or rest(way).count * way.factor <= now:
                 continue
             if rest(way).seconds < seconds:
                 rest(way).search(seconds)
@@ -247,8 +277,9 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=5.0)
     parser.add_argument("--minutes", type=float, default=60.0)
     parser.add_argument("--most", type=int, default=10_000)
-    arguments = parser.parse_args()
-    construct(arguments.journal, arguments.seconds, arguments.minutes, arguments.most)
+    parser.add_argument("--below", type=float, default=1.0)
+    one = parser.parse_args()
+    construct(one.journal, one.seconds, one.minutes, one.most, one.below)
     return 0
 
 

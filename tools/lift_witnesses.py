@@ -1,6 +1,6 @@
 """Lift platforms with many real solutions to types that have them in the limit.
 
-    python tools/lift_witnesses.py JOURNAL [--most SOLUTIONS]
+    python tools/lift_witnesses.py JOURNAL [--most SOLUTIONS] [--below SHARE]
 
 For each family whose solutions are not all known to be real: take the best platforms of its simpler
 families (`gspcli.reality.limits`), on record or in the journal, and go from there to platforms of
@@ -24,7 +24,7 @@ from gspcli.catalogue.kinds import DHP, DPH, DPP
 from gspcli.catalogue.types import Family
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.limits import Limit, limits
-from gspcli.reality.maximize import Solved, solved_anyhow
+from gspcli.reality.maximize import Solved, quickly_solved
 from gspcli.reality.platforms import Platforms
 
 #: How far away far points are, in units of the size of the set of places.
@@ -33,7 +33,7 @@ _REACHES = tuple(3.0 * 2.5**k for k in range(12))
 
 def lifted(limit: Limit, known: Platforms, wanted: int) -> Solved | None:
     """Return the best platform near a simpler one; the first with as many as are wanted."""
-    simple = solved_anyhow(known)
+    simple = quickly_solved(known)
     if simple is None:
         return None
     R, T = pose_from_study(simple.points[simple.real, :4], simple.points[simple.real, 4:])
@@ -43,7 +43,7 @@ def lifted(limit: Limit, known: Platforms, wanted: int) -> Solved | None:
     best: Solved | None = None
     for reach in _REACHES:
         far = float(f"{reach * spread:.1g}")
-        found = solved_anyhow(limit.lifted(known, there, back, far))
+        found = quickly_solved(limit.lifted(known, there, back, far))
         if found is not None and (best is None or found.count > best.count):
             best = found
         if best is not None and best.count >= wanted:
@@ -56,8 +56,12 @@ def _depth(family: Family) -> int:
     return sum({DPP: 2, DPH: 1, DHP: 1}.get(kind, 0) for kind in family.distances)
 
 
-def lift(journal: Path, most: int) -> None:
-    """Go through the families until nothing gets better."""
+def lift(journal: Path, most: int, below: float) -> None:
+    """Go through the families until nothing gets better.
+
+    Families with more than `most` solutions are left out, and those of which not less than a share
+    `below` is known to be real.
+    """
     known = Known(journal)
     tried: dict[tuple[str, Limit], int] = {}
 
@@ -66,7 +70,7 @@ def lift(journal: Path, most: int) -> None:
         now = before = known.counts[family.id]
         for limit in sorted(limits(kinds), key=lambda one: -known.count(one.remaining)):
             count = known.count(limit.remaining)
-            if now >= total or count <= max(now, tried.get((family.id, limit), 0)):
+            if now >= below * total or count <= max(now, tried.get((family.id, limit), 0)):
                 continue
             tried[family.id, limit] = count
             found = lifted(limit, known.platform(limit.remaining), count)
@@ -92,8 +96,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("journal", type=Path)
     parser.add_argument("--most", type=int, default=10_000)
+    parser.add_argument("--below", type=float, default=1.0)
     arguments = parser.parse_args()
-    lift(arguments.journal, arguments.most)
+    lift(arguments.journal, arguments.most, arguments.below)
     return 0
 
 

@@ -24,13 +24,14 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, Kind
 from gspcli.continuation.parameter_homotopy import follow
+from gspcli.continuation.pursuit import pursue
 from gspcli.continuation.solve import solve_systems
 from gspcli.continuation.systems import Structure, System
 from gspcli.defaults import SEED
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.fold_distances import Folds, folds, moved
 from gspcli.reality.platforms import Platforms, random_platforms
-from gspcli.reality.recognition import reality
+from gspcli.reality.recognition import look_real, reality
 from gspcli.reality.splitting import Pattern
 from gspcli.reality.step import shortest_step
 from gspcli.workers import HERE, Workers
@@ -60,6 +61,8 @@ _PATIENCE = 200
 _AFRESH = 50
 #: Limits of the numbers: points, distances, and the least difference from 1 of a cosine.
 _LARGEST, _SMALLEST, _COSINE = 4.0, 0.02, 1e-3
+#: The part of the solutions that has to be seen at the first attempt.
+_SETTLED = 0.4
 #: Distance to folds up to which a finished platform is improved, and with how many steps.
 _COMFORT, _IMPROVEMENTS = 0.03, 60
 
@@ -94,6 +97,10 @@ class Solved:
         """Return the folds of conjugate pairs and those of real solutions, within a pattern."""
         R, T = pose_from_study(self.points[:, :4], self.points[:, 4:])
         return folds(self.platform, R, T, self.real, pattern)
+
+    def margin(self, pattern: Pattern) -> float:
+        """Return the linear distance to the nearest fold of real solutions, within a pattern."""
+        return float(self.folds(pattern)[1].distances.min(initial=np.inf))
 
 
 def reduced(platforms: Platforms) -> Platforms:
@@ -130,14 +137,20 @@ def solved(platform: Platforms, seed: int = SEED, solutions: int | None = None) 
     return Solved(platform, system, result.points, found.real)
 
 
-def solved_anyhow(platform: Platforms, seed: int = SEED) -> Solved | None:
-    """Return a platform with however many solutions it has; None if that is unclear."""
-    found = next(platform[None].solutions(seed))
-    if found.account.verdict != "complete" or not len(found.points):
-        return None
-    which = reality(found.points, found.condition)
+def quickly_solved(platform: Platforms, seed: int = SEED) -> Solved | None:
+    """Return a platform with what a first attempt at all paths finds; None if it loses most.
+
+    What looks real is taken to be so, and nothing is checked: a beginning.
+    """
     system = next(platform[None].systems())
-    return Solved(platform, system, found.points, which.real) if which.decided else None
+    (pursuit,) = pursue([system], seed=seed)
+    ends = pursuit.first()
+    if ends.settled.mean() < _SETTLED:
+        return None
+    points = ends.points[ends.settled]
+    real = look_real(points)
+    size = np.sqrt((points[:, :4] ** 2).sum(axis=-1, keepdims=True))
+    return Solved(platform, system, points / np.where(size, size, 1.0), real)
 
 
 def _followed(known: Solved, platform: Platforms, rng: np.random.Generator) -> Solved | None:
@@ -254,7 +267,7 @@ class Search:
         if best is None:
             return None
         best = self._raised(best, rng)
-        return self._comfortable(best, rng)
+        return self.comfortable(best, number)
 
     def _first(self, rng: np.random.Generator, number: int) -> Solved | None:
         if self.start is not None:
@@ -302,11 +315,24 @@ class Search:
             best, near = new, new.folds(self.pattern)
         return best
 
-    def _comfortable(self, best: Solved, rng: np.random.Generator) -> Solved:
-        """Return a platform as good but further from folds, so that it can be rounded."""
-        radius, nearest = _RADIUS, _nearest(best, self.pattern)
-        for _ in range(_IMPROVEMENTS):
-            if nearest > _COMFORT or radius < _MIN_RADIUS or self.is_late:
+    def comfortable(
+        self, best: Solved, number: int, *, comfort: float = _COMFORT, most: int = _IMPROVEMENTS
+    ) -> Solved:
+        """Return a platform as good but further from folds, so that it can be rounded.
+
+        Parameters
+        ----------
+        best
+            One of the pattern.
+        number
+            Of an attempt, for random numbers.
+        comfort, most
+            The distance to folds that is enough, and in how many steps at most.
+        """
+        rng = np.random.default_rng([self.seed, number, 1])
+        radius, nearest = _RADIUS, best.margin(self.pattern)
+        for _ in range(most):
+            if nearest > comfort or radius < _MIN_RADIUS or self.is_late:
                 break
             real = best.folds(self.pattern)[1]
             near = real.distances < nearest + 2 * radius
@@ -317,17 +343,12 @@ class Search:
                 platform = _centred(moved(best.platform, step))
                 if _acceptable(platform, self._limit):
                     new = _followed(best, platform, rng)
-            further = nearest if new is None else _nearest(new, self.pattern)
+            further = nearest if new is None else new.margin(self.pattern)
             if new is None or new.count < best.count or further <= nearest:
                 radius /= 2
                 continue
             best, nearest, radius = new, further, min(1.5 * radius, _MAX_RADIUS)
         return best
-
-
-def _nearest(platform: Solved, pattern: Pattern) -> float:
-    """Return the linear distance to the nearest fold of real solutions, within a pattern."""
-    return float(platform.folds(pattern)[1].distances.min(initial=np.inf))
 
 
 def _raising_step(

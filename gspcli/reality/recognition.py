@@ -15,6 +15,14 @@ _EPS = float(np.finfo(float).eps)
 _REAL = 100.0
 #: ... and above this many times not.
 _COMPLEX = 10_000.0
+#: Points with a relatively smaller imaginary part look real.
+_FLAT = 1e-6
+
+
+def look_real(points: NDArray[np.complex128]) -> NDArray[np.bool_]:
+    """Return which points of any norm look real, no more than that, shape (n, 8) -> (n,)."""
+    pivot = points[np.arange(len(points)), np.abs(points).argmax(axis=-1)]
+    return np.asarray(np.abs((points / pivot[:, None]).imag).max(axis=-1) < _FLAT)
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,22 +21,33 @@ from gspcli.certification import certify
 from gspcli.defaults import SEED
 from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement, angle_of
-from gspcli.geometry.conjugates import find_real_points
+from gspcli.geometry.conjugates import made_real
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
+from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.platforms import Platforms
+from gspcli.reality.recognition import look_real
 from gspcli.solver.pose_set import PoseSet
-from gspcli.solver.tracking import pursue_each, solve_by_tracking
+from gspcli.solver.tracking import (
+    poses_by_paths,
+    proofs_of,
+    proved_by_paths,
+    pursue_each,
+    solve_by_tracking,
+)
 
 Array = NDArray[np.float64]
 
 #: Decimals that are tried, in units of the size of the platform; fewer, down to the least, where
-#: already the first do.
-_DIGITS, _LEAST_DIGITS = range(4, 13), 2
+#: already the first do and the poses are not too many.
+_DIGITS, _LEAST_DIGITS, _MANY = range(4, 12, 2), 2, 256
 #: Distances of planes and of lines that are tried, in the same units; the first is best. At the
 #: last, two poses that differ by it are still told apart by double precision.
 _GAPS = tuple(Fraction(m, 10**k) for k in range(1, 6) for m in (5, 2, 1))
+_SMALL_GAP = Fraction(1, 1000)
+#: How many times paths are followed at random until enough real poses are found.
+_ATTEMPTS = 3
 DEFAULT_UNITS = Units("unit", AngleUnit.DEGREE)
 #: Numbers of each primitive in a recorded witness.
 _SIZE = {Primitive.POINT: 3, Primitive.LINE: 6, Primitive.PLANE: 6}
@@ -96,7 +107,8 @@ def real_instance(
         message = f"no rounding of the platform keeps its {count} real poses"
         raise GspError(message)
     fewer = takewhile(instance_with, range(first - 1, _LEAST_DIGITS - 1, -1))
-    found = instance_with(min(fewer, default=first) if first == _DIGITS[0] else first)
+    is_quick = first == _DIGITS[0] and count < _MANY
+    found = instance_with(min(fewer, default=first) if is_quick else first)
     assert found is not None
     return found
 
@@ -120,19 +132,54 @@ def poses(instance: Instance, *, jobs: int = 1) -> PoseSet:
     return solve_by_tracking(Arrangement.of(instance), seed=SEED, jobs=jobs)
 
 
-def certified_real(instance: Instance, *, jobs: int = 1) -> int:
-    """Return how many different real poses of an instance are proved to exist."""
-    found = poses(instance, jobs=jobs)
+def certified_real(instance: Instance, enough: int | None = None, *, jobs: int = 1) -> int:
+    """Return how many different real poses of an instance are proved to exist.
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    enough
+        Poses that first attempts at the paths do not find are looked for only if there are not
+        so many; None: anyway.
+    jobs
+        Threads.
+    """
+    ((arrangement, pursuits),) = pursue_each([Arrangement.of(instance)], seed=SEED, jobs=jobs)
+    proofs = proofs_of(instance, arrangement)
+    found = None if proofs is None else proved_by_paths(proofs, arrangement, pursuits)
+    if found is not None:
+        return int(found.real.sum())
+    if enough is not None and (real := quickly_certified_real(instance, enough)) >= enough:
+        return real
+    found = poses_by_paths(arrangement, pursuits)
     return certify(instance, found.R[found.real], found.T[found.real]).real
 
 
+def quickly_certified_real(instance: Instance, enough: int) -> int:
+    """Return how many real poses are proved to exist of those that first attempts find.
+
+    Other random paths are taken until they are enough, but not many times.
+    """
+    points, real = np.zeros((0, 8)), 0
+    for seed in range(SEED, SEED + _ATTEMPTS):
+        ((arrangement, pursuits),) = pursue_each([Arrangement.of(instance)], seed=seed)
+        ends = (pursuit.first() for pursuit in pursuits)
+        more = np.concatenate([end.points[end.settled] for end in ends])
+        points = np.concatenate((points, made_real(more[look_real(more)])))
+        if len(points) >= enough or seed == SEED + _ATTEMPTS - 1:
+            R, T = pose_from_study(points[:, :4], points[:, 4:])
+            real = certify(instance, R, arrangement.restored(R, T)).real
+        if real >= enough:
+            break
+    return real
+
+
 def _real_count(instance: Instance) -> int:
-    """Return how many poses seem to be real; -1 if paths need more than a first attempt."""
+    """Return how many poses look real at the first attempt at the paths."""
     ((_, pursuits),) = pursue_each([Arrangement.of(instance)], seed=SEED)
-    ends = [pursuit.first() for pursuit in pursuits]
-    if not all(end.settled.all() for end in ends):
-        return -1
-    return sum(int(find_real_points(end.points)[1].sum()) for end in ends)
+    ends = (pursuit.first() for pursuit in pursuits)
+    return sum(int(look_real(end.points[end.settled]).sum()) for end in ends)
 
 
 def _scaled(platform: Platforms, length: float) -> Platforms:
@@ -199,6 +246,11 @@ def _vector(values: Array, places: int) -> Vector:
 
 def _decimal(value: float, places: int) -> Number:
     return Number.of(round(Fraction(value), places))
+
+
+def roughly_rounded(platform: Platforms) -> Instance:
+    """Return an instance with many decimals near a reduced platform, which may lose real poses."""
+    return _with_gap(rounded(platform, _DIGITS[-1]), _SMALL_GAP)
 
 
 def _with_gap(instance: Instance, gap: Fraction) -> Instance:

@@ -17,6 +17,7 @@ from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.fold_distances import moved, neighbours
 from gspcli.reality.maximize import Search, Solved, multiplier, reduced, solved
 from gspcli.reality.platforms import Platforms, random_platforms
+from gspcli.reality.recognition import look_real
 from gspcli.reality.splitting import Pattern
 from gspcli.reality.state import State, read_state
 from gspcli.reality.step import nonnegative_least_squares, shortest_step
@@ -202,3 +203,23 @@ def test_states_are_read_back(tmp_path: Path) -> None:
     path.write_text("{}")
     with pytest.raises(GspError, match="not a state"):
         read_state(path, "6PP", 3)
+
+
+def test_attempts_begin_anew_and_with_the_best_platform_in_turn() -> None:
+    best = _solved(MIXED, 3).platform
+    search = Search(best.kinds)
+    assert search.near(None, 1) is search.near(best, 4) is search
+    starts = [search.near(best, number).start for number in range(1, 4)]
+    for start in starts:
+        assert start is not None
+        assert np.abs(start.y - best.y).max() < 0.6
+        distances = [kind in (DPH, DHP, DLL) for kind in best.kinds]
+        assert (start.values[distances] == 0).all()
+    assert len({start.y.tobytes() for start in starts if start is not None}) > 1
+
+
+def test_what_looks_real_is_no_matter_of_the_norm() -> None:
+    found = _solved(MIXED, 3)
+    factors = np.exp(1j * np.arange(len(found.points)))[:, None]
+    assert look_real(found.points * factors).tolist() == found.real.tolist()
+    assert 0 < found.count < len(found.points)
