@@ -28,10 +28,10 @@ from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.platforms import Platforms
 from gspcli.reality.recognition import look_real
+from gspcli.solver.direct import proofs_of
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.tracking import (
     poses_by_paths,
-    proofs_of,
     proved_by_paths,
     pursue_each,
     solve_by_tracking,

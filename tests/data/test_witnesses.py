@@ -85,7 +85,7 @@ def test_a_sample_is_certified_again() -> None:
     small = [found for found in recorded() if found.real <= POSES]
     for found in Random(1).sample(small, min(SAMPLE, len(small))):
         instance = witness_instance(found, _angles(found))
-        assert certified_real(instance, found.real) == found.real
+        assert certified_real(instance, found.real) >= found.real
 
 
 @pytest.mark.parametrize("name", ["3D3A LP PH PP ALH AHL AHH", "4D2A PP HP PP HP AHH ALL"])
