@@ -164,6 +164,9 @@ def _constraint(
     if kind in (DPH, DHP):
         normal, offset = (v, from_base) if kind is DPH else (u, from_platform)
         height = ring.dot(normal, offset)
+        if constraint.value.fraction == 0:
+            # There are no two sides; the square would count each pose twice.
+            return [height]
         if constraint.side is not Side.BOTH:
             plane = constraint.base if kind is DPH else constraint.platform
             signed = field.number(constraint.value) * field.norm(direction(plane))

@@ -81,6 +81,8 @@ def equation(constraint: Constraint, field: Homomorphism, *, value: int | None =
     if kind in (DPL, DLP):
         return text + f" i=i,Q*G-F^2-{square}*G;"
     if kind in (DPH, DHP):
+        if value is None and constraint.value.fraction == 0:
+            return text + " i=i,F;"
         if constraint.side is Side.BOTH:
             return text + f" i=i,F^2-{square}*G;"
         sign = "-" if constraint.side is Side.POSITIVE else "+"

@@ -10,6 +10,7 @@ from functools import cached_property, partial
 
 import special_fixtures
 import special_hexapods
+import special_mixtures
 import special_surfaces
 from recording import ROOT, SEED
 from special_parts import Draws
@@ -18,7 +19,12 @@ from gspcli import dumps, loads
 from gspcli.geometry.instance import Instance
 
 TABLE = ROOT / "data" / "verification" / "special-platforms.csv"
-GROUPS = {**special_hexapods.GROUPS, **special_fixtures.GROUPS, **special_surfaces.GROUPS}
+GROUPS = {
+    **special_hexapods.GROUPS,
+    **special_fixtures.GROUPS,
+    **special_surfaces.GROUPS,
+    **special_mixtures.GROUPS,
+}
 
 
 @dataclass(frozen=True)
