@@ -18,6 +18,9 @@ from gspcli.solver.search import Search
 from gspcli.solver.study_systems import side_choices
 from gspcli.solver.uncounted import without_count
 
+#: Counts that mislead with a larger probability are worth another one.
+_DOUBTFUL = 1e-9
+
 
 def solve_special(
     instance: Instance,
@@ -67,7 +70,13 @@ def solve_special(
             solutions, distinct = solutions - side.spurious, distinct - side.spurious_distinct
         known = None if side.distinct is None else side.spurious
         parts.append(complete(search, solutions, distinct, known))
-    return _proved(joined(parts), count)
+    poses = _proved(joined(parts), count)
+    if poses.proof is None or poses.proof.error < _DOUBTFUL:
+        return poses
+    # Angles with many decimals leave few primes to count exactly with, but not for the geometry.
+    geometry = geometry_count(instance, seed=seed, limit=limit)
+    proof = _by_geometry(poses, geometry)
+    return poses if proof is None else replace(poses, proof=min(proof, poses.proof, key=_error))
 
 
 def _uncounted(
@@ -82,9 +91,20 @@ def _uncounted(
     # All choices of sides are alike.
     most = count.solutions // len(searches)
     poses = joined([without_count(search, most) for search in searches])
-    if poses.certified.sum() == count.solutions < poses.account.expected:
-        return replace(poses, proof=Proof(Ground.GEOMETRY, count.error))
-    return _proved(poses, None)
+    proof = _by_geometry(poses, count)
+    return _proved(poses, None) if proof is None else replace(poses, proof=proof)
+
+
+def _by_geometry(poses: PoseSet, count: ExactCount | None) -> Proof | None:
+    """Return the proof that poses are all, if they are as many as the geometry has."""
+    if count is None or not count.solutions or not count.has_lone_lines:
+        return None
+    is_all = poses.certified.sum() == count.solutions < poses.account.expected
+    return Proof(Ground.GEOMETRY, count.error) if is_all else None
+
+
+def _error(proof: Proof) -> float:
+    return proof.error
 
 
 def _proved(poses: PoseSet, count: ExactCount | None) -> PoseSet:

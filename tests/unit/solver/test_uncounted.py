@@ -15,6 +15,7 @@ from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point, vector
 from gspcli.solver import solve
+from gspcli.solver.proof import Ground
 
 ORIGIN, X, Y, Z = (vector(*v) for v in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
 P = Point(ORIGIN)
@@ -49,6 +50,16 @@ def test_as_many_poses_as_the_geometry_has_are_all() -> None:
     assert result.proof is not None
     assert result.to_json()["proof"]["by"] == "geometry count"
     assert result.geometry_count == 8
+
+
+def test_where_few_primes_leave_doubts_the_geometry_decides() -> None:
+    platform = one_axis("0.123456789")
+    count = exact_count(platform)
+    assert count is not None
+    assert count.error > 1e-9
+    proof = solve(platform).proof
+    assert proof is not None
+    assert (proof.by, proof.error < 1e-9) == (Ground.GEOMETRY, True)
 
 
 def test_without_a_count_nothing_is_proved_to_be_at_infinity() -> None:
