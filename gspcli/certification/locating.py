@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from gspcli.certification import study
 from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.balls import largest
+from gspcli.certification.frames import Frames
 from gspcli.certification.isolation import Isolation, refine_point, step_length
 from gspcli.certification.measures import as_stated
 from gspcli.certification.pose_balls import PoseBall, pose_of_point
@@ -35,23 +36,6 @@ _PATIENCE, _UNSETTLED = 256, 2.0**-12
 #: A solution with a smaller N is called infinite: decimals would need three hundred digits to
 #: make a platform so nearly special.
 _NULL = 2.0**-900
-
-
-@dataclass(frozen=True)
-class Frames:
-    """Coordinates in which Study points are given: ``T_instance = length T + base - R platform``.
-
-    Attributes
-    ----------
-    length
-        The unit of length.
-    platform, base
-        The origins in the frames of the instance, shape (3,).
-    """
-
-    length: float
-    platform: tuple[float, float, float]
-    base: tuple[float, float, float]
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ from gspcli.catalogue.kinds import (
 )
 from gspcli.certification.centring import Centring, length_scale
 from gspcli.certification.doubled import ERROR, Doubled
+from gspcli.certification.frames import Frames
 from gspcli.certification.rounding import COMPLEX, CONVERSION, ISOLATED, OUTWARD, REAL, TINY
 from gspcli.certification.sines import SINE_ERROR, cosines, sines
 from gspcli.certification.study import form_hessians
@@ -72,14 +73,6 @@ class ProvedPoses(NamedTuple):
     certified: NDArray[np.bool_]
     real: NDArray[np.bool_]
     complete: NDArray[np.bool_]
-
-
-class Frames(NamedTuple):
-    """The unit of length and the origins, in the frames of the instance, of Study points."""
-
-    unit: float
-    base: Array
-    platform: Array
 
 
 class ValueProofs:
@@ -224,7 +217,7 @@ class ValueProofs:
             self._turned,
             values,
             points,
-            unit=frames.unit / self.scale,
+            unit=frames.length / self.scale,
             origins=np.array((frames.base, frames.platform)) / self.scale,
             scale=self.scale,
             tolerance=TOLERANCE,

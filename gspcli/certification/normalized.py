@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from gspcli.certification.balls import norm
 from gspcli.certification.centring import length_scale
-from gspcli.certification.locating import Frames
+from gspcli.certification.frames import Frames
 from gspcli.certification.statement import Statement, statements
 from gspcli.geometry.instance import Instance
 

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
-from gspcli.certification.many_values import Frames, ProvedPoses, ValueProofs
+from gspcli.certification.frames import OWN
+from gspcli.certification.many_values import ProvedPoses, ValueProofs
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
@@ -21,8 +22,6 @@ from gspcli.solver.study_systems import side_choices
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
-
-_FRAMES = Frames(1.0, np.zeros(3), np.zeros(3))
 
 
 def prove_closed_forms(
@@ -59,8 +58,8 @@ def prove_closed_forms(
         return None
     where = np.array(chosen, np.intp)
     if rows is None:
-        return where, proofs.decide_own(choices, points[0], _FRAMES)
-    return where, proofs.decide(rows[where], choices, np.stack(points), _FRAMES)
+        return where, proofs.decide_own(choices, points[0], OWN)
+    return where, proofs.decide(rows[where], choices, np.stack(points), OWN)
 
 
 def proved_closed_form(instance: Instance, arrangement: Arrangement, poses: PoseSet) -> PoseSet:

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DPH, DPP
-from gspcli.certification.many_values import Frames, ValueProofs
+from gspcli.certification.frames import Frames
+from gspcli.certification.many_values import ValueProofs
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.shifts import ends_from_start
 from gspcli.geometry.arrangement import Arrangement
@@ -53,7 +54,7 @@ def proved_directly(proofs: ValueProofs, arrangement: Arrangement) -> PoseSet | 
 
 def all_proved(proofs: ValueProofs, arrangement: Arrangement, points: Complex) -> PoseSet | None:
     """Return the poses at ends of paths (sides, paths, 8) if all are proved."""
-    frames = Frames(arrangement.length, arrangement.base_centre, arrangement.platform_centre)
+    frames = Frames.of(arrangement)
     found = proofs.decide_own(side_choices(arrangement), points, frames)
     if not found.complete[0]:
         return None

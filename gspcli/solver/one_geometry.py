@@ -20,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL, Kind
-from gspcli.certification.many_values import Frames, ProvedPoses, ValueProofs
+from gspcli.certification.frames import Frames
+from gspcli.certification.many_values import ProvedPoses, ValueProofs
 from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.quadrics import ComplexArray
@@ -287,7 +288,9 @@ class _Geometry:
 
         def proved(rows: Array, points: ComplexArray, unit: float) -> ProvedPoses:
             points = points.reshape(len(rows), len(self.choices), -1, 8)
-            frames = Frames(unit, self.given.base_centre, self.given.platform_centre)
+            frames = Frames(
+                length=unit, platform=self.given.platform_centre, base=self.given.base_centre
+            )
             return proofs.decide(rows, self.choices, points, frames, jobs=jobs)
 
         poses = proved(rows, *self._quick_ends(rows, jobs))

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from gspcli.certification.counting import ExactCount, exact_count, geometry_count
-from gspcli.certification.locating import Frames, Locator
+from gspcli.certification.frames import Frames
+from gspcli.certification.locating import Locator
 from gspcli.continuation.pursuit import Pursuit
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
@@ -45,12 +46,7 @@ def solve_special(
         if it is zero, nothing is counted.
     """
     count = exact_count(instance, seed=seed, limit=limit) if limit != 0 else None
-    frames = Frames(
-        arrangement.length,
-        tuple(arrangement.platform_centre.tolist()),
-        tuple(arrangement.base_centre.tolist()),
-    )
-    locator = Locator(instance, frames)
+    locator = Locator(instance, Frames.of(arrangement))
     searches = [
         Search(arrangement, locator, pursuit, sides)
         for pursuit, sides in zip(pursuits, _equations(arrangement), strict=True)

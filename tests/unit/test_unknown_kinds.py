@@ -14,7 +14,8 @@ from gspcli.catalogue.counts import law
 from gspcli.catalogue.kinds import DPP, Kind, Primitive, Quantity
 from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.counting import count_exactly
-from gspcli.certification.many_values import Frames, ValueProofs
+from gspcli.certification.frames import OWN
+from gspcli.certification.many_values import ValueProofs
 from gspcli.export.chains import chain
 from gspcli.export.motion_coordinates import study
 from gspcli.export.polynomial_systems import system
@@ -71,7 +72,7 @@ EITHER: dict[str, Callable[[Kind], Any]] = {
     "solve": lambda kind: solve(platform(kind)),
     "certify": lambda kind: certify(platform(kind), np.eye(3)[None], np.zeros((1, 3))),
     "proofs of values": lambda kind: ValueProofs(platform(kind), ONE).decide(
-        ONE, ONE, np.zeros((1, 1, 1, 8), complex), Frames(1.0, Z, Z)
+        ONE, ONE, np.zeros((1, 1, 1, 8), complex), OWN
     ),
     "exact count": lambda kind: count_exactly(platform(kind)),
     "exported system": lambda kind: system(platform(kind), study()),

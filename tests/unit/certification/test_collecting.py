@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from gspcli.certification.collecting import Collection
-from gspcli.certification.locating import Frames, Locator
+from gspcli.certification.frames import OWN
+from gspcli.certification.locating import Locator
 from gspcli.geometry.quaternions import quaternion_from_rotation, study_from_pose
 
-FRAMES = Frames(1.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 SIDES = (0,) * 6
 
 
@@ -22,7 +22,7 @@ def point(R: np.ndarray, T: np.ndarray) -> np.ndarray:
 @pytest.fixture
 def all_forty(dietmaier, forty) -> tuple[Collection, np.ndarray, np.ndarray]:
     R, T = (array.astype(complex) for array in forty)
-    return Collection(Locator(dietmaier, FRAMES), SIDES), R, T
+    return Collection(Locator(dietmaier, OWN), SIDES), R, T
 
 
 def test_doubles_prove_dietmaiers_forty_poses(all_forty):
@@ -75,7 +75,7 @@ def test_equal_doubles_prove_one_pose(all_forty):
 
 def test_neighbours_that_doubles_cannot_tell_apart_are_two(tangent):
     instance = tangent(1 + Fraction(1, 10**40))
-    collection = Collection(Locator(instance, FRAMES), SIDES)
+    collection = Collection(Locator(instance, OWN), SIDES)
     high = point(np.eye(3), [1, 0, 0])
     low = np.array([[[0, 0, 0, 0, *point(np.eye(3), [0, 0, z])[4:]]] for z in (1.4e-20, -1.4e-20)])
     poses = collection.locator.locate(np.array([high, high]), low, SIDES)
@@ -87,7 +87,7 @@ def test_neighbours_that_doubles_cannot_tell_apart_are_two(tangent):
 def test_conjugates_of_complex_poses_are_poses(tangent):
     # d < 1: the sphere does not reach the line, the two poses are conjugate.
     instance = tangent(Fraction(1, 2))
-    collection = Collection(Locator(instance, FRAMES), SIDES)
+    collection = Collection(Locator(instance, OWN), SIDES)
     start = point(np.eye(3), [1, 0, 0.75**0.5 * 1j])
     assert collection.add(collection.locator.locate(start[None], None, SIDES)) == 1
     assert collection.add_conjugates() == 1

@@ -7,10 +7,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from gspcli.certification.locating import Frames, Locator
+from gspcli.certification.frames import OWN, Frames
+from gspcli.certification.locating import Locator
 from gspcli.geometry.quaternions import study_from_pose
-
-FRAMES = Frames(1.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 def point(R: np.ndarray, T: np.ndarray) -> np.ndarray:
@@ -25,7 +24,7 @@ def test_an_approximate_pose_becomes_a_proved_one(known, names):
     R, T = platform.floats
     start = point(R, T)
     start = start + 1e-6 * np.abs(start).max() * np.random.default_rng(1).standard_normal(8)
-    [pose] = Locator(platform.instance, FRAMES).locate(start[None], None, (0,) * 6)
+    [pose] = Locator(platform.instance, OWN).locate(start[None], None, (0,) * 6)
     assert pose is not None
     assert pose.real
     np.testing.assert_allclose(pose.R, R, atol=2e-15)
@@ -35,7 +34,7 @@ def test_an_approximate_pose_becomes_a_proved_one(known, names):
 def test_frames_move_points_to_those_of_the_instance(known):
     platform = known("DPP DPL DPH DLP DLL DHP", 4)
     R, T = platform.floats
-    frames = Frames(2.5, (1.0, -2.0, 0.5), (0.25, 3.0, -1.0))
+    frames = Frames(length=2.5, platform=(1.0, -2.0, 0.5), base=(0.25, 3.0, -1.0))
     inner = (T - np.array(frames.base) + R @ np.array(frames.platform)) / frames.length
     [pose] = Locator(platform.instance, frames).locate(point(R, inner)[None], None, (0,) * 6)
     assert pose is not None
@@ -49,7 +48,7 @@ def test_poses_nearer_to_each_other_than_doubles_can_tell(tangent, digits):
     high = point(np.eye(3), [1, 0, 0])
     # f is linear in T.
     low = np.array([[[0, 0, 0, 0, *point(np.eye(3), [0, 0, 0.9 * z])[4:]]] for z in (gap, -gap)])
-    poses = Locator(instance, FRAMES).locate(np.array([high, high]), low, (0,) * 6)
+    poses = Locator(instance, OWN).locate(np.array([high, high]), low, (0,) * 6)
     assert [pose is not None and pose.real for pose in poses] == [True, True]
     assert not poses[0].isolation.contains(poses[1].isolation)
     np.testing.assert_allclose(
@@ -59,4 +58,4 @@ def test_poses_nearer_to_each_other_than_doubles_can_tell(tangent, digits):
 
 def test_a_double_pose_is_never_located(tangent):
     start = point(np.eye(3), [1, 0, 0])
-    assert Locator(tangent(Fraction(1)), FRAMES).locate(start[None], None, (0,) * 6) == [None]
+    assert Locator(tangent(Fraction(1)), OWN).locate(start[None], None, (0,) * 6) == [None]

@@ -13,7 +13,8 @@ from gspcli import _kernel, hexapod
 from gspcli.catalogue.parsing import parse_type
 from gspcli.certification import decide
 from gspcli.certification.ball_system import BallSystem
-from gspcli.certification.many_values import Frames, ValueProofs, _square
+from gspcli.certification.frames import OWN, Frames
+from gspcli.certification.many_values import ValueProofs, _square
 from gspcli.certification.sines import SINE_ERROR, cosines, sines
 from gspcli.certification.study import form_hessians
 from gspcli.geometry.arrangement import Arrangement
@@ -48,8 +49,8 @@ class Batch:
             np.array([getattr(p, name) for p in poses]) for name in ("R", "T", "real")
         )
         # Other frames, another unit and another factor for each point, as paths end.
-        self.frames = Frames(0.7, np.array([0.1, -0.2, 0.3]), np.array([0.2, 0.1, -0.3]))
-        moved = (T - self.frames.base + R @ self.frames.platform) / self.frames.unit
+        self.frames = Frames(length=0.7, platform=(0.2, 0.1, -0.3), base=(0.1, -0.2, 0.3))
+        moved = (T - self.frames.base + R @ self.frames.platform) / self.frames.length
         points = np.concatenate(study_from_pose(R, moved), axis=-1)
         factors = rng.normal(size=R.shape[:2]) + 1j * rng.normal(size=R.shape[:2])
         self.points = (points * factors[..., None])[:, None]
@@ -138,14 +139,12 @@ def test_poses_far_away_are_proved_with_more_digits(error):
     poses = solve_by_tracking(arrangement, seed=26)
     points = np.concatenate(study_from_pose(poses.R, poses.T), axis=-1)[None, None]
     proofs = ValueProofs(platform, lengths[None])
-    found = proofs.decide(
-        lengths[None], np.ones((1, 6)), points, Frames(1.0, np.zeros(3), np.zeros(3))
-    )
+    found = proofs.decide(lengths[None], np.ones((1, 6)), points, OWN)
     assert len(poses.R) == 40
     assert np.abs(found.T).max() > 100
     assert found.complete.all()
     proofs._lows = np.zeros((0, 8, 8))
-    frames = Frames(1.0, np.zeros(3), np.zeros(3))
+    frames = OWN
     assert not proofs.decide(lengths[None], np.ones((1, 6)), points, frames).complete.any()
     single = decide(platform, found.R[0], found.T[0])
     assert single.certified.all()

@@ -6,11 +6,11 @@ from fractions import Fraction
 
 import numpy as np
 
-from gspcli.certification.locating import Frames, Locator
+from gspcli.certification.frames import OWN
+from gspcli.certification.locating import Locator
 from gspcli.certification.multiple import multiple_poses
 from gspcli.geometry.quaternions import study_from_pose
 
-FRAMES = Frames(1.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 SIDES = (0,) * 6
 #: Starts are known in doubles.
 NO_MORE = np.zeros((1, 0, 8))
@@ -23,7 +23,7 @@ def start(T: list[float], error: float) -> np.ndarray:
 
 
 def found(instance, error, T=(1, 0, 0)):
-    locator = Locator(instance, FRAMES)
+    locator = Locator(instance, OWN)
     return list(multiple_poses(locator, start(list(T), error)[None], NO_MORE, [2], SIDES))
 
 
@@ -46,14 +46,14 @@ def test_a_limit_far_away_is_another_pose(tangent):
 
 
 def test_one_pose_approached_twice_is_one(tangent):
-    locator = Locator(tangent(Fraction(1)), FRAMES)
+    locator = Locator(tangent(Fraction(1)), OWN)
     starts = np.array([start([1, 0, 0], 1e-6), start([1, 0, 0], 1e-7)])
     [pose] = multiple_poses(locator, starts, NO_MORE.repeat(2, 0), [2, 2], SIDES)
     assert pose.multiplicity == 4
 
 
 def test_a_double_pose_that_is_known_from_the_beginning_is_found(tangent):
-    locator, exact = Locator(tangent(Fraction(1)), FRAMES), start([1, 0, 0], 0.0)
+    locator, exact = Locator(tangent(Fraction(1)), OWN), start([1, 0, 0], 0.0)
     more = 1e-40 * np.random.default_rng(6).standard_normal((1, 1, 8))
     [pose] = multiple_poses(locator, exact[None], more, [2], SIDES)
     assert pose.real

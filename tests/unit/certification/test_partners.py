@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from gspcli.certification.collecting import Collection
-from gspcli.certification.locating import Frames, Located, Locator
+from gspcli.certification.frames import OWN
+from gspcli.certification.locating import Located, Locator
 from gspcli.certification.partners import is_alone, partner
 from gspcli.geometry.quaternions import study_from_pose
 
-FRAMES = Frames(1.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 SIDES = (0,) * 6
 
 
@@ -26,7 +26,7 @@ def located(locator: Locator, error: float) -> Located:
 
 @pytest.mark.parametrize("split", [Fraction(1, 10**14), -Fraction(1, 10**14), Fraction(1, 10**36)])
 def test_from_one_of_two_solutions_to_the_other(tangent, split: Fraction) -> None:
-    locator = Locator(tangent(1 + split), FRAMES)
+    locator = Locator(tangent(1 + split), OWN)
     first = located(locator, 1e-9)
     assert not is_alone(first)
     both = Collection(locator, SIDES)
@@ -36,4 +36,4 @@ def test_from_one_of_two_solutions_to_the_other(tangent, split: Fraction) -> Non
 
 
 def test_a_solution_by_itself_is_alone(tangent) -> None:
-    assert is_alone(located(Locator(tangent(Fraction(1, 2)), FRAMES), 1e-1))
+    assert is_alone(located(Locator(tangent(Fraction(1, 2)), OWN), 1e-1))

@@ -1,0 +1,41 @@
+"""The coordinates in which Study points are given to what proves them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.geometry.arrangement import Arrangement
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Frames:
+    """Coordinates of Study points: ``T_instance = length T + base - R platform``.
+
+    Attributes
+    ----------
+    length
+        The unit of length.
+    platform, base
+        The origins in the frames of the instance, shape (3,).
+    """
+
+    length: float
+    platform: Sequence[float] | NDArray[np.float64]
+    base: Sequence[float] | NDArray[np.float64]
+
+    @classmethod
+    def of(cls, arrangement: Arrangement) -> Frames:
+        """Return those of the points of ``arrangement.normalized``."""
+        return cls(
+            length=arrangement.length,
+            platform=arrangement.platform_centre,
+            base=arrangement.base_centre,
+        )
+
+
+#: Those of the instance.
+OWN = Frames(length=1.0, platform=(0.0, 0.0, 0.0), base=(0.0, 0.0, 0.0))
