@@ -51,9 +51,7 @@ _MOST_SHOWN = 2_000_000
     help="Positions at this orientation: qw,qx,qy,qz, or rx,ry,rz with --euler.",
 )
 @click.option("--position", metavar="X,Y,Z", help="Orientations at this position.")
-@click.option(
-    "--over", metavar="NAMES", help="Let one to three of x,y,z,rx,ry,rz vary, the others stay."
-)
+@click.option("--over", metavar="NAMES", help="Let some of x,y,z,rx,ry,rz vary, the others stay.")
 @click.option(
     "--within",
     "intervals",
@@ -77,7 +75,7 @@ _MOST_SHOWN = 2_000_000
     "--tolerance",
     type=click.FloatRange(0, 1, min_open=True, max_open=True),
     help=f"How near the bounds of the volume are to come, relatively.  [default: {_TOLERANCE}, "
-    f"for boxes and pictures of three parameters {_COARSE}]",
+    f"for boxes and pictures of three or more parameters {_COARSE}]",
 )
 @click.option(
     "--most-boxes",
@@ -121,7 +119,7 @@ def command(
 
     --orientation gives the volume of the positions at an orientation (x,y,z vary), --position that
     of the orientations at a position (rx,ry,rz vary, from home, in the order of --euler or ZYX; a
-    share of all rotations), --over that of any one to three. The volume lies between two proved
+    share of all rotations), --over that of any of them. The volume lies between two proved
     bounds: boxes of which every pose can be reached, and boxes outside of which none can. CSV with
     --boxes lists them with the pose in the middle of each, for `gsp view --track`; a picture shows
     them over two parameters, or in slices.
@@ -155,7 +153,7 @@ def command(
         return
     from gspcli.motion import workspace
 
-    coarse = (listed or output.format in DRAWINGS) and len(free) == 3
+    coarse = (listed or output.format in DRAWINGS) and len(free) >= 3
     wanted = tolerance or (_COARSE if coarse else _TOLERANCE)
     with _interruptible() as interrupted:
         found = workspace(
@@ -226,7 +224,7 @@ def _check(
         message = "boxes and pictures need --orientation, --position or --over"
     elif free is not None and held:
         message = "--hold is for the travel of axes: leave out --over and the like, or use --pose"
-    elif free is not None and len(free) == 1 and output.format in DRAWINGS:
+    elif free is not None and len(free) not in (2, 3) and output.format in DRAWINGS:
         message = "a picture needs two or three parameters"
     if message:
         raise click.UsageError(message)

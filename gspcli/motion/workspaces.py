@@ -35,7 +35,6 @@ Levels = NDArray[np.int32]
 
 #: Volumes are sums of many products in floating point, with errors far below this, relatively.
 _ROUNDING = 1e-9
-_MOST_FREE = 3
 _DEEPEST = 20
 #: Boxes judged at a time: then Ctrl-C is heard, and whether the bounds are near enough is seen.
 _CHUNK = 50_000
@@ -220,7 +219,7 @@ def workspace(
     R, T
         The home pose, shapes (3, 3) and (3,); what does not vary is as there.
     free
-        One to three parameters that vary: x, y, z, the position of the pivot, and rx, ry, rz,
+        Parameters that vary, one to six: x, y, z, the position of the pivot, and rx, ry, rz,
         angles from home about axes parallel to those of the base.
     pivot
         The point of the platform, in its frame, that x, y, z are the position of, shape (3,).
@@ -255,8 +254,8 @@ def workspace(
 
 def _names(free: Sequence[str]) -> tuple[str, ...]:
     names = tuple(name for name in PARAMETERS if name in free)
-    if len(names) != len(free) or not 1 <= len(names) <= _MOST_FREE:
-        message = f"found {', '.join(free) or 'nothing'}, expected one to three of "
+    if len(names) != len(free) or not names:
+        message = f"found {', '.join(free) or 'nothing'}, expected one or more of "
         raise ArgumentError(message + ", ".join(PARAMETERS), "free")
     return names
 
@@ -317,7 +316,7 @@ class _Division:
         if not (start[:, 0] < start[:, 1]).all():
             return self._result()
         self._judge(0, np.zeros(1, np.uint64), np.array([self.boxes.conditions]), split=False)
-        deepest = min(_DEEPEST if len(self.free) == _MOST_FREE else 30, 62 // len(self.free))
+        deepest = min(_DEEPEST if len(self.free) > 2 else 30, 62 // len(self.free))
         for _ in progress(range(deepest), label="dividing"):
             result = self._result()
             if result.gap <= tolerance or stop():
