@@ -20,7 +20,6 @@ from gspcli.geometry.numbers import Number
 from gspcli.solver.arguments import problems_of, value_rows, whole
 from gspcli.solver.batch import Block, PoseBatch, joined
 from gspcli.solver.pose_set import PoseSet
-from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.result import SolveResult, stable_order
 
 if TYPE_CHECKING:
@@ -141,8 +140,7 @@ def _proved(instance: Instance, poses: PoseSet) -> PoseSet:
     from gspcli.certification import decide
 
     poses = poses.decided(*decide(instance, poses.R, poses.T))
-    complete = poses.certified.sum() == poses.account.expected
-    return replace(poses, proof=Proof(Ground.TYPE)) if complete else poses
+    return replace(poses, proof=poses.proof_by_type or poses.proof)
 
 
 def _is_general(poses: PoseSet, certify: bool) -> bool:

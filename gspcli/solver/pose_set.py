@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gspcli.continuation.paths import PathAccount
 from gspcli.geometry.quaternions import Field
-from gspcli.solver.proof import Proof
+from gspcli.solver.proof import Ground, Proof
 
 Complex = NDArray[np.complex128]
 
@@ -85,6 +85,11 @@ class PoseSet:
     proof: Proof | None = None
     exact_count: int | None = None
     problem: str | None = None
+
+    @property
+    def proof_by_type(self) -> Proof | None:
+        """The proof that there are no others, if as many are certified as the type has."""
+        return Proof(Ground.TYPE) if self.certified.sum() == self.account.expected else None
 
     @property
     def account_text(self) -> str:

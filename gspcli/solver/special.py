@@ -105,10 +105,8 @@ def _error(proof: Proof) -> float:
 
 def _proved(poses: PoseSet, count: ExactCount | None) -> PoseSet:
     """Return poses with what proves that they are all, or infinitely many."""
-    proof = None
-    if poses.certified.sum() == poses.account.expected:
-        proof = Proof(Ground.TYPE)
-    elif count is not None and poses.account.verdict != "incomplete":
+    proof = poses.proof_by_type
+    if proof is None and count is not None and poses.account.verdict != "incomplete":
         # Multiple poses need the count of the distinct ones, too.
         multiple = (poses.multiplicity > 1).any()
         proof = Proof(Ground.EXACT, count.distinct_error if multiple else count.error)
