@@ -34,12 +34,14 @@ def mended(
 ) -> PathResults:
     """Return first results (1, P) in which the few paths that went wrong are followed again.
 
-    Of hundreds of paths one may fail, or jump to another; with smaller steps it does not. If they
+    Of hundreds of paths one may fail, or jump; with smaller steps it does not. If they
     are many, the target is not one of those for which that is worth it.
     """
     error = regular_error(first.correction[0])
-    wrong = collided(first.points[0], error, clearly_simple(first)[0])
-    wrong |= first.status[0] == PathStatus.FAILED
+    known = clearly_simple(first)[0]
+    wrong = collided(first.points[0], error, known)
+    # Those that have failed, and those at which Newton's method has not settled.
+    wrong |= ~known & (first.status[0] != PathStatus.SINGULAR)
     if not 0 < wrong.sum() <= max(2, _FEW * len(wrong)):
         return first
     again = track(origin, target, points[wrong], options=CAREFUL, jobs=jobs)

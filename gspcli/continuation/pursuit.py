@@ -26,7 +26,6 @@ from gspcli.continuation.tracker import (
     DEEPEST,
     DEFAULT,
     EXTENDED,
-    FIRST,
     PathResults,
     TrackerOptions,
     track,
@@ -203,7 +202,7 @@ def pursue(
     *,
     seed: int,
     jobs: int = 1,
-    options: TrackerOptions = FIRST,
+    options: TrackerOptions = DEFAULT,
 ) -> Iterator[Pursuit]:
     """Yield the first attempt at the paths of many systems, in order.
 

@@ -29,7 +29,7 @@ class PathStatus(IntEnum):
 class TrackerOptions:
     """Settings of the path tracker.
 
-    The presets are `DEFAULT`, `FIRST`, `CAREFUL`, `PARANOID` and `EXTENDED`.
+    The presets are `DEFAULT`, `CAREFUL`, `PARANOID` and `EXTENDED`.
     """
 
     predictor_tolerance: float = 1e-4
@@ -58,8 +58,6 @@ class TrackerOptions:
 
 
 DEFAULT = TrackerOptions()
-#: For platforms, whose ends are judged afterwards: what is lost is followed again.
-FIRST = replace(DEFAULT, predictor_tolerance=1e-3, contraction=0.1, short_series=True)
 #: No computer has a use for more.
 MOST_THREADS = 256
 CAREFUL = TrackerOptions(predictor_tolerance=1e-6, contraction=0.02, radius_fraction=0.4)
