@@ -160,9 +160,10 @@ def certified(family: Family, entry: dict) -> Witness | None:
     wanted = entry["real"] * multiplier(kinds)
     try:
         instance = real_instance(numbers, wanted)
+        real = certified_real(instance, wanted)
     except GspError:
         instance = roughly_rounded(numbers)
-    real = quickly_certified_real(instance, wanted)
+        real = quickly_certified_real(instance, wanted)
     return None if real % 2 else Witness(family, real, tuple(rows_of(instance)))
 
 
