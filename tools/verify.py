@@ -160,6 +160,12 @@ STEPS = (
         sample="--sample 2",
     ),
     Step(
+        "round-trips",
+        ("data/verification/round-trips.csv",),
+        "tools/verify_round_trips.py --check --jobs {jobs} --work {work}",
+        sample="--sample 20",
+    ),
+    Step(
         "clearances",
         ("data/verification/clearances.csv",),
         "tools/verify_clearances.py --check --jobs {jobs}",
