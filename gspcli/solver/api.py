@@ -95,9 +95,11 @@ def solve(
             from gspcli.solver import tracking
 
             _, pursuits = next(tracking.pursue_each([arrangement], seed=seed, jobs=jobs))
-            if proofs and certify:
+            regular = all(pursuit.is_regular for pursuit in pursuits)
+            # Proving all poses is cheaper than counting them because a few paths went wrong.
+            if proofs and (certify or not regular):
                 poses = tracking.proved_by_paths(proofs, arrangement, pursuits)
-            if poses is None and all(pursuit.is_regular for pursuit in pursuits):
+            if poses is None and regular:
                 poses = tracking.poses_by_paths(arrangement, pursuits)
     if poses is not None and certify and len(poses.R) and poses.proof is None:
         poses = _proved(instance, poses)
