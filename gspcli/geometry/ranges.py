@@ -11,6 +11,8 @@ from gspcli.geometry.numbers import Number
 
 #: A quarter turn in each unit; the one in radians is only rounded.
 _QUARTER = {AngleUnit.DEGREE: 90, AngleUnit.RADIAN: math.pi / 2}
+#: Below this part of a quarter turn rounding does not matter.
+_WELL_WITHIN = 0.999
 _QUARTER_TEXT = {AngleUnit.DEGREE: ("90", "180"), AngleUnit.RADIAN: ("pi/2", "pi")}
 
 
@@ -34,6 +36,8 @@ def wrong_value(kind: Kind, value: Number, unit: AngleUnit) -> str:
     """
     if kind.is_distance:
         return "expected a distance of at least 0" if value.value < 0 else ""
+    if 0 < value.value < _QUARTER[unit] * _WELL_WITHIN:
+        return ""
     quarter, half = _QUARTER_TEXT[unit]
     quarters = turns(value, unit)
     if kind.platform is kind.base:

@@ -221,8 +221,10 @@ class _Ledger:
             self._add_carefully(rotations, places, int(f))
         for e in rotations.samples:
             self._add_sample(e)
-        self.account += self._account() * rotations.account.at_infinity
-        self.account += self._account(lost=self.each) * rotations.account.lost
+        if rotations.account.at_infinity:
+            self.account += self._account() * rotations.account.at_infinity
+        if rotations.account.lost:
+            self.account += self._account(lost=self.each) * rotations.account.lost
 
     def _add(self, poses: _Isolated, paired: NDArray[np.bool_]) -> None:
         """Add poses, and the conjugates of those whose rotation is not real."""

@@ -282,5 +282,5 @@ def stable_order(poses: PoseSet, length: float) -> Any:
     """
     unit = 10.0 ** math.floor(math.log10(length))
     pose = np.concatenate((poses.quaternions, poses.T * (1 / unit)), axis=1)
-    keys = np.concatenate((~poses.real[:, None], pose.real, pose.imag), axis=1).round(9).tolist()
-    return np.array(sorted(range(len(keys)), key=keys.__getitem__), np.intp)
+    keys = np.concatenate((~poses.real[:, None], pose.real, pose.imag), axis=1).round(9)
+    return np.lexsort(keys.T[::-1])
