@@ -34,6 +34,9 @@ _EASY = 0.35
 _SCALED, _SCALED_EXACTLY = 2.0**-40, 2.0**-48
 #: How often a step may be halved where residuals are known in balls, and how often it is at first.
 _MOST_HALVINGS, _HALVINGS = 50, 24
+#: After so many tries without an end a branch is left undecided: a try in balls takes
+#: milliseconds, and beside a singularity steps get shorter for ever.
+_MOST_TRIES = 1000
 #: What a polynomial of one part may leave out, relatively; else the part is halved.
 _LEFT_OUT = 2.0**-38
 
@@ -133,7 +136,8 @@ class Follower:
         """Whether a branch is at the last row, or its steps are too small; then it is noted."""
         found, k = self.found, cursor.branch
         at_end = cursor.row + 1 == self.values.shape[1]
-        if not at_end and cursor.level <= self.options.most_halvings:
+        patient = not self.exact or found.tries[k] < _MOST_TRIES
+        if not at_end and cursor.level <= self.options.most_halvings and patient:
             return False
         found.stop[k] = Stop.END if at_end else Stop.STEP
         found.reached[k] = cursor.row
