@@ -342,6 +342,7 @@ KEYS: dict[str, str] = {
     "track.limits.body": "where the joint of the cone is: platform or base; null for ranges",
     "track.limits.mode": "the mode whose leg leaves its cone; null for ranges",
     "track.limits.kind": "range or cone",
+    "track.limits.proved": "whether it is proved; a cone that is not is perhaps left between",
     # Workspaces
     "home": "the pose that travels begin at and that is kept but for what varies",
     "workspace.home.mode": "its number as a mode of the file, or null",

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from gspcli.certification import study
 from gspcli.certification.balls import ball, cross, dot, norm
 from gspcli.certification.centring import length_scale
-from gspcli.certification.moving import Law, Shape, moving_equation
+from gspcli.certification.moving import Equation, Law, Shape, moving_equation
 from gspcli.certification.rounding import OUTWARD, TINY
 from gspcli.geometry.coordinates import Body, Coordinate, stated
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
@@ -132,7 +132,7 @@ class MovingSystem:
 
     def equations(
         self, rows: tuple[Array, Array], at: arb, width: arb, order: int
-    ) -> list[tuple[tuple[Shape, Law, float, list[dict[int, Element]]], Element]]:
+    ) -> list[tuple[Equation, Element]]:
         """Return each equation, as `moving_equation`, and its c, as power series.
 
         Parameters
@@ -151,15 +151,17 @@ class MovingSystem:
                 arb_series([a + at * (b - a), width * (b - a)], prec=order + 1) if a != b else a
                 for a, b in zip(first, last, strict=True)
             ]
-            moving = dict(zip(self.chosen, series[6:], strict=True))
-            return [
-                self._equation(row, value, moving)
-                for row, value in zip(self.instance.constraints, series, strict=False)
-            ]
+            return self._all(series[:6], dict(zip(self.chosen, series[6:], strict=True)))
+
+    def _all(
+        self, values: Sequence[Element], moving: dict[Coordinate, Element]
+    ) -> list[tuple[Equation, Element]]:
+        rows = zip(self.instance.constraints, values, strict=True)
+        return [self._equation(row, value, moving) for row, value in rows]
 
     def _equation(
         self, row: Constraint, value: Element, moving: dict[Coordinate, Element]
-    ) -> tuple[tuple[Shape, Law, float, list[dict[int, Element]]], Element]:
+    ) -> tuple[Equation, Element]:
         a, u = self._placed("platform", row.platform_name, row.platform, moving)
         b, v = self._placed("base", row.base_name, row.base, moving)
         equation = moving_equation(row.kind, a, b, u, v, is_zero=row.value.fraction == 0)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from gspcli.cli.limit_sentences import cones_notes, limit_sentences, plain_limit
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
@@ -133,13 +134,15 @@ def command(
             certify=not no_certify,
             jobs=jobs,
         )
+    with working("looking at limits"):
+        limits = limit_events(result)
     rows = _rows(result, _clearances(result) if clear else None)
-    emit(output, _table(result, rows), document=_document(result, rows))
+    emit(output, _table(result, rows, limits), document=_document(result, rows, limits))
     if output.format != "json":
         for event in result.events:
             click.echo(_sentence(event), err=True)
-        for limit in limit_events(result):
-            click.echo(_limit_sentence(result, limit), err=True)
+        for line in limit_sentences(result, limits):
+            click.echo(line, err=True)
     if result.complete is False:
         message = (
             "the modes followed and the poses at the last row do not account for each other\n"
@@ -193,7 +196,7 @@ def _rows(result: Track, clearances: Array | None) -> list[dict[str, Any]]:
     return rows
 
 
-def _table(result: Track, rows: list[dict[str, Any]]) -> Table:
+def _table(result: Track, rows: list[dict[str, Any]], limits: list[LimitEvent]) -> Table:
     columns = [
         Column(key, align="right", essential=True, aligned=key in _POSE)
         for key in ("t", "mode", *_POSE)
@@ -211,12 +214,13 @@ def _table(result: Track, rows: list[dict[str, Any]]) -> Table:
     )
     if result.complete:
         note += "; every real pose at the last row is accounted for"
-    return Table(columns, rows, title=title, notes=[note])
+    notes = [note, *cones_notes(result, limits)]
+    return Table(columns, rows, title=title, notes=notes)
 
 
-def _document(result: Track, rows: list[dict[str, Any]]) -> dict[str, Any]:
-    from gspcli.motion.limit_events import limit_events
-
+def _document(
+    result: Track, rows: list[dict[str, Any]], limits: list[LimitEvent]
+) -> dict[str, Any]:
     instance = result.instance
     return {
         "schema": "gsp.track/1",
@@ -230,7 +234,7 @@ def _document(result: Track, rows: list[dict[str, Any]]) -> dict[str, Any]:
         "parts": result.segments,
         "poses": rows,
         "events": [_plain(event) for event in result.events],
-        "limits": [_plain_limit(event) for event in limit_events(result)],
+        "limits": [plain_limit(event) for event in limits],
     }
 
 
@@ -259,32 +263,3 @@ def _sentence(event: Event) -> str:
     if event.begins:
         return f"mode {event.mode} begins with {partner} in a fold at t = {event.low:.12g}, proved"
     return f"mode {event.mode} meets {partner} in a fold at t = {event.low:.12g} and ends, proved"
-
-
-def _plain_limit(event: LimitEvent) -> dict[str, Any]:
-    return {
-        "kind": event.kind,
-        "leaves": event.leaves,
-        "constraint": event.constraint + 1,
-        "body": event.body or None,
-        "mode": event.mode,
-        "t": [event.low, event.high],
-    }
-
-
-def _limit_sentence(result: Track, event: LimitEvent) -> str:
-    """Return in words that a limit is left or kept again."""
-    at_first = event.high == result.t[0]
-    what = "is outside" if at_first else "leaves" if event.leaves else "comes back into"
-    if event.kind == "range":
-        low, high = result.instance.constraints[event.constraint].limits or ("", "")
-        subject = f"the value of constraint {event.constraint + 1} {what} its range"
-        return f"{subject} from {low} to {high} at t = {event.low:.10g}"
-    when = (
-        f"at t = {event.low:.10g}"
-        if event.low == event.high
-        else f"between t = {event.low:.10g} and {event.high:.10g}"
-    )
-    return (
-        f"mode {event.mode}: leg {event.constraint + 1} {what} its cone at the {event.body} {when}"
-    )

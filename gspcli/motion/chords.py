@@ -121,11 +121,14 @@ class ChordProofs:
         How near the zeros at both ends are to the points, at least.
     uniqueness
         How near to the chord there is no other zero.
+    radius
+        How near to the chord the zeros are all along, at least.
     """
 
     measure: Array
     end: Array
     uniqueness: Array
+    radius: Array
 
 
 def prove(
@@ -142,10 +145,7 @@ def prove(
     exact
         The same equations in balls, for modes that are very near to each other.
     """
-    patch = first + last
-    patch = patch / np.linalg.norm(patch, axis=1, keepdims=True)
-    x, y = (z / np.sum(patch * z, axis=1, keepdims=True) for z in (first, last))
-    z, d = (x + y) / 2, y - x
+    patch, z, d = on_patch(first, last)
     chord = _Chord(parts, z, d)
     for k, one in enumerate(exact or ()):
         chord.values[k], chord.value_errors[k] = one.residuals(z[k], d[k], VALUES)
@@ -184,7 +184,19 @@ def prove(
             np.where(np.isnan(measure), np.inf, measure),
             2 * end / left * _OUTWARD,
             np.where(good, uniqueness, 0.0),
+            np.where(good, radius, np.inf),
         )
+
+
+def on_patch(first: Array, last: Array) -> tuple[Array, Array, Array]:
+    """Return a patch p for each chord, its middle and its direction, all of shape (n, 8).
+
+    The chord is ``z + tau d`` with ``p.z = 1`` and ``p.d = 0``, tau from -1/2 to 1/2.
+    """
+    patch = first + last
+    patch = patch / np.linalg.norm(patch, axis=1, keepdims=True)
+    x, y = (z / np.sum(patch * z, axis=1, keepdims=True) for z in (first, last))
+    return patch, (x + y) / 2, y - x
 
 
 #: Maxima of (1/4 - tau^2) |tau|^j, rounded up.

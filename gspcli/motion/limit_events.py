@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
 
@@ -11,9 +12,14 @@ from numpy.typing import NDArray
 
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range
+from gspcli.motion.cone_limits import ConeProofs, Stretch
+from gspcli.motion.following import StudyUnits
 from gspcli.motion.tracks import Track
 
 Array = NDArray[np.float64]
+
+#: Beside a fold so much of a step between rows may be left out: parts get too short there.
+_BESIDE = 1e-7
 
 
 @dataclass(frozen=True)
@@ -33,8 +39,11 @@ class LimitEvent:
     mode
         The mode whose leg leaves the cone.
     low, high
-        Between which t. Values are linear between rows, so that they leave a range at one t; of
-        cones it is seen only which rows keep them.
+        Between which t. Values are linear between rows, so that they leave a range at one t.
+    proved
+        Whether it is proved that the limit is kept before and left after, or the reverse. If the
+        track is certified, a cone of which it is not is perhaps left between: the leg comes to its
+        edge, or the mode is nearly singular. If not, cones are only looked at where the rows are.
     """
 
     kind: Literal["range", "cone"]
@@ -44,6 +53,7 @@ class LimitEvent:
     mode: int | None
     low: float
     high: float
+    proved: bool
 
 
 def limit_events(track: Track) -> list[LimitEvent]:
@@ -62,7 +72,7 @@ def _ranges(track: Track) -> list[LimitEvent]:
         state = False
         for time, now in zip(times, outside, strict=True):
             if now != state:
-                found.append(LimitEvent("range", now, k, "", None, time, time))
+                found.append(LimitEvent("range", now, k, "", None, time, time, True))
                 state = now
     return found
 
@@ -95,10 +105,107 @@ def _is_out(instance: Instance, k: int, value: float) -> bool:
     return bool(out_of_range(instance, row)[k])
 
 
+def cones_proved(track: Track) -> bool:
+    """Whether all that is said of cones is proved, for what is between rows, too."""
+    legs = [joint.constraint for joint in joint_cones(track.instance)]
+    return track.certified and len(track.t) > 1 and bool((track.values[:, legs] >= 0).all())
+
+
 def _cones(track: Track) -> list[LimitEvent]:
-    cones = joint_cones(track.instance)
-    if not cones:
+    if not joint_cones(track.instance):
         return []
+    return _between_rows(track) if cones_proved(track) else _at_rows(track)
+
+
+def _between_rows(track: Track) -> list[LimitEvent]:
+    """Return where cones are left and kept again, proved for all that is between rows."""
+    rows = np.column_stack((track.values, track.places))
+    found = []
+    # Modes that are born on the way are followed back from the last row.
+    born = np.isnan(track.T[:, 0, 0])
+    for step in (1, -1):
+        proofs = ConeProofs(track.instance, track.coordinates, rows[::step])
+        modes = np.flatnonzero(born == (step < 0)).tolist()
+        points = StudyUnits(proofs.system.scale).points(track.R[modes], track.T[modes])
+        for m, stretches in zip(modes, proofs.stretches(points[:, ::step]), strict=True):
+            found += _events(track, m, stretches if step > 0 else _turned(stretches, len(rows)))
+    return found
+
+
+def _turned(stretches: Sequence[Stretch], rows: int) -> list[Stretch]:
+    """Return stretches of the reversed trajectory."""
+    return [
+        replace(one, begin=rows - 1 - one.end, end=rows - 1 - one.begin) for one in stretches[::-1]
+    ]
+
+
+def _events(track: Track, m: int, stretches: Sequence[Stretch]) -> list[LimitEvent]:
+    """Return where the m-th mode leaves cones and keeps them again."""
+    mode, found = int(track.modes[m]), []
+    times = [(_time(track, one.begin), _time(track, one.end)) for one in stretches]
+    low, high = _lifetime(track, mode)
+    for k, cone in enumerate(joint_cones(track.instance)):
+        states = [one.states[k] for one in stretches]
+        place = cone.constraint, cone.body, mode
+        found += [
+            LimitEvent("cone", leaves, *place, begin, end, proved)
+            for leaves, begin, end, proved in _changes(times, states, low, high, _room(track))
+        ]
+    return found
+
+
+def _time(track: Track, row: float) -> float:
+    """Return t at a row, counted from 0, with a fraction."""
+    k = min(int(row), len(track.t) - 2)
+    return float(track.t[k] + (row - k) * (track.t[k + 1] - track.t[k]))
+
+
+def _room(track: Track) -> float:
+    """Return what is left out beside a fold, in units of t."""
+    return float(_BESIDE * np.diff(track.t).max(initial=0.0))
+
+
+def _lifetime(track: Track, mode: int) -> tuple[float, float]:
+    """Return between which t a mode is known."""
+    low, high = float(track.t[0]), float(track.t[-1])
+    for event in track.events:
+        if event.mode == mode:
+            low, high = (event.high, high) if event.begins else (low, event.low)
+    return low, high
+
+
+def _changes(
+    times: Sequence[tuple[float, float]],
+    states: Sequence[int],
+    low: float,
+    high: float,
+    room: float,
+) -> Iterator[tuple[bool, float, float, bool]]:
+    """Yield whether one cone is left or kept again, between which t, and whether that is proved.
+
+    Parameters
+    ----------
+    times, states
+        What is proved, in order; there may be gaps.
+    low, high
+        From where to where something should be said, but for `room`.
+    """
+    state, since, allowed = 1, low, room
+    for (begin, end), now in zip(times, states, strict=True):
+        if now == 0:
+            continue
+        if now != state:
+            yield now < 0, since, begin, True
+        elif begin - since > allowed:
+            yield True, since, begin, False
+        state, since, allowed = now, end, 0.0
+    if high - since > room:
+        yield True, since, high, False
+
+
+def _at_rows(track: Track) -> list[LimitEvent]:
+    """Return between which rows cones are left and kept again, as it is seen at rows."""
+    cones = joint_cones(track.instance)
     outside = np.zeros((*track.T.shape[:2], len(cones)), bool)
     for rows, instance in track.instances():
         with np.errstate(invalid="ignore"):
@@ -112,11 +219,9 @@ def _cones(track: Track) -> list[LimitEvent]:
             for row in rows_there.tolist():
                 now = bool(outside[m, row, k])
                 if now != state:
-                    low = float(track.t[row if before is None else before])
+                    low, high = track.t[[row if before is None else before, row]].tolist()
                     found.append(
-                        LimitEvent(
-                            "cone", now, cone.constraint, cone.body, mode, low, float(track.t[row])
-                        )
+                        LimitEvent("cone", now, cone.constraint, cone.body, mode, low, high, False)
                     )
                     state = now
                 before = row

@@ -9,15 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.certification.chord_residuals import ExactChords
 from gspcli.certification.taylor import MovingQuadrics, MovingSystem
-from gspcli.motion.chords import DEGREE, LONGEST, VALUES, Parts, equations_at, prove
+from gspcli.motion.chords import LONGEST, VALUES, Parts, equations_at, prove
 from gspcli.motion.following import Branches, FollowOptions, Stop
+from gspcli.motion.part_models import PartModels
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -26,19 +26,18 @@ Index = NDArray[np.int64]
 _CONVERGED, _DIVERGED, _STEPS = 1e-8, 0.5, 6
 #: And of its steps with exact residuals.
 _CORRECTIONS = 10
-_PROVED = 0.98
+#: What a proof must stay below.
+PROVED = 0.98
 #: A step is doubled when its measure is below this.
 _EASY = 0.35
 #: What points may move by when they are scaled to another patch: of rounding alone, and with
 #: a margin.
-_SCALED, _SCALED_EXACTLY = 2.0**-40, 2.0**-48
+SCALED, SCALED_EXACTLY = 2.0**-40, 2.0**-48
 #: How often a step may be halved where residuals are known in balls, and how often it is at first.
 _MOST_HALVINGS, _HALVINGS = 50, 24
 #: After so many tries without an end a branch is left undecided: a try in balls takes
 #: milliseconds, and beside a singularity steps get shorter for ever.
 _MOST_TRIES = 1000
-#: What a polynomial of one part may leave out, relatively; else the part is halved.
-_LEFT_OUT = 2.0**-38
 
 
 @dataclass(eq=False)
@@ -74,6 +73,34 @@ class _Cursor:
             self.level, self.part, self.ratio = self.level - 1, self.part // 2, 2.0
 
 
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """A part of a branch that is proved to be near a chord.
+
+    Attributes
+    ----------
+    branch
+        Which one.
+    row, part, level
+        It is the part of that number of 2^``level`` between a row and the next one.
+    first, last
+        The ends of the chord, Study points of norm one, shape (8,).
+    end, radius, alone
+        As in `ChordProofs`: how near the pose is at the ends and all along, and how near no other
+        one is.
+    """
+
+    branch: int
+    row: int
+    part: int
+    level: int
+    first: Array
+    last: Array
+    end: float
+    radius: float
+    alone: float
+
+
 @dataclass(eq=False)
 class Follower:
     """Follows branches, all of them one step at a time.
@@ -84,13 +111,16 @@ class Follower:
         As for `MovingGeometry.follow`.
     exact
         Whether residuals are computed in balls.
+    kept
+        Where the proved parts go, if they are wanted.
     """
 
     system: MovingSystem
     values: Array
     options: FollowOptions
     exact: bool = False
-    _models: dict[tuple[int, int], _Models] = field(default_factory=dict)
+    kept: list[Segment] | None = None
+    _models: dict[tuple[int, int], PartModels] = field(default_factory=dict)
 
     def run(self, trajectory: Index, start: Array, near: Array | None = None) -> Branches:
         """Follow branches from the first row; see `MovingGeometry.follow`."""
@@ -146,12 +176,12 @@ class Follower:
         found.near[k], found.alone[k] = cursor.end, cursor.alone
         return True
 
-    def _model(self, cursor: _Cursor) -> _Models:
+    def _model(self, cursor: _Cursor) -> PartModels:
         key = cursor.trajectory, cursor.row
         if key not in self._models:
             self._models = {k: m for k, m in self._models.items() if k[1] >= cursor.row - 2}
             rows = self.values[cursor.trajectory, cursor.row : cursor.row + 2]
-            self._models[key] = _Models(self.system, (rows[0], rows[1]))
+            self._models[key] = PartModels(self.system, (rows[0], rows[1]))
         return self._models[key]
 
     def _piece(self, cursor: _Cursor) -> MovingQuadrics | None:
@@ -167,22 +197,28 @@ class Follower:
         exact = None
         if self.exact:
             exact = [self._model(c).exact(c.part, c.level) for c in cursors]
-            points = _corrected(self.system.shapes, pieces, exact, points)
+            points = corrected(self.system.shapes, pieces, exact, points)
         converged &= np.linalg.norm(points - here, axis=1) < LONGEST
         count = len(cursors)
         measure, end, uniqueness = np.zeros(count), np.zeros(count), np.full(count, np.inf)
+        radius = np.full(count, np.inf)
         if self.options.certify:
             proofs = prove(parts, here, points, exact)
             measure, end, uniqueness = proofs.measure, proofs.end, proofs.uniqueness
-        scaled = _SCALED_EXACTLY if self.exact else _SCALED
+            radius = proofs.radius
+        scaled = SCALED_EXACTLY if self.exact else SCALED
         for k, cursor in enumerate(cursors):
             self.found.tries[cursor.branch] += 1
             # Points are scaled to another patch: a factor of at most four.
             joined = 4 * cursor.end + scaled < uniqueness[k]
             joined |= 4 * end[k] + scaled < cursor.alone
-            if not (converged[k] and measure[k] < _PROVED and joined):
+            if not (converged[k] and measure[k] < PROVED and joined):
                 cursor.halve(2 if not measure[k] < 4 else 1)
                 continue
+            if self.kept is not None:
+                at = cursor.branch, cursor.row, cursor.part, cursor.level
+                ends = here[k], points[k]
+                self.kept.append(Segment(*at, *ends, end[k], radius[k], uniqueness[k]))
             cursor.end, cursor.alone = end[k], uniqueness[k]
             cursor.advance(points[k], easy=bool(measure[k] < _EASY))
             self.found.segments[cursor.branch] += 1
@@ -234,41 +270,6 @@ def follow_closely(
     return Follower(system, rows[None], more, exact=True).resumed(cursor)
 
 
-class _Models:
-    """The equations between two rows: polynomials on as many parts as are needed."""
-
-    def __init__(self, system: MovingSystem, rows: tuple[Array, Array]) -> None:
-        self.system = system
-        self.rows = rows
-        self._of_part = lru_cache(maxsize=None)(self._found)
-        self.piece = lru_cache(maxsize=256)(self._piece)
-        self.exact = lru_cache(maxsize=256)(self._exact)
-
-    def _found(self, part: int, level: int) -> MovingQuadrics | None:
-        """Return the equations on a part, if polynomials leave out little."""
-        size = 2.0**-level
-        found = self.system.on_part(self.rows, part * size, (part + 1) * size)
-        scale = np.sqrt((found.quadrics[:, :, 0] ** 2).sum(axis=(2, 3)))
-        good = (found.errors <= _LEFT_OUT * scale + 2.0**-60).all()
-        good &= (found.factor_errors <= _LEFT_OUT).all()
-        return found if good else None
-
-    def _piece(self, part: int, level: int) -> MovingQuadrics | None:
-        """Return the equations on a part, from the longest part around it that has any."""
-        for k in range(level + 1):
-            around = self._of_part(part >> (level - k), k)
-            if around is not None:
-                size = 2.0 ** (k - level)
-                begin = (part - ((part >> (level - k)) << (level - k))) * size - 0.5
-                return around.restricted(begin, begin + size, DEGREE)
-        return None
-
-    def _exact(self, part: int, level: int) -> ExactChords:
-        """Return the equations on a part in balls."""
-        size = 2.0**-level
-        return ExactChords(self.system, self.rows, part * size, (part + 1) * size)
-
-
 def newton(
     shapes: NDArray[np.int32], parts: Sequence[MovingQuadrics], points: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
@@ -292,7 +293,7 @@ def newton(
     return points, (size < _CONVERGED) & ~bad
 
 
-def _corrected(
+def corrected(
     shapes: NDArray[np.int32],
     parts: Sequence[MovingQuadrics],
     exact: Sequence[ExactChords],
@@ -309,7 +310,7 @@ def _corrected(
         good &= size < _DIVERGED
         points = np.where(good[:, None], points - np.where(good[:, None], step, 0.0), points)
         points /= np.linalg.norm(points, axis=1, keepdims=True)
-        if not (good & (size > _SCALED_EXACTLY)).any():
+        if not (good & (size > SCALED_EXACTLY)).any():
             break
     return points
 

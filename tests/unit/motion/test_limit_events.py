@@ -5,12 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import gspcli
 from gspcli.catalogue.kinds import DPH
 from gspcli.geometry.instance import Side
+from gspcli.geometry.limits import joint_cones, tilts
 from gspcli.geometry.numbers import Number
 from gspcli.motion import measure, track
 from gspcli.motion.limit_events import _crossings, limit_events
-from tests.support.limited import one_leg, study
+from tests.support.limited import limited, one_leg, study
 
 
 def test_ranges_are_left_at_the_exact_time():
@@ -25,25 +27,118 @@ def test_ranges_are_left_at_the_exact_time():
     assert ranges[1].low == pytest.approx(1 + 2 * (1 - part))
 
 
-def test_cones_are_left_between_rows():
+def sideways(count=6):
+    """Poses that move to the side, and the values there as a study measures them."""
+    T = np.array([[k * 15.0 / (count - 1), 0, 60] for k in range(count)])
+    R = np.broadcast_to(np.eye(3), (count, 3, 3))
+    return R, T, measure(study(), R, T)
+
+
+def test_where_cones_are_left_is_proved():
     machine = study(base_angle=5)
-    T = np.array([[k * 3.0, 0, 60] for k in range(6)])
-    R = np.broadcast_to(np.eye(3), (6, 3, 3))
+    R, T, values = sideways()
+    path = track(machine, values, t=np.arange(6), near=(R[0], T[0]))
+    cones = [event for event in limit_events(path) if event.kind == "cone"]
+    assert len(cones) == 6
+    assert all(event.leaves and event.body == "base" and event.proved for event in cones)
+    assert all(0 < event.high - event.low < 1e-8 for event in cones)
+    # At these times the tilt is five degrees.
+    for event in cones:
+        row = int(event.low)
+        at = values[row] + (event.low - row) * (values[row + 1] - values[row])
+        there = track(machine, np.stack((values[row], at)), near=(R[row], T[row]))
+        joint = [
+            k
+            for k, one in enumerate(joint_cones(machine))
+            if (one.constraint, one.body) == (event.constraint, event.body)
+        ]
+        assert tilts(machine, there.R[0, 1], there.T[0, 1])[joint] == pytest.approx(5, abs=1e-6)
+
+
+def test_cones_that_are_kept_all_along_leave_no_event():
+    R, T, values = sideways()
+    assert limit_events(track(study(), values, near=(R[0], T[0]))) == []
+
+
+def test_without_proof_cones_are_looked_at_where_the_rows_are():
+    R, T, values = sideways()
+    path = track(study(base_angle=5), values, t=np.arange(6), near=(R[0], T[0]), certify=False)
+    cones = limit_events(path)
+    assert len(cones) == 6
+    assert all(event.high - event.low == 1 and not event.proved for event in cones)
+
+
+def test_a_cone_that_is_left_between_two_rows_that_keep_it_is_seen():
+    """The first leg is not allowed within five degrees of where it is halfway."""
+    machine = study(legs=(60, 180))
+    first = machine.constraints[0]
+    halfway = first.platform.point - first.base.point + np.array([0, 0, 60])
+    base = replace(first.base, cone=gspcli.Cone((-halfway).tolist(), 175))
+    machine = replace(machine, constraints=(replace(first, base=base), *machine.constraints[1:]))
+    T = np.array([[-15.0, 0, 60], [15, 0, 60]])
+    R = np.broadcast_to(np.eye(3), (2, 3, 3))
     values = measure(machine, R, T)
-    found = limit_events(track(machine, values, t=np.arange(6), near=(R[0], T[0])))
-    cones = [event for event in found if event.kind == "cone"]
-    assert cones
-    assert all(event.leaves and event.body == "base" and event.mode for event in cones)
-    assert all(event.high - event.low == 1 for event in cones)
-    # The first is left where the tilt is five degrees.
-    first = cones[0]
-    legs = T - machine.constraints[first.constraint].base.point
-    legs = legs + machine.constraints[first.constraint].platform.point
-    tilt = np.degrees(
-        np.arccos(legs @ legs[0] / np.linalg.norm(legs, axis=1) / np.linalg.norm(legs[0]))
-    )
-    assert tilt[int(first.low)] <= 5 < tilt[int(first.high)]
-    assert limit_events(track(study(), values, t=np.arange(6), near=(R[0], T[0]))) == []
+    at_rows = track(machine, values, near=(R[0], T[0]), certify=False)
+    assert limit_events(at_rows) == []
+    events = limit_events(track(machine, values, near=(R[0], T[0])))
+    assert [(event.constraint, event.leaves) for event in events] == [(0, True), (0, False)]
+    assert all(1 < event.low < event.high < 2 for event in events)
+
+
+@pytest.mark.parametrize(
+    ("name", "seed"),
+    [("6D PP PP PP PP PP PP", 0), ("6D PP PP PP PP PL LP", 1), ("6D PP PP PP PP PP PH", 4)],
+)
+def test_what_is_seen_at_many_rows_is_among_the_events(name, seed):
+    instance, R, T = limited(name, seed, half_angle=30)
+    rng = np.random.default_rng(seed)
+    home = measure(instance, R, T)
+    rows = np.stack([home, *(home + 0.3 * np.abs(home) * rng.normal(size=(2, 6)))])
+    rows = np.where(home > 0, np.abs(rows), rows)
+    events = [e for e in limit_events(track(instance, rows, everything=True)) if e.kind == "cone"]
+    parts = np.linspace(0, 2, 161)
+    many = np.stack([np.interp(parts, range(3), column) for column in rows.T], axis=1)
+    seen = limit_events(track(instance, many, t=parts + 1, everything=True, certify=False))
+    seen = [event for event in seen if event.kind == "cone" and event.low < event.high]
+    assert seen
+
+    def alike(a, b):
+        same = (a.mode, a.constraint, a.body) == (b.mode, b.constraint, b.body)
+        same &= a.leaves == b.leaves or not a.proved
+        return same and a.low <= b.high and b.low <= a.high
+
+    assert all(any(alike(event, other) for event in events) for other in seen)
+
+
+def test_cones_of_joints_that_move_are_proved_too():
+    """Both ends of a platform on legs that keep their length, moved sideways together."""
+    machine = study(base_angle=5)
+    _, _, values = sideways()
+    names = [row.base_name or f"B{k}" for k, row in enumerate(machine.constraints, 1)]
+    rows = [
+        replace(row, base_name=name) for row, name in zip(machine.constraints, names, strict=True)
+    ]
+    machine = replace(machine, constraints=tuple(rows))
+    shift = np.array([0.0, 15.0])
+    places = {
+        f"base.{name}.x": row.base.point[0] + shift
+        for name, row in zip(names, machine.constraints, strict=True)
+    }
+    same = np.stack((values[0], values[0]))
+    home = np.eye(3), np.array([0, 0, 60.0])
+    assert limit_events(track(machine, same, coordinates=places, near=home)) == []
+    # One joint alone tilts its leg.
+    one = {f"base.{names[0]}.x": machine.constraints[0].base.point[0] + shift}
+    moved = track(machine, values[[0, 0]], coordinates=one, near=home)
+    left = [event for event in limit_events(moved) if event.kind == "cone"]
+    assert left
+    at = left[0]
+    places = {f"base.{names[0]}.x": machine.constraints[0].base.point[0] + shift * [1, at.low - 1]}
+    there = track(machine, same, coordinates=places, near=home)
+    [(_, _), (_, instance)] = there.instances()
+    joints = [(one.constraint, one.body) for one in joint_cones(machine)]
+    tilt = tilts(instance, there.R[0, 1], there.T[0, 1])[joints.index((at.constraint, at.body))]
+    assert tilt == pytest.approx(5, abs=1e-5)
 
 
 @pytest.mark.parametrize(
