@@ -15,7 +15,8 @@ from gspcli.continuation.accounts import (
     regular_ends,
     settle,
 )
-from gspcli.continuation.mending import mended
+from gspcli.continuation.ends import infinite, regular_error
+from gspcli.continuation.mending import collided, mended
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.regularity import clearly_simple
 from gspcli.continuation.solutions import SystemSolutions, solutions_of
@@ -124,6 +125,17 @@ class Pursuit:
     def first(self) -> PursuedEnds:
         """Return the ends of the first attempt at all paths."""
         return self._ends(self._results, DEFAULT.digits)
+
+    def distinct_simple(self) -> ComplexArray:
+        """Return the ends of the first attempt that no other path shares, shape (k, 8).
+
+        They are finite and beyond doubt simple solutions of the system in doubles.
+        """
+        results = self._results
+        points, error = results.points[0], regular_error(results.correction[0])
+        chosen = clearly_simple(results)[0] & ~infinite(points, error)
+        chosen &= ~collided(points, error, chosen)
+        return self.first().points[chosen]
 
     def balanced(self, given: Coefficients) -> Coefficients:
         """Return the equations, given to more digits, in the form in which they are tracked.

@@ -91,6 +91,10 @@ def solve(
 
         proofs = proofs_of(instance, arrangement)
         poses = proved_directly(proofs, arrangement) if proofs else None
+        if poses is None and proofs and prove is not False:
+            from gspcli.solver.special_geometry import proved_by_geometry
+
+            poses = proved_by_geometry(instance, proofs, arrangement, seed=seed, limit=PATIENCE)
         if poses is None:
             from gspcli.solver import tracking
 
@@ -300,9 +304,9 @@ def _quick_blocks(
     from gspcli.solver.one_geometry import solve_rows
 
     def count() -> ExactCount | None:
-        from gspcli.certification.counting import geometry_count
+        from gspcli.solver.special_geometry import kept_count
 
-        return geometry_count(instance, seed=seed, limit=PATIENCE)
+        return kept_count(instance, seed, PATIENCE)
 
     proofs = ValueProofs.of(instance, rows)
     for size, found in solve_rows(

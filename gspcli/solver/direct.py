@@ -33,13 +33,18 @@ def proofs_of(instance: Instance, arrangement: Arrangement) -> ValueProofs | Non
     return ValueProofs.of(instance, None)
 
 
+def is_reducible(arrangement: Arrangement) -> bool:
+    """Return whether the equations can be solved for some unknowns first (`Shifts`)."""
+    return _REDUCIBLE.issuperset(arrangement.kinds)
+
+
 def proved_directly(proofs: ValueProofs, arrangement: Arrangement) -> PoseSet | None:
     """Return all poses, proved, by the quickest paths there are.
 
     None unless they are as many as the type has; and if an equation is a product or a mutual
     moment, or the geometry is special.
     """
-    if not _REDUCIBLE.issuperset(arrangement.kinds):
+    if not is_reducible(arrangement):
         return None
     structure, coefficients = coefficients_at(arrangement.normalized)
     order = list(structure.order)
@@ -49,12 +54,13 @@ def proved_directly(proofs: ValueProofs, arrangement: Arrangement) -> PoseSet | 
         if points is None:
             return None
         ends.append(points)
-    return all_proved(proofs, arrangement, np.array(ends))
+    return all_proved(proofs, arrangement, np.array(ends), Frames.of(arrangement))
 
 
-def all_proved(proofs: ValueProofs, arrangement: Arrangement, points: Complex) -> PoseSet | None:
-    """Return the poses at ends of paths (sides, paths, 8) if all are proved."""
-    frames = Frames.of(arrangement)
+def all_proved(
+    proofs: ValueProofs, arrangement: Arrangement, points: Complex, frames: Frames
+) -> PoseSet | None:
+    """Return the poses at ends of paths (sides, paths, 8) in some frames if all are proved."""
     found = proofs.decide_own(side_choices(arrangement), points, frames)
     if not found.complete[0]:
         return None

@@ -1,17 +1,15 @@
 """Many platforms that differ in their values only: followed from one of the same geometry.
 
-A system of the geometry with complex values in general position is solved once, with every care.
+A system of the geometry with complex values in general position is solved once (`geometry_start`).
 From its solutions lead short paths to those of all real values, on which nothing moves but the
-values. Where the geometry is special there are fewer of them than the type has solutions: the
-others are at infinity whatever the values. That none is missing rests then on the exact count of
-the geometry, without which nothing is done here.
+values. That none is missing rests on the exact count of the geometry where it is special, without
+which nothing is done here then.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import groupby
 from math import ceil, log2
 from typing import TYPE_CHECKING, NamedTuple
@@ -19,18 +17,16 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import DLL, Kind
 from gspcli.certification.frames import Frames
 from gspcli.certification.many_values import ProvedPoses, ValueProofs
 from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.quadrics import ComplexArray
-from gspcli.continuation.shifts import Shifts
-from gspcli.continuation.solve import solve_system
 from gspcli.continuation.start import path_count
 from gspcli.continuation.systems import Coefficients, System
 from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.solver.geometry_start import GeometryStart, geometry_start
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.study_systems import coefficients_of, side_choices
 
@@ -43,17 +39,12 @@ Array = NDArray[np.float64]
 _LEAST = 4
 #: So many paths are followed together, for the memory of their ends.
 _BATCH_PATHS = 16_384
-#: The parameters of the start are about the mean of those asked for plus i times their standard
-#: deviation, but for that no less than this (in typical lengths, their squares, or cosines), ...
+#: The spread of the parameters of a start is their standard deviation, but no less than this (in
+#: typical lengths, their squares, or cosines).
 _LEAST_DEVIATION = 0.125
-#: ... times random numbers between these, so that nothing about it is special. Anything from a
-#: third to three standard deviations makes paths about as short.
-_SPREAD = (0.7, 1.3)
 #: The mean is rounded to multiples of this, and deviations to powers of two, so that the next
 #: batch is likely to find its start solved.
 _GRID = 0.125
-#: So many starts are kept for the process, those used last.
-_KEPT = 64
 
 
 class Solved(NamedTuple):
@@ -70,34 +61,6 @@ class Solved(NamedTuple):
     poses: ProvedPoses
     account: PathAccount
     proof: Proof | None
-
-
-@dataclass(frozen=True, eq=False)
-class _Start:
-    """A solved system of a geometry with complex values.
-
-    Attributes
-    ----------
-    system
-        In canonical order, balanced.
-    points
-        All its solutions, shape (n, 8).
-    scale
-        The unit of f in it.
-    parameters
-        What its equations are linear in, shape (1, 6).
-    shifts
-        The same equations with fewer unknowns, where nothing but multiples of N moves.
-    shifted
-        The solutions in its coordinates, shape (1, n, d).
-    """
-
-    system: System
-    points: ComplexArray
-    scale: Array
-    parameters: ComplexArray
-    shifts: Shifts | None
-    shifted: ComplexArray
 
 
 def solve_rows(
@@ -158,36 +121,61 @@ def _geometry(
     rows: Array,
     count: Callable[[], ExactCount | None],
     seed: int,
-) -> _Geometry | None:
+) -> Geometry | None:
     """Return the geometry with its start, or None if that does not pay or is not safe."""
     if len(rows) < _LEAST:
         return None
     given = arrangement.with_values(rows[0])
     length = 2.0 ** ceil(log2(given.length_with(rows)))
-    inner, choices = given.in_units_of(length), side_choices(given)
-    parameters = _squared(given, _inner_values(given, rows, length, choices)).reshape(-1, 6)
+    values = _inner_values(given, rows, length, side_choices(given))
+    parameters = _squared(given, values).reshape(-1, 6)
     mean = np.rint(parameters.mean(axis=0) / _GRID) * _GRID
     spread = np.exp2(np.rint(np.log2(np.maximum(parameters.std(axis=0), _LEAST_DEVIATION))))
     zero = (parameters == 0).all(axis=0)
-    start = _solved(
-        given.kinds,
-        np.array([inner.y, inner.x, inner.u, inner.v]).tobytes(),
-        tuple(mean.tolist()),
-        tuple(np.where(zero, 0.0, spread).tolist()),
-        seed,
-    )
-    if start is None:
-        return None
-    expected = path_count(start.system.structure) * len(choices)
-    found = len(start.points) * len(choices)
-    proof: Proof | None = Proof(Ground.TYPE)
-    if found < expected:
-        counted = count()
-        if counted is None or counted.solutions != found:
+    return geometry_about(given, length, mean, np.where(zero, 0.0, spread), count=count, seed=seed)
+
+
+def geometry_about(
+    given: Arrangement,
+    length: float,
+    mean: Array,
+    spread: Array,
+    *,
+    count: Callable[[], ExactCount | None],
+    seed: int,
+) -> Geometry | None:
+    """Return a geometry with a start about some parameters; None if that is not safe.
+
+    Parameters
+    ----------
+    given, length
+        The geometry, and its unit of length, a power of two.
+    mean, spread
+        Of the start's parameters, what the equations are linear in, in that unit, shape (6,).
+    count, seed
+        As for `solve_rows`.
+    """
+    inner, choices = given.in_units_of(length), side_choices(given)
+    geometry = np.array([inner.y, inner.x, inner.u, inner.v]).tobytes()
+    about = (given.kinds, geometry, tuple(mean.tolist()), tuple(spread.tolist()), seed)
+    counted: ExactCount | None = None
+    for careful in (False, True):
+        start = geometry_start(*about, careful=careful)
+        if start is None:
+            continue
+        expected = path_count(start.system.structure) * len(choices)
+        found = len(start.points) * len(choices)
+        if found == expected:
+            proof: Proof | None = Proof(Ground.TYPE)
+            return Geometry(given, inner, length, choices, start, expected, proof)
+        counted = counted or count()
+        if counted is None:
             return None
-        # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md).
-        proof = Proof(Ground.GEOMETRY, counted.error) if counted.has_lone_lines else None
-    return _Geometry(given, inner, length, choices, start, expected, proof)
+        if counted.solutions == found:
+            # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md).
+            proof = Proof(Ground.GEOMETRY, counted.error) if counted.has_lone_lines else None
+            return Geometry(given, inner, length, choices, start, expected, proof)
+    return None
 
 
 def _inner_values(given: Arrangement, rows: Array, length: float, choices: Array) -> Array:
@@ -204,51 +192,8 @@ def _squared(given: Arrangement, values: Array) -> Array:
     return np.where(square, values**2, values)
 
 
-@lru_cache(maxsize=_KEPT)
-def _solved(
-    kinds: tuple[Kind, ...],
-    geometry: bytes,
-    mean: tuple[float, ...],
-    spread: tuple[float, ...],
-    seed: int,
-) -> _Start | None:
-    """Return the start of a geometry, None unless all its finite solutions are simple.
-
-    Parameters
-    ----------
-    kinds, geometry
-        The kinds of the constraints, and y, x, u, v of their primitives, (4, 6, 3).
-    mean, spread
-        Of the parameters; a spread of zero leaves the parameter alone.
-    seed
-        Source of random numbers.
-    """
-    rng = np.random.default_rng([seed, len(kinds)])
-    turns = rng.choice([-1.0, 1.0], len(kinds)) * rng.uniform(*_SPREAD, len(kinds))
-    parameters = np.where(np.array(spread) == 0, 0.0, np.array(mean) + 1j * turns * spread)
-    square = [kind.is_distance and not kind.has_sides for kind in kinds]
-    values = np.where(square, np.sqrt(parameters), parameters)
-    y, x, u, v = np.frombuffer(geometry).reshape(4, len(kinds), 3)
-    structure, coefficients = coefficients_of(kinds, y, x, u, v, values[None])
-    system = System(structure, coefficients.take(0)).canonical()
-    solutions = solve_system(system, seed=seed)
-    simple = (solutions.multiplicity == 1).all() and not solutions.singular.any()
-    if solutions.account.verdict != "complete" or not simple or not len(solutions.points):
-        return None
-    balanced, scale = system.coefficients.balanced()
-    points = solutions.points.copy()
-    points[:, 4:] /= scale
-    shifts = None
-    if not structure.is_product.any() and DLL not in kinds:
-        _, plain = coefficients_of(kinds, y, x, u, v, np.zeros((1, len(kinds))))
-        shifts = Shifts.of(plain.g[0].real)
-    shifted = shifts.points(solutions.points[None]) if shifts else solutions.points[None]
-    start = System(system.structure, balanced)
-    return _Start(start, points, scale, parameters[None], shifts, shifted)
-
-
 @dataclass(frozen=True, eq=False)
-class _Geometry:
+class Geometry:
     """A geometry with the solutions of its start.
 
     Attributes
@@ -269,7 +214,7 @@ class _Geometry:
     inner: Arrangement
     length: float
     choices: Array
-    start: _Start
+    start: GeometryStart
     expected: int
     proof: Proof | None
 
@@ -279,35 +224,41 @@ class _Geometry:
         return len(self.start.points) * len(self.choices)
 
     @property
+    def account(self) -> PathAccount:
+        """What became of the paths to a platform with as many poses."""
+        return PathAccount(
+            expected=self.expected,
+            found=self.found,
+            at_infinity=self.expected - self.found,
+            basis=Basis.PATHS if self.found == self.expected else Basis.COUNT,
+        )
+
+    @property
     def batch(self) -> int:
         """How many sets of values are solved together."""
         return max(1, _BATCH_PATHS // self.found)
+
+    def frames(self, unit: float) -> Frames:
+        """Return the frames of the ends of paths, with the unit of f in them."""
+        given = self.given
+        return Frames(length=unit, platform=given.platform_centre, base=given.base_centre)
 
     def solve(self, rows: Array, proofs: ValueProofs, jobs: int) -> Solved:
         """Return the poses for sets of values (b, 6)."""
 
         def proved(rows: Array, points: ComplexArray, unit: float) -> ProvedPoses:
             points = points.reshape(len(rows), len(self.choices), -1, 8)
-            frames = Frames(
-                length=unit, platform=self.given.platform_centre, base=self.given.base_centre
-            )
-            return proofs.decide(rows, self.choices, points, frames, jobs=jobs)
+            return proofs.decide(rows, self.choices, points, self.frames(unit), jobs=jobs)
 
-        poses = proved(rows, *self._quick_ends(rows, jobs))
+        poses = proved(rows, *self.quick_ends(rows, jobs))
         again = np.flatnonzero(~poses.complete)
         if len(again):
             careful = proved(rows[again], *self._careful_ends(rows[again], CAREFUL, jobs))
             for part, better in zip(poses, careful, strict=True):
                 part[again] = better
-        account = PathAccount(
-            expected=self.expected,
-            found=self.found,
-            at_infinity=self.expected - self.found,
-            basis=Basis.PATHS if self.found == self.expected else Basis.COUNT,
-        )
-        return Solved(poses, account, self.proof)
+        return Solved(poses, self.account, self.proof)
 
-    def _quick_ends(self, rows: Array, jobs: int) -> tuple[ComplexArray, float]:
+    def quick_ends(self, rows: Array, jobs: int) -> tuple[ComplexArray, float]:
         """Return Study points of the ends of paths to sets of values, and their unit of f."""
         start = self.start
         if start.shifts is None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.certification.frames import Frames
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.pursuit import Pursuit, pursue
 from gspcli.continuation.solutions import SystemSolutions
@@ -134,7 +135,7 @@ def proved_by_paths(
         For each choice of sides.
     """
     points = np.stack([pursuit.first().points for pursuit in pursuits])
-    return all_proved(proofs, arrangement, points)
+    return all_proved(proofs, arrangement, points, Frames.of(arrangement))
 
 
 def _poses(arrangement: Arrangement, points: Field) -> tuple[Field, Field]:

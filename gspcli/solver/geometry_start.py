@@ -1,0 +1,112 @@
+"""Systems of one geometry with complex values, solved: from there the values alone are moved.
+
+Where the geometry is special there are fewer solutions than its type has: the others are at
+infinity whatever the values. Which of the two is true the geometry's exact count says.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import DLL, Kind
+from gspcli.continuation.pursuit import Pursuit, pursue
+from gspcli.continuation.quadrics import ComplexArray
+from gspcli.continuation.shifts import Shifts
+from gspcli.continuation.systems import System
+from gspcli.solver.study_systems import coefficients_of
+
+Array = NDArray[np.float64]
+
+#: The parameters of a start are a mean plus i times a spread times random numbers between these, so
+#: that nothing about it is special. Anything from a third to three standard deviations of the
+#: parameters asked for makes paths about as short.
+_SPREAD = (0.7, 1.3)
+#: So many starts are kept for the process, those used last.
+_KEPT = 64
+
+
+@dataclass(frozen=True, eq=False)
+class GeometryStart:
+    """A solved system of a geometry with complex values.
+
+    Attributes
+    ----------
+    system
+        In canonical order, balanced.
+    points
+        Its solutions that were found, shape (n, 8).
+    scale
+        The unit of f in it.
+    parameters
+        What its equations are linear in, shape (1, 6).
+    shifts
+        The same equations with fewer unknowns, where nothing but multiples of N moves.
+    shifted
+        The solutions in its coordinates, shape (1, n, d).
+    """
+
+    system: System
+    points: ComplexArray
+    scale: Array
+    parameters: ComplexArray
+    shifts: Shifts | None
+    shifted: ComplexArray
+
+
+@lru_cache(maxsize=_KEPT)
+def geometry_start(
+    kinds: tuple[Kind, ...],
+    geometry: bytes,
+    mean: tuple[float, ...],
+    spread: tuple[float, ...],
+    seed: int,
+    *,
+    careful: bool,
+) -> GeometryStart | None:
+    """Return the start of a geometry with the finite solutions that paths lead to.
+
+    Parameters
+    ----------
+    kinds, geometry
+        The kinds of the constraints, and y, x, u, v of their primitives, (4, 6, 3).
+    mean, spread
+        Of the parameters; a spread of zero leaves the parameter alone.
+    seed
+        Source of random numbers.
+    careful
+        Whether each path must be followed to its end, and all finite solutions be simple; None
+        if they are not. Else there may be more solutions than were found.
+    """
+    rng = np.random.default_rng([seed, len(kinds)])
+    turns = rng.choice([-1.0, 1.0], len(kinds)) * rng.uniform(*_SPREAD, len(kinds))
+    parameters = np.where(np.array(spread) == 0, 0.0, np.array(mean) + 1j * turns * spread)
+    square = [kind.is_distance and not kind.has_sides for kind in kinds]
+    values = np.where(square, np.sqrt(parameters), parameters)
+    y, x, u, v = np.frombuffer(geometry).reshape(4, len(kinds), 3)
+    structure, coefficients = coefficients_of(kinds, y, x, u, v, values[None])
+    system = System(structure, coefficients.take(0)).canonical()
+    pursuit = next(pursue([system], seed=seed))
+    solutions = _all_finite(pursuit) if careful else pursuit.distinct_simple()
+    if solutions is None or not len(solutions):
+        return None
+    balanced, scale = system.coefficients.balanced()
+    points = solutions.copy()
+    points[:, 4:] /= scale
+    shifts = None
+    if not structure.is_product.any() and DLL not in kinds:
+        _, plain = coefficients_of(kinds, y, x, u, v, np.zeros((1, len(kinds))))
+        shifts = Shifts.of(plain.g[0].real)
+    shifted = shifts.points(solutions[None]) if shifts else solutions[None]
+    start = System(system.structure, balanced)
+    return GeometryStart(start, points, scale, parameters[None], shifts, shifted)
+
+
+def _all_finite(pursuit: Pursuit) -> ComplexArray | None:
+    """Return all finite solutions, None unless they are simple and every path is accounted for."""
+    solutions = pursuit.solutions()
+    simple = (solutions.multiplicity == 1).all() and not solutions.singular.any()
+    return solutions.points if solutions.account.verdict == "complete" and simple else None
