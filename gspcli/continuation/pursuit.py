@@ -135,7 +135,8 @@ class Pursuit:
         points, error = results.points[0], regular_error(results.correction[0])
         chosen = clearly_simple(results)[0] & ~infinite(points, error)
         chosen &= ~collided(points, error, chosen)
-        return self.first().points[chosen]
+        ends: ComplexArray = self.first().points[chosen]
+        return ends
 
     def balanced(self, given: Coefficients) -> Coefficients:
         """Return the equations, given to more digits, in the form in which they are tracked.

@@ -23,7 +23,7 @@ from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.start import path_count
-from gspcli.continuation.systems import Coefficients, System
+from gspcli.continuation.systems import Coefficients
 from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.geometry_start import GeometryStart, geometry_start

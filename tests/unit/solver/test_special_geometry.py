@@ -1,0 +1,80 @@
+"""Platforms of special geometries are followed from a start of their own, proved by its count."""
+
+import numpy as np
+import pytest
+
+from gspcli.certification import counting
+from gspcli.geometry.numbers import Number
+from gspcli.resources import data_path
+from gspcli.solver import solve, special_geometry
+from gspcli.solver.geometry_start import geometry_start
+from gspcli.solver.proof import Ground
+from gspcli.spec import load
+
+SPECIAL = {
+    ("platforms", "nano-hexapod"): 28,
+    ("platforms", "linuxcnc-hexapod"): 16,
+    ("platforms", "sdss-primary"): 12,
+    ("examples", "congruent-platform"): 24,
+    ("examples", "platform-6-4"): 32,
+}
+
+
+def platform(folder, name):
+    return load(data_path(folder, f"{name}.yaml"))
+
+
+@pytest.mark.parametrize(("folder", "name"), SPECIAL)
+def test_as_many_proved_poses_as_the_geometry_has_are_all(folder, name):
+    instance = platform(folder, name)
+    found, known = solve(instance), counting.exact_count(instance)
+    assert found.verdict == "complete"
+    assert found.proof.by is Ground.GEOMETRY
+    assert 0 <= found.proof.error < 1e-9
+    assert len(found.R) == found.certified.sum() == SPECIAL[folder, name] == known.solutions
+    assert found.geometry_count == known.solutions
+    assert found.account.at_infinity == found.expected - known.solutions
+    assert found.residuals.max() < 1e-9 * found.arrangement.length
+
+
+def test_what_is_kept_changes_no_bit(monkeypatch):
+    instance = platform("platforms", "simscape-hexapod")
+    first = solve(instance)
+    monkeypatch.setattr(counting, "geometry_count", None)
+    again = solve(platform("platforms", "simscape-hexapod"))
+    assert again.proof == first.proof
+    for part in ("quaternions", "R", "T", "real"):
+        np.testing.assert_array_equal(getattr(again, part), getattr(first, part))
+
+
+def test_a_start_that_lacks_a_solution_proves_nothing(monkeypatch):
+    instance = platform("examples", "octahedral-3-3")
+    known = solve(instance)
+
+    def lacking(*about, careful):
+        start = geometry_start(*about, careful=careful)
+        object.__setattr__(start, "points", start.points[1:])
+        object.__setattr__(start, "shifted", start.shifted[:, 1:])
+        return start
+
+    geometry_start.cache_clear()
+    monkeypatch.setattr("gspcli.solver.one_geometry.geometry_start", lacking)
+    found = solve(instance)
+    geometry_start.cache_clear()
+    assert found.proof.by is Ground.EXACT
+    assert len(found.R) == len(known.R) == 16
+
+
+def test_values_of_zero_and_platforms_not_to_be_counted_go_other_ways():
+    instance = platform("examples", "octahedral-3-3")
+    assert solve(instance, prove=False).proof is None
+    zero = instance.with_values({0: Number.of(0)})
+    assert special_geometry.proved_by_geometry(*given(zero), seed=1, limit=2.0) is None
+    assert special_geometry.proved_by_geometry(*given(instance), seed=1, limit=2.0) is not None
+
+
+def given(instance):
+    from gspcli.certification.many_values import ValueProofs
+    from gspcli.geometry.arrangement import Arrangement
+
+    return instance, ValueProofs.of(instance, None), Arrangement.of(instance)
