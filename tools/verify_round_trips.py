@@ -4,11 +4,10 @@
 
 For each of the 3850 types the values of a random platform are measured at a random pose
 (`gspcli.motion.measure`), and the platform with these values is solved: once with the sides of
-planes on which the pose is, and where there are any and at most 512 poses on both sides once more
-with both. What must hold each time: the set is complete, proved or not as recorded, and the pose is
-among the real ones, within rounding. If not, the exit code is 1. The record has a line for each
-type, with the numbers of real poses: ``data/verification/round-trips.csv``. Interrupted, the same
-command takes the work up again.
+planes on which the pose is, and where there are any once more with both. What must hold each time:
+the set is complete, proved or not as recorded, and the pose is among the real ones, within
+rounding. If not, the exit code is 1. The record has a line for each type, with the numbers of real
+poses: ``data/verification/round-trips.csv``. Interrupted, the same command takes the work up again.
 """
 
 from __future__ import annotations
@@ -23,7 +22,6 @@ import numpy as np
 from recording import ROOT, add_sample, csv_text, parser, report, sampled, save, sources_sha256
 
 from gspcli.atlas.journal import carry_out
-from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.types import all_types, type_by_number
 from gspcli.cli.progress_bars import progress
 from gspcli.defaults import SEED
@@ -42,8 +40,6 @@ WORK = ROOT / "build" / "verify-round-trips"
 SOURCES = ("native", "gspcli", "data/start-systems")
 #: How far from the pose the nearest one may be; a thousandth of this times its condition number.
 EXACT = 1e-9
-#: Types with more poses on both sides are solved with the sides of the pose only.
-MOST_ON_BOTH = 512
 
 
 @dataclass(frozen=True)
@@ -112,11 +108,10 @@ def examine(number: int) -> RoundTrip:
         for constraint, value in zip(instance.constraints, values, strict=True)
     ]
     both = [Side.BOTH] * len(sides)
-    few = generic_counts(instance.type).two_sided <= MOST_ON_BOTH
     return RoundTrip(
         number,
         solved(instance, values, sides, R, T),
-        solved(instance, values, both, R, T) if sides != both and few else None,
+        solved(instance, values, both, R, T) if sides != both else None,
     )
 
 
