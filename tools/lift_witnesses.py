@@ -67,7 +67,7 @@ def lift(journal: Path, most: int, below: float) -> None:
 
     def try_all(family: Family) -> bool:
         kinds, total = kinds_of(family), solutions(family)
-        now = before = known.counts[family.id]
+        now = before = known.counts.get(family.id, 0)
         for limit in sorted(limits(kinds), key=lambda one: -known.count(one.remaining)):
             count = known.count(limit.remaining)
             if now >= below * total or count <= max(now, tried.get((family.id, limit), 0)):

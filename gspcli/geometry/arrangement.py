@@ -21,6 +21,8 @@ Index = NDArray[np.int64]
 _SIGNS = {Side.POSITIVE: 1, Side.NEGATIVE: -1, Side.BOTH: 0}
 #: Of which angles the value of ``R u . v`` is the cosine or the sine, and its sign (Section 4).
 _ANGLES = {ALL: (True, 1.0), ALH: (False, 1.0), AHL: (False, 1.0), AHH: (True, -1.0)}
+#: Points so many times as far as usual are left out of the centre of a body.
+_FAR = 100.0
 
 
 def angle_of(kind: Kind, cosine: float) -> float:
@@ -182,17 +184,26 @@ class Arrangement(Bodies):
 
     @cached_property
     def _centres(self) -> Array:
-        """The means of these points, shape (2, 3)."""
-        return np.asarray(self._points.sum(axis=1) / self._points.shape[1])
+        """The means of these points, far ones left out, shape (2, 3)."""
+        centres = self._points.sum(axis=1) / self._points.shape[1]
+        for body, rows in enumerate(self._points.tolist()):
+            near = _near(rows)
+            if len(near) < len(rows):
+                centres[body] = self._points[body, near].mean(axis=0)
+        return np.asarray(centres)
 
     @property
     def platform_centre(self) -> Array:
-        """Mean of the platform points of the distance constraints, shape (3,)."""
+        """Mean of the platform points of the distance constraints, shape (3,).
+
+        Points a hundred times as far from the others as those from each other do not count:
+        coordinates about a mean with them would lose digits.
+        """
         return np.asarray(self._centres[0])
 
     @property
     def base_centre(self) -> Array:
-        """Mean of the base points of the distance constraints, shape (3,)."""
+        """Mean of the base points of the distance constraints likewise, shape (3,)."""
         return np.asarray(self._centres[1])
 
     @cached_property
@@ -233,6 +244,14 @@ class Arrangement(Bodies):
         """Return translations of `in_units_of` (`normalized` if None) in the given frames."""
         unit = self.length if length is None else length
         return unit * T + self.base_centre - apply(R, self.platform_centre)
+
+
+def _near(points: list[list[float]]) -> list[int]:
+    """Return which points are not far from the others, by distances from the one amid them."""
+    amid = min(([math.dist(p, q) for q in points] for p in points), key=sum)
+    # Of the nearer half the farthest; nothing is far from points that coincide.
+    usual = next(filter(None, sorted(amid)[(len(points) - 1) // 2 :]), 0.0)
+    return [i for i, distance in enumerate(amid) if distance <= _FAR * usual]
 
 
 def _direction(geometry: Geometry) -> Array | tuple[float, ...]:
