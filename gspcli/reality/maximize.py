@@ -337,9 +337,11 @@ class Search:
             real = best.folds(self.pattern)[1]
             near = real.distances < nearest + 2 * radius
             wanted = np.minimum(nearest + radius, 1.5 * nearest)
-            step = shortest_step(real.normals[near], wanted - real.distances[near])
+            step = shortest_step(
+                real.normals[near], wanted - real.distances[near], _DETOUR * radius
+            )
             new = None
-            if step is not None and np.linalg.norm(step) < _DETOUR * radius:
+            if step is not None:
                 platform = _centred(moved(best.platform, step))
                 if _acceptable(platform, self._limit):
                     new = _followed(best, platform, rng)
@@ -361,13 +363,11 @@ def _raising_step(
     towards = min(float(pairs.distances[chosen]) + _MARGIN, radius)
     close = real.distances < 3 * radius + _MARGIN
     kept = np.minimum(_MARGIN, _GROWTH * real.distances[close])
-    step = shortest_step(
+    return shortest_step(
         np.concatenate((-pairs.normals[[chosen]], real.normals[close])),
         np.concatenate(([towards], kept - real.distances[close])),
+        _DETOUR * radius,
     )
-    if step is None or np.linalg.norm(step) > _DETOUR * radius:
-        return None
-    return step
 
 
 def attempts(
