@@ -13,7 +13,7 @@ from gspcli.cli.analysis_tables import details, overview
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Output, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options
-from gspcli.cli.progress_bars import working
+from gspcli.cli.real_poses import real_poses
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
@@ -142,16 +142,9 @@ def poses_to_analyze(
 
         given = read_pose(pose, pose_format(instance, euler, pivot))
         return given.R, given.T, [None]
-    from gspcli.solver import solve
-
-    with working("solving"):
-        result = solve(instance, certify=False)
-    R, T = result.R[result.real].real, result.T[result.real].real
+    R, T = real_poses(instance, mode)
     if mode is None:
         return R, T, list(range(1, len(R) + 1))
-    if mode > len(R):
-        message = f"found mode {mode}, expected one of the {len(R)} real poses"
-        raise GspError(message)
     return R[mode - 1 : mode], T[mode - 1 : mode], [mode]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from gspcli.cli.real_poses import real_poses
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
@@ -123,20 +124,14 @@ def _mode(
 
     from gspcli.geometry.limits import within_limits
     from gspcli.motion import measure
-    from gspcli.solver import solve
 
-    result = solve(instance, certify=False)
-    R, T = result.R[result.real].real, result.T[result.real].real
+    R, T = real_poses(instance, mode)
     if mode is not None:
-        if mode > len(R):
-            message = f"found mode {mode}, expected one of the {len(R)} real poses"
-            raise GspError(message)
         return Home(R[mode - 1], T[mode - 1], pivot, size, mode)
     kept = within_limits(instance, measure(instance, R, T), R, T).nonzero()[0]
     if not len(kept):
         message = (
-            f"none of the {len(R)} real poses of the instance keeps all ranges and cones\n"
-            "give a home pose with --pose"
+            f"no real pose keeps all ranges and cones, of {len(R)}\ngive a home pose with --pose"
         )
         raise GspError(message)
     # A turn by an angle a has the trace 1 + 2 cos a.

@@ -11,7 +11,7 @@ from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
-from gspcli.errors import IncompleteError
+from gspcli.errors import GspError, IncompleteError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -134,6 +134,12 @@ def command(
             certify=not no_certify,
             jobs=jobs,
         )
+    if not len(result.modes) and not everything:
+        message = (
+            "there is no real pose at the first row\n"
+            "begin with other values, or use --all for modes that are born on the way"
+        )
+        raise GspError(message)
     with working("looking at limits"):
         limits = limit_events(result)
     rows = _rows(result, _clearances(result) if clear else None)

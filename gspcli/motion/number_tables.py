@@ -107,9 +107,11 @@ class NumberTable:
         """Note a mistake of the heading."""
         self.problems.append(Problem(Location(self.name, self._heading_line, 1), "", message))
 
-    def note_row(self, row: int, message: str) -> None:
-        """Note a mistake of a whole row, counted from 0."""
-        self.problems.append(Problem(Location(self.name, self._lines[row][0], 1), "", message))
+    def note_cell(self, row: int, name: str, message: str) -> None:
+        """Note a mistake that begins in a column of a row; rows from 0, names in small letters."""
+        number, line = self._lines[row]
+        column = self._cells(line)[self.heading.index(name)].column
+        self.problems.append(Problem(Location(self.name, number, column), "", message))
 
     def choose(self, *groups: Sequence[str]) -> Sequence[str] | None:
         """Return the group of columns that the heading has; None, and a mistake, for none or two.

@@ -105,13 +105,14 @@ def read_poses(text: str, name: str, form: PoseFormat) -> PoseTable:
     t = table.numbers(["t"])[:, 0] if "t" in table.heading else None
     points = table.numbers(position) if position else None
     turns = table.numbers(rotation) if rotation else None
+    if rotation and turns is not None and rotation != _ANGLES:
+        whole = np.flatnonzero(np.isfinite(turns).all(axis=1))
+        for row, message in _rotations(turns[whole], form)[1]:
+            table.note_cell(int(whole[row]), rotation[0], message)
     table.check()
     assert points is not None
     assert turns is not None
-    R, wrong = _rotations(turns, form)
-    for row, message in wrong:
-        table.note_row(row, message)
-    table.check()
+    R, _ = _rotations(turns, form)
     return PoseTable(t, R, points - apply(R, np.array(form.pivot)))
 
 

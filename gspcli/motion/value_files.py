@@ -112,7 +112,8 @@ def read_values(
     if t is None:
         t = np.arange(1.0, len(values) + 1)
     for row in np.flatnonzero(np.diff(t) <= 0):
-        table.note_row(int(row) + 1, f"found t = {t[row + 1]:g} after {t[row]:g}: t must increase")
+        message = f"found t = {t[row + 1]:g} after {t[row]:g}: t must increase"
+        table.note_cell(int(row) + 1, "t", message)
     table.check()
     return ValueTable(t, values, coordinates)
 
@@ -156,4 +157,5 @@ def _check_meaning(
             if value == 0 and kind in (DPP, DPL, DLP):
                 wrong = f"expected more: {kind.name} with value 0 is more than one equation"
             if wrong:
-                table.note_row(int(row), f"found {value:.12g} for constraint {k + 1}, {wrong}")
+                message = f"found {value:.12g} for constraint {k + 1}, {wrong}"
+                table.note_cell(int(row), str(k + 1), message)

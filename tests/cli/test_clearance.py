@@ -77,3 +77,48 @@ def test_mistakes_of_points(gsp):
     assert "lie on a line" in gsp(*pose, "0,0,0;1,0,0").err
     run = gsp("clearance", HEXAPOD, "--points", "0,0,0")
     assert (run.code, "--points needs --of pose" in run.err) == (2, True)
+
+
+@pytest.mark.parametrize(
+    "command", [("clearance",), ("clearance", "--of", "pose"), ("analyze",), ("workspace",)]
+)
+def test_a_platform_without_a_real_pose(gsp, tmp_path, command):
+    path = tmp_path / "short.yaml"
+    text = (
+        Path(HEXAPOD)
+        .read_text(encoding="utf-8")
+        .replace("value: 2.53", "value: 0.001, range: [0, 9]")
+    )
+    path.write_text(text, encoding="utf-8")
+    name, *options = command
+    run = gsp(name, path, *options)
+    assert (run.code, run.out) == (2, "")
+    assert "error: the platform has no real pose for its values\ngive a pose with --pose" in run.err
+
+
+def test_poses_without_number(gsp, tmp_path):
+    """Infinitely many poses are not modes: similar regular hexagons in parallel planes."""
+    corners = [
+        (1, 0),
+        (0.5, "sqrt(3)/2"),
+        (-0.5, "sqrt(3)/2"),
+        (-1, 0),
+        (-0.5, "-sqrt(3)/2"),
+        (0.5, "-sqrt(3)/2"),
+    ]
+    points = [f"  {{}}{k}: {{{{point: [{x}, {y}, 0]}}}}" for k, (x, y) in enumerate(corners, 1)]
+    lines = [f"  - {{distance: [P{k}, B{k}], value: 2}}" for k in range(1, 7)]
+    text = [
+        "gsp: 1",
+        "units: {length: mm, angle: deg}",
+        "platform:",
+        *(p.format("P") for p in points),
+    ]
+    text += ["base:", *(p.format("B") for p in points), "constraints:", *lines]
+    path = tmp_path / "moving.yaml"
+    path.write_text("\n".join(text), encoding="utf-8")
+    for command in ("clearance", "analyze"):
+        run = gsp(command, path)
+        assert (run.code, run.out) == (3, "")
+        assert "infinitely many" in run.err
+        assert gsp(command, path, "--pose", "0,0,2,1,0,0,0").code == 0

@@ -119,3 +119,15 @@ def test_cranks_of_a_rotary_platform(gsp, values):
     assert document["complete"] is document["certified"] is True
     assert document["coordinates"] == {"crank.B1": [0, 20], "crank.B4": [0, -15]}
     assert all(event["kind"] == "fold" for event in document["events"])
+
+
+def test_without_a_real_pose_at_the_first_row_there_is_nothing_to_follow(gsp, tmp_path):
+    path = tmp_path / "values.csv"
+    path.write_text("1\n0.001\n2.53\n", encoding="utf-8")
+    run = gsp("track", "@platform-6-6", path)
+    assert (run.code, run.out) == (2, "")
+    assert "error: there is no real pose at the first row\n" in run.err
+    run = gsp("track", "@platform-6-6", path, "--all", "--format", "csv")
+    assert run.code == 0
+    assert [line.split(",")[1] for line in run.out.splitlines()[1:]] == ["1", "2"]
+    assert "mode 1 begins with another in a fold" in run.err

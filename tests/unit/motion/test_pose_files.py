@@ -90,13 +90,24 @@ def test_a_column_twice():
 
 def test_what_is_no_rotation():
     assert mistakes("x,y,z,qw,qx,qy,qz\n0,0,0,1,0,0,0\n0,0,0,0,0,0,0") == [
-        "p.csv:3:1: found a quaternion of length zero, expected that of a rotation"
+        "p.csv:3:7: found a quaternion of length zero, expected that of a rotation"
     ]
     head = "x,y,z," + ",".join(f"r{i}{j}" for i in "123" for j in "123")
     lines = mistakes(head + "\n0,0,0,1,0,0,0,1,0,0,0,-1\n0,0,0,1,0,0,0,1,0,0,0,2\n")
     assert lines == [
-        "p.csv:2:1: found a matrix with determinant -1, expected a rotation",
-        "p.csv:3:1: found a matrix 1 away from the nearest orthogonal one, expected a rotation",
+        "p.csv:2:7: found a matrix with determinant -1, expected a rotation",
+        "p.csv:3:7: found a matrix 1 away from the nearest orthogonal one, expected a rotation",
+    ]
+
+
+def test_rotations_are_judged_with_the_mistakes_of_other_rows():
+    text = "x,y,z,qw,qx,qy,qz\n1,two,3,1,0,0,0\n1,2,3,0,0,0,0\n1,2,3\nnan,2,3, 0,0,0,0\n"
+    assert mistakes(text) == [
+        "p.csv:2:3: y: found 'two', expected a finite number",
+        "p.csv:3:7: found a quaternion of length zero, expected that of a rotation",
+        "p.csv:4:1: found 3 cells, expected 7 as in the heading",
+        "p.csv:5:1: x: found 'nan', expected a finite number",
+        "p.csv:5:10: found a quaternion of length zero, expected that of a rotation",
     ]
 
 
