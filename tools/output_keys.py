@@ -286,6 +286,7 @@ KEYS: dict[str, str] = {
     "track.kind": "fold or undecided",
     "clearance": "how far all values may change with proof that nothing is singular",
     "of": "what changes: values or pose",
+    "pose_clearance": "how far the pose may move with proof that its screws stay independent",
     "lower": "proved clearance",
     "upper": "distance of the nearest fold of this mode, or singular pose, found; null if none was",
     "ratio": "upper by lower; null if either is not known",

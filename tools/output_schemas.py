@@ -60,7 +60,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
     "sample": ("6PP --count 20",),
     "maximize-real": ("3D3A PH PH PH --attempts 1 --state STATE",),
     "measure": ("@figure-3 POSES", "@t-top-head --pose 0,0,0.17,1,0,0,0 --cranks"),
-    "track": ("@rubin-m2 VALUES", "LOOP --allow-loss --all --clearance", "REACH"),
+    "track": ("@rubin-m2 VALUES", "LOOP --allow-loss --all --clearance --pose-clearance", "REACH"),
     "analyze": ("@rubin-m2", "@figure-3", "@figure-3 --geometry 0.01,0.001"),
     "clearance": (
         "@octahedral-3-3 --mode 1",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -14,9 +15,12 @@ from gspcli.cli.progress_bars import working
 from gspcli.errors import GspError, IncompleteError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
     import numpy as np
     from numpy.typing import NDArray
 
+    from gspcli.geometry.instance import Instance
     from gspcli.motion import Event, Track
     from gspcli.motion.limit_events import LimitEvent
 
@@ -54,6 +58,13 @@ _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
     is_flag=True,
     help="Add how far all values may change with proof that nothing is singular (gsp clearance).",
 )
+@click.option(
+    "--pose-clearance",
+    "pose_clear",
+    is_flag=True,
+    help="Add how far the pose may move, whatever the values, with proof that its screws stay "
+    "independent (gsp clearance --of pose).",
+)
 @click.option("--no-certify", is_flag=True, help="Do not prove that no branch is changed.")
 @pose_options
 @click.option(
@@ -70,6 +81,7 @@ def command(
     everything: bool,
     allow_loss: bool,
     clear: bool,
+    pose_clear: bool,
     no_certify: bool,
     euler: str | None,
     pivot: str | None,
@@ -113,7 +125,9 @@ def command(
         message = "SPEC and VALUES cannot both be standard input"
         raise click.UsageError(message)
     from gspcli.motion import read_pose, read_values, track
+    from gspcli.motion.clearances import clearances, range_weights
     from gspcli.motion.limit_events import limit_events
+    from gspcli.motion.pose_clearances import pose_clearances
 
     instance = load_instance(spec)
     form = pose_format(instance, euler, pivot)
@@ -142,7 +156,14 @@ def command(
         raise GspError(message)
     with working("looking at limits"):
         limits = limit_events(result)
-    rows = _rows(result, _clearances(result) if clear else None)
+    more = {}
+    with working("looking for singularities"):
+        if clear:
+            weighted = partial(clearances, weights=range_weights(instance))
+            more["clearance"] = _of_poses(result, weighted)
+        if pose_clear:
+            more["pose_clearance"] = _of_poses(result, pose_clearances)
+    rows = _rows(result, more)
     emit(output, _table(result, rows, limits), document=_document(result, rows, limits))
     if output.format != "json":
         for event in result.events:
@@ -165,22 +186,20 @@ def command(
         raise IncompleteError(message)
 
 
-def _clearances(result: Track) -> Array:
-    """Return the clearance of each pose, shape (m, r)."""
+def _of_poses(result: Track, bound: Callable[[Instance, Array, Array], Array]) -> Array:
+    """Return what is bounded at each pose, shape (m, r); NaN where a mode is not."""
     import numpy as np
 
-    from gspcli.motion.clearances import clearances, range_weights
-
     found = np.full(result.T.shape[:2], np.nan)
-    weights = range_weights(result.instance)
     for rows, instance in result.instances():
         there = np.zeros(found.shape, bool)
         there[:, rows] = ~np.isnan(result.T[:, rows, 0])
-        found[there] = clearances(instance, result.R[there], result.T[there], weights=weights)
+        found[there] = bound(instance, result.R[there], result.T[there])
     return found
 
 
-def _rows(result: Track, clearances: Array | None) -> list[dict[str, Any]]:
+def _rows(result: Track, more: Mapping[str, Array]) -> list[dict[str, Any]]:
+    """Return a row for each pose, with more numbers, each of shape (m, r)."""
     rows = []
     for k, t in enumerate(result.t.tolist()):
         for m, mode in enumerate(result.modes.tolist()):
@@ -195,10 +214,9 @@ def _rows(result: Track, clearances: Array | None) -> list[dict[str, Any]]:
                     "mode": mode,
                     **dict(zip(_POSE, pose, strict=True)),
                     "condition": condition,
+                    **{key: float(numbers[m, k]) for key, numbers in more.items()},
                 }
             )
-            if clearances is not None:
-                rows[-1]["clearance"] = float(clearances[m, k])
     return rows
 
 
@@ -208,8 +226,11 @@ def _table(result: Track, rows: list[dict[str, Any]], limits: list[LimitEvent]) 
         for key in ("t", "mode", *_POSE)
     ]
     columns.append(Column("condition", align="right"))
-    if rows and "clearance" in rows[0]:
-        columns.append(Column("clearance", align="right"))
+    columns += [
+        Column(key, key.replace("_", " "), align="right")
+        for key in ("clearance", "pose_clearance")
+        if rows and key in rows[0]
+    ]
     instance = result.instance
     title = instance.title
     kept = len(result.modes) - len(result.events)

@@ -21,7 +21,7 @@ _QUATERNION = ("qw", "qx", "qy", "qz")
 _PARAMETERS = ("t", "row")
 _MODE = "mode"
 #: Numbers or words said of each pose where there are such columns.
-_FACTS = ("clearance", "certified", "status")
+_FACTS = ("clearance", "pose_clearance", "certified", "status")
 #: Longer tracks are thinned: a page cannot show more poses one after the other.
 MOST_POSES = 2000
 _MOST_PROBLEMS = 20

@@ -43,6 +43,18 @@ def test_a_column_of_track(gsp, tmp_path):
     assert float(rows[0].split(",")[-1]) == pytest.approx(lower, rel=0.05)
 
 
+def test_the_clearance_of_the_pose_as_a_column_of_track(gsp, tmp_path):
+    path = tmp_path / "values.csv"
+    path.write_text("1\n2.53\n2.535\n", encoding="utf-8")
+    options = ("--mode", "1", "--clearance", "--pose-clearance", "--format", "csv")
+    head, *rows = gsp("track", HEXAPOD, path, *options).out.splitlines()
+    assert head.endswith("condition,clearance,pose_clearance")
+    single = gsp("clearance", HEXAPOD, "--mode", "1", "--of", "pose", "--format", "json")
+    lower = json.loads(single.out)["modes"][0]["lower"]
+    assert float(rows[0].split(",")[-1]) == pytest.approx(lower, rel=1e-6)
+    assert rows[0].split(",")[-1] != rows[1].split(",")[-1]
+
+
 def test_mistakes(gsp):
     run = gsp("clearance", HEXAPOD, "--mode", "1", "--pose", "1")
     assert run.code == 2
