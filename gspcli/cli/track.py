@@ -15,7 +15,7 @@ from gspcli.cli.progress_bars import working
 from gspcli.errors import GspError, IncompleteError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
     import numpy as np
     from numpy.typing import NDArray
@@ -231,6 +231,10 @@ def _table(result: Track, rows: list[dict[str, Any]], limits: list[LimitEvent]) 
         for key in ("clearance", "pose_clearance")
         if rows and key in rows[0]
     ]
+    names = [one.name for one in result.coordinates]
+    columns += [Column(name, align="right", minor=1) for name in names]
+    at = {t: dict(zip(names, place, strict=True)) for t, place in _places(result)}
+    rows = [{**row, **at[row["t"]]} for row in rows]
     instance = result.instance
     title = instance.title
     kept = len(result.modes) - len(result.events)
@@ -243,6 +247,11 @@ def _table(result: Track, rows: list[dict[str, Any]], limits: list[LimitEvent]) 
         note += "; every real pose at the last row is accounted for"
     notes = [note, *cones_notes(result, limits)]
     return Table(columns, rows, title=title, notes=notes)
+
+
+def _places(result: Track) -> Iterator[tuple[float, list[float]]]:
+    """Yield t and the coordinates that move at each row."""
+    return zip(result.t.tolist(), result.places.tolist(), strict=True)
 
 
 def _document(

@@ -8,8 +8,8 @@ same scenes; neither computes any geometry of its own.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
 from typing import Any
@@ -158,6 +158,8 @@ class Series:
         The name and the values, shape (n,), of what moves the platform; None for modes.
     note
         What should be known about the series, or empty.
+    bodies
+        Where primitives move in their body: by the name of the body how it is at each pose.
     """
 
     title: str
@@ -172,6 +174,7 @@ class Series:
     facts: Mapping[str, list[Any]]
     parameter: tuple[str, Array] | None = None
     note: str = ""
+    bodies: Mapping[str, Sequence[DrawnBody]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.R)
@@ -274,6 +277,10 @@ class Scene:
             "labels": self._drawn(series.labels),
             "facts": dict(series.facts),
             "parameter": parameter,
+            "bodies": {
+                name: [self._body(body) for body in bodies]
+                for name, bodies in series.bodies.items()
+            },
         }
 
 

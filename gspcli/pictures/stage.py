@@ -57,6 +57,8 @@ class Stage:
         Of both primitives of each constraint.
     R, T
         Poses, shapes (n, 3, 3) and (n, 3), real.
+    size
+        That of another stage, if marks are to be as large as there.
 
     Attributes
     ----------
@@ -70,6 +72,7 @@ class Stage:
         names: Sequence[tuple[str, str]],
         R: Array,
         T: Array,
+        size: float | None = None,
     ) -> None:
         self.R, self.T = R, T
         n = len(R)
@@ -81,7 +84,7 @@ class Stage:
             v = np.broadcast_to(arrangement.v[i], (n, 3))
             ends = connection(kind, p, w, x, v) if kind.is_distance else Ends(p, x, w, v)
             self.placed.append(_Placed(kind, ends, *names[i]))
-        self.size = self._size(arrangement)
+        self.size = self._size(arrangement) if size is None else size
         self.sizes = Sizes(_SQUARE * self.size, _RAY * self.size, _ARC * self.size)
 
     def _size(self, arrangement: Arrangement) -> float:

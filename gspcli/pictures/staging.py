@@ -2,52 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.instance import Constraint
-from gspcli.geometry.measurement import measured
-from gspcli.geometry.quaternions import quaternion_from_rotation
-from gspcli.geometry.residuals import condition_numbers, sides_of
-from gspcli.pictures.scene import DrawnConstraint, Scene, Series, Stroke
+from gspcli.pictures.scene import DrawnConstraint, Scene, Stroke
+from gspcli.pictures.shown_poses import Poses, moving_series, names_of, series_of
 from gspcli.pictures.stage import Stage
 from gspcli.solver.result import SolveResult
-
-Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Poses:
-    """Poses to show, before anything is drawn.
-
-    Attributes
-    ----------
-    title, item, note
-        As in `Series`.
-    R, T
-        Shapes (n, 3, 3) and (n, 3), real.
-    facts
-        Further numbers or words about each pose.
-    parameter
-        What moves the platform, its name and values; None for modes.
-    conditions
-        Condition numbers where they are known, shape (n,).
-    """
-
-    title: str
-    item: str
-    R: Array
-    T: Array
-    facts: Mapping[str, list[Any]] = field(default_factory=dict)
-    parameter: tuple[str, Array] | None = None
-    conditions: Array | None = None
-    note: str = ""
-
 
 #: So many of the motions that were found are shown; often they are parts of one.
 _MOTIONS = 8
@@ -78,17 +41,22 @@ def scene_of(
     shown = [_modes(result, only)]
     if only is None:
         shown += [*_motions(result), *tracks]
-    R = np.concatenate([poses.R for poses in shown])
-    T = np.concatenate([poses.T for poses in shown])
-    names = _names(instance.constraints)
+    still = [poses for poses in shown if not poses.coordinates]
+    R = np.concatenate([poses.R for poses in still])
+    T = np.concatenate([poses.T for poses in still])
+    names = names_of(instance.constraints)
     staged = Stage(arrangement, names, R, T)
     platform = staged.body("platform", [row.platform for row in instance.constraints])
     base = staged.body("base", [row.base for row in instance.constraints])
     strokes, labels = staged.drawn(platform, base)
     series, first = [], 0
     for poses in shown:
+        if poses.coordinates:
+            series.append(moving_series(instance, poses, staged.size))
+            continue
         chosen = slice(first, first + len(poses.R))
-        series.append(_series(arrangement, poses, strokes, labels, chosen))
+        here = [tuple(Stroke(s.style, s.points[chosen]) for s in each) for each in strokes]
+        series.append(series_of(arrangement, poses, here, labels[chosen]))
         first = chosen.stop
     units, kind = instance.units, instance.type
     return Scene(
@@ -154,53 +122,3 @@ def _motions(result: SolveResult) -> list[Poses]:
         )
         for number, motion in enumerate(real, start=1)
     ]
-
-
-def _names(constraints: Sequence[Constraint]) -> list[tuple[str, str]]:
-    """Return the names of both primitives; those without a name get letter and number."""
-    return [
-        (
-            row.platform_name or f"{row.platform.primitive.value}{i}",
-            row.base_name or f"{row.base.primitive.value.lower()}{i}",
-        )
-        for i, row in enumerate(constraints, start=1)
-    ]
-
-
-def _series(
-    arrangement: Arrangement,
-    poses: Poses,
-    strokes: Sequence[tuple[Stroke, ...]],
-    labels: Array,
-    chosen: slice,
-) -> Series:
-    R, T = poses.R, poses.T
-    values = np.asarray(measured(arrangement, R, T).real).copy()
-    values[:, arrangement.distances] = np.abs(values[:, arrangement.distances])
-    values[:, arrangement.angles] /= arrangement.in_radians
-    facts = dict(poses.facts)
-    if poses.parameter is not None and any(kind.has_sides for kind in arrangement.kinds):
-        sides = sides_of(arrangement, R, T)
-        facts["sides"] = [
-            "".join({1: "+", -1: "−", 0: ""}[s] for s in row) for row in sides.tolist()
-        ]
-    conditions = poses.conditions
-    if conditions is None:
-        conditions = condition_numbers(arrangement, R, T)
-    return Series(
-        title=poses.title,
-        item=poses.item,
-        R=R,
-        T=T,
-        quaternions=quaternion_from_rotation(R),
-        measured=values,
-        conditions=conditions,
-        strokes=tuple(
-            tuple(Stroke(stroke.style, stroke.points[chosen]) for stroke in each)
-            for each in strokes
-        ),
-        labels=labels[chosen],
-        facts=facts,
-        parameter=poses.parameter,
-        note=poses.note,
-    )

@@ -11,8 +11,9 @@ from itertools import islice
 import numpy as np
 
 from gspcli.errors import Location, Problem, SpecError
+from gspcli.geometry.coordinates import BODIES
 from gspcli.geometry.quaternions import rotation_from_quaternion
-from gspcli.pictures.staging import Poses
+from gspcli.pictures.shown_poses import Poses
 
 #: Names of the columns of a pose; those of `gsp solve` are accepted too.
 _POSITION = (("x", "y", "z"), ("tx", "ty", "tz"))
@@ -20,6 +21,8 @@ _QUATERNION = ("qw", "qx", "qy", "qz")
 #: What moves the platform: the first of these that there is, else the number of the row.
 _PARAMETERS = ("t", "row")
 _MODE = "mode"
+#: What coordinates that move begin with.
+_MOVING = tuple(f"{word}." for word in (*BODIES, "crank"))
 #: Numbers or words said of each pose where there are such columns.
 _FACTS = ("clearance", "pose_clearance", "certified", "status")
 #: Longer tracks are thinned: a page cannot show more poses one after the other.
@@ -41,8 +44,9 @@ def read_tracks(text: str, name: str) -> list[Poses]:
 
     Needed are ``x y z`` (or ``Tx Ty Tz``) and ``qw qx qy qz``, for
     ``x_base = R x_platform + T``. ``t`` or ``row`` says where a pose lies on its way,
-    ``condition``, ``clearance``, ``certified`` and ``status`` what else is known of it; other
-    columns are left out. Rows without a pose, where a mode has ended, are skipped.
+    ``condition``, ``clearance``, ``certified`` and ``status`` what else is known of it. Columns
+    such as ``base.B1.x`` or ``crank.B1`` are coordinates that move; other ones are left out. Rows
+    without a pose, where a mode has ended, are skipped.
 
     Parameters
     ----------
@@ -55,7 +59,9 @@ def read_tracks(text: str, name: str) -> list[Poses]:
         With all mistakes, each with its line.
     """
     reader = csv.DictReader(_lines(text), restval="")
-    heading = [cell.strip().lower() for cell in reader.fieldnames or ()]
+    written = [cell.strip() for cell in reader.fieldnames or ()]
+    # Names of primitives may differ in capitals only.
+    heading = [cell if cell.lower().startswith(_MOVING) else cell.lower() for cell in written]
     reader.fieldnames = heading
     position = next((names for names in _POSITION if {*names} <= {*heading}), None)
     if position is None or not {*_QUATERNION} <= {*heading}:
@@ -91,18 +97,24 @@ def _lines(text: str) -> list[str]:
 def _problems(
     rows: Sequence[_Row], pose: Sequence[str], heading: Sequence[str], name: str
 ) -> Iterator[Problem]:
-    numeric = [*pose, *(key for key in (*_PARAMETERS, "condition") if key in heading)]
+    moving = _moving(heading)
+    numeric = [*pose, *(key for key in (*_PARAMETERS, "condition") if key in heading), *moving]
     for row in rows:
         location = Location(name, row.line, 1)
         wrong = False
         for key in numeric:
             cell = row.cells.get(key, "")
-            needed = key in pose or key in _PARAMETERS
+            needed = key in pose or key in _PARAMETERS or key in moving
             if _number(cell) is None and (needed or cell):
                 wrong = True
                 yield Problem(location, key, f"found {cell!r}, expected a number")
         if not wrong and not any(_number(row.cells[key]) for key in _QUATERNION):
             yield Problem(location, "", "found a quaternion of length zero")
+
+
+def _moving(heading: Sequence[str]) -> list[str]:
+    """Return the columns that name coordinates."""
+    return [key for key in heading if key.lower().startswith(_MOVING)]
 
 
 def _number(cell: str) -> float | None:
@@ -134,6 +146,7 @@ def _track(mode: str, rows: list[_Row], pose: Sequence[str], heading: Sequence[s
     facts = {
         key: [_fact(row.cells.get(key, "")) for row in kept] for key in _FACTS if key in heading
     }
+    moving = _moving(heading)
     note = f"Every {step}th of {every} poses is shown." if step > 1 else ""
     return Poses(
         f"Trajectory of mode {mode}" if mode else "Trajectory",
@@ -143,6 +156,8 @@ def _track(mode: str, rows: list[_Row], pose: Sequence[str], heading: Sequence[s
         facts=facts,
         parameter=(parameter, values),
         conditions=conditions,
+        coordinates=tuple(moving),
+        places=np.array([[float(row.cells[key]) for key in moving] for row in kept]),
         note=note,
     )
 

@@ -101,6 +101,27 @@ def test_the_slider_the_list_and_the_keys_choose_a_mode(
     assert browser.messages == []
 
 
+def test_joints_that_move_are_moved(browser: Browser, view: Callable[..., Path]) -> None:
+    track = "t,x,y,z,qw,qx,qy,qz,crank.B1\n0,0,0,0,1,0,0,0,0\n1,0,0,0,1,0,0,0,60\n"
+    browser.open(view("t-top-head", track))
+    browser.run("series.value = 1; series.dispatchEvent(new Event('change'))")
+    places = []
+    for k in (1, 2):
+        browser.run(f"slider.value = {k}; slider.dispatchEvent(new Event('input'))")
+        found = browser.run(
+            "['B1', 'B2', 'B3'].map((name) => {"
+            " const span = [...document.querySelectorAll('#labels span')]"
+            ".find((one) => one.textContent === name);"
+            " const { x, y } = span.getBoundingClientRect(); return [x, y]; })"
+        )
+        places.append(np.array(found))
+    # The crank turns its joint; the others stay where they are to each other.
+    moved = (places[1] - places[1][2]) - (places[0] - places[0][2])
+    assert np.abs(moved[0]).max() > 5
+    assert np.abs(moved[1]).max() < 1
+    assert browser.messages == []
+
+
 def test_playing_moves_on_and_stops(browser: Browser, view: Callable[..., Path]) -> None:
     browser.open(view("octahedral-3-3"))
     browser.key(" ")

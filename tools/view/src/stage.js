@@ -69,10 +69,10 @@ export class Stage {
     this.lamp = new DirectionalLight(0xffffff, 1.9);
     this.scene.add(this.light, this.lamp);
 
-    this.base = buildBody("base", base, this.toScene, { body: colour("base") });
-    this.platform = buildBody("platform", platform, inBody, { body: colour("platform") });
-    this.scene.add(this.base.group, this.platform.group, this.ghosts);
     this.inBody = inBody;
+    this.base = this.bodyOf("base", base);
+    this.platform = this.bodyOf("platform", platform);
+    this.scene.add(this.base.group, this.platform.group, this.ghosts);
 
     this.bonds = this.data.constraints.map((constraint) => {
       const bond = new Bond(constraint, { main: colour("distance"), mark: colour("mark") });
@@ -81,6 +81,28 @@ export class Stage {
     });
     this.buildFrames();
     this.buildLabels();
+  }
+
+  bodyOf(name, data) {
+    const place = name === "base" ? this.toScene : this.inBody;
+    return { ...buildBody(name, data, place, { body: colour(name) }), data };
+  }
+
+  /** How a body is at a pose: where primitives move in it, another one at each. */
+  bodyAt(name, index) {
+    return this.series?.bodies[name]?.[index] ?? this.data[name];
+  }
+
+  /** Show a body as it is at a pose. */
+  useBody(name, index) {
+    const data = this.bodyAt(name, index);
+    const before = this[name];
+    if (before.data === data) return;
+    this[name] = this.bodyOf(name, data);
+    this.scene.add(this[name].group);
+    if (name === "platform") this[name].group.add(this.frames.platform);
+    before.group.removeFromParent();
+    before.group.traverse((part) => part.geometry?.dispose());
   }
 
   buildFrames() {
@@ -105,10 +127,13 @@ export class Stage {
   }
 
   buildLabels() {
-    for (const body of [this.base, this.platform]) {
-      for (const { text, at, className } of body.labels) {
-        this.labels.add(text, className, () => (body.group.visible ? body.group.localToWorld(at.clone()) : null));
-      }
+    for (const name of ["base", "platform"]) {
+      this[name].labels.forEach(({ text, className }, k) => {
+        this.labels.add(text, className, () => {
+          const { group, labels } = this[name];
+          return group.visible ? group.localToWorld(labels[k].at.clone()) : null;
+        });
+      });
     }
     this.numbers = this.data.constraints.map((constraint, k) =>
       this.labels.add(
@@ -128,6 +153,7 @@ export class Stage {
       this.seen = null;
     }
     this.index = index;
+    for (const name of ["base", "platform"]) this.useBody(name, index);
     const exists = index < series.T.length;
     this.platform.group.visible = exists;
     for (const bond of this.bonds) bond.group.visible = exists;
@@ -152,7 +178,7 @@ export class Stage {
     const count = this.series.T.length;
     const step = Math.max(1, Math.ceil(count / MOST_GHOSTS));
     for (let k = 0; k < count; k += step) {
-      const ghost = buildGhost(this.data.platform, this.inBody, colour("platform"), count / step);
+      const ghost = buildGhost(this.bodyAt("platform", k), this.inBody, colour("platform"), count / step);
       ghost.userData.index = k;
       this.placeAt(ghost, k);
       this.ghosts.add(ghost);
@@ -161,13 +187,14 @@ export class Stage {
 
   /** The sphere around the base and the platform at some poses. */
   sphere(indices) {
-    const points = this.data.base.elements.flatMap((element) => element.outline.map(this.toScene));
-    const corners = this.data.platform.elements.flatMap((element) => element.outline.map(this.inBody));
+    const corners = (name, k, place) => this.bodyAt(name, k).elements.flatMap((element) => element.outline.map(place));
+    const points = corners("base", indices[0], this.toScene);
     for (const k of indices) {
+      if (this.series.bodies.base) points.push(...corners("base", k, this.toScene));
       const [w, x, y, z] = this.series.q[k];
       const turn = new Quaternion(x, y, z, w);
       const at = this.toScene(this.series.T[k]);
-      for (const corner of corners) points.push(corner.clone().applyQuaternion(turn).add(at));
+      for (const corner of corners("platform", k, this.inBody)) points.push(corner.clone().applyQuaternion(turn).add(at));
     }
     return new Sphere().setFromPoints(points);
   }
