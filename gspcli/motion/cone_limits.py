@@ -18,7 +18,8 @@ from gspcli.certification.moving_cones import MovingCones
 from gspcli.certification.taylor import MovingQuadrics, MovingSystem
 from gspcli.geometry.coordinates import Coordinate
 from gspcli.geometry.instance import Instance
-from gspcli.motion.chords import Parts, on_patch, prove
+from gspcli.motion.chord_equations import Parts
+from gspcli.motion.chords import on_patch, prove
 from gspcli.motion.following import FollowOptions
 from gspcli.motion.part_models import PartModels
 from gspcli.motion.stepping import (

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from gspcli.certification.taylor import MovingSystem
 from gspcli.geometry.coordinates import Coordinate, moved
 from gspcli.geometry.instance import Instance
-from gspcli.motion.chords import equations_at
+from gspcli.motion.chord_equations import equations_at
 from gspcli.motion.following import Branches, FollowOptions, StudyUnits
 from gspcli.motion.stepping import Follower
 

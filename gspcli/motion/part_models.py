@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from gspcli.certification.chord_residuals import ExactChords
 from gspcli.certification.taylor import MovingQuadrics, MovingSystem
-from gspcli.motion.chords import DEGREE
+from gspcli.motion.chord_equations import DEGREE
 
 Array = NDArray[np.float64]
 

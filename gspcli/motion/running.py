@@ -105,7 +105,11 @@ class Run:
         """Follow a branch with residuals in balls, to the next row, and from there as usual."""
         platform, row = self.platform, int(branches.reached[k])
         rows = self.values[row : row + 2]
-        near = follow_closely(platform.system, rows, branches, k, self.options)
+
+        def hopeless(point: Array) -> bool:
+            return self._seen(row, *platform.poses(point)) is not None
+
+        near = follow_closely(platform.system, rows, branches, k, self.options, hopeless)
         branches.segments[k] += near.segments[0]
         branches.tries[k] += near.tries[0]
         for name in ("fraction", "last", "previous", "near", "alone"):

@@ -7,7 +7,7 @@ residuals in balls (`follow_closely`).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from gspcli.certification.chord_residuals import ExactChords
 from gspcli.certification.taylor import MovingQuadrics, MovingSystem
-from gspcli.motion.chords import LONGEST, VALUES, Parts, equations_at, prove
+from gspcli.motion.chord_equations import VALUES, Parts, equations_at
+from gspcli.motion.chords import EASY, LONGEST, prove
 from gspcli.motion.following import Branches, FollowOptions, Stop
 from gspcli.motion.part_models import PartModels
 
@@ -28,16 +29,14 @@ _CONVERGED, _DIVERGED, _STEPS = 1e-8, 0.5, 6
 _CORRECTIONS = 10
 #: What a proof must stay below.
 PROVED = 0.98
-#: A step is doubled when its measure is below this.
-_EASY = 0.35
 #: What points may move by when they are scaled to another patch: of rounding alone, and with
 #: a margin.
 SCALED, SCALED_EXACTLY = 2.0**-40, 2.0**-48
 #: How often a step may be halved where residuals are known in balls, and how often it is at first.
 _MOST_HALVINGS, _HALVINGS = 50, 24
-#: After so many tries without an end a branch is left undecided: a try in balls takes
-#: milliseconds, and beside a singularity steps get shorter for ever.
-_MOST_TRIES = 1000
+#: After so many tries in balls, of some milliseconds each, a branch is given up if there is no hope
+#: (`Follower.hopeless`), and after the most in any case.
+_TRIES, _MOST_TRIES = 50, 1000
 
 
 @dataclass(eq=False)
@@ -111,6 +110,9 @@ class Follower:
         As for `MovingGeometry.follow`.
     exact
         Whether residuals are computed in balls.
+    hopeless
+        Whether it is no use to go on in balls from a Study point: where a platform goes to
+        infinity, steps get shorter for ever.
     kept
         Where the proved parts go, if they are wanted.
     """
@@ -119,6 +121,7 @@ class Follower:
     values: Array
     options: FollowOptions
     exact: bool = False
+    hopeless: Callable[[Array], bool] = lambda point: False
     kept: list[Segment] | None = None
     _models: dict[tuple[int, int], PartModels] = field(default_factory=dict)
 
@@ -166,8 +169,8 @@ class Follower:
         """Whether a branch is at the last row, or its steps are too small; then it is noted."""
         found, k = self.found, cursor.branch
         at_end = cursor.row + 1 == self.values.shape[1]
-        patient = not self.exact or found.tries[k] < _MOST_TRIES
-        if not at_end and cursor.level <= self.options.most_halvings and patient:
+        lasting = cursor.level <= self.options.most_halvings and not self._given_up(cursor)
+        if not at_end and lasting:
             return False
         found.stop[k] = Stop.END if at_end else Stop.STEP
         found.reached[k] = cursor.row
@@ -175,6 +178,12 @@ class Follower:
         found.last[k], found.previous[k] = cursor.z, cursor.before
         found.near[k], found.alone[k] = cursor.end, cursor.alone
         return True
+
+    def _given_up(self, cursor: _Cursor) -> bool:
+        tries = self.found.tries[cursor.branch]
+        if not self.exact or tries < _TRIES:
+            return False
+        return bool(tries >= _MOST_TRIES) or self.hopeless(cursor.z)
 
     def _model(self, cursor: _Cursor) -> PartModels:
         key = cursor.trajectory, cursor.row
@@ -220,7 +229,7 @@ class Follower:
                 ends = here[k], points[k]
                 self.kept.append(Segment(*at, *ends, end[k], radius[k], uniqueness[k]))
             cursor.end, cursor.alone = end[k], uniqueness[k]
-            cursor.advance(points[k], easy=bool(measure[k] < _EASY))
+            cursor.advance(points[k], easy=bool(measure[k] < EASY))
             self.found.segments[cursor.branch] += 1
             self.found.worst[cursor.branch] = max(self.found.worst[cursor.branch], measure[k])
             if cursor.part == 0:
@@ -246,7 +255,12 @@ def _not_started(start: Array, rows: int) -> Branches:
 
 
 def follow_closely(
-    system: MovingSystem, rows: Array, branches: Branches, k: int, options: FollowOptions
+    system: MovingSystem,
+    rows: Array,
+    branches: Branches,
+    k: int,
+    options: FollowOptions,
+    hopeless: Callable[[Array], bool],
 ) -> Branches:
     """Follow a branch further from where it ended, to the next row, with residuals in balls.
 
@@ -260,6 +274,8 @@ def follow_closely(
         The branch.
     options
         As for `MovingGeometry.follow`, except that the step may be halved more often.
+    hopeless
+        As for `Follower`.
     """
     part, steps = float(branches.fraction[k]).as_integer_ratio()
     level = max(_HALVINGS, steps.bit_length() - 1)
@@ -267,7 +283,7 @@ def follow_closely(
     cursor.part, cursor.level = part * (2**level // steps), level
     cursor.end, cursor.alone = float(branches.near[k]), float(branches.alone[k])
     more = replace(options, most_halvings=_MOST_HALVINGS)
-    return Follower(system, rows[None], more, exact=True).resumed(cursor)
+    return Follower(system, rows[None], more, exact=True, hopeless=hopeless).resumed(cursor)
 
 
 def newton(

@@ -10,7 +10,8 @@ from gspcli.certification.taylor import MovingSystem
 from gspcli.geometry.coordinates import choose, coordinates, moved, stated
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import FollowOptions, MovingPlatform, measure, track
-from gspcli.motion.chords import DEGREE, Parts, prove
+from gspcli.motion.chord_equations import DEGREE, Parts
+from gspcli.motion.chords import prove
 from gspcli.motion.moving_geometry import MovingGeometry
 from gspcli.motion.trajectories import track_from
 from gspcli.resources import data_path

@@ -191,7 +191,7 @@ def test_modes_that_end_and_others_that_are_born_on_the_way_back(hexapod):
 
 @pytest.mark.parametrize(
     ("shift", "kind", "row"),
-    [(2e-15, "fold", 0), (-1e-9, "fold", 1), (-1e-12, "fold", 1), (0, "undecided", 0)],
+    [(2e-15, "fold", 0), (-1e-9, "fold", 1), (-1e-12, "fold", 1), (0, "undecided", 1)],
 )
 def test_a_fold_at_a_row_is_before_it_or_after_it_or_undecided(hexapod, shift, kind, row):
     fold = track(hexapod, VALUES[:2], modes=[1], t=[0, 1]).events[0]
