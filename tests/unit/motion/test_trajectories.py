@@ -7,7 +7,7 @@ import gspcli
 from gspcli import _kernel
 from gspcli.errors import GspError
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
-from gspcli.motion import FollowOptions, MovingPlatform, measure, track
+from gspcli.motion import FollowOptions, MovingPlatform, measure, stepping, track
 from gspcli.motion.clearances import clearances
 from gspcli.motion.trajectories import at_values
 from gspcli.resources import data_path
@@ -232,6 +232,14 @@ def test_modes_that_pass_each_other_at_a_distance_of_1e_6_do_not_jump(hexapod):
     order = (ends[0] - ends[1]) @ (a - b)
     assert (np.abs(order) > 1e-11).all()
     assert order[0] * order[1] > 0
+
+
+def test_what_takes_too_many_tries_is_undecided(hexapod, monkeypatch):
+    monkeypatch.setattr(stepping, "_TRIES", 2)
+    monkeypatch.setattr(stepping, "_MOST_TRIES", 3)
+    given_up = track(hexapod, near_miss(hexapod, 2.2e-13)[[0, 2]])
+    assert {event.kind for event in given_up.events} == {"undecided"}
+    assert np.isnan(given_up.T[:, -1]).all(axis=1).sum() == len(given_up.events) > 0
 
 
 def test_modes_that_meet_at_a_distance_of_1e_6_from_being_born_again_do_not_jump(hexapod):
