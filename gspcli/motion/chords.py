@@ -70,16 +70,19 @@ class ChordProofs:
         """
         mine = self.measure <= other.measure
         end = np.minimum(self.end, other.end)
-        both = (np.maximum(self.measure, other.measure) < 1) & (
-            end < np.minimum(self.uniqueness, other.uniqueness)
-        )
-        uniqueness = np.maximum(self.uniqueness, other.uniqueness)
+        both = np.maximum(self.measure, other.measure) < 1
+        both &= end < np.minimum(self.uniqueness, other.uniqueness)
+
+        def chosen(one: Array, two: Array, together: Array) -> Array:
+            return np.where(both, together, np.where(mine, one, two))
+
         return ChordProofs(
             np.where(mine, self.measure, other.measure),
-            np.where(both, end, np.where(mine, self.end, other.end)),
-            np.where(both, uniqueness, np.where(mine, self.uniqueness, other.uniqueness)),
-            # Infinite where nothing is proved.
-            np.minimum(self.radius, other.radius),
+            chosen(self.end, other.end, end),
+            chosen(
+                self.uniqueness, other.uniqueness, np.maximum(self.uniqueness, other.uniqueness)
+            ),
+            chosen(self.radius, other.radius, np.minimum(self.radius, other.radius)),
         )
 
 
