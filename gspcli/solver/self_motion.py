@@ -178,12 +178,18 @@ class _System:
     def step(
         self, pose: tuple[Field, Field], twist: Field, kernel: int
     ) -> tuple[Field, Field] | None:
-        """Return the corrected pose after a step, or None if it came back or strayed."""
-        there = self.correct(*_moved(*pose, twist), kernel=kernel)
-        if there is None:
-            return None
-        size = np.linalg.norm(self.displacement(pose, there)) / np.linalg.norm(twist)
-        return there if 0.5 < size < 2 else None
+        """Return the corrected pose after a step, or None if it came back or strayed.
+
+        The kernel may be larger than the set. Then a step along it is not corrected by what is
+        orthogonal to it alone, and smaller kernels are tried.
+        """
+        for size in range(kernel, 0, -1):
+            there = self.correct(*_moved(*pose, twist), kernel=size)
+            if there is not None:
+                length = np.linalg.norm(self.displacement(pose, there)) / np.linalg.norm(twist)
+                if 0.5 < length < 2:
+                    return there
+        return None
 
     def displacement(self, here: tuple[Field, Field], there: tuple[Field, Field]) -> Field:
         """Return the twist from one pose to another nearby, shape (6,)."""
