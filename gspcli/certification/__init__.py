@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from gspcli.certification.candidates import Candidates, read_candidates
     from gspcli.certification.certificates import Certificate, Certificates, Outcome
     from gspcli.certification.deciding import Decisions, decide
-    from gspcli.certification.proving import certify
     from gspcli.certification.refinement import RefinedPose, refine
+    from gspcli.certification.stated_certificates import certify
 
 _HOMES = {
     "Candidates": "gspcli.certification.candidates",
@@ -22,7 +22,7 @@ _HOMES = {
     "Decisions": "gspcli.certification.deciding",
     "Outcome": "gspcli.certification.certificates",
     "RefinedPose": "gspcli.certification.refinement",
-    "certify": "gspcli.certification.proving",
+    "certify": "gspcli.certification.stated_certificates",
     "decide": "gspcli.certification.deciding",
     "read_candidates": "gspcli.certification.candidates",
     "refine": "gspcli.certification.refinement",

@@ -8,7 +8,7 @@ from enum import Enum
 from typing import overload
 
 from gspcli.certification.isolation import Isolation
-from gspcli.geometry.instance import Side
+from gspcli.geometry.instance import Instance, Side
 
 
 class Outcome(Enum):
@@ -71,6 +71,9 @@ class Certificate:
         Bits of the last attempt.
     isolation
         The proof, from which the solution can be refined.
+    equivalent
+        The instance whose equations the proof is about, if it is another one with the same poses:
+        with points for lines that are parallel at every pose.
     """
 
     outcome: Outcome
@@ -84,6 +87,7 @@ class Certificate:
     same_as: int | None = None
     unresolved: tuple[int, ...] = ()
     isolation: Isolation | None = field(default=None, repr=False)
+    equivalent: Instance | None = field(default=None, repr=False)
 
     @property
     def certified(self) -> bool:

@@ -13,7 +13,7 @@ from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.centring import Centring
 from gspcli.certification.distinct import all_different
 from gspcli.certification.floating import prove
-from gspcli.certification.proving import FIRST_PRECISION, certify
+from gspcli.certification.proving import FIRST_PRECISION, certify_equations
 from gspcli.defaults import TOLERANCE
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.primitives import Line
@@ -64,7 +64,7 @@ def decide(instance: Instance, R: ArrayLike, T: ArrayLike) -> Decisions:
     certified &= ~nearly_parallel(instance, rotations)
     real, deviation = certified & proofs.real, proofs.deviation
     rest = np.flatnonzero(~certified)
-    others = certify(instance, rotations[rest], translations[rest]) if len(rest) else ()
+    others = certify_equations(instance, rotations[rest], translations[rest]) if len(rest) else ()
     for k, one in zip(rest, others, strict=True):
         decided = one.certified and one.real is not None
         certified[k] = decided and one.same_as is None and not one.unresolved
@@ -75,7 +75,7 @@ def decide(instance: Instance, R: ArrayLike, T: ArrayLike) -> Decisions:
 
 
 def _by_balls(instance: Instance, rotations: Complex, translations: Complex) -> Decisions:
-    every = certify(instance, rotations, translations)
+    every = certify_equations(instance, rotations, translations)
     single = [c.certified and c.same_as is None and not c.unresolved for c in every]
     certified = np.array(single, bool) & np.array([c.real is not None for c in every], bool)
     return Decisions(certified, certified & np.array([bool(c.real) for c in every], bool))

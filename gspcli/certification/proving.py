@@ -132,7 +132,7 @@ def _array(values: ArrayLike, where: str, shape: tuple[int, ...]) -> NDArray[np.
     return array.reshape(-1, *shape)
 
 
-def certify(
+def certify_equations(
     instance: Instance,
     R: ArrayLike,
     T: ArrayLike,
@@ -140,39 +140,10 @@ def certify(
     tolerance: float = TOLERANCE,
     max_precision: int = MAX_PRECISION,
 ) -> Certificates:
-    """Prove what can be proved about approximate solutions of an instance.
+    """Prove what can be proved about approximate solutions of the equations of an instance.
 
-    A candidate is certified if it is proved that a solution differs from it by at most the
-    tolerance, is simple, and is the only one in a ball about it. The numbers of the instance
-    are taken exactly. The precision is doubled until everything is decided or the limit
-    is reached. Multiple solutions, and points of solution curves, can never be certified.
-
-    Parameters
-    ----------
-    instance
-        The instance.
-    R
-        Rotations, real or complex, shape (n, 3, 3).
-    T
-        Translations in length units, real or complex, shape (n, 3).
-    tolerance
-        Largest difference of a candidate from its solution in any entry of R, and of T divided by
-        `Certificates.scale`; relative to the largest of them if that exceeds one. If the
-        coordinates of a body are far from its origin, T is that of frames near the bodies
-        (`Centring`): the tolerance does not grow with the offset.
-    max_precision
-        Largest number of bits to work with.
-
-    Returns
-    -------
-    Certificates
-        One certificate for each candidate, and how many different solutions they prove.
-
-    Raises
-    ------
-    ArgumentError
-        If an argument is of another sort or shape. Candidates that are not finite are only not
-        certified.
+    Parameters, result and errors are those of `certify`. Where the lines of a DLL are parallel
+    its equation has no simple solutions.
     """
     checked(instance)
     rotations, translations = _array(R, "R", (3, 3)), _array(T, "T", (3,))

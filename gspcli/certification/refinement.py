@@ -78,6 +78,7 @@ def refine(instance: Instance, certificate: Certificate, digits: int) -> Refined
     if not certificate.certified or isolation is None:
         message = f"there is nothing to refine: {certificate.outcome.meaning}"
         raise ValueError(message)
+    instance = certificate.equivalent or instance
     centring = Centring.of(instance)
     centre = list(isolation.centre)
     precision = isolation.precision

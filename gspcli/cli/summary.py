@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gspcli.catalogue.kinds import DLL
+from gspcli.geometry.primitives import Line
 from gspcli.solver.proof import Ground
 
 if TYPE_CHECKING:
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
 _DIGITS = 3
 #: Poses that are so many lengths away are called nearly infinite.
 _FAR = 1e5
+#: Sines that are zero but for rounding.
+_PARALLEL = 1e-9
 
 
 def summary(result: SolveResult, *, certify: bool, contradicting: Sequence[int] = ()) -> list[str]:
@@ -86,6 +90,9 @@ def _completeness(result: SolveResult) -> str:
         return f"{verdict}: {poses}{where}, of the type's {result.expected}"
     # What the type has more than the geometry frightens nobody: it is not counted out here.
     gone = ends.on_curves + ends.spurious + ends.lost
+    if geometry < ends.found:
+        # For other values there is none: these are what others hold at any rate, as on a table.
+        return f"{verdict}: {poses}; the type can have {result.expected}"
     whole = f"this geometry's {geometry}; the type can have {result.expected}"
     if geometry == result.expected:
         whole = f"the type's {geometry}"
@@ -110,7 +117,7 @@ def _reason(result: SolveResult, contradicting: Sequence[int]) -> str:
 def remarks(result: SolveResult, numbers: Sequence[int]) -> list[str]:
     """Return notes on the poses shown, which have these numbers from 1: what is best and worst."""
     if not numbers:
-        return [*_far(result), *_ground(result)]
+        return [*_far(result), *_parallel(result), *_ground(result)]
     limits = _limits(result, numbers)
     shown = [number - 1 for number in numbers]
     residual = result.residuals[shown].max()
@@ -126,7 +133,7 @@ def remarks(result: SolveResult, numbers: Sequence[int]) -> list[str]:
         )
     if len(numbers) > 1 and lowest == highest:
         notes.append(f"every pose has condition {lowest}")
-    return ["; ".join(notes), *limits, *_far(result), *_ground(result)]
+    return ["; ".join(notes), *limits, *_far(result), *_parallel(result), *_ground(result)]
 
 
 def _limits(result: SolveResult, numbers: Sequence[int]) -> list[str]:
@@ -156,6 +163,26 @@ def _far(result: SolveResult) -> list[str]:
     return [
         f"{far} of the {result.counts.found} poses lie beyond {_FAR:.0e} lengths: the geometry is "
         "nearly special"
+    ]
+
+
+def _parallel(result: SolveResult) -> list[str]:
+    """Say which lines are parallel at all poses, where these are known to be all."""
+    if result.verdict != "complete" or not result.account.spurious or not len(result.R):
+        return []
+    numbers = [
+        str(number)
+        for number, row in enumerate(result.instance.constraints, 1)
+        if isinstance(row.platform, Line) and isinstance(row.base, Line) and row.kind is DLL
+        if np.abs(np.cross(result.R @ row.platform.unit, row.base.unit)).max() < _PARALLEL
+    ]
+    if not numbers:
+        return []
+    several = len(numbers) > 1
+    names = f"s {', '.join(numbers[:-1])} and {numbers[-1]}" if several else f" {numbers[0]}"
+    return [
+        f"the lines of constraint{names} are parallel at every pose: "
+        "a point of one has its distance from the other"
     ]
 
 

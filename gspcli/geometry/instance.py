@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
@@ -159,6 +160,16 @@ class Instance:
             "type": self.type.to_json(),
             "units": {"length": self.units.length, "angle": self.units.angle.value},
         }
+
+    def on_sides(self, signs: Sequence[int]) -> Instance:
+        """Return the instance with one side of each DPH and DHP: where a sign is 1 or -1."""
+        rows = tuple(
+            replace(row, side=Side.POSITIVE if sign > 0 else Side.NEGATIVE)
+            if row.kind.has_sides
+            else row
+            for row, sign in zip(self.constraints, signs, strict=True)
+        )
+        return replace(self, constraints=rows)
 
     def with_values(self, values: dict[int, Number]) -> Instance:
         """Return the instance with other values for some constraints (indices from 0)."""

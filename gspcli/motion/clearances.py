@@ -13,6 +13,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gspcli.certification.deciding import nearly_parallel
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
@@ -51,8 +52,15 @@ def clearances(
     weights
         The unit of each value's changes, in the units of the instance, shape (6,); ones if None.
     """
-    platform = MovingPlatform(apart(instance))
     R, T = np.asarray(R, float), np.asarray(T, float)
+    # The distance of parallel lines jumps when they tilt.
+    parallel = nearly_parallel(instance, R.astype(complex))
+    if parallel.any():
+        proved = np.zeros(len(R))
+        if not parallel.all():
+            proved[~parallel] = clearances(instance, R[~parallel], T[~parallel], weights=weights)
+        return proved
+    platform = MovingPlatform(apart(instance))
     widths = platform.internal(_weights(weights))
     values = platform.internal(measure(instance, R, T))
     near = Neighbourhood(platform, platform.points(R, T), values)

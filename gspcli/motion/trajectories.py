@@ -15,6 +15,7 @@ from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.motion.following import FollowOptions, MovingPlatform
 from gspcli.motion.moving_geometry import MovingGeometry
+from gspcli.motion.parallel_lines import along_parallel_lines
 from gspcli.motion.running import SAME, Run
 from gspcli.motion.tracks import Track
 from gspcli.solver import SolveResult, solve
@@ -83,6 +84,9 @@ def track(
     else:
         platform = MovingPlatform(_over(instance, rows))
     R, T = _all_poses(platform, rows[0], seed, jobs)
+    if not chosen:
+        same = along_parallel_lines(at_values(instance, rows[0]), rows[:, :6], R)
+        platform = MovingPlatform(_over(same, rows))
     numbers = np.arange(1, len(R) + 1)
     if near is not None:
         followed = [_nearest(R, T, near)]

@@ -18,7 +18,7 @@ from gspcli.geometry.residuals import residuals
 from gspcli.solver.closed_form import solve_closed_form
 from gspcli.solver.pose_set import Motion, PoseSet
 from gspcli.solver.proof import Proof
-from gspcli.solver.tracking import poses_by_paths, solve_by_tracking
+from gspcli.solver.tracking import poses_by_paths
 
 #: Samples of a motion meet the constraints up to this part of their size.
 _ON_MOTION = 1e-8
@@ -33,8 +33,8 @@ def solve_infinite(
     """Return sample motions and isolated poses of a platform.
 
     The equation of a DLL holds wherever its lines are parallel, at any distance: then infinitely
-    many solutions need not be infinitely many poses. If no motion is found, the isolated poses
-    count if two different ways agree on them, without a proof.
+    many solutions need not be infinitely many poses. If no motion is found then, the platform is
+    not solved.
 
     Parameters
     ----------
@@ -62,11 +62,8 @@ def solve_infinite(
         rest = best.account.expected - best.account.found
         reduced = replace(_lost(best.account), on_curves=rest, lost=0)
         return replace(best, account=reduced, proof=proof)
-    if len(answers) == 1:
-        answers.append(solve_by_tracking(arrangement, seed=pursuits[0].seed + 1))
-    first, second = (answer.account for answer in answers)
-    agree = (first.found, len(answers[0].R)) == (second.found, len(answers[1].R))
-    return best if agree else replace(best, account=_lost(best.account))
+    # Whether there are poses beside those with parallel lines, nobody knows.
+    return replace(best, account=_lost(best.account))
 
 
 def _isolated(poses: PoseSet) -> PoseSet:

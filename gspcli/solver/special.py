@@ -5,9 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from gspcli.certification.counting import ExactCount, exact_count, geometry_count
+from gspcli.certification.counting import (
+    ExactCount,
+    SideCount,
+    by_points,
+    exact_count,
+    geometry_count,
+)
 from gspcli.certification.frames import Frames
 from gspcli.certification.locating import Locator
+from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.pursuit import Pursuit
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
@@ -17,6 +24,7 @@ from gspcli.solver.pose_set import PoseSet, joined
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.search import Search
 from gspcli.solver.study_systems import side_choices
+from gspcli.solver.tracking import pursue_each
 from gspcli.solver.uncounted import without_count
 
 #: Counts that mislead with a larger probability are worth another one.
@@ -53,19 +61,17 @@ def solve_special(
     ]
     if count is None:
         return _uncounted(instance, searches, seed, limit)
-    if not count.finite:
+    infinite = any(side.solutions is None and not side.parallel for side in count.sides)
+    parts = [
+        _with_parallel_lines(instance, side, search, seed, limit)
+        if side.parallel
+        else _counted(search, side)
+        for search, side in zip(searches, count.sides, strict=True)
+        if not infinite
+    ]
+    # A set without a sample of it may have real poses that are alone, such as lines that coincide.
+    if infinite or any(part.account.on_curves and not part.motions for part in parts):
         return solve_infinite(instance, arrangement, pursuits, Proof(Ground.EXACT, count.error))
-    parts = []
-    for search, side in zip(searches, count.sides, strict=True):
-        assert side.solutions is not None
-        # Where distinct solutions were not counted, only simple ones can be all.
-        solutions, distinct = side.solutions, side.distinct
-        if distinct is None:
-            distinct = solutions
-        elif side.spurious is not None and side.spurious_distinct is not None:
-            solutions, distinct = solutions - side.spurious, distinct - side.spurious_distinct
-        known = None if side.distinct is None else side.spurious
-        parts.append(complete(search, solutions, distinct, known))
     poses = _proved(joined(parts), count)
     if poses.proof is None or poses.proof.error < _DOUBTFUL:
         return poses
@@ -73,6 +79,43 @@ def solve_special(
     geometry = geometry_count(instance, seed=seed, limit=limit)
     proof = _by_geometry(poses, geometry)
     return poses if proof is None else replace(poses, proof=min(proof, poses.proof, key=_error))
+
+
+def _counted(search: Search, side: SideCount) -> PoseSet:
+    """Return the poses for a choice of sides for which they were counted."""
+    assert side.solutions is not None
+    # Where distinct solutions were not counted, only simple ones can be all.
+    solutions, distinct = side.solutions, side.distinct
+    if distinct is None:
+        distinct = solutions
+    elif side.spurious is not None and side.spurious_distinct is not None:
+        solutions, distinct = solutions - side.spurious, distinct - side.spurious_distinct
+    known = None if side.distinct is None else side.spurious
+    return complete(search, solutions, distinct, known)
+
+
+def _with_parallel_lines(
+    instance: Instance, side: SideCount, search: Search, seed: int, limit: float | None
+) -> PoseSet:
+    """Return the poses for a choice of sides where some lines are parallel at all of them.
+
+    They are those of the platform with points for lines. All else is in the set where the
+    equations hold because the lines are parallel.
+    """
+    same = by_points(instance.on_sides(side.signs), side.parallel)
+    arrangement = Arrangement.of(same)
+    _, pursuits = next(pursue_each([arrangement], seed=seed, jobs=1))
+    poses = solve_special(same, arrangement, pursuits, seed=seed, limit=limit)
+    return replace(poses, account=_among(search.pursuit.paths, poses.account))
+
+
+def _among(paths: int, account: PathAccount) -> PathAccount:
+    """Return the account of paths that lead to the poses of another platform, or to no poses."""
+    # The other one may have more solutions: a point at distance zero from a line counts twice.
+    found = min(account.found, paths)
+    lost = min(account.lost, paths - found)
+    rest = {"on_curves" if account.on_curves else "spurious": paths - found - lost}
+    return PathAccount(expected=paths, found=found, lost=lost, basis=Basis.COUNT, **rest)
 
 
 def _uncounted(

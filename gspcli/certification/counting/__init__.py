@@ -1,16 +1,17 @@
 """Exact counts of solutions by linear algebra modulo a random prime (docs/exact-counts.md)."""
 
+from gspcli.certification.counting.always_parallel import by_points
 from gspcli.certification.counting.eigenposes import ApproximatePose, poses_by_elimination
-from gspcli.certification.counting.exact_counts import (
+from gspcli.certification.counting.exact_counts import ExactCount, SideCount
+from gspcli.certification.counting.modular_platform import NotCountedError
+from gspcli.certification.counting.stated_counts import (
     DEFAULT_LIMIT,
-    ExactCount,
-    SideCount,
     count_exactly,
     count_geometry,
     exact_count,
     geometry_count,
+    with_points_for_lines,
 )
-from gspcli.certification.counting.modular_platform import NotCountedError
 
 __all__ = [
     "DEFAULT_LIMIT",
@@ -18,9 +19,11 @@ __all__ = [
     "ExactCount",
     "NotCountedError",
     "SideCount",
+    "by_points",
     "count_exactly",
     "count_geometry",
     "exact_count",
     "geometry_count",
     "poses_by_elimination",
+    "with_points_for_lines",
 ]

@@ -16,7 +16,6 @@ from flint import acb, arb, ctx, fmpq
 from gspcli.certification import study
 from gspcli.certification.balls import rotated
 from gspcli.certification.counting.elements import Element, Sum
-from gspcli.certification.counting.exact_counts import DEFAULT_LIMIT, work_limit
 from gspcli.certification.counting.exact_platform import evaluated
 from gspcli.certification.counting.followed import FollowedElimination, NotFollowedError
 from gspcli.certification.counting.homomorphism import Randomness
@@ -28,6 +27,7 @@ from gspcli.certification.counting.modular_platform import (
 from gspcli.certification.counting.motion_equations import equations, with_moments
 from gspcli.certification.counting.residue_counts import Ending, trace
 from gspcli.certification.counting.spectrum import SpectrumError, eigenvectors
+from gspcli.certification.counting.stated_counts import DEFAULT_LIMIT, work_limit
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
 

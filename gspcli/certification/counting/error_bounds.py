@@ -164,6 +164,13 @@ class ErrorBounds:
         conditions = 2 * moments * pairs
         return min(1.0, self._probability(self.bits.vanishing(reach, points, conditions)) + form)
 
+    def vanishing(self, reach: int, points: int, conditions: int) -> float:
+        """Return the bound for conditions that vanish at all of so many points."""
+        # With a random vector each: it can hide a point where the condition does not vanish.
+        form = conditions * points / _DRAWN_FROM
+        bits = self.bits.vanishing(reach, points, conditions)
+        return min(1.0, self._probability(bits) + form)
+
     def _probability(self, bits: float) -> float:
         # A transcendental number has a random image: its minors are polynomials of degrees below
         # their bits, and vanish with a probability below degree / 2^60.

@@ -15,14 +15,9 @@ from gspcli.certification.counting.homomorphism import LARGE, SMALL
 from gspcli.certification.counting.modular_platform import ModularPlatform, NotCountedError
 from gspcli.certification.counting.residue_counts import Ending, ResidueCount, count
 from gspcli.certification.counting.spurious import spurious
-from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
 
-#: Billions of multiplications after which a count is given up, by default: each takes a second
-#: or two.
-DEFAULT_LIMIT = 5.0
-_BILLION = 10**9
-_UNLIMITED = 2**62
+BILLION = 10**9
 #: Further primes are taken until they all mislead with a probability below this, at most so many.
 _ENOUGH, _MOST_PRIMES = 1e-9, 6
 #: From this generic count on a small prime is tried first: it takes a third of the time.
@@ -39,6 +34,9 @@ class SideCount:
         For each constraint 1 or -1: on which side of the plane the point lies; 1 for all others.
     solutions, distinct, spurious, spurious_distinct
         As in `ExactCount`.
+    parallel
+        Indices of the DLL whose lines are parallel at every pose. Each is counted as the distance
+        of a point of its line, because its own equation holds at any distance.
     """
 
     signs: tuple[int, ...]
@@ -46,11 +44,14 @@ class SideCount:
     distinct: int | None
     spurious: int | None
     spurious_distinct: int | None
+    parallel: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
 class ExactCount:
     """How many complex solutions the equations of an instance have (paper, Section 4).
+
+    Where the lines of a DLL are parallel at every pose its equation is that of a point and a line.
 
     Attributes
     ----------
@@ -95,74 +96,28 @@ class ExactCount:
     primes: tuple[int, ...]
 
 
-def exact_count(
-    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
-) -> ExactCount | None:
-    """Return how many solutions an instance has, or None if that could not be computed.
+def count_equations(
+    instance: Instance, seed: int, max_work: int, *, values_free: bool
+) -> ExactCount:
+    """Return how many solutions the equations of an instance have.
 
     Parameters
     ----------
     instance
-        The platform; its numbers are taken as written.
+        The platform.
     seed
-        The prime and everything random is derived from it and from the instance.
-    limit
-        Work after which to give up, in billions of multiplications modulo the prime (a second or
-        two each); None for none.
-
-    Returns
-    -------
-    ExactCount or None
-        None where `count_exactly` raises.
-    """
-    try:
-        return count_exactly(instance, seed=seed, limit=limit)
-    except NotCountedError:
-        return None
-
-
-def geometry_count(
-    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
-) -> ExactCount | None:
-    """Return how many solutions an instance's geometry has with generic values, or None.
-
-    Parameters and result are as in `exact_count`.
-    """
-    try:
-        return count_geometry(instance, seed=seed, limit=limit)
-    except NotCountedError:
-        return None
-
-
-def count_exactly(
-    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
-) -> ExactCount:
-    """Return how many solutions an instance has.
-
-    Parameters are as in `exact_count`.
+        The primes and everything random are derived from it and from the instance.
+    max_work
+        Multiplications after which to give up.
+    values_free
+        Whether the values are random instead of those of the instance.
 
     Raises
     ------
     NotCountedError
         If the numbers of the instance have no homomorphism to a prime field that is known to be
-        one, or if it is more work than `limit`.
+        one, or if it is too much work.
     """
-    return _count(instance, seed, limit, values_free=False)
-
-
-def count_geometry(
-    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
-) -> ExactCount:
-    """Return how many solutions an instance's geometry has with generic values.
-
-    Parameters and errors are as in `count_exactly`. All choices of sides are alike, so one is
-    counted.
-    """
-    return _count(instance, seed, limit, values_free=True)
-
-
-def _count(instance: Instance, seed: int, limit: float | None, *, values_free: bool) -> ExactCount:
-    max_work = work_limit(limit)
     found = _quick_count(instance, seed, max_work, values_free=values_free)
     if found is not None:
         return found
@@ -222,7 +177,7 @@ def _results(platform: ModularPlatform, max_work: int, *, same: bool) -> list[_R
         if counted.outcome is Ending.STOPPED:
             message = (
                 "the solutions cannot be counted exactly within the limit of "
-                f"{max_work / _BILLION:g} billion multiplications: --limit raises it"
+                f"{max_work / BILLION:g} billion multiplications: --limit raises it"
             )
             raise NotCountedError(message)
         results.append(_Result(counted, spurious(lines, counted, run)))
@@ -248,11 +203,6 @@ def _confirmed(found: ExactCount, other: ExactCount) -> ExactCount:
         distinct_error=found.distinct_error * other.distinct_error,
         primes=found.primes + other.primes,
     )
-
-
-def work_limit(limit: float | None) -> int:
-    """Return a limit in multiplications."""
-    return _UNLIMITED if limit is None else int(limit * _BILLION)
 
 
 def _assembled(platform: ModularPlatform, found: Sequence[_Result]) -> ExactCount:

@@ -1,0 +1,164 @@
+"""How many poses a platform has: its equations counted, those of parallel lines put right."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from gspcli.catalogue.kinds import DLL
+from gspcli.certification.counting.always_parallel import always_parallel, by_points
+from gspcli.certification.counting.error_bounds import total
+from gspcli.certification.counting.exact_counts import (
+    BILLION,
+    ExactCount,
+    SideCount,
+    count_equations,
+)
+from gspcli.certification.counting.modular_platform import NotCountedError
+from gspcli.defaults import SEED
+from gspcli.geometry.instance import Instance
+
+#: Billions of multiplications after which a count is given up, by default: each takes a second
+#: or two.
+DEFAULT_LIMIT = 5.0
+_UNLIMITED = 2**62
+
+
+def exact_count(
+    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
+) -> ExactCount | None:
+    """Return how many solutions an instance has, or None if that could not be computed.
+
+    Parameters
+    ----------
+    instance
+        The platform; its numbers are taken as written.
+    seed
+        The prime and everything random is derived from it and from the instance.
+    limit
+        Work after which to give up, in billions of multiplications modulo the prime (a second or
+        two each); None for none.
+
+    Returns
+    -------
+    ExactCount or None
+        None where `count_exactly` raises.
+    """
+    try:
+        return count_exactly(instance, seed=seed, limit=limit)
+    except NotCountedError:
+        return None
+
+
+def geometry_count(
+    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
+) -> ExactCount | None:
+    """Return how many solutions an instance's geometry has with generic values, or None.
+
+    Parameters and result are as in `exact_count`.
+    """
+    try:
+        return count_geometry(instance, seed=seed, limit=limit)
+    except NotCountedError:
+        return None
+
+
+def count_exactly(
+    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
+) -> ExactCount:
+    """Return how many solutions an instance has.
+
+    Parameters are as in `exact_count`.
+
+    Raises
+    ------
+    NotCountedError
+        If the numbers of the instance have no homomorphism to a prime field that is known to be
+        one, or if it is more work than `limit`.
+    """
+    max_work = work_limit(limit)
+    found = count_equations(instance, seed, max_work, values_free=False)
+    if found.finite or not any(row.kind is DLL for row in instance.constraints):
+        return found
+    return _joined(found, [_stated(instance, side, seed, max_work) for side in found.sides])
+
+
+def count_geometry(
+    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
+) -> ExactCount:
+    """Return how many solutions an instance's geometry has with generic values.
+
+    Parameters and errors are as in `count_exactly`. All choices of sides are alike, so one is
+    counted.
+    """
+    return count_equations(instance, seed, work_limit(limit), values_free=True)
+
+
+def with_points_for_lines(
+    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
+) -> Instance | None:
+    """Return the instance with points for lines that are parallel at every pose, None without any.
+
+    Parameters are those of `exact_count`; the instance has one choice of sides. It is also None
+    where nobody could tell.
+    """
+    try:
+        lines = always_parallel(instance, seed, work_limit(limit))
+    except NotCountedError:
+        return None
+    return by_points(instance, lines.constraints) if lines.constraints else None
+
+
+def work_limit(limit: float | None) -> int:
+    """Return a limit in multiplications."""
+    return _UNLIMITED if limit is None else int(limit * BILLION)
+
+
+@dataclass(frozen=True)
+class _Side:
+    """The count for a choice of sides, and of the whole platform on these sides if it is new."""
+
+    side: SideCount
+    counted: ExactCount | None = None
+    error: float = 0.0
+
+
+def _stated(instance: Instance, side: SideCount, seed: int, max_work: int) -> _Side:
+    """Return the count for a choice of sides, of points for lines that are always parallel."""
+    if side.solutions is not None:
+        return _Side(side)
+    chosen = instance.on_sides(side.signs)
+    lines = always_parallel(chosen, seed, max_work)
+    if not lines.constraints:
+        return _Side(side)
+    left = max(0, max_work - lines.work)
+    counted = count_equations(by_points(chosen, lines.constraints), seed, left, values_free=False)
+    (found,) = counted.sides
+    return _Side(replace(found, signs=side.signs, parallel=lines.constraints), counted, lines.error)
+
+
+def _joined(found: ExactCount, sides: Sequence[_Side]) -> ExactCount:
+    """Return the count of a platform whose equations have infinitely many solutions."""
+    counts = [side.counted for side in sides if side.counted is not None]
+    numbers = [side.side for side in sides]
+    finite = all(side.solutions is not None for side in numbers)
+
+    def added(name: str) -> int | None:
+        known = [getattr(side, name) for side in numbers]
+        return sum(known) if finite and None not in known else None
+
+    # Of the first count only that of sides without such lines is used.
+    errors = [found.error if side.counted is None else side.error for side in sides]
+    return replace(
+        found,
+        finite=finite,
+        solutions=added("solutions"),
+        distinct=added("distinct"),
+        error=total([*errors, *(count.error for count in counts)]),
+        distinct_error=total([*errors, *(count.distinct_error for count in counts)]),
+        proved_lower=found.proved_lower + sum(count.proved_lower for count in counts),
+        proved_distinct=found.proved_distinct + sum(count.proved_distinct for count in counts),
+        sides=tuple(numbers),
+        spurious=added("spurious"),
+        spurious_distinct=added("spurious_distinct"),
+    )
