@@ -132,7 +132,12 @@ def _geometry(
     mean = np.rint(parameters.mean(axis=0) / _GRID) * _GRID
     spread = np.exp2(np.rint(np.log2(np.maximum(parameters.std(axis=0), _LEAST_DEVIATION))))
     zero = (parameters == 0).all(axis=0)
-    return geometry_about(given, length, mean, np.where(zero, 0.0, spread), count=count, seed=seed)
+    spread = np.where(zero, 0.0, spread)
+    for careful in (False, True):
+        found = geometry_about(given, length, mean, spread, count=count, seed=seed, careful=careful)
+        if found is not None:
+            return found
+    return None
 
 
 def geometry_about(
@@ -143,6 +148,7 @@ def geometry_about(
     *,
     count: Callable[[], ExactCount | None],
     seed: int,
+    careful: bool,
 ) -> Geometry | None:
     """Return a geometry with a start about some parameters; None if that is not safe.
 
@@ -154,28 +160,25 @@ def geometry_about(
         Of the start's parameters, what the equations are linear in, in that unit, shape (6,).
     count, seed
         As for `solve_rows`.
+    careful
+        Whether the paths to the start are followed to their ends (`geometry_start`).
     """
     inner, choices = given.in_units_of(length), side_choices(given)
     geometry = np.array([inner.y, inner.x, inner.u, inner.v]).tobytes()
     about = (given.kinds, geometry, tuple(mean.tolist()), tuple(spread.tolist()), seed)
-    counted: ExactCount | None = None
-    for careful in (False, True):
-        start = geometry_start(*about, careful=careful)
-        if start is None:
-            continue
-        expected = path_count(start.system.structure) * len(choices)
-        found = len(start.points) * len(choices)
-        if found == expected:
-            proof: Proof | None = Proof(Ground.TYPE)
-            return Geometry(given, inner, length, choices, start, expected, proof)
-        counted = counted or count()
-        if counted is None:
+    start = geometry_start(*about, careful=careful)
+    if start is None:
+        return None
+    expected = path_count(start.system.structure) * len(choices)
+    found = len(start.points) * len(choices)
+    proof: Proof | None = Proof(Ground.TYPE)
+    if found < expected:
+        counted = count()
+        if counted is None or counted.solutions != found:
             return None
-        if counted.solutions == found:
-            # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md).
-            proof = Proof(Ground.GEOMETRY, counted.error) if counted.has_lone_lines else None
-            return Geometry(given, inner, length, choices, start, expected, proof)
-    return None
+        # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md).
+        proof = Proof(Ground.GEOMETRY, counted.error) if counted.has_lone_lines else None
+    return Geometry(given, inner, length, choices, start, expected, proof)
 
 
 def _inner_values(given: Arrangement, rows: Array, length: float, choices: Array) -> Array:

@@ -63,6 +63,8 @@ def proved_by_geometry(
         np.full(len(square), _SPREAD),
         count=lambda: kept_count(instance, seed, limit),
         seed=seed,
+        # What needs more care costs less without a start.
+        careful=False,
     )
     if geometry is None or geometry.proof is None:
         return None
