@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from gspcli.certification.rounding import OUTWARD
 from gspcli.geometry.numbers import Number
@@ -11,8 +14,13 @@ from gspcli.geometry.numbers import Number
 if TYPE_CHECKING:
     from flint import arb
 
+Array = NDArray[np.float64]
+
 #: Part of its size by which a number may differ from its two doubles (native/open_equations.hpp).
 ERROR = 2.0**-96
+#: Integers up to this are doubles.
+_INTEGERS = 2**53
+_ONE, _NO_RATIO = (1, 1), (0, 2 * _INTEGERS)
 #: Bits of balls that are turned into two doubles.
 _PRECISION = 128
 
@@ -64,6 +72,39 @@ class Doubled(NamedTuple):
     def scaled(self, factor: float) -> Doubled:
         """Return the number times a power of two, or its negative."""
         return Doubled(self.high * factor, self.low * factor, self.size * abs(factor))
+
+
+def doubled(numbers: Sequence[Number]) -> Array:
+    """Return `Doubled.of` of numbers as rows, shape (n, 3); short quotients all at once."""
+    fractions = [number.fraction for number in numbers]
+    ratios = [_NO_RATIO if x is None else x.as_integer_ratio() for x in fractions]
+    long = [k for k, (p, q) in enumerate(ratios) if q > _INTEGERS or abs(p) > _INTEGERS]
+    for k in long:
+        ratios[k] = _ONE
+    p, q = np.array(ratios, float).T
+    high = p / q
+    product, rest = two_product(high, q)
+    # Exact: of what was divided and of the rounded quotient times the divisor.
+    low = ((p - product) - rest) / q
+    found = np.stack((high, low, np.abs(high)), axis=1)
+    for k in long:
+        found[k] = Doubled.of(numbers[k])
+    return found
+
+
+def two_product(a: Array, b: Array) -> tuple[Array, Array]:
+    """Return products of moderate numbers, and what rounding leaves of them (T. J. Dekker)."""
+    (a_high, a_low), (b_high, b_low) = _split(a), _split(b)
+    product = a * b
+    rest = ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low
+    return product, rest
+
+
+def _split(x: Array) -> tuple[Array, Array]:
+    """Return the halves of numbers, each of which has 26 bits."""
+    split = x * (2.0**27 + 1)
+    high = split - (split - x)
+    return high, x - high
 
 
 def _ball(number: Number) -> arb:

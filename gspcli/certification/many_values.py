@@ -9,6 +9,7 @@ square, itself or its cosine. Values are doubles here, meant exactly, or those o
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,21 +31,21 @@ from gspcli.catalogue.kinds import (
     Kind,
 )
 from gspcli.certification.centring import Centring, length_scale
-from gspcli.certification.doubled import ERROR, Doubled
+from gspcli.certification.doubled import ERROR, Doubled, doubled, two_product
 from gspcli.certification.frames import Frames
 from gspcli.certification.rounding import COMPLEX, CONVERSION, ISOLATED, OUTWARD, REAL, TINY
 from gspcli.certification.sines import SINE_ERROR, cosines, sines
 from gspcli.certification.study import form_hessians
 from gspcli.defaults import TOLERANCE
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
-from gspcli.geometry.primitives import Geometry, Line, Point
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Line, Point
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 #: What a constraint is to the kernel (native/open_equations.hpp).
 _MEASURES = {DPP: 0, DPH: 1, DHP: 2, DPL: 3, DLP: 4, DLL: 5, **dict.fromkeys(ANGLE_KINDS, 6)}
-_NO_DIRECTION = [Doubled(0.0, 0.0, 0.0)] * 3
 #: A cosine errs by at most `SINE_ERROR`, which is this part of the unit of `converted`.
 _COSINE_ERROR = SINE_ERROR / CONVERSION
 
@@ -94,7 +95,7 @@ class ValueProofs:
         distances = [i for i, kind in enumerate(self.kinds) if kind.is_distance]
         largest = None if rows is None else np.abs(rows[:, distances]).max(axis=0).tolist()
         self.scale = length_scale(instance, largest)
-        numbers = np.array([_numbers(row) for row in given])
+        numbers = _numbers(given)
         # Exact: a power of two.
         numbers[:, :2] /= self.scale
         found = _kernel.open(
@@ -125,7 +126,7 @@ class ValueProofs:
         if not turned.any():
             return True
         # The square of such a double needs no third one.
-        square, low = _square(values[:, 2, turned])
+        square, low = two_product(values[:, 2, turned], values[:, 2, turned])
         return bool((values[:, 0, turned] == square).all() and (values[:, 3, turned] == low).all())
 
     def _values(self, rows: Array, choices: Array) -> Array:
@@ -139,7 +140,7 @@ class ValueProofs:
                 if kind in (DPH, DHP):
                     values[..., i] *= choices[:, i]
                 else:
-                    values[..., i], lows[..., i] = _square(values[..., i])
+                    values[..., i], lows[..., i] = two_product(values[..., i], values[..., i])
                 bounds[..., i] = np.abs(values[..., i])
             else:
                 values[..., i] = self._cosines(kind, rows[:, i])[:, None]
@@ -253,26 +254,25 @@ class ValueProofs:
         )
 
 
-def _numbers(row: Constraint) -> list[list[Doubled]]:
-    """Return the points and the directions of both primitives."""
-    bodies = row.platform, row.base
-    points = [[Doubled.of(x) for x in body.position] for body in bodies]
-    return points + [_direction(body) for body in bodies]
-
-
-def _direction(body: Geometry) -> list[Doubled]:
-    """Return a direction or normal of length near one."""
-    if isinstance(body, Point):
-        return _NO_DIRECTION
-    vector = body.direction if isinstance(body, Line) else body.normal
-    factor = 2.0 ** (1 - math.frexp(max(abs(number.value) for number in vector))[1])
-    return [Doubled.of(number).scaled(factor) for number in vector]
-
-
-def _square(x: Array) -> tuple[Array, Array]:
-    """Return squares of moderate numbers, and what rounding leaves of them (T. J. Dekker)."""
-    split = x * (2.0**27 + 1)
-    high = split - (split - x)
-    low = x - high
-    square = x * x
-    return square, ((high * high - square) + 2 * high * low) + low * low
+def _numbers(rows: Sequence[Constraint]) -> Array:
+    """Return the points and the directions of both primitives as `doubled`, (6, 4, 3, 3)."""
+    numbers: list[Number] = []
+    places: list[tuple[int, int]] = []
+    factors: list[float] = []
+    for i, row in enumerate(rows):
+        for j, body in enumerate((row.platform, row.base)):
+            numbers += body.position
+            places.append((i, j))
+            factors.append(1.0)
+            if not isinstance(body, Point):
+                towards = body.direction if isinstance(body, Line) else body.normal
+                numbers += towards
+                places.append((i, 2 + j))
+                # So that its length is near one, exactly.
+                largest = max(abs(number.value) for number in towards)
+                factors.append(2.0 ** (1 - math.frexp(largest)[1]))
+    found = np.zeros((len(rows), 4, 3, 3))
+    found[tuple(np.array(places).T)] = (
+        doubled(numbers).reshape(-1, 3, 3) * np.array(factors)[:, None, None]
+    )
+    return found
