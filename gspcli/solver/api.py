@@ -98,6 +98,9 @@ def solve(
         if poses is None:
             from gspcli.solver import tracking
 
+            if proofs:
+                poses = tracking.proved_by_short_series(proofs, arrangement, seed=seed, jobs=jobs)
+        if poses is None:
             _, pursuits = next(tracking.pursue_each([arrangement], seed=seed, jobs=jobs))
             regular = all(pursuit.is_regular for pursuit in pursuits)
             # Proving all poses is cheaper than counting them because a few paths went wrong.

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.certification.frames import Frames
+from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.pursuit import Pursuit, pursue
 from gspcli.continuation.solutions import SystemSolutions
@@ -120,6 +121,21 @@ def poses_by_paths(arrangement: Arrangement, pursuits: list[Pursuit]) -> PoseSet
             lost=account.lost + unknown,
         ),
     )
+
+
+def proved_by_short_series(
+    proofs: ValueProofs, arrangement: Arrangement, *, seed: int, jobs: int
+) -> PoseSet | None:
+    """Return as many poses as the type has, all proved, by paths whose series have few terms.
+
+    None if they do not lead to them, or if no equation is a product: others have quicker paths
+    (`direct`). Arguments are as for `proved_by_paths` and `solve_each_by_tracking`.
+    """
+    targets = target_systems(arrangement.normalized)
+    if not targets[0].structure.is_product.any():
+        return None
+    pursuits = list(pursue(targets, seed=seed, jobs=jobs, options=SHORT))
+    return proved_by_paths(proofs, arrangement, pursuits)
 
 
 def proved_by_paths(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from gspcli.catalogue.parsing import parse_type
 from gspcli.certification import decide
 from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.frames import OWN, Frames
-from gspcli.certification.many_values import ValueProofs, _square
+from gspcli.certification.many_values import ValueProofs
 from gspcli.certification.sines import SINE_ERROR, cosines, sines
 from gspcli.certification.study import form_hessians
 from gspcli.geometry.arrangement import Arrangement
@@ -210,14 +209,6 @@ def test_the_kernel_writes_the_equations_of_ball_arithmetic(name, change):
                     factor = system.statements[r].value
                 form = {i: c / factor for i, c in system.forms[index].items()}
                 same(exact(form), written(k), proofs._moduli[k].ravel())
-
-
-def test_what_doubles_leave_of_squares_is_exact():
-    rng = np.random.default_rng(27)
-    for x in (rng.uniform(0, 1, 99), rng.uniform(0, 1e-20, 99), np.array([0.0, 1.0, 3.0])):
-        squares, rest = _square(x)
-        for given, square, low in zip(x.tolist(), squares.tolist(), rest.tolist(), strict=True):
-            assert Fraction(given) ** 2 == Fraction(square) + Fraction(low)
 
 
 def test_poses_twice_are_not_different(batch):
