@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
@@ -24,6 +25,7 @@ from gspcli.solver.result import SolveResult, stable_order
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
+    from gspcli.certification.many_values import ValueProofs
     from gspcli.continuation.pursuit import Pursuit
 
 Array = NDArray[np.float64]
@@ -95,14 +97,14 @@ def solve(
             from gspcli.solver.special_geometry import proved_by_geometry
 
             poses = proved_by_geometry(instance, proofs, arrangement, seed=seed, limit=PATIENCE)
+        # Of mutual moments doubles often leave a few poses to balls.
+        if poses is None and proofs and (certify or DLL not in arrangement.kinds):
+            poses = _proved_shortly(instance, arrangement, proofs, seed, jobs, certify=certify)
         if poses is None:
             from gspcli.solver import tracking
 
-            if proofs:
-                poses = tracking.proved_by_short_series(proofs, arrangement, seed=seed, jobs=jobs)
-        if poses is None:
             _, pursuits = next(tracking.pursue_each([arrangement], seed=seed, jobs=jobs))
-            regular = all(pursuit.is_regular for pursuit in pursuits)
+            regular = _all_regular(pursuits)
             # Proving all poses is cheaper than counting them because a few paths went wrong.
             if proofs and (certify or not regular):
                 poses = tracking.proved_by_paths(proofs, arrangement, pursuits)
@@ -117,6 +119,29 @@ def solve(
     return SolveResult(instance, arrangement, poses, seed)
 
 
+def _proved_shortly(
+    instance: Instance,
+    arrangement: Arrangement,
+    proofs: ValueProofs,
+    seed: int,
+    jobs: int,
+    *,
+    certify: bool,
+) -> PoseSet | None:
+    """Return as many poses as the type has, all proved, by paths of short series.
+
+    None if they do not lead to them, or if those are not the quickest there are.
+    """
+    from gspcli.solver import tracking
+
+    pursuits = tracking.short_pursuits(arrangement, seed=seed, jobs=jobs)
+    poses = tracking.proved_by_paths(proofs, arrangement, pursuits) if pursuits else None
+    if poses is not None or not certify or not pursuits or not _all_regular(pursuits):
+        return poses
+    poses = _proved(instance, tracking.poses_by_paths(arrangement, pursuits))
+    return poses if _is_general(poses, certify=True) else None
+
+
 def _each_tracked(
     arrangements: Iterable[Arrangement], seed: int, jobs: int
 ) -> Iterator[tuple[list[Pursuit], PoseSet | None]]:
@@ -124,8 +149,12 @@ def _each_tracked(
     from gspcli.solver.tracking import poses_by_paths, pursue_each
 
     for arrangement, pursuits in pursue_each(arrangements, seed=seed, jobs=jobs):
-        regular = all(pursuit.is_regular for pursuit in pursuits)
-        yield pursuits, poses_by_paths(arrangement, pursuits) if regular else None
+        good = _all_regular(pursuits)
+        yield pursuits, poses_by_paths(arrangement, pursuits) if good else None
+
+
+def _all_regular(pursuits: Iterable[Pursuit]) -> bool:
+    return all(pursuit.is_regular for pursuit in pursuits)
 
 
 def _special(

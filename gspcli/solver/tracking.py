@@ -123,19 +123,16 @@ def poses_by_paths(arrangement: Arrangement, pursuits: list[Pursuit]) -> PoseSet
     )
 
 
-def proved_by_short_series(
-    proofs: ValueProofs, arrangement: Arrangement, *, seed: int, jobs: int
-) -> PoseSet | None:
-    """Return as many poses as the type has, all proved, by paths whose series have few terms.
+def short_pursuits(arrangement: Arrangement, *, seed: int, jobs: int) -> list[Pursuit]:
+    """Return paths whose series have few terms, for each choice of sides.
 
-    None if they do not lead to them, or if no equation is a product: others have quicker paths
-    (`direct`). Arguments are as for `proved_by_paths` and `solve_each_by_tracking`.
+    They are quicker, and only good for ends that are proved afterwards. Empty if no equation is a
+    product: others have quicker paths (`direct`). Arguments are as for `solve_each_by_tracking`.
     """
     targets = target_systems(arrangement.normalized)
     if not targets[0].structure.is_product.any():
-        return None
-    pursuits = list(pursue(targets, seed=seed, jobs=jobs, options=SHORT))
-    return proved_by_paths(proofs, arrangement, pursuits)
+        return []
+    return list(pursue(targets, seed=seed, jobs=jobs, options=SHORT))
 
 
 def proved_by_paths(
