@@ -44,8 +44,9 @@ Complex = NDArray[np.complex128]
 _SIZES = (1.0, 0.3)
 #: Real solutions are kept this far from folds, or if they are nearer, ...
 _MARGIN = 0.005
-#: ... driven away by this factor.
-_GROWTH = 1.3
+#: ... driven away by this factor; from a platform that is given not let nearer than by this one:
+#: near limits so many are near that they cannot all be driven away.
+_GROWTH, _LEEWAY = 1.3, 0.8
 #: First and largest length of a step; numbers are of the order of one.
 _RADIUS, _MAX_RADIUS, _MIN_RADIUS = 0.05, 0.3, 1e-3
 #: The shortest step that drives a pair may be so much longer than its part towards the fold.
@@ -294,7 +295,7 @@ class Search:
             if followed == self.steps:
                 break
             idle += 1
-            step = _raising_step(near, radius, rng)
+            step = _raising_step(near, radius, rng, _GROWTH if self.start is None else _LEEWAY)
             if step is None:
                 radius = radius / 2 if radius > 2 * _MIN_RADIUS else _RADIUS
                 continue
@@ -354,7 +355,7 @@ class Search:
 
 
 def _raising_step(
-    near: tuple[Folds, Folds], radius: float, rng: np.random.Generator
+    near: tuple[Folds, Folds], radius: float, rng: np.random.Generator, growth: float
 ) -> Array | None:
     """Return a step of about a length at most that brings one conjugate pair together."""
     pairs, real = near
@@ -362,7 +363,7 @@ def _raising_step(
     chosen = np.argsort(pairs.distances)[rank]
     towards = min(float(pairs.distances[chosen]) + _MARGIN, radius)
     close = real.distances < 3 * radius + _MARGIN
-    kept = np.minimum(_MARGIN, _GROWTH * real.distances[close])
+    kept = np.minimum(_MARGIN, growth * real.distances[close])
     return shortest_step(
         np.concatenate((-pairs.normals[[chosen]], real.normals[close])),
         np.concatenate(([towards], kept - real.distances[close])),

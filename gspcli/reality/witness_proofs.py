@@ -116,14 +116,15 @@ def real_instance(
 def _with_largest_gap(draft: Instance, digits: int, exponent: int, count: int) -> Instance | None:
     """Return the instance with as large distances of planes and lines as keep a number of poses.
 
-    None if the smallest with so many digits does not; the number is taken to fall with the size.
+    There may be more. None if the smallest with so many digits does not; the number is taken to
+    fall with the size.
     """
     instances = [
         _with_gap(draft, gap * Fraction(10) ** exponent)
         for gap in reversed(_GAPS)
         if (gap * 10**digits).denominator == 1
     ]
-    kept = bisect_left(instances, True, key=lambda instance: _real_count(instance) != count)
+    kept = bisect_left(instances, True, key=lambda instance: _real_count(instance) < count)
     return instances[kept - 1] if kept else None
 
 
