@@ -97,17 +97,20 @@ class Run:
             seen = self._seen(row, *self.platform.poses(branches.last[k]))
             if closely or not self.options.certify or (fold is None and seen is not None):
                 return None
-            self._follow_closely(branches, k)
+            self._follow_closely(branches, k, towards=fold)
             closely = branches.reached[k] == row
         return None
 
-    def _follow_closely(self, branches: Branches, k: int) -> None:
-        """Follow a branch with residuals in balls, to the next row, and from there as usual."""
+    def _follow_closely(self, branches: Branches, k: int, towards: Fold | None) -> None:
+        """Follow a branch with residuals in balls, to the next row, and from there as usual.
+
+        Towards a fold there is always hope.
+        """
         platform, row = self.platform, int(branches.reached[k])
         rows = self.values[row : row + 2]
 
         def hopeless(point: Array) -> bool:
-            return self._seen(row, *platform.poses(point)) is not None
+            return towards is None and self._seen(row, *platform.poses(point)) is not None
 
         near = follow_closely(platform.system, rows, branches, k, self.options, hopeless)
         branches.segments[k] += near.segments[0]

@@ -74,13 +74,26 @@ def test_proofs_in_other_norms_hold_in_the_euclidean_one(kinds, monkeypatch):
             assert found.end < found.uniqueness
 
 
-def test_modes_that_go_to_infinity_are_given_up(monkeypatch):
-    """They move mainly along one singular direction, in steps of which there would be thousands."""
-    kinds = gspcli.parse_type("DPH DLL DLL ALH AHL AHH")
-    rng = np.random.default_rng((SEED, 1035, 29))
-    instance, (R, T) = random_instance(kinds, rng)
+def random_move(kinds, number, k):
+    """One of the moves of tools/verify_tracks.py."""
+    rng = np.random.default_rng((SEED, number, k))
+    instance, (R, T) = random_instance(gspcli.parse_type(kinds), rng)
     turned = rotation_from_vector(0.3 * rng.normal(size=3)) @ R
     values = [measure(instance, R, T), measure(instance, turned, T + 0.3 * rng.normal(size=3))]
+    return instance, np.stack(values)
+
+
+def test_towards_a_fold_nothing_is_given_up():
+    """Lines that are nearly parallel, and more than fifty tries; two modes meet."""
+    instance, values = random_move("DPP DPP DLL ALH ALH ALH", 111, 35)
+    events = gspcli.motion.track(instance, values).events
+    assert {event.kind for event in events} == {"fold"}
+    assert len({round(event.low, 12) for event in events}) * 2 == len(events)
+
+
+def test_modes_that_go_to_infinity_are_given_up(monkeypatch):
+    """They move mainly along one singular direction, in steps of which there would be thousands."""
+    instance, values = random_move("DPH DLL DLL ALH AHL AHH", 1035, 29)
     tries = []
 
     def follow_closely(*arguments):
@@ -89,7 +102,7 @@ def test_modes_that_go_to_infinity_are_given_up(monkeypatch):
         return found
 
     monkeypatch.setattr(running, "follow_closely", follow_closely)
-    track = gspcli.motion.track(instance, np.stack(values[::-1]))
+    track = gspcli.motion.track(instance, values[::-1])
     lost = [event for event in track.events if event.kind == "undecided"]
     assert len(lost) == 4
     assert all(event.reason.startswith("the platform goes far away") for event in lost)
