@@ -28,12 +28,14 @@ from gspcli.cli.pose_options import pose_options
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.worker_options import worker_options
 from gspcli.defaults import SEED
-from gspcli.errors import INTERRUPTED, IncompleteError
+from gspcli.errors import INTERRUPTED, GspError, IncompleteError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from gspcli.geometry.instance import Instance
     from gspcli.motion.crossings import Boundary, Crossing
-    from gspcli.motion.scanning import Scan
+    from gspcli.motion.scanning import Axis, Scan
     from gspcli.workers import Workers
 
 QUANTITIES = ("modes", "condition", "clearance")
@@ -134,6 +136,7 @@ def command(
 
     instance = load_instance(spec)
     axes = [Axis(int(name) - 1, nodes) for name, nodes in axes_of("--vary", texts, _NUMBERS)]
+    _check_values(instance, axes)
     total = math.prod(len(axis.values) for axis in axes)
     found = Scan.empty(instance, axes, clearance=quantity == "clearance")
     limits = Boundary()
@@ -163,6 +166,20 @@ def command(
         )
         raise IncompleteError(message)
     return 0
+
+
+def _check_values(instance: Instance, axes: Sequence[Axis]) -> None:
+    """Raise if a value is none that its constraint can have."""
+    from gspcli.geometry.numbers import Number
+    from gspcli.geometry.ranges import wrong_value
+
+    for axis in axes:
+        kind = instance.constraints[axis.constraint].kind
+        for value in (axis.values[0], axis.values[-1]):
+            wrong = wrong_value(kind, Number.of(value), instance.units.angle)
+            if wrong and not kind.has_sides:
+                message = f"--vary: found {value:g} for constraint {axis.constraint + 1}, {wrong}"
+                raise GspError(message)
 
 
 def _fill(found: Scan, workers: Workers, journal: Path | None) -> None:

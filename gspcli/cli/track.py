@@ -134,7 +134,7 @@ def command(
     table = read_values(*text_of(values), instance, form, delta=delta).subdivided(steps)
     pose = None
     if near is not None:
-        given = read_pose(near, form)
+        given = read_pose(near, form, "--near")
         pose = given.R[0], given.T[0]
     with working("following"):
         result = track(
@@ -227,7 +227,7 @@ def _table(result: Track, rows: list[dict[str, Any]], limits: list[LimitEvent]) 
     ]
     columns.append(Column("condition", align="right"))
     columns += [
-        Column(key, key.replace("_", " "), align="right")
+        Column(key, key.replace("_", " "), align="right", essential=True)
         for key in ("clearance", "pose_clearance")
         if rows and key in rows[0]
     ]
@@ -240,13 +240,17 @@ def _table(result: Track, rows: list[dict[str, Any]], limits: list[LimitEvent]) 
     kept = len(result.modes) - len(result.events)
     how = "proved" if result.certified else "not proved"
     note = (
-        f"{len(result.modes)} modes, {kept} of them from the first row to the last; "
-        f"{result.segments} parts, {how}"
+        f"{_counted(len(result.modes), 'mode')}, {kept} of them from the first row to the last; "
+        f"{_counted(result.segments, 'part')}, {how}"
     )
     if result.complete:
         note += "; every real pose at the last row is accounted for"
     notes = [note, *cones_notes(result, limits)]
     return Table(columns, rows, title=title, notes=notes)
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def _places(result: Track) -> Iterator[tuple[float, list[float]]]:

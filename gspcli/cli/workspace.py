@@ -202,7 +202,11 @@ def _free(
 ) -> tuple[str, ...] | None:
     """Return which parameters vary; None for the travels."""
     if over is not None:
-        return tuple(name.strip() for name in over.split(","))
+        names = tuple(name.strip() for name in over.split(","))
+        if len(set(names)) < len(names) or not set(names) <= set(PARAMETERS):
+            message = f"--over: found {over!r}, expected one or more of {', '.join(PARAMETERS)}"
+            raise GspError(message)
+        return names
     if orientation is not None and position is not None:
         message = "with both --orientation and --position give --over, too"
         raise click.UsageError(message)

@@ -136,7 +136,11 @@ def read_pose(text: str, form: PoseFormat, name: str = "--pose") -> PoseTable:
     names, numbers = pose_numbers(text, name)
     heading = ",".join(names)
     row = ",".join(repr(number) for number in numbers)
-    return read_poses(f"{heading}\n{row}", name, form)
+    try:
+        return read_poses(f"{heading}\n{row}", name, form)
+    except SpecError as error:
+        # An option has no lines.
+        raise SpecError([Problem(None, name, one.message) for one in error.problems]) from None
 
 
 def pose_numbers(text: str, name: str) -> tuple[tuple[str, ...], list[float]]:

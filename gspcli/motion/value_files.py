@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -18,6 +19,7 @@ from gspcli.geometry.ranges import wrong_value
 from gspcli.motion.measuring import measure
 from gspcli.motion.number_tables import NumberTable
 from gspcli.motion.pose_files import PoseFormat, read_poses
+from gspcli.wording import nearest, shown
 
 Array = NDArray[np.float64]
 
@@ -122,7 +124,15 @@ def _moving(table: NumberTable, instance: Instance) -> dict[str, Coordinate]:
     """Return the coordinates that columns are named after, by the names as they are written."""
     found: dict[str, Coordinate] = {}
     for written in table.written:
-        if written.lower().split(".")[0] not in _MOVING or "." not in written:
+        first = written.lower().split(".")[0]
+        if first not in _MOVING or "." not in written:
+            # Other columns are left out, but not what was meant to be one of these.
+            if first and "." in written and (meant := nearest(first, _MOVING)):
+                table.note_column(written, f"found {shown(written)}: did you mean {meant}?")
+            if re.fullmatch(r"[0-9]+", written) and not 1 <= int(written) <= len(
+                instance.constraints
+            ):
+                table.note_column(written, f"found {written}, expected a constraint from 1 to 6")
             continue
         try:
             (found[written],) = choose(instance, [written])

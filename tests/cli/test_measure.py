@@ -70,7 +70,7 @@ def test_standard_input_times_angles_and_pivot(gsp, monkeypatch):
         ((HEXAPOD, "no.csv"), "error: no.csv: cannot be read: No such file or directory\n"),
         (
             (HEXAPOD, "--pose", "1,2,3,0,0,0"),
-            "error: --pose:1:1: found rx ry rz without the order of the axes: say it with "
+            "error: --pose: found rx ry rz without the order of the axes: say it with "
             "--euler, such as ZYX or xyz\n",
         ),
         (
@@ -119,3 +119,10 @@ def test_angles_of_cranks(gsp):
     run = gsp("measure", "@t-top-head", "--pose", "0,0,0.5,1,0,0,0", "--cranks")
     assert run.code == 2
     assert "error: the leg of crank.B1 does not reach the pose at t = 1" in run.err
+
+
+def test_mistakes_of_a_pose_on_the_command_line_have_no_line(gsp):
+    run = gsp("measure", HEXAPOD, "--pose", "0,0,0,0,0,0,0")
+    assert (
+        run.err == "error: --pose: found a quaternion of length zero, expected that of a rotation\n"
+    )

@@ -136,3 +136,11 @@ def test_clearances_of_poses(gsp, tmp_path):
     picture = tmp_path / "clearance.svg"
     assert gsp(*grid, "--quantity", "clearance", "-o", picture).code == 0
     assert "<svg" in picture.read_text(encoding="utf-8")
+
+
+def test_values_that_are_none_are_told_before_the_work(gsp):
+    run = gsp("scan", "@platform-6-6", "--vary", "1=-2:3:3")
+    assert (run.code, run.out) == (2, "")
+    assert "--vary: found -2 for constraint 1, expected a distance of at least 0" in run.err
+    run = gsp("scan", "@figure-2", "--vary", "2=10:190:3")
+    assert "--vary: found 190 for constraint 2, expected an angle of LL from 0 to 180" in run.err

@@ -115,7 +115,7 @@ def test_pictures(gsp, tmp_path, over):
     [
         (("--mode", "1", *HOME), "give either --mode or --pose"),
         (("--mode", "99"), "found mode 99, expected one of the"),
-        (("--over", "x,q"), "free: found x, q, expected one or more of"),
+        (("--over", "x,q"), "--over: found 'x,q', expected one or more of"),
         (("--boxes",), "boxes and pictures need --orientation, --position or --over"),
         (("--over", "x", "--hold", "z=1"), "--hold is for the travel of axes"),
         (("--over", "x", "--within", "x=1"), "--within: found 'x=1', expected NAME=LOW:HIGH"),

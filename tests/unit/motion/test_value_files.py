@@ -22,6 +22,16 @@ def example():
     return gspcli.load(data_path("examples", "example-6.8.yaml"))
 
 
+def test_columns_that_are_nearly_ones_are_mistakes():
+    instance = gspcli.load(data_path("platforms", "t-top-head.yaml"))
+    with pytest.raises(SpecError) as caught:
+        read_values("t,crnk.B1,7,no.,1\n0,1,2,3,0.1\n", "v", instance, PoseFormat())
+    assert str(caught.value).splitlines() == [
+        "v:1:3: found 'crnk.B1': did you mean crank?",
+        "v:1:11: found 7, expected a constraint from 1 to 6",
+    ]
+
+
 def test_columns_left_out_keep_their_value(hexapod):
     table = read_values("t,3,1\n0.5,1,2\n0.75,1.5,3\n", "v", hexapod, PLAIN)
     assert table.t.tolist() == [0.5, 0.75]
