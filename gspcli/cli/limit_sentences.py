@@ -35,8 +35,9 @@ def cones_notes(result: Track, events: list[LimitEvent]) -> list[str]:
     leaving = {event.mode for event in events}
     modes = [mode for mode in result.modes.tolist() if mode not in leaving]
     if not modes:
-        return ["no mode keeps all cones from beginning to end"]
-    names = "all modes keep" if len(modes) == len(result.modes) else _named(modes)
+        return ["no mode keeps all cones from beginning to end"] if leaving else []
+    every = len(modes) == len(result.modes) > 1
+    names = "all modes keep" if every else _named(modes)
     return [f"{names} all cones from beginning to end, between rows too: proved"]
 
 

@@ -107,6 +107,10 @@ def command(
     a mode meets another and both vanish (a fold), t is proved to ten digits or more. What happens
     between rows is told on standard error, or under events in JSON.
 
+    Where values leave their ranges and legs the cones of their joints (`range`, `cone` in SPEC) is
+    told, too. It is proved for all that is between rows; without proof (--no-certify) cones are
+    only looked at where the rows are.
+
     The exit code is 4 if a mode ends before the last row, unless with --allow-loss.
 
     \b

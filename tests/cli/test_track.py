@@ -145,3 +145,22 @@ def test_coordinates_that_move_are_columns_for_the_view(gsp, tmp_path):
     run = gsp("view", "@t-top-head", "--track", tmp_path / "track.csv", "-o", tmp_path / "a.html")
     assert run.code == 0
     assert "2 poses (trajectory of mode 1)" in run.err
+
+
+def test_cones_that_are_kept_and_left_between_rows(gsp, tmp_path):
+    path = tmp_path / "path.csv"
+    near = ("--near", "0,0,60,1,0,0,0")
+    for far, kept in ((20, True), (45, False)):
+        path.write_text(f"x,y,z,qw,qx,qy,qz\n0,0,60,1,0,0,0\n{far},5,62,1,0.02,0,0\n", "utf-8")
+        run = gsp("track", "@workspace-study-cones", path, *near)
+        assert run.code == 0
+        note = "mode 8 keeps all cones from beginning to end, between rows too: proved"
+        assert (note in run.out) == kept
+        left = "mode 8: leg 2 leaves its cone at the base at t = 1.99462326, proved"
+        assert (left in run.err) != kept
+        document = json.loads(
+            gsp("track", "@workspace-study-cones", path, *near, "--format", "json").out
+        )
+        assert [event["proved"] for event in document["limits"]] == ([] if kept else [True])
+    run = gsp("track", "@workspace-study-cones", path, *near, "--no-certify")
+    assert "leg 2 leaves its cone at the base between t = 1 and 2\n" in run.err
