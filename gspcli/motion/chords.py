@@ -34,6 +34,8 @@ _NORM = 1.07
 #: Half the square of what bounds further from a chord than needed may add to a measure.
 _SPARE = 0.005
 _OUTWARD = 1 + 2.0**-30
+#: Singular values relatively below this are taken for zero.
+_SINGULAR = 2.0**-200
 #: Of the inverse times p, sums of eight products.
 PATCH = 2.0**-49
 #: A proof with a measure below this is good enough.
@@ -113,6 +115,9 @@ def prove(
             return found
         bends = Bends(parts, chord)
         _, sizes, right = np.linalg.svd(matrix)
+        # Of a singular matrix there are no weights.
+        if not (sizes[:, -1] > _SINGULAR * sizes[:, 0]).all():
+            return found
         for exponent in EXPONENTS:
             weights = (sizes[:, -1:] / sizes) ** exponent
             frame = np.swapaxes(right, 1, 2) * weights[:, None]
