@@ -134,7 +134,7 @@ def write(journal: Path) -> None:
             if each * entry["real"] <= least:
                 break
             found = certified(family, entry)
-            if found is None or found.real <= least:
+            if found.real <= least:
                 sys.stderr.write(f"{family.id}: {entry['real']} do not survive rounding\n")
                 continue
             known[family.id] = found
@@ -150,10 +150,10 @@ def _worth(entry: dict) -> tuple[int, float]:
     return -entry["real"], float(numbers.max())
 
 
-def certified(family: Family, entry: dict) -> Witness | None:
+def certified(family: Family, entry: dict) -> Witness:
     """Return a witness from an entry of the journal; rounding may cost it real solutions.
 
-    None if their number is then an odd one: not all were certified.
+    Where not all could be certified it has so many fewer that their number can be right.
     """
     kinds = kinds_of(family)
     numbers = Platforms(kinds, *(np.array(part, float) for part in entry["numbers"]))
@@ -164,7 +164,8 @@ def certified(family: Family, entry: dict) -> Witness | None:
     except GspError:
         instance = roughly_rounded(numbers)
         real = quickly_certified_real(instance, wanted)
-    return None if real % 2 else Witness(family, real, tuple(rows_of(instance)))
+    sides = 2 ** sum(kind.has_sides for kind in kinds)
+    return Witness(family, real - real % max(2, sides), tuple(rows_of(instance)))
 
 
 def save(known: dict[str, Witness]) -> None:
