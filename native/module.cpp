@@ -97,8 +97,9 @@ Build build_named(const std::string& name) {
 nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu> products,
                 Matrix start_g, Matrix start_h, Vector start_tau, Matrices target_g,
                 Matrices target_h, Matrix target_tau, Matrices more_g, Matrices more_h,
-                Matrix more_tau, Points points, Matrices low_points, double predictor_tolerance,
-                double contraction, double arrival, double radius_fraction, double min_step,
+                Matrix more_tau, Points points, Matrices low_points,
+                nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu> left,
+                double predictor_tolerance, double contraction, double arrival, double radius_fraction, double min_step,
                 double waypoint, double nearest, int max_steps, int digits, bool short_series,
                 int jobs, const std::string& build) {
   const std::size_t targets = target_g.shape(0), paths = points.shape(0);
@@ -121,6 +122,8 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
   require(low_points.shape(1) == kMore && low_points.shape(2) == kVariables &&
               (low_points.shape(0) == 0 || low_points.shape(0) == paths),
           "what is added to points must have shape (paths, 3, 8), or be of no paths");
+  require(left.shape(0) == 0 || left.shape(0) == paths,
+          "what is left of the way must have shape (paths,), or be of no paths");
   require(digits == 16 || digits == 32 || digits == 64, "digits must be 16, 32 or 64");
   const bool extended = digits > 16;
   require(points.shape(1) == kVariables, "points must have shape (paths, 8)");
@@ -135,7 +138,7 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
   const std::size_t total = targets * paths;
   auto point = std::make_unique<std::complex<double>[]>(total * kVariables);
   auto low = std::make_unique<std::complex<double>[]>(extended ? total * kMore * kVariables : 0);
-  auto t = std::make_unique<double[]>(total);
+  auto remaining = std::make_unique<double[]>(total);
   auto status = std::make_unique<std::uint8_t[]>(total);
   auto steps = std::make_unique<std::int32_t[]>(total);
   auto condition = std::make_unique<double[]>(total);
@@ -177,10 +180,11 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
             low_points.shape(0) == 0
                 ? nullptr
                 : reinterpret_cast<const Complex*>(low_points.data() + begin * kMore * kVariables),
+            left.shape(0) == 0 ? nullptr : left.data() + begin,
             {reinterpret_cast<Complex*>(point.get() + at * kVariables),
              extended ? reinterpret_cast<Complex*>(low.get() + at * kMore * kVariables) : nullptr,
-             t.get() + at, status.get() + at, steps.get() + at, condition.get() + at, curvature.get() + at,
-             residual.get() + at, correction.get() + at});
+             remaining.get() + at, status.get() + at, steps.get() + at, condition.get() + at,
+             curvature.get() + at, residual.get() + at, correction.get() + at});
       }
     };
     share(jobs, pieces, work);
@@ -188,7 +192,7 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
   const std::size_t eight = kVariables, three = kMore;
   return nb::make_tuple(owned(std::move(point), {targets, paths, eight}),
                         owned(std::move(low), {extended ? targets : 0, paths, three, eight}),
-                        owned(std::move(t), {targets, paths}),
+                        owned(std::move(remaining), {targets, paths}),
                         owned(std::move(status), {targets, paths}),
                         owned(std::move(steps), {targets, paths}),
                         owned(std::move(condition), {targets, paths}),
@@ -370,7 +374,7 @@ NB_MODULE(_kernel, m) {
         "Return points, errors and what has been solved; see gspcli.geometry.intersections.");
   m.def("track", &gsp::track, "products"_a, "start_g"_a, "start_h"_a, "start_tau"_a, "target_g"_a,
         "target_h"_a, "target_tau"_a, "more_g"_a, "more_h"_a, "more_tau"_a, "points"_a,
-        "low_points"_a, nb::kw_only(), "predictor_tolerance"_a, "contraction"_a, "arrival"_a,
+        "low_points"_a, "left"_a, nb::kw_only(), "predictor_tolerance"_a, "contraction"_a, "arrival"_a,
         "radius_fraction"_a, "min_step"_a, "waypoint"_a, "nearest"_a, "max_steps"_a, "digits"_a,
         "short_series"_a, "jobs"_a, "build"_a = "",
         "Track every point from the start system to each target; see gspcli.continuation.tracker.");

@@ -99,6 +99,14 @@ struct Steps {
     put(surplus, l, 1.0);
   }
 
+  // The first step goes nowhere at 1 - left, with all digits.
+  INLINE void start_before_end(int l, double left) {
+    Mask chosen{};
+    chosen[l] = -1;
+    t = select(chosen, splat(1.0) - splat(left), t);
+    next = select(chosen, t, next);
+  }
+
   // What the last term of the series is multiplied by, to be summed as a geometric series.
   INLINE C top() const {
     const V step = next - t;

@@ -195,8 +195,14 @@ void refine(const Homotopy& H, Workspace& w, int count, const int* index, const 
 class Tracker {
  public:
   Tracker(const Homotopy& homotopy, const Options& options, int paths, const Complex* points,
-          const Complex* low, const Results& out)
-      : H(homotopy), options_(options), paths_(paths), points_(points), low_(low), out_(out) {}
+          const Complex* low, const double* left, const Results& out)
+      : H(homotopy),
+        options_(options),
+        paths_(paths),
+        points_(points),
+        low_(low),
+        left_(left),
+        out_(out) {}
 
   void run() {
     for (int l = 0; l < W; ++l) load(l);
@@ -231,14 +237,15 @@ class Tracker {
       if (low_) put_all(s.series[0][i], l, scale, z[i], low_ + (z - points_) * kMore + i);
     }
     s.begin(l);
+    if (left_ && s.path[l] >= 0) s.start_before_end(l, left_[s.path[l]]);
     s.passed[l] = 0;
     s.steps[l] = 0;
   }
 
-  void finish(int l, Status status, const C* z, double t) {
+  void finish(int l, Status status, const C* z, double left) {
     const int p = s.path[l];
     store(z, l, p, out_);
-    out_.t[p] = t;
+    out_.left[p] = left;
     out_.status[p] = status;
     out_.steps[p] = s.steps[l];
     out_.condition[p] = out_.curvature[p] = out_.residual[p] = out_.correction[p] = -1.0;
@@ -303,13 +310,16 @@ class Tracker {
   INLINE void settle(const C* z, const V& arrived, const Mask& accepted) {
     const V ahead = s.next - s.t;
     const double waypoint = 1.0 - options_.waypoint;
-    const double nearest = 1.0 - options_.nearest;
+    // With all digits: a double cannot tell 1 - 1e-20 from 1.
+    const Mask there = arrived >= 1.0;
+    const V left = 1.0 - s.t;
+    const Mask near = (left < options_.nearest) & (s.next < 1.0);
     for (int l = 0; l < W; ++l) {
       if (s.path[l] < 0) continue;
       ++s.steps[l];
       if (accepted[l]) {
-        if (lane(arrived, l) == 1.0) {
-          finish(l, kRegular, z, 1.0);
+        if (there[l]) {
+          finish(l, kRegular, z, 0.0);
           continue;
         }
         if (lane(arrived, l) == waypoint) {
@@ -319,10 +329,11 @@ class Tracker {
       }
       const bool stuck =
           !(lane(ahead, l) > options_.min_step) || s.steps[l] >= options_.max_steps;
-      if (s.passed[l] && (stuck || (lane(s.t, l) > nearest && lane(s.next, l) < 1.0)))
-        finish(l, kSingular, s.waypoint, waypoint);
-      else if (stuck)
-        finish(l, kFailed, s.series[0], lane(s.t, l));
+      if (!stuck && !near[l]) continue;
+      if (s.passed[l])
+        finish(l, kSingular, s.waypoint, options_.waypoint);
+      else
+        finish(l, kFailed, s.series[0], lane(left, l));
     }
   }
 
@@ -342,6 +353,7 @@ class Tracker {
   const int paths_;
   const Complex* const points_;
   const Complex* const low_;
+  const double* const left_;
   const Results& out_;
   int upcoming_ = 0, under_way_ = 0;
   alignas(64) Workspace w;
@@ -351,8 +363,8 @@ class Tracker {
 }  // namespace
 
 void GSP_TRACK(const Homotopy& homotopy, const Options& options, int paths, const Complex* points,
-               const Complex* low, const Results& results) {
-  Tracker(homotopy, options, paths, points, low, results).run();
+               const Complex* low, const double* left, const Results& results) {
+  Tracker(homotopy, options, paths, points, low, left, results).run();
 }
 
 }  // namespace gsp

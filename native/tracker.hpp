@@ -60,7 +60,7 @@ enum Status : std::uint8_t { kRegular = 0, kSingular = 1, kFailed = 2 };
 struct Results {
   Complex* point;          // (paths, 8), norm 1
   Complex* low;            // (paths, kMore, 8), what more digits add to it; null in doubles
-  double* t;               // where the point belongs to
+  double* left;            // 1 - t where the point belongs to
   std::uint8_t* status;
   std::int32_t* steps;     // accepted and rejected
   double* condition;       // of the inverse Jacobian matrix, Frobenius, equations of magnitude 1
@@ -70,9 +70,10 @@ struct Results {
 };
 
 // Tracks the paths of one homotopy that start at `points` (paths, 8) from t = 0 to t = 1; what more
-// digits add to the points is `low` (paths, kMore, 8), or null.
+// digits add to the points is `low` (paths, kMore, 8), or null. They start at t = 1 - left (paths) if
+// that is not null.
 using Track = void(const Homotopy&, const Options&, int paths, const Complex* points,
-                   const Complex* low, const Results&);
+                   const Complex* low, const double* left, const Results&);
 Track track_portable, track_avx2, track_avx512;
 // The same in 32 and in 64 digits.
 Track track_portable_extended, track_avx2_extended, track_avx512_extended;

@@ -207,7 +207,7 @@ class _Attempt:
         self.jobs = jobs
         self.options = options
         self.points = results.points[0].copy()
-        self.t = results.t[0].copy()
+        self.left = results.left[0].copy()
         self.status = results.status[0].copy()
         self.condition = results.condition[0].copy()
         self.residual = results.residual[0].copy()
@@ -231,7 +231,7 @@ class _Attempt:
 
     def _track_again(self, index: NDArray[np.intp], options: TrackerOptions) -> None:
         results = self._track(self.origin, self.target, self.start.points[index], options)
-        for name in ("points", "t", "status", "condition", "residual", "correction"):
+        for name in ("points", "left", "status", "condition", "residual", "correction"):
             getattr(self, name)[index] = getattr(results, name)[0]
         self.regular[index] = clearly_simple(results)[0]
         self.error[index] = regular_error(self.correction[index])
@@ -264,7 +264,7 @@ class _Attempt:
     def _waypoints(self, index: NDArray[np.intp], options: TrackerOptions) -> ComplexArray:
         """Return the points of some paths where the endgame starts; NaN if not reached."""
         points: ComplexArray = self.points[index]
-        away = np.flatnonzero(options.digits > 16 | (self.t[index] != 1 - options.waypoint))
+        away = np.flatnonzero(options.digits > 16 | (self.left[index] != options.waypoint))
         if len(away):
             near = self.origin.towards(self.target, 1 - options.waypoint)
             starts = self.start.points[index[away]]

@@ -23,19 +23,20 @@ from gspcli.continuation.solutions import SystemSolutions, solutions_of
 from gspcli.continuation.start import StartSystem, start_system
 from gspcli.continuation.systems import Coefficients, ExtendedCoefficients, System
 from gspcli.continuation.tracker import (
+    CAREFUL,
     DEEP,
     DEEPEST,
     DEFAULT,
-    EXTENDED,
     PathResults,
+    PathStatus,
     TrackerOptions,
     track,
 )
 
 #: Newton's method converges where its last correction is not longer than this part of e.
 _SETTLED = 1e-3
-#: From so near to the target on paths are followed with 64 digits.
-_NEARBY = 1e-8
+#: From so near to the target on doubles may not tell paths from each other.
+_NEAR = 1e-3
 _BATCH = 256
 _BATCH_PATHS = 65_536
 
@@ -55,6 +56,8 @@ class PursuedEnds:
         Which are beyond doubt simple solutions of the system in doubles, shape (k,).
     settled
         At which Newton's method converges, with these digits, shape (k,).
+    left
+        Which part of the way was left where they were given up, shape (k,).
     digits
         With how many digits they were computed.
     """
@@ -63,6 +66,7 @@ class PursuedEnds:
     low: ComplexArray
     simple: NDArray[np.bool_]
     settled: NDArray[np.bool_]
+    left: FloatArray
     digits: int
 
     def take(self, index: NDArray[np.bool_] | NDArray[np.intp]) -> PursuedEnds:
@@ -72,6 +76,7 @@ class PursuedEnds:
             self.low[index],
             self.simple[index],
             self.settled[index],
+            self.left[index],
             self.digits,
         )
 
@@ -151,7 +156,7 @@ class Pursuit:
     def deeply(
         self, index: NDArray[np.intp], target: ExtendedCoefficients, attempt: int = 0
     ) -> PursuedEnds:
-        """Follow some paths with 32 digits up to the target itself.
+        """Follow some paths with 32 digits up to the target itself, from where doubles may err.
 
         Parameters
         ----------
@@ -162,34 +167,62 @@ class Pursuit:
         attempt
             Another number leads the same start points along other paths.
         """
-        start = random_start(self._start, self.seed, attempt)
-        high, more = target
-        points = self._start.points[index]
-        results = track(start, high, points, more=more, options=DEEP, jobs=self._jobs)
-        return self._ends(results, DEEP.digits)
+        points, left = self._near(index, target, attempt)
+        return self._followed(points, None, left, target, attempt, DEEP)
 
     def deepest(
-        self, index: NDArray[np.intp], target: ExtendedCoefficients, attempt: int = 0
+        self,
+        index: NDArray[np.intp],
+        ends: PursuedEnds,
+        target: ExtendedCoefficients,
+        attempt: int = 0,
     ) -> PursuedEnds:
-        """Follow some paths with 64 digits; as `deeply`.
+        """Follow the same paths on with 64 digits.
 
-        All but the last part of the way is gone with 32 digits.
+        Parameters
+        ----------
+        index, target, attempt
+            As for `deeply`.
+        ends
+            Where 32 digits have led them. Those that have reached the target have jumped, and are
+            followed from where doubles may err.
         """
-        start = random_start(self._start, self.seed, attempt)
-        nearby = System(start.structure, target.nearby(start.coefficients, _NEARBY))
+        points, low, left = ends.points.copy(), ends.low.copy(), ends.left.copy()
+        for part in (points, low):
+            part[..., 4:] /= self.scale
+        if (jumped := left == 0).any():
+            points[jumped], left[jumped] = self._near(index[jumped], target, attempt)
+            low[jumped] = 0
+        return self._followed(points, low, left, target, attempt, DEEPEST)
+
+    def _near(
+        self, index: NDArray[np.intp], target: ExtendedCoefficients, attempt: int
+    ) -> tuple[ComplexArray, FloatArray]:
+        """Return where some paths are as far as doubles can follow them, and what is left."""
+        origin = random_start(self._start, self.seed, attempt)
+        near = System(origin.structure, target.nearby(origin.coefficients, _NEAR))
         points = self._start.points[index]
-        there = track(start, nearby, points, options=EXTENDED, jobs=self._jobs)
+        results = track(origin, near, points, options=CAREFUL, jobs=self._jobs)
+        arrived = results.status[0] == PathStatus.REGULAR
+        there = np.where(arrived[:, None], results.points[0], points)
+        return there, np.where(arrived, _NEAR, 1.0)
+
+    def _followed(
+        self,
+        points: ComplexArray,
+        low: ComplexArray | None,
+        left: FloatArray,
+        target: ExtendedCoefficients,
+        attempt: int,
+        options: TrackerOptions,
+    ) -> PursuedEnds:
+        """Follow paths to the target from points on the way."""
+        origin = random_start(self._start, self.seed, attempt)
         high, more = target
         results = track(
-            nearby,
-            high,
-            there.points[0],
-            more=more,
-            low=there.low[0],
-            options=DEEPEST,
-            jobs=self._jobs,
+            origin, high, points, more=more, low=low, left=left, options=options, jobs=self._jobs
         )
-        return self._ends(results, DEEPEST.digits)
+        return self._ends(results, options.digits)
 
     def solutions(self) -> SystemSolutions:
         """Return where all paths end, by the means of numerical path tracking alone."""
@@ -207,7 +240,8 @@ class Pursuit:
         # Where it was not run the correction is negative.
         correction, e = results.correction[0], np.abs(results.points[0, :, :4]).max(axis=1)
         settled = (correction >= 0) & (correction < _SETTLED * e)
-        return PursuedEnds(points, low, clearly_simple(results)[0], settled, digits)
+        simple = clearly_simple(results)[0]
+        return PursuedEnds(points, low, simple, settled, results.left[0], digits)
 
 
 def pursue(

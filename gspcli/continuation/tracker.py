@@ -19,10 +19,11 @@ class PathStatus(IntEnum):
     REGULAR = 0
     """It reached the target, and Newton's method was run there."""
     SINGULAR = 1
-    """It was stopped in front of the target, where the Jacobian matrix degenerates; its point
-    belongs to the waypoint `t`."""
+    """It was stopped in front of the target, where the Jacobian matrix degenerates; its point is
+    that of the waypoint."""
     FAILED = 2
-    """It was stopped on the way: the step became too small, or the steps too many."""
+    """It was stopped on the way: the step became too small, or the steps too many. So are paths in
+    front of the target that have passed no waypoint."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,8 @@ class TrackerOptions:
     min_step: float = 1e-14
     """A step in t below this fails."""
     waypoint: float = 1e-3
-    """Distance 1 - t from which the endgame starts for paths that need it."""
+    """Distance 1 - t from which the endgame starts for paths that need it; 0 if there is to be
+    none."""
     nearest: float = 1e-12
     """Distance 1 - t below which a path that still cannot step to the target needs it. Two
     regular solutions as near as 1e-6 are told apart only if this is small."""
@@ -66,9 +68,13 @@ PARANOID = TrackerOptions(
 )
 EXTENDED = replace(CAREFUL, digits=32)
 #: As near to the target as 32 digits can tell, for ends that are judged in more digits still.
-DEEP = replace(EXTENDED, arrival=1e-12, nearest=1e-28, min_step=1e-30, max_steps=400)
+DEEP = replace(
+    EXTENDED, arrival=1e-12, waypoint=0.0, nearest=1e-28, min_step=1e-30, max_steps=400
+)
 #: The same with 64 digits.
-DEEPEST = replace(CAREFUL, digits=64, arrival=1e-20, nearest=1e-50, min_step=1e-56, max_steps=400)
+DEEPEST = replace(
+    CAREFUL, digits=64, arrival=1e-20, waypoint=0.0, nearest=1e-50, min_step=1e-56, max_steps=400
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,8 +86,8 @@ class PathResults:
     low: ComplexArray
     """What more digits add to the points: three doubles each, shape (B, P, 3, 8); (0, P, 3, 8) if
     16 were computed."""
-    t: FloatArray
-    """Where on the way from 0 to 1 the points are, shape (B, P)."""
+    left: FloatArray
+    """How much of the way from t = 0 to 1 was left at the points: 1 - t, shape (B, P)."""
     status: NDArray[np.uint8]
     """`PathStatus`, shape (B, P)."""
     steps: NDArray[np.int32]
@@ -106,6 +112,7 @@ def track(
     *,
     more: Coefficients | None = None,
     low: ComplexArray | None = None,
+    left: FloatArray | None = None,
     options: TrackerOptions = DEFAULT,
     jobs: int = 1,
     build: str = "",
@@ -129,6 +136,9 @@ def track(
         16 digits; leading axis (3,).
     low
         What is to be added to the points, likewise, shape (P, 3, 8).
+    left
+        How much of the way, 1 - t, is left at the points, shape (P,): they are solutions there;
+        all of it if not given.
     options
         Settings.
     jobs
@@ -146,11 +156,13 @@ def track(
     further = targets.take(slice(0)) if more is None else more
     rest = np.zeros((0, 3, points.shape[1]), complex) if low is None else low
     given = (*start.coefficients, *targets, *further, points, rest)
+    begun = np.zeros(0) if left is None else np.ascontiguousarray(left, dtype=np.float64)
     arrays = [np.ascontiguousarray(x, dtype=np.complex128) for x in given]
     return PathResults(
         *_kernel.track(
             start.structure.is_product,
             *arrays,
+            begun,
             predictor_tolerance=options.predictor_tolerance,
             contraction=options.contraction,
             arrival=options.arrival,

@@ -29,6 +29,8 @@ _ELIMINABLE = 130
 _ATTEMPTS, _MOST_ATTEMPTS = 3, 8
 #: Poses that agree to this part of their largest entry are not worth locating again.
 _KNOWN = 1e-13
+#: Points with smaller imaginary parts may be real.
+_NEARLY_REAL = 1e-6
 
 
 class Search:
@@ -97,7 +99,7 @@ class Search:
         new[ends.settled] = self._locate(ends.take(ends.settled))
         yield
         # Two paths to one pose: one of them has jumped.
-        ends = self.pursuit.deepest(index[~new], self._target, attempt)
+        ends = self.pursuit.deepest(index[~new], ends.take(~new), self._target, attempt)
         new = self._locate(ends)
         self.left = ends.take(~new)
         yield
@@ -126,9 +128,14 @@ class Search:
     def _locate(self, ends: PursuedEnds) -> NDArray[np.bool_]:
         """Add the poses near ends, and their conjugates; return which ends have led to new ones."""
         new = ~self._is_known(ends)
+        index = np.flatnonzero(new)
+        # One of each pair of conjugates is enough.
+        source = index[_sources(ends.points[index])]
+        sought = index[source == index]
         bits = FIRST_PRECISION * ends.digits // 16
-        located = self.locator.locate(ends.points[new], ends.low[new], self.sides, bits)
-        new[new] = [self._adds(end) for end in located]
+        located = self.locator.locate(ends.points[sought], ends.low[sought], self.sides, bits)
+        new[sought] = [self._adds(end) for end in located]
+        new[index] = new[source]
         self.found.add_conjugates()
         for end in located:
             if isinstance(end, AtInfinity):
@@ -180,3 +187,21 @@ class Search:
                 for pose, unit in zip(here, size.tolist(), strict=True)
             ]
         return np.array(near, np.bool_).reshape(len(here))
+
+
+def _sources(points: Field) -> NDArray[np.intp]:
+    """Return for each Study point an earlier one whose conjugate it is, else itself, shape (k,)."""
+    source = np.arange(len(points))
+    for i, point in enumerate(points):
+        k = np.abs(point[:4]).argmax()
+        unit = point / point[k]
+        size = np.repeat([1.0, np.abs(unit[4:]).max()], 4)
+        if np.abs(unit.imag / size).max() < _NEARLY_REAL:
+            continue
+        others = points[:i].conj()
+        with np.errstate(divide="ignore", invalid="ignore"):
+            gaps = np.abs((others / others[:, k : k + 1] - unit) / size).max(axis=1, initial=0.0)
+        same = np.flatnonzero(gaps < _KNOWN)
+        if len(same):
+            source[i] = source[same[0]]
+    return source

@@ -85,7 +85,7 @@ def test_batched_equals_looped_in_any_order(homotopy):
 def test_too_few_steps_fail(homotopy):
     results = track(*homotopy, options=TrackerOptions(max_steps=3))
     assert (results.status == PathStatus.FAILED).all()
-    assert (results.t < 1).all()
+    assert (results.left > 0).all()
 
 
 def test_a_point_that_is_no_solution_fails(homotopy):
