@@ -27,6 +27,7 @@ from gspcli.continuation.tracker import (
     DEEP,
     DEEPEST,
     DEFAULT,
+    EXTENDED,
     PathResults,
     PathStatus,
     TrackerOptions,
@@ -35,8 +36,8 @@ from gspcli.continuation.tracker import (
 
 #: Newton's method converges where its last correction is not longer than this part of e.
 _SETTLED = 1e-3
-#: From so near to the target on doubles may not tell paths from each other.
-_NEAR = 1e-3
+#: From so near to the target on doubles may not tell paths from each other, and 32 digits not.
+_NEAR, _NEARBY = 1e-3, 1e-8
 _BATCH = 256
 _BATCH_PATHS = 65_536
 
@@ -56,8 +57,6 @@ class PursuedEnds:
         Which are beyond doubt simple solutions of the system in doubles, shape (k,).
     settled
         At which Newton's method converges, with these digits, shape (k,).
-    left
-        Which part of the way was left where they were given up, shape (k,).
     digits
         With how many digits they were computed.
     """
@@ -66,7 +65,6 @@ class PursuedEnds:
     low: ComplexArray
     simple: NDArray[np.bool_]
     settled: NDArray[np.bool_]
-    left: FloatArray
     digits: int
 
     def take(self, index: NDArray[np.bool_] | NDArray[np.intp]) -> PursuedEnds:
@@ -76,7 +74,6 @@ class PursuedEnds:
             self.low[index],
             self.simple[index],
             self.settled[index],
-            self.left[index],
             self.digits,
         )
 
@@ -167,62 +164,45 @@ class Pursuit:
         attempt
             Another number leads the same start points along other paths.
         """
-        points, left = self._near(index, target, attempt)
-        return self._followed(points, None, left, target, attempt, DEEP)
+        origin = random_start(self._start, self.seed, attempt)
+        points, left = self._near(origin, target, index)
+        high, more = target
+        results = track(origin, high, points, more=more, left=left, options=DEEP, jobs=self._jobs)
+        return self._ends(results, DEEP.digits)
 
     def deepest(
-        self,
-        index: NDArray[np.intp],
-        ends: PursuedEnds,
-        target: ExtendedCoefficients,
-        attempt: int = 0,
+        self, index: NDArray[np.intp], target: ExtendedCoefficients, attempt: int = 0
     ) -> PursuedEnds:
-        """Follow the same paths on with 64 digits.
-
-        Parameters
-        ----------
-        index, target, attempt
-            As for `deeply`.
-        ends
-            Where 32 digits have led them. Those that have reached the target have jumped, and are
-            followed from where doubles may err.
-        """
-        points, low, left = ends.points.copy(), ends.low.copy(), ends.left.copy()
-        for part in (points, low):
-            part[..., 4:] /= self.scale
-        if (jumped := left == 0).any():
-            points[jumped], left[jumped] = self._near(index[jumped], target, attempt)
-            low[jumped] = 0
-        return self._followed(points, low, left, target, attempt, DEEPEST)
+        """Follow some paths with 64 digits, from where 32 may err; as `deeply`."""
+        origin = random_start(self._start, self.seed, attempt)
+        points, left = self._near(origin, target, index)
+        nearby = System(origin.structure, target.nearby(origin.coefficients, _NEARBY))
+        # Of the shorter way less is left.
+        rest = (left - _NEARBY) / (1 - _NEARBY)
+        there = track(origin, nearby, points, left=rest, options=EXTENDED, jobs=self._jobs)
+        high, more = target
+        # From there, so that the last part of the way is not too short for the exponents of series.
+        results = track(
+            nearby,
+            high,
+            there.points[0],
+            more=more,
+            low=there.low[0],
+            options=DEEPEST,
+            jobs=self._jobs,
+        )
+        return self._ends(results, DEEPEST.digits)
 
     def _near(
-        self, index: NDArray[np.intp], target: ExtendedCoefficients, attempt: int
+        self, origin: System, target: ExtendedCoefficients, index: NDArray[np.intp]
     ) -> tuple[ComplexArray, FloatArray]:
         """Return where some paths are as far as doubles can follow them, and what is left."""
-        origin = random_start(self._start, self.seed, attempt)
         near = System(origin.structure, target.nearby(origin.coefficients, _NEAR))
         points = self._start.points[index]
         results = track(origin, near, points, options=CAREFUL, jobs=self._jobs)
         arrived = results.status[0] == PathStatus.REGULAR
         there = np.where(arrived[:, None], results.points[0], points)
         return there, np.where(arrived, _NEAR, 1.0)
-
-    def _followed(
-        self,
-        points: ComplexArray,
-        low: ComplexArray | None,
-        left: FloatArray,
-        target: ExtendedCoefficients,
-        attempt: int,
-        options: TrackerOptions,
-    ) -> PursuedEnds:
-        """Follow paths to the target from points on the way."""
-        origin = random_start(self._start, self.seed, attempt)
-        high, more = target
-        results = track(
-            origin, high, points, more=more, low=low, left=left, options=options, jobs=self._jobs
-        )
-        return self._ends(results, options.digits)
 
     def solutions(self) -> SystemSolutions:
         """Return where all paths end, by the means of numerical path tracking alone."""
@@ -240,8 +220,7 @@ class Pursuit:
         # Where it was not run the correction is negative.
         correction, e = results.correction[0], np.abs(results.points[0, :, :4]).max(axis=1)
         settled = (correction >= 0) & (correction < _SETTLED * e)
-        simple = clearly_simple(results)[0]
-        return PursuedEnds(points, low, simple, settled, results.left[0], digits)
+        return PursuedEnds(points, low, clearly_simple(results)[0], settled, digits)
 
 
 def pursue(

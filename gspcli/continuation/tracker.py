@@ -68,12 +68,10 @@ PARANOID = TrackerOptions(
 )
 EXTENDED = replace(CAREFUL, digits=32)
 #: As near to the target as 32 digits can tell, for ends that are judged in more digits still.
-DEEP = replace(
-    EXTENDED, arrival=1e-12, waypoint=0.0, nearest=1e-28, min_step=1e-30, max_steps=400
-)
+DEEP = replace(EXTENDED, arrival=1e-12, waypoint=0.0, nearest=1e-28, min_step=1e-30, max_steps=150)
 #: The same with 64 digits.
 DEEPEST = replace(
-    CAREFUL, digits=64, arrival=1e-20, waypoint=0.0, nearest=1e-50, min_step=1e-56, max_steps=400
+    CAREFUL, digits=64, arrival=1e-20, waypoint=0.0, nearest=1e-50, min_step=1e-56, max_steps=200
 )
 
 

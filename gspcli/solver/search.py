@@ -99,7 +99,7 @@ class Search:
         new[ends.settled] = self._locate(ends.take(ends.settled))
         yield
         # Two paths to one pose: one of them has jumped.
-        ends = self.pursuit.deepest(index[~new], ends.take(~new), self._target, attempt)
+        ends = self.pursuit.deepest(index[~new], self._target, attempt)
         new = self._locate(ends)
         self.left = ends.take(~new)
         yield
