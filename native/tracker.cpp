@@ -322,7 +322,7 @@ class Tracker {
           finish(l, kRegular, z, 0.0);
           continue;
         }
-        if (lane(arrived, l) == waypoint) {
+        if (options_.waypoint > 0.0 && lane(arrived, l) == waypoint) {
           s.passed[l] = -1;
           for (int i = 0; i < N; ++i) put(s.waypoint[i], l, lane(z[i], l));
         }

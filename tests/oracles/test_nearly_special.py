@@ -12,8 +12,8 @@ SAMPLE = {
     "joints": ["3-3/spatial/1e-2", "3-3/planar/1e-7", "6-4/spatial/1e-12", "6-3/planar/exact"],
     "bodies": ["congruent/1e-5", "similar-plates/1e-7", "congruent/exact"],
     "double": ["axis-1/exact", "axis-1/+1e-14", "axis-2/-1e-14"],
-    # Poses at 1e12 lengths: 64 digits.
-    "parallels": ["DPH-1/1e-8", "DLL-2/1e-12"],
+    # Poses at 1e12 and at 1e25 lengths: 64 digits.
+    "parallels": ["DPH-1/1e-8", "DLL-2/1e-12", "DPL-1/1e-12"],
     "line-pairs": ["1/parallel", "1/1e-9", "2/1e-12"],
     "couplings": ["vees-1/one/1e-9", "vees-2/one/exact"],
     "dependent": ["1/1e-12"],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -86,6 +87,31 @@ def test_too_few_steps_fail(homotopy):
     results = track(*homotopy, options=TrackerOptions(max_steps=3))
     assert (results.status == PathStatus.FAILED).all()
     assert (results.left > 0).all()
+
+
+def test_paths_that_are_followed_in_two_parts_end_where_they_do_in_one(homotopy):
+    start, targets, points = homotopy
+    target = targets.take(slice(1))
+    near = System(start.structure, start.coefficients.towards(target.take(0), 0.875))
+    there = track(start, near, points)
+    assert (there.status == PathStatus.REGULAR).all()
+    on = track(start, target, there.points[0], left=np.full(len(points), 0.125))
+    assert (on.status == PathStatus.REGULAR).all()
+    assert same(track(start, target, points), on)
+    with pytest.raises(ValueError, match="left of the way must have shape"):
+        track(start, target, points, left=np.ones(1))
+
+
+@pytest.mark.parametrize("digits", [32, 64])
+def test_a_path_is_not_at_the_target_where_only_a_double_cannot_tell_it_from_it(homotopy, digits):
+    start, targets, points = homotopy
+    target = targets.take(slice(1))
+    ends = track(start, target, points[:8]).points[0]
+    options = replace(EXTENDED, digits=digits, waypoint=0.0, min_step=1e-18)
+    results = track(start, target, ends, left=np.full(8, 1e-20), options=options)
+    # Too near for a step, and yet not there.
+    assert (results.status == PathStatus.FAILED).all()
+    assert (results.left == 1e-20).all()
 
 
 def test_a_point_that_is_no_solution_fails(homotopy):
