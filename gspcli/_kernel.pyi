@@ -16,6 +16,7 @@ def track(
     more_tau: NDArray[np.complex128],
     points: NDArray[np.complex128],
     low_points: NDArray[np.complex128],
+    left: NDArray[np.float64],
     *,
     predictor_tolerance: float,
     contraction: float,
