@@ -160,7 +160,7 @@ def track(
         *_kernel.track(
             start.structure.is_product,
             *arrays,
-            begun,
+            left=begun,
             predictor_tolerance=options.predictor_tolerance,
             contraction=options.contraction,
             arrival=options.arrival,
