@@ -91,14 +91,15 @@ class Neighbourhood:
         #: Derivatives of the seven equations, shape (n, 7, 8).
         self.jacobian = platform.jacobian(points, values)
         square = np.concatenate((self.jacobian, points[:, None]), axis=1)
-        # A singular matrix gives numbers that prove nothing.
+        # Of a singular matrix nothing is proved.
         with np.errstate(all="ignore"):
             regular = np.abs(np.linalg.det(square)) > 0
         safe = np.where(regular[:, None, None], square, np.eye(8))
         whole = np.linalg.inv(safe)
         #: Approximate inverses without the column of the patch, shape (n, 8, 7).
         self.inverse = whole[:, :, :7]
-        self.defect = np.linalg.norm(whole @ safe - np.eye(8), axis=(1, 2))
+        defect = np.linalg.norm(whole @ safe - np.eye(8), axis=(1, 2))
+        self.defect = np.where(regular, defect, np.inf)
         self._jets()
 
     def _jets(self) -> None:

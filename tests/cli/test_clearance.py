@@ -134,3 +134,7 @@ def test_poses_without_number(gsp, tmp_path):
         assert (run.code, run.out) == (3, "")
         assert "infinitely many" in run.err
         assert gsp(command, path, "--pose", "0,0,2,1,0,0,0").code == 0
+    # The legs are parallel: that pose is singular.
+    for of in ("values", "pose"):
+        run = gsp("clearance", path, "--pose", "0,0,2,1,0,0,0", "--of", of, "--format", "json")
+        assert json.loads(run.out)["modes"][0]["lower"] == 0
