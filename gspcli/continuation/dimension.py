@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.systems import System
 
+#: What rounding leaves of e.e of points of norm one where it is zero.
+_INFINITE = 1e-14
+
 
 @dataclass(frozen=True)
 class DimensionOptions:
@@ -208,7 +211,7 @@ def sample_motions(
     -------
     list of ndarray
         For each a motion that begins with the point, shape (at most steps + 1, 8), norm 1; real
-        if the point and the direction are.
+        if the point and the direction are. It ends before infinity.
     """
     real = np.asarray(~(points.imag.any(axis=1) | directions.imag.any(axis=1)))
     motions = [[point] for point in points]
@@ -228,6 +231,8 @@ def sample_motions(
         relative = size / options.distance
         most = options.most * options.stride
         going = converged & (relative > options.least) & (relative < most)
+        # A motion ends at infinity, where e.e is zero and the points are no poses.
+        going &= np.abs((moved[:, :4] ** 2).sum(axis=1)) > _INFINITE
         moving, real, directions = moving[going], real[going], directions[going]
         for i, point in zip(moving, moved[going], strict=True):
             motions[i].append(point)
