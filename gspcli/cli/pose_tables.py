@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -142,6 +142,25 @@ def pose_tables(
     return [
         Table([orientation, *rotation, positions], leaders, title, (), summary, "orientations"),
         Table([number, orientation, *translation, *last], rows, notes=notes, part="poses"),
+    ]
+
+
+def lone_tables(result: SolveResult, shown: Shown) -> list[Table]:
+    """Return the real poses that are isolated among the real ones only, if there are any."""
+    alone = replace(shown, indices=range(len(result.lone.R)), distances=None)
+    if not alone.indices:
+        return []
+    notes = [
+        "none of these real poses can move, and there are no others: known by exact counts; "
+        "that all constraints hold there is known to 50 decimals, or 9 where poses meet"
+    ]
+    tables = pose_tables(result.lone, alone, certify=False, summary=[], notes=notes)
+    # As equations over the complex numbers the constraints are singular there.
+    return [
+        replace(
+            table, title="real poses", columns=[c for c in table.columns if c.key != "condition"]
+        )
+        for table in tables
     ]
 
 

@@ -131,10 +131,10 @@ def _platform_drawn(spec: str, built: Mechanism, fmt: str) -> bytes:
     instance = load_instance(spec)
     with working("solving"):
         result = solve(instance, certify=False)
-    if not result.counts.real:
+    if not result.drawn.counts.real:
         message = f"{spec}: no real pose to draw the mechanism at; name its type for the chains"
         raise GspError(message)
-    scene = scene_of(result, only=best_mode(result))
+    scene = scene_of(result, only=best_mode(result.drawn))
     return mechanism_drawing(scene, built, fmt, 0)
 
 

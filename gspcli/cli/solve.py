@@ -116,7 +116,7 @@ def command(
       gsp solve platform.yaml --rotation ZYX --near 0,0,250,0,0,0
       gsp new "DPL DPL DLP ALL ALL ALH" | gsp solve - --all -o poses.json
     """
-    from gspcli.cli.pose_tables import LEGEND, Shown, data_table, pose_tables
+    from gspcli.cli.pose_tables import LEGEND, Shown, data_table, lone_tables, pose_tables
     from gspcli.cli.summary import remarks, summary
     from gspcli.solver import solve
     from gspcli.solver.columns import ROTATIONS, rotation_columns
@@ -146,6 +146,7 @@ def command(
             notes.append("nearest: by the translation and the turn times the platform's size")
         notes += LEGEND if legend else ()
         tables = pose_tables(result, shown, certify=not no_certify, summary=lines, notes=notes)
+        tables += lone_tables(result, shown)
         if any(proved):
             rows = [
                 {"number": number, **decimals(pose or {})}
@@ -250,6 +251,9 @@ def _complain(result: SolveResult, *, certified: bool) -> None:
     counts = result.counts
     if result.verdict == "infinite":
         message = "the poses are infinitely many"
+        if count := len(result.lone.R):
+            alone = f"{count} are real" if count > 1 else "one is real"
+            raise NotFiniteError(f"{message} over the complex numbers; {alone}, and cannot move")
         for motion in result.motions[:1]:
             how = "the platform can move" if motion.real else "over the complex numbers"
             message += (

@@ -46,6 +46,8 @@ def _real(result: SolveResult, *, certify: bool) -> str:
     # Those of a motion are real, too, and not counted.
     which = "isolated real" if result.verdict == "infinite" else "real"
     text = f"{real or 'no'} {which} pose{'s' * (real > 1)}"
+    if lone := len(result.lone.R):
+        return f"{lone} real pose{'s' * (lone > 1)} that cannot move"
     if not result.counts.found or not certify:
         return text
     # Where there is no real pose it is the others whose certificates say so.
@@ -72,8 +74,10 @@ def _completeness(result: SolveResult) -> str:
     poses = f"{found} pose{'s' * (found != 1)}, real or not"
     if result.verdict == "infinite":
         isolated = f"{found or 'no'} isolated one{'s' * (found != 1)}"
+        where = " over the complex numbers" if len(result.lone.R) else ""
         return (
-            f"{verdict}: infinitely many poses and {isolated}; the type can have {result.expected}"
+            f"{verdict}: infinitely many poses{where} and {isolated}; "
+            f"the type can have {result.expected}"
         )
     if ends.found != found:
         poses += f", {ends.found} with multiplicities"

@@ -112,7 +112,7 @@ def command(
         output = replace(output, path=path)
     with working("solving"):
         result = solve(instance)
-    start, names = _start(result, mode), not no_names
+    start, names = _start(result.drawn, mode), not no_names
     content: str | bytes
     if output.format == _PAGE:
         said = " ".join(f"{line}." for line in summary(result, certify=True))
@@ -120,7 +120,7 @@ def command(
         first = len(scene.series) - len(tracks) if tracks else None
         content = page(scene, start, first, view, names=names)
     else:
-        alone = not all_modes and result.counts.real > 0
+        alone = not all_modes and result.drawn.counts.real > 0
         scene = scene_of(result, only=start if alone else None)
         content = drawing(scene, output.format, range(len(scene.series[0])), view, names=names)
     write(output, content)

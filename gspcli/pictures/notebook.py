@@ -22,7 +22,7 @@ def notebook_view(result: SolveResult) -> str:
     result
         What `gspcli.solver.solve` found.
     """
-    document = escape(page(scene_of(result), best_mode(result)))
+    document = escape(page(scene_of(result), best_mode(result.drawn)))
     title = escape(result.instance.name or result.instance.type.id)
     # In a frame of its own the page's style and scripts touch nothing of the notebook's.
     return (

@@ -38,7 +38,7 @@ def scene_of(
         What is said of the result; its account if empty.
     """
     instance, arrangement = result.instance, result.arrangement
-    shown = [_modes(result, only)]
+    shown = [_modes(result.drawn, only)]
     if only is None:
         shown += [*_motions(result), *tracks]
     still = [poses for poses in shown if not poses.coordinates]
@@ -109,7 +109,7 @@ def _modes(result: SolveResult, only: int | None) -> Poses:
 
 
 def _motions(result: SolveResult) -> list[Poses]:
-    real = [motion for motion in result.motions if motion.real][:_MOTIONS]
+    real = [motion for motion in result.motions if motion.real and motion.dimension][:_MOTIONS]
     return [
         Poses(
             "Self-motion" + (f" {number}" if len(real) > 1 else ""),

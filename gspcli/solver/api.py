@@ -170,7 +170,13 @@ def _special(
 
     if pursuits is None:
         pursuits, _ = next(_each_tracked([arrangement], seed, jobs))
-    return solve_special(instance, arrangement, pursuits, seed=seed, limit=limit)
+    poses = solve_special(instance, arrangement, pursuits, seed=seed, limit=limit)
+    if limit == 0 or poses.account.verdict != "infinite" or any(m.real for m in poses.motions):
+        return poses
+    from gspcli.solver.real_statements import lone_real_poses
+
+    found = lone_real_poses(instance, lambda other: solve(other, seed=seed, jobs=jobs).poses)
+    return replace(poses, motions=(*(found or ()), *poses.motions))
 
 
 def _proved(instance: Instance, poses: PoseSet) -> PoseSet:

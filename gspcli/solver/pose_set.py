@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.paths import PathAccount
-from gspcli.geometry.quaternions import Field
+from gspcli.geometry.quaternions import Field, quaternion_from_rotation
 from gspcli.solver.proof import Ground, Proof
 
 Complex = NDArray[np.complex128]
@@ -21,15 +21,16 @@ _NO_POSES = ("at_infinity", "on_curves", "spurious", "lost")
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A positive-dimensional set of poses around a sample.
+    """A set of poses around a sample, where solutions are not isolated over the complex numbers.
 
     Attributes
     ----------
     dimension
-        Local dimension of the set, as far as independent steps were found.
+        Local dimension of the set, as far as independent steps were found. Zero is that of a real
+        pose from which no real motion begins (`gspcli.solver.real_statements`).
     real
-        Whether the poses are real, so that the platform really moves; else the set is known
-        only over the complex numbers.
+        Whether the poses are real, so that the platform really moves if the dimension is not
+        zero; else the set is known only over the complex numbers.
     R, T
         Consecutive poses, shapes (m, 3, 3) and (m, 3); the first is the sample.
     """
@@ -61,7 +62,7 @@ class PoseSet:
     multiplicity
         How many paths end at each, shape (n,).
     motions
-        Positive-dimensional sets of poses that were found.
+        Sets of poses that are not isolated, as far as they were found.
     account
         What became of every path, for all sides asked for.
     proof
@@ -117,6 +118,24 @@ class PoseSet:
             motions=(),
             account=PathAccount(expected=expected, lost=expected),
             problem=problem,
+        )
+
+    @property
+    def lone(self) -> PoseSet:
+        """The real poses from which no real motion begins, as poses that are found."""
+        motions = [motion for motion in self.motions if not motion.dimension]
+        count = len(motions)
+        R = np.concatenate([np.zeros((0, 3, 3)), *(motion.R for motion in motions)])
+        T = np.concatenate([np.zeros((0, 3)), *(motion.T for motion in motions)])
+        return PoseSet(
+            quaternions=quaternion_from_rotation(R).astype(complex),
+            R=R.astype(complex),
+            T=T.astype(complex),
+            real=np.ones(count, bool),
+            certified=np.zeros(count, bool),
+            multiplicity=np.ones(count, int),
+            motions=(),
+            account=PathAccount(expected=count, found=count),
         )
 
     def decided(self, certified: NDArray[np.bool_], real: NDArray[np.bool_]) -> PoseSet:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -93,8 +93,20 @@ class SolveResult:
 
     @property
     def motions(self) -> tuple[Motion, ...]:
-        """Positive-dimensional sets of poses that were found."""
+        """Sets of poses that are not isolated, as far as they were found."""
         return self.poses.motions
+
+    @property
+    def lone(self) -> SolveResult:
+        """The same platform with the real poses that are isolated among the real ones only."""
+        lone = self.poses.lone
+        order = stable_order(lone, self.arrangement.length)
+        return replace(self, poses=lone.reordered(order))
+
+    @property
+    def drawn(self) -> SolveResult:
+        """What there is to look at: itself, or `lone` if no real pose is isolated."""
+        return self if self.counts.real else self.lone
 
     @property
     def account(self) -> PathAccount:
