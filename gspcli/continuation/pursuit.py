@@ -248,14 +248,37 @@ def pursue(
             balanced, scale = given.balanced()
             sizes = given.in_units(scale).sizes()
             origin = random_start(start, seed, 0)
-            results = track(origin, balanced, start.points, options=options, jobs=jobs)
-            regular = all_regular(results).tolist()
-            for i in range(len(batch)):
-                row = PathResults(*(getattr(results, f.name)[i : i + 1] for f in fields(results)))
+            attempts = first_attempts(origin, balanced, start.points, options=options, jobs=jobs)
+            for i, (row, regular) in enumerate(attempts):
                 target = System(start.system.structure, balanced.take(i))
-                if not regular[i]:
-                    row = mended(origin, target, start.points, row, jobs)
-                    regular[i] = bool(all_regular(row)[0])
                 divisors = sizes[0][i], sizes[1][i]
-                unit = float(scale[i])
-                yield Pursuit(start, target, unit, divisors, row, regular[i], seed, jobs)
+                yield Pursuit(start, target, float(scale[i]), divisors, row, regular, seed, jobs)
+
+
+def first_attempts(
+    origin: System,
+    targets: Coefficients,
+    points: ComplexArray,
+    *,
+    options: TrackerOptions,
+    jobs: int,
+) -> Iterator[tuple[PathResults, bool]]:
+    """Yield where paths from solutions of a system lead, for each of B targets.
+
+    Parameters
+    ----------
+    origin, targets, points, options, jobs
+        As for `track`.
+
+    Yields
+    ------
+    The ends (1, P), the few paths that went wrong followed again, and whether all are distinct
+    finite regular solutions, as well as doubles tell.
+    """
+    results = track(origin, targets, points, options=options, jobs=jobs)
+    for i, regular in enumerate(all_regular(results).tolist()):
+        row = PathResults(*(getattr(results, f.name)[i : i + 1] for f in fields(results)))
+        if not regular:
+            row = mended(origin, System(origin.structure, targets.take(i)), points, row, jobs)
+            regular = bool(all_regular(row)[0])
+        yield row, regular

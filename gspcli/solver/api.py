@@ -134,12 +134,15 @@ def _proved_shortly(
     """
     from gspcli.solver import tracking
 
-    pursuits = tracking.short_pursuits(arrangement, seed=seed, jobs=jobs)
-    poses = tracking.proved_by_paths(proofs, arrangement, pursuits) if pursuits else None
-    if poses is not None or not certify or not pursuits or not _all_regular(pursuits):
-        return poses
-    poses = _proved(instance, tracking.poses_by_paths(arrangement, pursuits))
-    return poses if _is_general(poses, certify=True) else None
+    for pursuits in tracking.short_pursuits(arrangement, seed=seed, jobs=jobs):
+        poses = tracking.proved_by_paths(proofs, arrangement, pursuits)
+        if poses is not None:
+            return poses
+        if certify and _all_regular(pursuits):
+            poses = _proved(instance, tracking.poses_by_paths(arrangement, pursuits))
+            if _is_general(poses, certify=True):
+                return poses
+    return None
 
 
 def _each_tracked(

@@ -16,7 +16,7 @@ from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.pursuit import Pursuit, pursue
 from gspcli.continuation.solutions import SystemSolutions
-from gspcli.continuation.systems import System
+from gspcli.continuation.systems import Coefficients, System
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.conjugates import find_real_points, made_real
 from gspcli.geometry.quaternions import (
@@ -29,7 +29,8 @@ from gspcli.geometry.quaternions import (
 from gspcli.solver.direct import all_proved
 from gspcli.solver.parallel_lines import judge_parallel_lines, polish_parallel_lines
 from gspcli.solver.pose_set import Motion, PoseSet
-from gspcli.solver.study_systems import target_systems
+from gspcli.solver.reference_start import pursue_near, reference_start
+from gspcli.solver.study_systems import coefficients_at, target_systems
 
 if TYPE_CHECKING:
     from gspcli.certification.many_values import ValueProofs
@@ -123,16 +124,21 @@ def poses_by_paths(arrangement: Arrangement, pursuits: list[Pursuit]) -> PoseSet
     )
 
 
-def short_pursuits(arrangement: Arrangement, *, seed: int, jobs: int) -> list[Pursuit]:
-    """Return paths whose series have few terms, for each choice of sides.
+def short_pursuits(arrangement: Arrangement, *, seed: int, jobs: int) -> Iterator[list[Pursuit]]:
+    """Yield paths whose series have few terms, for each choice of sides: the shortest paths first.
 
-    They are quicker, and only good for ends that are proved afterwards. Empty if no equation is a
-    product: others have quicker paths (`direct`). Arguments are as for `solve_each_by_tracking`.
+    They are quicker, and only good for ends that are proved afterwards. Nothing if no equation is
+    a product: others have quicker paths (`direct`). Arguments are as for `solve_each_by_tracking`.
     """
-    targets = target_systems(arrangement.normalized)
-    if not targets[0].structure.is_product.any():
-        return []
-    return list(pursue(targets, seed=seed, jobs=jobs, options=SHORT))
+    structure, coefficients = coefficients_at(arrangement.normalized)
+    if not structure.is_product.any():
+        return
+    reference = reference_start(structure.canonical())
+    if reference is not None:
+        given = Coefficients(*(part[:, list(structure.order)] for part in coefficients))
+        yield list(pursue_near(reference, given, seed=seed, jobs=jobs, options=SHORT))
+    targets = [System.of(structure, *rest) for rest in zip(*coefficients, strict=True)]
+    yield list(pursue(targets, seed=seed, jobs=jobs, options=SHORT))
 
 
 def proved_by_paths(

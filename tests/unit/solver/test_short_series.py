@@ -33,10 +33,10 @@ def test_what_is_not_proved_is_followed_again(platform, monkeypatch):
     short = tracking.short_pursuits
 
     def spoilt(arrangement, *, seed, jobs):
-        (pursuit,) = short(arrangement, seed=seed, jobs=jobs)
-        pursuit._results.points[0, 0] = pursuit._results.points[0, 1]
-        pursuit.is_regular = False
-        return [pursuit]
+        for (pursuit,) in short(arrangement, seed=seed, jobs=jobs):
+            pursuit._results.points[0, 0] = pursuit._results.points[0, 1]
+            pursuit.is_regular = False
+            yield [pursuit]
 
     monkeypatch.setattr(tracking, "short_pursuits", spoilt)
     found = solve(platform)
@@ -48,4 +48,4 @@ def test_platforms_without_products_have_quicker_paths():
     from gspcli.geometry.arrangement import Arrangement
 
     legs = random_instance(parse_type("6PP"), np.random.default_rng(3))[0]
-    assert tracking.short_pursuits(Arrangement.of(legs), seed=1, jobs=1) == []
+    assert list(tracking.short_pursuits(Arrangement.of(legs), seed=1, jobs=1)) == []

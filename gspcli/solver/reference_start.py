@@ -1,0 +1,173 @@
+"""Solved platforms with complex values, one a structure, from which paths to others are short.
+
+The stored start systems are quadrics without a geometry. A reference is a platform: its geometry is
+real, its values are complex numbers of the usual size, so that nothing about it is special.
+Equations are matched with those that they are most like, without which nothing is gained. Where the
+paths lead is proved afterwards; else it is forgotten.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from itertools import count, permutations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind, Primitive
+from gspcli.continuation.pursuit import Pursuit, first_attempts, pursue
+from gspcli.continuation.start import StartSystem, path_count
+from gspcli.continuation.systems import Coefficients, Structure, System
+from gspcli.continuation.tracker import TrackerOptions
+from gspcli.solver.study_systems import coefficients_of
+
+Array = NDArray[np.float64]
+
+#: A kind whose equation is of a space, and a product or not. Of the mutual moment of lines that
+#: meet there is no value that could be complex.
+_KINDS: dict[tuple[str, bool], Kind] = {
+    ("a", False): ALL,
+    ("p", False): DPH,
+    ("q", False): DHP,
+    ("s", False): DPP,
+    ("p", True): DPL,
+    ("q", True): DLP,
+    ("l", True): DLL,
+}
+#: Of the random geometries; the next where the paths to one go wrong.
+_SEEDS = (3, 0, 1)
+#: The parameters, what the equations are linear in: a mean for squares of distances, and zero else,
+#: plus i times numbers between these with random signs.
+_MEAN, _SPREAD = 0.6, (0.2, 0.4)
+#: So many are kept for the process, those used last.
+_KEPT = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """A solved platform.
+
+    Attributes
+    ----------
+    start
+        Its system in canonical order, balanced.
+    scale
+        The unit of f in it.
+    """
+
+    start: StartSystem
+    scale: float
+
+
+def reference_start(structure: Structure) -> Reference | None:
+    """Return the reference of a structure in canonical order, kept for the process.
+
+    It is solved when it is asked for a second time, because that takes as long as to solve
+    a platform. None before, and where there is none.
+    """
+    if next(_uses(structure)) == 0:
+        return None
+    return _reference(structure)
+
+
+@lru_cache(maxsize=_KEPT)
+def _uses(structure: Structure) -> Iterator[int]:
+    return count()
+
+
+@lru_cache(maxsize=_KEPT)
+def _reference(structure: Structure) -> Reference | None:
+    sorts = list(zip(structure.spaces, structure.products, strict=True))
+    if any(sort not in _KINDS for sort in sorts):
+        return None
+    for seed in _SEEDS:
+        given = _platform(tuple(_KINDS[sort] for sort in sorts), seed)
+        pursuit = next(pursue([given], seed=seed))
+        points = pursuit.first().points
+        if not pursuit.is_regular or len(points) != path_count(structure):
+            continue
+        balanced, scale = given.coefficients.balanced()
+        points[:, 4:] /= scale
+        points /= np.linalg.norm(points, axis=1, keepdims=True)
+        return Reference(StartSystem(System(structure, balanced), points), float(scale))
+    return None
+
+
+def _platform(kinds: tuple[Kind, ...], seed: int) -> System:
+    """Return a platform with complex values, lengths of order one."""
+    rng = np.random.default_rng([seed, len(kinds)])
+    y, x = rng.uniform(-1, 1, (2, len(kinds), 3))
+    y, x = (z - z.mean(axis=0) for z in (y, x))
+    length = np.sqrt(max((z**2).sum(axis=1).max() for z in (y, x)))
+    u, v = rng.normal(size=(2, len(kinds), 3))
+    u, v = (z / np.linalg.norm(z, axis=1, keepdims=True) for z in (u, v))
+    for i, kind in enumerate(kinds):
+        u[i] *= kind.platform is not Primitive.POINT
+        v[i] *= kind.base is not Primitive.POINT
+    square = np.array([kind.is_distance and not kind.has_sides for kind in kinds])
+    turns = rng.choice([-1.0, 1.0], len(kinds)) * rng.uniform(*_SPREAD, len(kinds))
+    parameters = np.where(square, _MEAN, 0.0) + 1j * turns
+    values = np.where(square, np.sqrt(parameters), parameters)
+    structure, coefficients = coefficients_of(kinds, y / length, x / length, u, v, values[None])
+    return System(structure, coefficients.take(0)).canonical()
+
+
+def pursue_near(
+    reference: Reference,
+    given: Coefficients,
+    *,
+    seed: int,
+    jobs: int,
+    options: TrackerOptions,
+) -> Iterator[Pursuit]:
+    """Yield the first attempt at the paths from a reference to B systems of one platform.
+
+    Parameters
+    ----------
+    reference, given
+        With equations in canonical order; the systems differ in their sides alone.
+    seed, jobs, options
+        As for `pursue`.
+    """
+    start = reference.start
+    inner = _matched(start.system, given.in_units(np.array(reference.scale)))
+    targets = inner.normalized()
+    attempts = first_attempts(start.system, targets, start.points, options=options, jobs=jobs)
+    for i, (row, regular) in enumerate(attempts):
+        target, sizes = System(start.system.structure, targets.take(i)), inner.take(i).sizes()
+        yield Pursuit(start, target, reference.scale, sizes, row, regular, seed, jobs)
+
+
+def _matched(system: System, given: Coefficients) -> Coefficients:
+    """Return the equations of systems (B, ...) as like those of another as they can be.
+
+    Each takes the place of one of its sort, so that they are alike on the whole; factors are
+    exchanged and multiplied by phases.
+    """
+    structure, aim = system.structure, system.coefficients.g.conj()
+    factors = np.array(given.take(0).normalized()[:2])
+    likeness = np.abs(factors @ aim.T)
+    sorts = list(zip(structure.spaces, structure.products, strict=True))
+    same = np.array([[a == b for b in sorts] for a in sorts])
+    order = _assigned(np.where(same, likeness.max(axis=0), -1.0))
+    swap = (likeness[1] > likeness[0])[order, np.arange(len(order))]
+    g, h, tau = (part[:, order] for part in given)
+    g, h = np.where(swap[:, None], h, g), np.where(swap[:, None], g, h)
+    phase = np.einsum("ic,ic->i", g[0], aim)
+    phase /= np.abs(phase)
+    return Coefficients(g, h, tau).scaled(1 / phase, phase)
+
+
+def _assigned(likeness: Array) -> NDArray[np.intp]:
+    """Return which row goes to each column, for the largest sum."""
+    orders = _orders(len(likeness))
+    sums = likeness[orders, np.arange(len(likeness))].sum(axis=1)
+    chosen: NDArray[np.intp] = orders[sums.argmax()]
+    return chosen
+
+
+@cache
+def _orders(n: int) -> NDArray[np.intp]:
+    return np.array(list(permutations(range(n))))

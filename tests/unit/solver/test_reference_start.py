@@ -1,0 +1,79 @@
+"""References: solved platforms with complex values, from which paths to others are short."""
+
+import numpy as np
+import pytest
+
+from gspcli.catalogue.parsing import parse_type
+from gspcli.continuation.parameter_homotopy import SHORT
+from gspcli.continuation.pursuit import pursue
+from gspcli.continuation.start import distinct, path_count
+from gspcli.continuation.systems import Coefficients, Structure, System
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.solver import reference_start as references
+from gspcli.solver import solve, tracking
+from gspcli.solver.generate import random_instance
+from gspcli.solver.study_systems import coefficients_at
+
+TYPES = ("5PP PL", "4PL 2LP", "2DLL 2PL PH ALL")
+
+
+@pytest.fixture(autouse=True)
+def nothing_kept():
+    references._uses.cache_clear()
+    references._reference.cache_clear()
+
+
+def platforms(name, number):
+    rng = np.random.default_rng(5)
+    return [random_instance(parse_type(name), rng)[0] for _ in range(number)]
+
+
+def test_a_reference_is_solved_when_it_is_asked_for_again():
+    structure = Structure("psssss", (True,) + (False,) * 5)
+    assert references.reference_start(structure) is None
+    start = references.reference_start(structure).start
+    assert references.reference_start(structure).start is start
+    assert len(start.points) == path_count(structure) == 80
+    assert distinct(start.points)
+    assert start.system.residuals(start.points).max() < 1e-10
+    assert not start.system.is_real
+
+
+def test_lines_that_meet_have_none():
+    structure = Structure("llssss", (False, True) + (False,) * 4)
+    assert [references.reference_start(structure) for _ in range(2)] == [None, None]
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_the_answer_is_that_of_the_stored_start(name, monkeypatch):
+    stored, first, near = platforms(name, 3), platforms(name, 3), []
+    known = solve(stored[0])
+    solve(first[1])
+    follow = references.pursue_near
+
+    def watched(*args, **options):
+        near.append(True)
+        return follow(*args, **options)
+
+    monkeypatch.setattr(tracking, "pursue_near", watched)
+    found = solve(first[0])
+    assert near
+    assert found.proof == known.proof is not None
+    assert found.certified.all()
+    assert (found.real == known.real).all()
+    np.testing.assert_allclose(found.T, known.T, atol=1e-7)
+
+
+def test_paths_are_shorter():
+    steps = []
+    for given in platforms("6PL", 3):
+        structure, coefficients = coefficients_at(Arrangement.of(given).normalized)
+        target = System.of(structure, *(part[0] for part in coefficients))
+        (far,) = pursue([target], seed=1, options=SHORT)
+        references.reference_start(structure)
+        reference = references.reference_start(structure)
+        ordered = Coefficients(*(part[:, list(structure.order)] for part in coefficients))
+        (near,) = references.pursue_near(reference, ordered, seed=1, jobs=1, options=SHORT)
+        steps.append((near._results.steps.mean(), far._results.steps.mean()))
+    near, far = np.mean(steps, axis=0)
+    assert near < 0.75 * far
