@@ -8,12 +8,10 @@ With z a Study point, u a direction and t the time, a fold is a zero of the seve
 turning point: t has an extremum along the curve of solutions, which passes through it in the
 direction u. Krawczyk's test in balls proves exactly one zero in a box.
 
-That a mode reaches the fold is proved in a larger box (`Fold.sides`), in two steps. For each s in
-an interval the nine equations ``F = 0, p.z = 1, c.z = s`` have exactly one solution (z, t) near the
-tangent (Krawczyk's test again, for all s at once), so that the solutions are one smooth curve
-through the fold. And the seventeen equations have at most one zero for all (z, t) near the curve
-with all u that its tangents can have, because the matrix of their derivatives is regular there: so
-t has no other extremum, and increases or decreases from the fold to each end of the curve.
+That a mode reaches the fold is proved on the curve of solutions (`Fold.sides`, `arcs`). An arc of it
+through the fold is proved in a larger box, and that t bends one way on all of it: so t has no other
+extremum there, and increases up to the fold or decreases from it on. The pose is in that box, or
+the curve is followed from the pose in further arcs, on which t increases, until it is.
 """
 
 from __future__ import annotations
@@ -26,9 +24,9 @@ import numpy as np
 from flint import arb, arb_mat
 from numpy.typing import NDArray
 
-from gspcli.certification.balls import float_above, float_ends, floats_above
+from gspcli.certification.arcs import Arc, at_time, towards
+from gspcli.certification.balls import float_above, float_ends
 from gspcli.certification.fold_system import UNKNOWNS, FoldSystem, unit
-from gspcli.certification.rounding import OUTWARD
 from gspcli.certification.taylor import MovingSystem
 
 Array = NDArray[np.float64]
@@ -39,10 +37,8 @@ _STEPS = 12
 _CONVERGED = 2.0**-100
 #: How near to the zero Krawczyk's box is.
 _RADIUS = 2.0**-80
-#: How often the box about a curve is widened.
-_WIDENINGS = 8
-#: Of the power method, for weights.
-_ITERATIONS = 12
+#: The curve through a fold is tried to be proved in boxes down to this length.
+_SHORTEST = 2.0**-60
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +76,7 @@ class Fold:
         part
             The part of the step at which they are.
         radius
-            How near to each of them, in norm one, the pose is that is meant.
+            So near to each of them, in norm one, is exactly one pose, the one that is meant.
 
         Returns
         -------
@@ -157,112 +153,65 @@ def _krawczyk(system: FoldSystem, x: list[arb]) -> Fold | None:
 
 def _side(fold: Fold, point: Array, part: arb, radius: arb) -> int:
     """Return on which branch of a fold a pose is, or 0; see `Fold.sides`."""
-    equations, zero = fold.equations, [value.mid() for value in fold.zero]
+    equations = fold.equations
     y = [arb(value) for value in point.tolist()]
     scale = _dot(equations.patch, y)
     if not scale.abs_lower() > 0.5:
         return 0
-    offset = [a / scale - b for a, b in zip(y, zero, strict=False)]
-    s = _dot(equations.gauge, offset)
-    # On the patch the radius is at most four times as large, and s is off by as much.
-    near = 4 * radius + _RADIUS
-    apart = [a - s * u for a, u in zip(offset, zero[8:16], strict=True)]
-    wanted = [a.abs_upper() + 8 * near for a in (*apart, part - zero[16])]
-    reach = s.abs_upper() + near
-    curve = _Curve(fold, zero, reach)
-    if not (s.abs_lower() > near and curve.holds(wanted) and curve.has_one_fold()):
-        return 0
-    return 1 if s > 0 else -1
+    guess = [*(a / scale for a in y), part]
+    exact = at_time(equations, guess)
+    # From one patch to another distances grow at most fourfold.
+    if exact and all((a - b).abs_upper() < radius / 16 for a, b in zip(exact, guess, strict=True)):
+        pose = exact
+    else:
+        pose = [*(a + arb(0, 4 * radius) for a in guess[:-1]), part]
+    turn = _Turn(fold, pose)
+    side = turn.side(pose)
+    if side == 0 and turn.proved_nearer():
+        found = (turn.side(place) for place in towards(equations, pose, arb(fold.high)))
+        side = next(filter(None, found), 0)
+    return side
 
 
-class _Curve:
-    """The solutions through a fold, ``|s| <= reach`` in its direction."""
+class _Turn:
+    """The curve through a fold, with no other fold on it.
 
-    def __init__(self, fold: Fold, zero: list[arb], reach: arb) -> None:
-        self.equations, self.zero, self.reach = fold.equations, zero, reach
-        values, matrix = self.equations.at(zero)
-        self.values, self.along, self.whole = values[:7], values[8:15], matrix
-        self.inverse = self._square(matrix).mid().inv().mid()
+    Parameters
+    ----------
+    fold
+        Where its centre is.
+    pose
+        Nine balls, to which it is to extend, if that can be proved.
+    """
 
-    def _square(self, matrix: arb_mat) -> arb_mat:
-        """Return the derivatives of the nine equations by (z, t)."""
-        rows = [[*row[:8], row[16]] for row in matrix.tolist()[:8]]
-        return arb_mat([*rows, [*self.equations.gauge, arb(0)]])
+    def __init__(self, fold: Fold, pose: list[arb]) -> None:
+        zero, nothing = [value.mid() for value in fold.zero], arb(0)
+        direction, gauge = [*zero[8:16], nothing], [*fold.equations.gauge, nothing]
+        self.arc = Arc(fold.equations, [*zero[:8], zero[16]], direction, gauge)
+        self.fold = [*fold.zero[:8], fold.zero[16]]
+        s, apart = self.arc.place(pose)
+        self.reach = (s.abs_upper() * 1.0625).mid()
+        self.proved = self._proved([a.abs_upper() for a in apart])
 
-    def holds(self, wanted: list[arb]) -> bool:
-        """Whether the curve is proved in a box that is at least so wide about its tangent."""
-        widths = [width * 1.0625 for width in wanted]
-        for _ in range(_WIDENINGS):
-            self.box = self._around(widths)
-            _, matrix = self.equations.at(self.box)
-            bent = arb_mat([row[:8] for row in matrix.tolist()[8:15]])
-            second = (bent * arb_mat(8, 1, self.zero[8:16])).entries()
-            # F at z + s u, by Taylor's formula.
-            residuals = [
-                f + arb(0, self.reach) * fu + arb(0, self.reach**2 / 2) * fuu.abs_upper()
-                for f, fu, fuu in zip(self.values, self.along, second, strict=True)
-            ]
-            # That p.z = 1, p.u = 0, c.u = 1 hold for the zero itself only.
-            residuals += [arb(0, 4 * _RADIUS)] * 2
-            moved = (self.inverse * arb_mat(9, 1, residuals)).entries()
-            self.matrix = self._square(matrix)
-            defect = self.inverse * self.matrix - 1
-            needed = [
-                shift.abs_upper()
-                + sum((a.abs_upper() * w for a, w in zip(row, widths, strict=True)), arb(0))
-                for shift, row in zip(moved, defect.tolist(), strict=True)
-            ]
-            if all(a < b for a, b in zip(needed, widths, strict=True)):
-                return True
-            widths = [_larger(2 * a, b).mid() for a, b in zip(needed, widths, strict=True)]
-            if not all(width < 1 for width in widths[:8]):
-                return False
-        return False
+    def _proved(self, wanted: list[arb]) -> bool:
+        """Whether a box contains the fold on a curve along which t has no other extremum."""
+        arc = self.arc
+        return arc.holds(self.reach, wanted) and arc.contains(self.fold) and arc.bends() != 0
 
-    def _around(self, widths: list[arb]) -> list[arb]:
-        z, u, t = self.zero[:8], self.zero[8:16], self.zero[16]
-        places = [a + arb(0, self.reach) * b for a, b in zip(z, u, strict=True)]
-        return [
-            *(a + arb(0, width) for a, width in zip(places, widths, strict=False)),
-            *u,
-            t + arb(0, widths[8]),
-        ]
+    def proved_nearer(self) -> bool:
+        """Whether it is proved at all, if need be for a shorter arc."""
+        while not self.proved and self.reach > _SHORTEST:
+            self.reach = self.reach / 8
+            self.proved = self._proved([arb(0)] * 9)
+        return self.proved
 
-    def has_one_fold(self) -> bool:
-        """Whether no more than one fold is proved to be on the curve."""
-        norm, sizes = _contraction(self.inverse * self.matrix - 1)
-        if not norm < 1:
-            return False
-        # Tangents (z', t') differ from (u, 0) by at most this, in units of the sizes.
-        values, _ = self.equations.at(self.box)
-        right = arb_mat(9, 1, [*values[8:15], arb(0), arb(0)])
-        moved = floats_above((self.inverse * right).entries())
-        widths = (moved / sizes).max() / (1 - norm) * sizes * OUTWARD + _RADIUS
-        u = [
-            arb(value, width)
-            for value, width in zip(self.zero[8:16], widths.tolist(), strict=False)
-        ]
-        _, matrix = self.equations.at([*self.box[:8], *u, self.box[16]])
-        return _contraction(self.whole.mid().inv().mid() * matrix - 1)[0] < 1
+    def side(self, place: list[arb]) -> int:
+        """Return on which side of the fold all solutions in balls are, on the curve; or 0."""
+        if not self.proved or not self.arc.contains(place):
+            return 0
+        s = self.arc.place(place)[0] - self.arc.place(self.fold)[0]
+        return 1 if s > 0 else -1 if s < 0 else 0
 
 
 def _dot(a: Sequence[arb], b: Sequence[arb]) -> arb:
-    return sum((x * y for x, y in zip(a, b, strict=False)), arb(0))
-
-
-def _larger(a: arb, b: arb) -> arb:
-    return a if a > b else b
-
-
-def _contraction(matrix: arb_mat) -> tuple[float, Array]:
-    """Return a bound of a norm of a matrix: that of the largest component in units of weights.
-
-    Any weights will do; the best are those of Perron's vector of the moduli.
-    """
-    moduli = floats_above(matrix.entries()).reshape(matrix.nrows(), matrix.ncols())
-    weights = np.ones(len(moduli))
-    with np.errstate(all="ignore"):
-        for _ in range(_ITERATIONS):
-            weights = moduli @ weights + 1e-3 * weights
-            weights /= weights.max()
-        return float((moduli @ weights / weights).max()) * OUTWARD, weights
+    return sum((x * y for x, y in zip(a, b, strict=True)), arb(0))
