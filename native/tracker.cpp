@@ -223,10 +223,24 @@ class Tracker {
   }
 
  private:
-  // The next path into a lane.
+  // The next path into a lane that does not start at the target.
   void load(int l) {
-    s.path[l] = upcoming_ < paths_ ? upcoming_++ : -1;
+    for (;;) {
+      s.path[l] = upcoming_ < paths_ ? upcoming_++ : -1;
+      place(l);
+      if (s.path[l] < 0 || !left_ || left_[s.path[l]] > 0.0) break;
+      s.steps[l] = 0;
+      record(l, kRegular, s.series[0], 0.0);
+    }
     if (s.path[l] >= 0) ++under_way_;
+    s.begin(l);
+    if (left_ && s.path[l] >= 0) s.start_before_end(l, left_[s.path[l]]);
+    s.passed[l] = 0;
+    s.steps[l] = 0;
+  }
+
+  // The start of its path into a lane.
+  void place(int l) {
     const Complex* z = points_ + (s.path[l] >= 0 ? s.path[l] : 0) * N;
     double size = 0.0;
     for (int i = 0; i < N; ++i) size += z[i].re * z[i].re + z[i].im * z[i].im;
@@ -236,21 +250,21 @@ class Tracker {
       put(s.series[0][i], l, {z[i].re * scale, z[i].im * scale});
       if (low_) put_all(s.series[0][i], l, scale, z[i], low_ + (z - points_) * kMore + i);
     }
-    s.begin(l);
-    if (left_ && s.path[l] >= 0) s.start_before_end(l, left_[s.path[l]]);
-    s.passed[l] = 0;
-    s.steps[l] = 0;
   }
 
   void finish(int l, Status status, const C* z, double left) {
+    record(l, status, z, left);
+    --under_way_;
+    load(l);
+  }
+
+  void record(int l, Status status, const C* z, double left) {
     const int p = s.path[l];
     store(z, l, p, out_);
     out_.left[p] = left;
     out_.status[p] = status;
     out_.steps[p] = s.steps[l];
     out_.condition[p] = out_.curvature[p] = out_.residual[p] = out_.correction[p] = -1.0;
-    --under_way_;
-    load(l);
   }
 
   // Two steps of Newton's method at s.next: their lengths, and that of what rounding causes.

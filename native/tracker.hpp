@@ -71,7 +71,7 @@ struct Results {
 
 // Tracks the paths of one homotopy that start at `points` (paths, 8) from t = 0 to t = 1; what more
 // digits add to the points is `low` (paths, kMore, 8), or null. They start at t = 1 - left (paths) if
-// that is not null.
+// that is not null; where it is zero nothing but Newton's method is done.
 using Track = void(const Homotopy&, const Options&, int paths, const Complex* points,
                    const Complex* low, const double* left, const Results&);
 Track track_portable, track_avx2, track_avx512;

@@ -136,7 +136,7 @@ def track(
         What is to be added to the points, likewise, shape (P, 3, 8).
     left
         How much of the way, 1 - t, is left at the points, shape (P,): they are solutions there;
-        all of it if not given.
+        all of it if not given. Where nothing is left, Newton's method improves the point.
     options
         Settings.
     jobs

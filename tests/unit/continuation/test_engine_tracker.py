@@ -114,6 +114,22 @@ def test_a_path_is_not_at_the_target_where_only_a_double_cannot_tell_it_from_it(
     assert (results.left == 1e-20).all()
 
 
+def test_points_at_the_target_are_improved_beside_paths_that_are_not_there(homotopy):
+    start, targets, points = homotopy
+    target = targets.take(slice(1))
+    ends = track(start, target, points[:20])
+    arrived = np.arange(20) % 3 > 0
+    starts = np.where(arrived[:, None], ends.points[0], points[:20])
+    options = replace(DEEPEST, arrival=1.0)
+    results = track(start, target, starts, left=np.where(arrived, 0.0, 1.0), options=options)
+    assert (results.status == PathStatus.REGULAR).all()
+    assert ((results.steps[0] == 0) == arrived).all()
+    assert (results.left == 0).all()
+    assert same(ends, results)
+    assert (results.correction < 1e-50).all()
+    assert np.abs(results.low).max() > 0
+
+
 def test_a_point_that_is_no_solution_fails(homotopy):
     start, targets, points = homotopy
     wrong = np.roll(points, 1, axis=1)
