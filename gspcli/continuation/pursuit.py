@@ -36,6 +36,8 @@ from gspcli.continuation.tracker import (
 
 #: Newton's method converges where its last correction is not longer than this part of e.
 _SETTLED = 1e-3
+#: With 64 digits a simple solution is reached if the last correction is shorter.
+_CONVERGED = 1e-20
 #: From so near to the target on doubles may not tell paths from each other, and 32 digits not.
 _NEAR, _NEARBY = 1e-3, 1e-8
 _BATCH = 256
@@ -192,6 +194,42 @@ class Pursuit:
             jobs=self._jobs,
         )
         return self._ends(results, DEEPEST.digits)
+
+    def improved(self, ends: PursuedEnds, target: ExtendedCoefficients) -> PursuedEnds:
+        """Return ends after Newton's method with 64 digits, those as they were where it errs.
+
+        Parameters
+        ----------
+        ends
+            Of any paths.
+        target
+            The equations (`balanced`).
+        """
+        origin = random_start(self._start, self.seed, 0)
+        points, low = ends.points.copy(), ends.low.copy()
+        for part in (points, low):
+            part[..., 4:] /= self.scale
+        results = track(
+            origin,
+            target.high,
+            points,
+            more=target.more,
+            low=low if low.shape[1] else None,
+            left=np.zeros(len(points)),
+            options=DEEPEST,
+            jobs=self._jobs,
+        )
+        found = self._ends(results, DEEPEST.digits)
+        converged = (results.correction[0] < _CONVERGED)[:, None]
+        before = np.zeros_like(found.low)
+        before[:, : ends.low.shape[1]] = ends.low
+        return PursuedEnds(
+            np.where(converged, found.points, ends.points),
+            np.where(converged[:, None], found.low, before),
+            ends.simple,
+            ends.settled,
+            DEEPEST.digits,
+        )
 
     def _near(
         self, origin: System, target: ExtendedCoefficients, index: NDArray[np.intp]

@@ -132,8 +132,9 @@ class Search:
         # One of each pair of conjugates is enough.
         source = index[_sources(ends.points[index])]
         sought = index[source == index]
-        bits = FIRST_PRECISION * ends.digits // 16
-        located = self.locator.locate(ends.points[sought], ends.low[sought], self.sides, bits)
+        near = self.pursuit.improved(ends.take(sought), self._target)
+        bits = FIRST_PRECISION * near.digits // 16
+        located = self.locator.locate(near.points, near.low, self.sides, bits)
         new[sought] = [self._adds(end) for end in located]
         new[index] = new[source]
         self.found.add_conjugates()

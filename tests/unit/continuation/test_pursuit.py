@@ -1,0 +1,58 @@
+"""Ends of paths with more digits: what Newton's method reaches, and what it leaves alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gspcli.continuation.monodromy import random_quadrics
+from gspcli.continuation.pursuit import pursue
+from gspcli.continuation.systems import Coefficients, ExtendedCoefficients, Structure, System
+
+
+@pytest.fixture(scope="module")
+def pursuit():
+    structure = Structure("pplsss", (False,) * 6).canonical()
+    quadrics = random_quadrics(structure.spaces, np.random.default_rng(5))
+    return next(pursue([System.of(structure, quadrics)], seed=1))
+
+
+@pytest.fixture(scope="module")
+def target(pursuit):
+    exactly = Coefficients(*(x.astype(object) for x in pursuit._target.coefficients))
+    return ExtendedCoefficients.of(exactly)
+
+
+def test_simple_ends_are_known_to_64_digits(pursuit, target):
+    ends = pursuit.first()
+    better = pursuit.improved(ends, target)
+    assert better.digits == 64
+    assert better.low.shape == (pursuit.paths, 3, 8)
+    assert np.abs(better.points - ends.points).max() < 1e-12 * np.abs(ends.points).max()
+    # Of the same end with an error Newton's method makes the same numbers, in any multiple.
+    shaken = replace(ends, points=ends.points * (1 + 1e-9 * np.random.default_rng(2).random(8)))
+    again = pursuit.improved(shaken, target)
+    for one, other in zip(_ratios(better), _ratios(again), strict=True):
+        assert abs(one - other) < 1e-50
+
+
+def _ratios(ends):
+    """Return the quotients of the first two coordinates, in many digits."""
+    from flint import acb, ctx
+
+    with ctx.workprec(400):
+        sums = [
+            [sum((acb(x) for x in (high[k], *low[:, k])), acb(0)) for k in (0, 1)]
+            for high, low in zip(ends.points.tolist(), ends.low, strict=True)
+        ]
+        return [(a / b).mid() for a, b in sums]
+
+
+def test_what_newtons_method_does_not_settle_stays(pursuit, target):
+    ends = pursuit.first().take(np.arange(3))
+    wrong = replace(ends, points=np.full_like(ends.points, np.nan))
+    same = pursuit.improved(wrong, target)
+    assert np.isnan(same.points).all()
+    assert not same.low.any()
