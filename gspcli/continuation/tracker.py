@@ -71,7 +71,14 @@ EXTENDED = replace(CAREFUL, digits=32)
 DEEP = replace(EXTENDED, arrival=1e-12, waypoint=0.0, nearest=1e-28, min_step=1e-30, max_steps=150)
 #: The same with 64 digits.
 DEEPEST = replace(
-    CAREFUL, digits=64, arrival=1e-20, waypoint=0.0, nearest=1e-50, min_step=1e-56, max_steps=200
+    DEFAULT,
+    contraction=0.02,
+    digits=64,
+    arrival=1e-20,
+    waypoint=0.0,
+    nearest=1e-50,
+    min_step=1e-56,
+    max_steps=200,
 )
 
 
