@@ -40,6 +40,11 @@ class Term(NamedTuple):
     radians: Fraction
     pi: int
 
+    def __hash__(self) -> int:
+        """Return a hash; those of fractions, which take an inverse modulo a prime, are slow."""
+        turn, radians = self.turn, self.radians
+        return hash((self.radicand, turn.numerator, radians.numerator, radians.denominator))
+
 
 ONE = Term(1, Fraction(0), Fraction(0), 0)
 Sum = Mapping[Term, Fraction]
