@@ -47,6 +47,17 @@ def test_what_is_kept_changes_no_bit(monkeypatch):
         np.testing.assert_array_equal(getattr(again, part), getattr(first, part))
 
 
+@pytest.mark.parametrize("name", ["singular-pose", "point-on-line"])
+def test_the_count_of_a_geometry_is_told_of_its_platforms(name, monkeypatch):
+    instance = platform("examples", name)
+    first = solve(instance)
+    assert first.proof.by is Ground.EXACT
+    assert first.geometry_count == counting.geometry_count(instance).solutions
+    if name == "singular-pose":  # Where a distance is zero nothing is kept.
+        monkeypatch.setattr(counting, "geometry_count", None)
+    assert solve(instance).geometry_count == first.geometry_count
+
+
 def test_a_start_that_lacks_a_solution_proves_nothing(monkeypatch):
     instance = platform("examples", "octahedral-3-3")
     known = solve(instance)
