@@ -129,7 +129,7 @@ class Collection:
     def _exactly(self, k: int) -> Located | None:
         """Return a pose with all its digits, if they can be had."""
         if self._located[k] is None:
-            scale = self.locator.system(LAST_PRECISION).scale
+            scale = self.locator.scale
             points, _ = study.study_points(self.R[k][None], self.T[k][None] / scale)
             with ctx.workprec(LAST_PRECISION):
                 start = self.locator.exactly(points[0])

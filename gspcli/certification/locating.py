@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from gspcli.certification import study
 from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.balls import largest
+from gspcli.certification.centring import length_scale
 from gspcli.certification.frames import Frames
 from gspcli.certification.isolation import Isolation, refine_point, step_length
 from gspcli.certification.measures import as_stated
@@ -113,11 +114,17 @@ class Locator:
         The exact instance.
     frames
         The coordinates in which points are given.
+
+    Attributes
+    ----------
+    scale
+        The length scale of the instance.
     """
 
     def __init__(self, instance: Instance, frames: Frames) -> None:
         self.instance = instance
         self.frames = frames
+        self.scale = length_scale(instance)
         self._systems: dict[int, BallSystem] = {}
 
     def system(self, precision: int) -> BallSystem:
@@ -170,7 +177,7 @@ class Locator:
         e, f = numbers[:4], numbers[4:]
         base, platform = ([acb(0), *map(acb, x)] for x in (self.frames.base, self.frames.platform))
         ahead, behind = study.product(base, e), study.product(e, platform)
-        scale = acb(self.system(LAST_PRECISION).scale)
+        scale = acb(self.scale)
         return e + [
             (acb(self.frames.length) * x + (a - b) / 2) / scale
             for x, a, b in zip(f, ahead, behind, strict=True)
@@ -188,7 +195,7 @@ class Locator:
                 [d - b, c + g, f + h, 1 - a - e + i],
             )
             quaternion = max(multiples, key=lambda x: float(largest(x)))
-            place = [acb(0), *(x / self.system(LAST_PRECISION).scale for x in T)]
+            place = [acb(0), *(x / self.scale for x in T)]
             return quaternion + [x / 2 for x in study.product(place, quaternion)]
 
     def locate_exactly(
