@@ -21,8 +21,8 @@ ERROR = 2.0**-96
 #: Integers up to this are doubles.
 _INTEGERS = 2**53
 _ONE, _NO_RATIO = (1, 1), (0, 2 * _INTEGERS)
-#: Bits of balls that are turned into two doubles.
-_PRECISION = 128
+#: Bits of balls that are turned into two doubles, and how many of them should be known.
+_PRECISION, _KNOWN = 128, 108
 
 
 class Doubled(NamedTuple):
@@ -56,6 +56,11 @@ class Doubled(NamedTuple):
 
         with ctx.workprec(_PRECISION):
             ball = compute()
+        if ball.rel_accuracy_bits() < _KNOWN:
+            # A difference of almost equal numbers.
+            with ctx.workprec(8 * _PRECISION):
+                ball = compute()
+        with ctx.workprec(_PRECISION):
             high = float(ball)
             low = float(ball - high)
             error = float((ball - high - low).abs_upper()) * OUTWARD

@@ -20,8 +20,9 @@ import re
 from difflib import get_close_matches
 from fractions import Fraction
 
-from gspcli.geometry.intervals import without_zero
 from gspcli.geometry.numbers import FUNCTIONS, LARGEST, SMALLEST, Number
+from gspcli.geometry.separation import multiple_of_pi
+from gspcli.geometry.signs import sign_of
 from gspcli.wording import shown
 
 MAX_LENGTH = 400
@@ -47,6 +48,8 @@ _SINES: dict[Fraction, Fraction | int] = {
 }
 #: Those of the tangent, by the angle in half turns.
 _TANGENTS: dict[Fraction, int] = {Fraction(0): 0, Fraction(1, 4): 1, Fraction(3, 4): -1}
+#: Operations on numbers that are not zero which may give zero without being rational.
+_MAY_BE_ZERO = ("+", "-", "sin", "cos")
 _AT_ZERO: dict[str, int] = {"sin": 0, "tan": 0, "asin": 0, "atan": 0, "cos": 1}
 _HALF = Fraction(1, 2)
 _HINTS = {
@@ -80,9 +83,9 @@ def parse_number(text: str) -> Number:
         raise ValueError(message)
     number = _Parser(text).number()
     size = abs(number.value)
-    if number.fraction == 0 or (SMALLEST <= size <= LARGEST and without_zero(number)):
+    if number.fraction == 0 or (SMALLEST <= size <= LARGEST and sign_of(number)):
         return number
-    if number.fraction is None and size <= LARGEST:
+    if number.fraction is None and size <= LARGEST and not sign_of(number):
         message = (
             f"found {shown(text)}, which cannot be told from zero: write 0, or a simpler expression"
         )
@@ -210,9 +213,10 @@ class _Parser:
                 exact = _rational_value(operation, arguments)
             # Evaluated at each step, so that no intermediate value can grow without limit.
             _ = number.value
-            # Raises an error for a divisor that is zero, or might be.
-            if operation in ("/", "tan"):
-                without_zero(number)
+            if operation in _MAY_BE_ZERO and exact is None and sign_of(number) == 0:
+                exact = Fraction(0)
+            if operation in ("/", "tan") and not sign_of(_divisor(operation, arguments)):
+                raise ZeroDivisionError
         except ZeroDivisionError:
             if operation == "tan":
                 raise self._error("the tangent of a right angle", "another angle") from None
@@ -225,6 +229,10 @@ class _Parser:
             domain = "an argument of at least 0" if operation == "sqrt" else "one from -1 to 1"
             raise self._error(f"{operation} of {argument:.6g}", domain) from None
         return number if exact is None else Number("rational", (exact,))
+
+
+def _divisor(operation: str, arguments: tuple[Number, ...]) -> Number:
+    return arguments[1] if operation == "/" else Number("cos", arguments)
 
 
 def _rational_value(operation: str, arguments: tuple[Number, ...]) -> Fraction | None:
@@ -250,7 +258,7 @@ def _rational_value(operation: str, arguments: tuple[Number, ...]) -> Fraction |
         return Fraction(_AT_ZERO[operation])
     if operation not in ("sin", "cos", "tan"):
         return None
-    halves = _multiple_of_pi(first)
+    halves = multiple_of_pi(first)
     if halves is None:
         return None
     if operation == "tan":
@@ -260,29 +268,3 @@ def _rational_value(operation: str, arguments: tuple[Number, ...]) -> Fraction |
     else:
         value = _SINES.get((halves + (_HALF if operation == "cos" else 0)) / 2 % 1)
     return None if value is None else Fraction(value)
-
-
-def _multiple_of_pi(number: Number) -> Fraction | None:
-    """Return the rational factor if a number is a rational multiple of pi, as it is written."""
-    operation, arguments = number.operation, number.arguments
-    if operation == "pi":
-        return Fraction(1)
-    if operation == "rational":
-        return Fraction(0) if number.fraction == 0 else None
-    if operation == "neg":
-        factor = _multiple_of_pi(arguments[0])
-        return None if factor is None else -factor
-    if operation not in ("+", "-", "*", "/"):
-        return None
-    left, right = map(_multiple_of_pi, arguments)
-    if operation in ("+", "-"):
-        if left is None or right is None:
-            return None
-        return left + right if operation == "+" else left - right
-    before: Fraction | None = arguments[0].fraction
-    after: Fraction | None = arguments[1].fraction
-    if left is not None and after is not None:
-        return left * after if operation == "*" else left / after
-    if right is not None and before is not None and operation == "*":
-        return before * right
-    return None

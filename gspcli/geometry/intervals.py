@@ -1,4 +1,4 @@
-"""Intervals that enclose exact numbers, in floating point rounded outwards.
+"""Intervals that enclose exact numbers, in floating point or with more digits, rounded outwards.
 
 They tell what is certainly not zero: ``sqrt(2)*sqrt(2)-2`` is 4e-16 in floating point, but its
 interval contains zero.
@@ -9,8 +9,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
-from gspcli.geometry.numbers import FUNCTIONS, Number
+from gspcli.geometry.numbers import FUNCTIONS
 
 _DOMAINS = {"sqrt": (0.0, math.inf), "asin": (-1.0, 1.0), "acos": (-1.0, 1.0)}
 
@@ -81,19 +82,54 @@ class _Intervals:
 INTERVALS = _Intervals()
 
 
-def without_zero(number: Number) -> bool:
-    """Whether a number is certainly not zero, as far as floating point can tell.
+class FineIntervals:
+    """The same with more digits, by mpmath.
 
     Parameters
     ----------
-    number
-        A number whose `Number.value` exists and is finite.
-
-    Raises
-    ------
-    ZeroDivisionError
-        If a divisor within it cannot be told from zero.
+    bits
+        The precision.
     """
-    if number.fraction is not None:
-        return number.fraction != 0
-    return number.evaluate(INTERVALS).without_zero
+
+    #: Functions between monotone ends are right to far more than half of these bits.
+    _SPARE = 32
+
+    def __init__(self, bits: int) -> None:
+        # Its import takes as long as a solve, and hardly any number needs it.
+        from mpmath import MPContext
+        from mpmath.ctx_iv import MPIntervalContext
+
+        self._intervals, self._numbers = MPIntervalContext(), MPContext()
+        self._intervals.prec, self._numbers.prec = bits, bits + self._SPARE
+
+    def rational(self, value: Fraction) -> Any:
+        """Return an interval about a rational number."""
+        return self._intervals.mpf(value.numerator) / self._intervals.mpf(value.denominator)
+
+    def pi(self) -> Any:
+        """Return an interval about pi."""
+        return +self._intervals.pi
+
+    def function(self, name: str, argument: Any) -> Any:
+        """Return an interval about all values; ValueError if there are none."""
+        if name == "tan":
+            return self.function("sin", argument) / self.function("cos", argument)
+        if name in ("sin", "cos"):
+            return getattr(self._intervals, name)(argument)
+        least, most = _DOMAINS.get(name, (-math.inf, math.inf))
+        if argument.b < least or argument.a > most:
+            raise ValueError
+        ends = (min(max(end, least), most) for end in self.ends(argument))
+        function = getattr(self._numbers, name)
+        # The last bits of the ends are lost to rounding outwards.
+        low, high = sorted(function(end) for end in ends)
+        return self._intervals.mpf([low, high]) * self._nearly_one
+
+    def ends(self, interval: Any) -> tuple[Any, Any]:
+        """Return the ends of an interval as numbers of mpmath."""
+        return self._numbers.mpf(interval.a), self._numbers.mpf(interval.b)
+
+    @property
+    def _nearly_one(self) -> Any:
+        error = self._numbers.ldexp(1, -self._intervals.prec)
+        return self._intervals.mpf([1 - error, 1 + error])

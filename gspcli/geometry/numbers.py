@@ -105,6 +105,10 @@ class _FloatField:
         return FUNCTIONS[name](argument)
 
 
+#: Floating point, for `Number.evaluate`.
+FLOATS = _FloatField()
+
+
 @dataclass(frozen=True)
 class Number:
     """An exact real number as an expression tree.
@@ -162,11 +166,17 @@ class Number:
 
     @cached_property
     def value(self) -> float:
-        """The number rounded to a float."""
+        """The number rounded to a float, to a few units in its last place.
+
+        Zero only for zero, as far as that is known (`gspcli.geometry.signs`).
+        """
         exact = self.arguments[0] if self.operation == "rational" else self.fraction
         if exact is not None:
             return _ratio(exact.numerator, exact.denominator)
-        return self.evaluate(_FloatField())
+        # Those modules evaluate numbers of the class defined here.
+        from gspcli.geometry.signs import nearest
+
+        return nearest(self)
 
     def evaluate(self, field: Field[Element]) -> Element:
         """Evaluate the tree in other arithmetic, such as balls."""

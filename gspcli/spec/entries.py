@@ -10,8 +10,6 @@ from gspcli.wording import listed, shown
 FORMAT_VERSION = 1
 MAX_TEXT = 1000
 MAX_NAME = 60
-#: Directions whose irrational components are all below this cannot be told from zero.
-_ROUNDING = 1e-12
 
 
 def found(value: Value) -> str:
@@ -65,9 +63,7 @@ def version(value: Value) -> int:
 
 def nonzero(components: list[Number]) -> list[Number]:
     """Return a vector that is not zero."""
-    if all(
-        x.fraction == 0 or (x.fraction is None and abs(x.value) < _ROUNDING) for x in components
-    ):
+    if all(x.fraction == 0 for x in components):
         message = "found the zero vector, expected a direction: any nonzero vector"
         raise ValueError(message)
     return components

@@ -40,6 +40,7 @@ LAYERS = {
 ROOMS = {
     "sympy": {"symbolic"},
     "flint": {"certification"},
+    "mpmath": {"geometry"},
     "yaml": {"spec"},
     "pydantic": {"spec"},
     "click": {"cli"},

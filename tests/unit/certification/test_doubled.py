@@ -50,3 +50,11 @@ def test_what_doubles_leave_of_products_is_exact():
         products, rest = two_product(x, y)
         for p, q, high, low in zip(*(z.tolist() for z in (x, y, products, rest)), strict=True):
             assert Fraction(p) * Fraction(q) == Fraction(high) + Fraction(low)
+
+
+def test_differences_of_almost_equal_numbers_keep_all_their_digits():
+    number = Number.of("sqrt(2) - 1.41421356237309504880168872420969")
+    found = Doubled.of(number)
+    # By mpmath with 60 digits.
+    assert found.high == pytest.approx(8.078569671875377e-33, rel=1e-15, abs=0)
+    assert found.size == found.high

@@ -86,8 +86,7 @@ def test_what_cannot_be_counted_is_none_and_says_why():
 
 def test_a_hidden_division_by_zero_is_refused():
     # cos(72 degrees) - cos(144 degrees) is sqrt(5)/2.
-    zero = "(2*cos(2*pi/5) - 2*cos(4*pi/5) - sqrt(5))"
-    number = Number("/", (Number.of(1), parse_number(f"{zero} + 1e-3"))).arguments[1].arguments[0]
+    number = Number("-", (parse_number("2*cos(2*pi/5) - 2*cos(4*pi/5)"), parse_number("sqrt(5)")))
     instance = example("dietmaier").with_values({0: Number("/", (Number.of(1), number))})
     with pytest.raises(NotCountedError, match="divided by zero"):
         count_exactly(instance)
