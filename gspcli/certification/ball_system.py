@@ -130,25 +130,33 @@ class BallSystem:
         self.forms.append(form)
         return len(self.forms) - 1
 
-    def sides_at(self, point: Sequence[acb]) -> tuple[int, ...]:
-        """Return for each constraint the index of the side whose equation is nearer to zero."""
+    def sides_at(self, point: Sequence[acb], pose: PoseBall) -> tuple[int, ...]:
+        """Return for each constraint the index of the side whose equation is nearer to zero.
+
+        Parameters
+        ----------
+        point, pose
+            A Study point and the pose that it is. Far away either may have lost the digits that
+            tell the sides: the one with the larger quotient of the two distances has kept more.
+        """
         if all(len(sides) == 1 for sides in self.equations):
             return (0,) * len(self.equations)
         column = acb_mat(8, 1, list(point))
-        values = self._values(column, self._gradients(column))
-        return tuple(
-            min(range(len(sides)), key=lambda k: float(values[sides[k].main].abs_upper()))
-            for sides in self.equations
-        )
+        places = (self._values(column, self._gradients(column)), self._quadrics(pose))
+        return tuple(_nearer(sides, places) for sides in self.equations)
 
     def excludes(self, pose: PoseBall) -> bool:
         """Whether it is proved that no pose in these balls meets all constraints."""
-        forms = study.forms_of_pose(pose.rotation, pose.translation)
-        quadrics = (self._coefficients * acb_mat(study.COUNT, 1, forms)).entries()
+        quadrics = self._quadrics(pose)
         return any(
             not any(_value(equation, quadrics).contains(0) for equation in equations)
             for equations in self.equations
         )
+
+    def _quadrics(self, pose: PoseBall) -> list[acb]:
+        forms = study.forms_of_pose(pose.rotation, pose.translation)
+        entries: list[acb] = (self._coefficients * acb_mat(study.COUNT, 1, forms)).entries()
+        return entries
 
     def _gradients(self, column: acb_mat) -> acb_mat:
         return acb_mat(len(self.forms), 8, (self._hessians * column).entries())
@@ -220,6 +228,19 @@ class BallSystem:
                 bound += 2 * (first[..., b] ** 2 + value[..., b] * second[b])
             bounds.append(bound)
         return np.asarray(np.stack(bounds, axis=-1) * OUTWARD)
+
+
+def _nearer(sides: Sequence[BallEquation], places: Sequence[Sequence[acb]]) -> int:
+    """Return which equation is nearer to zero, by the values that tell them apart best."""
+    if len(sides) == 1:
+        return 0
+    first, second = sides
+    pairs = [
+        (float(values[first.main].abs_upper()), float(values[second.main].abs_upper()))
+        for values in places
+    ]
+    a, b = max(pairs, key=lambda pair: abs(pair[0] - pair[1]) / (sum(pair) or 1.0))
+    return int(b < a)
 
 
 def _value(equation: BallEquation, quadrics: Sequence[acb]) -> acb:

@@ -63,11 +63,13 @@ class Located:
     @property
     def conjugate(self) -> Located:
         """The conjugate pose, which the same numbers prove: the equations are real."""
-        centre = tuple(x.conjugate() for x in self.isolation.centre)
-        pose = PoseBall(
-            [[x.conjugate() for x in row] for row in self.pose.rotation],
-            [x.conjugate() for x in self.pose.translation],
-        )
+        # Conjugation, too, rounds to the working precision.
+        with ctx.workprec(2 * self.isolation.precision):
+            centre = tuple(x.conjugate() for x in self.isolation.centre)
+            pose = PoseBall(
+                [[x.conjugate() for x in row] for row in self.pose.rotation],
+                [x.conjugate() for x in self.pose.translation],
+            )
         return replace(self, isolation=replace(self.isolation, centre=centre), pose=pose)
 
     @cached_property
@@ -83,9 +85,13 @@ class Located:
     @cached_property
     def quaternion(self) -> Complex:
         """The quaternion with ``e.e = 1`` rounded to doubles, of either sign, shape (4,)."""
-        e = self.isolation.point[:4]
-        root = dot4(e, e).sqrt()
-        return _rounded([entry / root for entry in e], self.real)
+        # N may be as small as the digits of the proof can tell from zero.
+        with ctx.workprec(2 * self.isolation.precision):
+            e = self.isolation.point[:4]
+            norm = dot4(e, e)
+            # A ball across the negative numbers has no square root.
+            root = norm.sqrt() if norm.real > 0 else (-norm).sqrt() * acb(0, 1)
+            return _rounded([entry / root for entry in e], self.real)
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ class _Candidate:
         tolerance *= self.size
         self.precision = system.precision
         if self.sides is None:
-            self.sides = system.sides_at(self.point)
+            self.sides = system.sides_at(self.point, self.given)
         result = refine_point(system, self.point, self.patch, self.sides)
         pose = pose_of_point(result.point) if isinstance(result, Isolation) else None
         if not isinstance(result, Isolation) or pose is None:

@@ -11,7 +11,7 @@ from gspcli.catalogue.kinds import DPL, KINDS
 from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.balls import float_above
 from gspcli.certification.measures import measure, residual
-from gspcli.certification.pose_balls import PoseBall
+from gspcli.certification.pose_balls import PoseBall, pose_of_point
 from gspcli.certification.study import product
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
@@ -57,7 +57,7 @@ def test_an_exact_solution_solves_the_equations_of_its_kind(
         with ctx.workprec(200):
             system = BallSystem(platform.instance, 200)
             point = study_point(platform, system.scale)
-            values, _ = system.at(point, system.sides_at(point))
+            values, _ = system.at(point, system.sides_at(point, pose_of_point(point)))
             assert all(value.contains(0) for value in values.entries())
             assert max(float_above(value) for value in values.entries()) < 1e-40
             assert not system.excludes(scaled(exact(platform), system.scale))

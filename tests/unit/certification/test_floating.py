@@ -118,7 +118,8 @@ def test_what_is_proved_is_proved_in_balls_too(names: str, known: Callable) -> N
             system = BallSystem(platform.instance, 128)
             points, patches = study_points(pose[0][None], pose[1][None] / system.scale)
             point = [acb(x) for x in points[0].tolist()]
-            proof = refine_point(system, point, int(patches[0]), system.sides_at(point))
+            sides = system.sides_at(point, pose_of_floats(*pose, system.scale))
+            proof = refine_point(system, point, int(patches[0]), sides)
             assert isinstance(proof, Isolation)
             assert proof.real == bool(found.real[0]) != bool(found.complex[0])
             there = pose_of_floats(pose[0], pose[1], system.scale)

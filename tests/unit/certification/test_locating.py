@@ -6,9 +6,12 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from flint import acb, arb, ctx
 
 from gspcli.certification.frames import OWN, Frames
-from gspcli.certification.locating import Locator
+from gspcli.certification.isolation import Isolation
+from gspcli.certification.locating import Located, Locator
+from gspcli.certification.pose_balls import pose_of_point
 from gspcli.geometry.quaternions import study_from_pose
 
 
@@ -59,3 +62,21 @@ def test_poses_nearer_to_each_other_than_doubles_can_tell(tangent, digits):
 def test_a_double_pose_is_never_located(tangent):
     start = point(np.eye(3), [1, 0, 0])
     assert Locator(tangent(Fraction(1)), OWN).locate(start[None], None, (0,) * 6) == [None]
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-3, 1e-22, 1e-60])
+@pytest.mark.parametrize("phase", [1, -1, 1j])
+def test_poses_next_to_isotropic_quaternions_keep_theirs(size, phase):
+    """N is as small as can be, on the negative numbers, and of the conjugate, too."""
+    with ctx.workprec(512):
+        last = (acb(phase) * acb(str(size)) - 1).sqrt().mid()
+        centre = (acb(1), acb(0), acb(0), last, acb(0), acb(0), acb(0), acb(0))
+        isolation = Isolation(centre, 0, (0,) * 6, arb(2) ** -400, 1e-9, 512)
+        pose = pose_of_point(isolation.point)
+    assert pose is not None
+    located = Located(isolation, pose, 1.0, real=False)
+    for one in (located, located.conjugate):
+        e = one.quaternion
+        assert np.isfinite(e).all()
+        np.testing.assert_allclose(4 * e[0] ** 2 - 1, np.trace(one.R), rtol=1e-13)
+    np.testing.assert_array_equal(located.conjugate.R, located.R.conj())
