@@ -5,14 +5,22 @@ As `gspcli.geometry.measurement`: poses may be complex and have leading batch ax
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import jacobian, measured
-from gspcli.geometry.quaternions import Field, apply, cross
+from gspcli.geometry.quaternions import Field, apply, cross, dot
 
 Array = NDArray[np.float64]
+
+#: The square of a sine below which lines are measured with more digits: doubles lose half as many
+#: as it has zeros.
+_NEARLY_PARALLEL = 1e-8
+_DIGITS = 60
 
 
 def residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
@@ -32,6 +40,53 @@ def residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
     result = np.where(free, np.minimum(difference, opposite), signed)
     result[..., arrangement.angles] /= arrangement.in_radians
     return np.asarray(result)
+
+
+def proved_residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
+    """Return the same at poses next to which the constraints are proved to hold as stated.
+
+    Lines of a DLL that doubles hardly tell from parallel ones are measured as skew lines with more
+    digits, and as parallel ones where they may be parallel but for rounding: the nearer counts.
+    The poses are meant as the doubles that they are: lines at an angle of s lose as many of the
+    digits of their distance as s has zeros. ``(b, 3, 3), (b, 3) -> (b, n)``.
+    """
+    result = residuals(arrangement, R, T)
+    lines = [k for k, kind in enumerate(arrangement.kinds) if kind is DLL]
+    if not lines:
+        return result
+    w = arrangement.placed(R, T).w[:, lines]
+    normals = cross(w, np.broadcast_to(arrangement.v[lines], w.shape))
+    squares = np.abs(dot(normals, normals))
+    targets = np.broadcast_to(arrangement.targets, result.shape)
+    for pose, line in zip(*np.nonzero(squares < _NEARLY_PARALLEL), strict=True):
+        k = lines[line]
+        distance = _skew_distance(arrangement, R[pose], T[pose], k)
+        if distance is not None:
+            skew = min(abs(distance - targets[pose, k]), abs(distance + targets[pose, k]))
+            result[pose, k] = min(skew, result[pose, k])
+    return result
+
+
+def _skew_distance(arrangement: Arrangement, R: Field, T: Field, k: int) -> complex | None:
+    """Return the distance of two lines that are not exactly parallel, else None."""
+    # Its import takes as long as a solve, and hardly any pose needs it.
+    from mpmath import MPContext
+
+    context = MPContext()
+    context.dps = _DIGITS
+
+    def exactly(numbers: Field) -> list[Any]:
+        return [context.mpmathify(x) for x in numbers.tolist()]
+
+    y, x, u, v = (
+        exactly(a[k]) for a in (arrangement.y, arrangement.x, arrangement.u, arrangement.v)
+    )
+    rows, place = [exactly(row) for row in R], exactly(T)
+    w = [context.fdot(row, u) for row in rows]
+    r = [context.fdot(row, y) + t - b for row, t, b in zip(rows, place, x, strict=True)]
+    normal = [w[i - 2] * v[i - 1] - w[i - 1] * v[i - 2] for i in range(3)]
+    square = context.fdot(normal, normal)
+    return complex(context.fdot(r, normal) / context.sqrt(square)) if square else None
 
 
 def sides_of(arrangement: Arrangement, R: Field, T: Field) -> NDArray[np.int64]:

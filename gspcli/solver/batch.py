@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from gspcli.continuation.paths import PathAccount
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.residuals import condition_numbers, residuals
+from gspcli.geometry.residuals import condition_numbers, proved_residuals, residuals
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.proof import Proof
 
@@ -145,8 +145,13 @@ class PoseBatch:
     def residuals(self) -> Array:
         """The largest residual of a constraint at each pose, NaN where there is none, (b, n)."""
         there = self._there
-        given = self.arrangement.with_values(self.values[there[0]])
-        return self._filled(residuals(given, self.R[there], self.T[there]).max(axis=1))
+        found = np.empty((len(there[0]), 6))
+        for measure, chosen in ((proved_residuals, True), (residuals, False)):
+            k = self.certified[there] == chosen
+            at = tuple(index[k] for index in there)
+            given = self.arrangement.with_values(self.values[at[0]])
+            found[k] = measure(given, self.R[at], self.T[at])
+        return self._filled(found.max(axis=1))
 
     @cached_property
     def conditions(self) -> Array:

@@ -16,7 +16,12 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import LeftLimit, has_limits, left_limits
 from gspcli.geometry.quaternions import Field
-from gspcli.geometry.residuals import condition_numbers, residuals, sides_of
+from gspcli.geometry.residuals import (
+    condition_numbers,
+    proved_residuals,
+    residuals,
+    sides_of,
+)
 from gspcli.solver.pose_set import Motion, PoseSet
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.solution import Counts, Solution
@@ -171,8 +176,10 @@ class SolveResult:
         """Residual of each constraint at each pose, units of the instance, shape (n, 6)."""
         R, T, real = self.R, self.T, self.real
         found = np.empty((len(R), 6))
-        found[real] = residuals(self.arrangement, R[real].real, T[real].real)
-        found[~real] = residuals(self.arrangement, R[~real], T[~real])
+        for measure, chosen in ((proved_residuals, self.certified), (residuals, ~self.certified)):
+            at, off = real & chosen, ~real & chosen
+            found[at] = measure(self.arrangement, R[at].real, T[at].real)
+            found[off] = measure(self.arrangement, R[off], T[off])
         return found
 
     @cached_property

@@ -3,15 +3,21 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from gspcli.catalogue.kinds import KINDS
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Plane, Point, vector
+from gspcli.geometry.primitives import Line, Plane, Point, vector
 from gspcli.geometry.quaternions import rotation_from_quaternion
-from gspcli.geometry.residuals import condition_numbers, residuals, sides_of
+from gspcli.geometry.residuals import (
+    condition_numbers,
+    proved_residuals,
+    residuals,
+    sides_of,
+)
 
 
 def test_residuals_respect_sides_and_units():
@@ -93,3 +99,28 @@ def test_normalized_arrangement_has_the_same_poses(arrangement_of_all_kinds, ran
     np.testing.assert_allclose(
         measured(arrangement, R, arrangement.restored(R, T)), values, rtol=1e-9
     )
+
+
+@pytest.mark.parametrize(
+    ("sine", "value", "expected", "unproved"),
+    [
+        # Skew lines 3 apart, where parallel ones would be 5 apart.
+        (1e-3, 3, 0, 0),
+        (1e-10, 3, 0, 2),
+        (1e-13, 3, 0, 2),
+        # Parallel ones, exactly and but for rounding.
+        (0, 5, 0, 0),
+        (1e-16, 5, 0, 0),
+        # And neither: the nearer counts.
+        (1e-10, 3.5, 0.5, 1.5),
+    ],
+)
+def test_nearly_parallel_lines_are_measured_as_they_are(sine, value, expected, unproved):
+    line = Line(vector(4, 3, 0), vector(sine, 0, 1))
+    axis = Line(vector(0, 0, 0), vector(0, 0, 1))
+    row = Constraint(KINDS[5], line, axis, Number.of(value))
+    arrangement = Arrangement.of(Instance((row,), Units("m", AngleUnit.DEGREE)))
+    for dtype in (float, complex):
+        pose = np.eye(3, dtype=dtype)[None], np.zeros((1, 3), dtype)
+        np.testing.assert_allclose(proved_residuals(arrangement, *pose), expected, atol=1e-12)
+        np.testing.assert_allclose(residuals(arrangement, *pose), unproved, atol=1e-9)
