@@ -105,6 +105,19 @@ STEPS = (
         sample="--sample 12 --seeds 1",
     ),
     Step(
+        "special-batches",
+        ("data/verification/special-platforms.csv",),
+        "tools/verify_special.py batches --check --jobs {jobs}",
+        sample="--sample 8",
+    ),
+    Step(
+        "special-certificates",
+        ("data/verification/special-platforms.csv",),
+        "tools/verify_special.py certify --check --jobs {jobs}",
+        whole="--sample 200",
+        sample="--sample 4",
+    ),
+    Step(
         "tracking",
         ("data/counts/*",),
         "gsp atlas verify --method tracking --jobs {jobs}",

@@ -2,25 +2,31 @@
 
     python tools/verify_special.py count [--only PATTERN] [--jobs N] [--check [--sample N]]
     python tools/verify_special.py solve [--only PATTERN] [--jobs N] [--seeds N] [--sample N]
+    python tools/verify_special.py batches [--only PATTERN] [--jobs N] [--sample N]
+    python tools/verify_special.py certify [--only PATTERN] [--jobs N] [--sample N]
     python tools/verify_special.py show ID ...
 
 `count` makes the platforms anew and counts their poses exactly (`special_counts`); the table is
 ``data/verification/special-platforms.csv``. Rows of unchanged platforms are kept without --check.
 `solve` solves them and judges every answer by the table (`special_answers`); with --record the
-result of all of them goes into docs/completeness.md. Its exit code is 1 if any answer is wrong.
-PATTERN is a part of the ids,
-or a pattern as of files. `show` writes the instance files and prints their paths.
+result of all of them goes into docs/completeness.md. `batches` asks `solve_values` and
+`solve_batch` for special values among others (`special_rows`). `certify` has `gsp certify` judge
+what `gsp solve` prints, and what is made wrong on purpose (`special_candidates`). The exit code is
+1 if anything said is wrong. PATTERN is a part of the ids, or a pattern as of files. `show` writes
+the instance files and prints their paths.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from fnmatch import fnmatch
 from functools import partial
 from os import cpu_count
 from pathlib import Path
+from typing import Any
 
 from recording import (
     CONFIRMED,
@@ -35,6 +41,8 @@ from recording import (
 
 sys.path.insert(0, str(ROOT))
 
+import special_candidates
+import special_rows
 from msolve import Count
 from special_answers import Judgement, answers
 from special_counts import exact_counts, real_poses
@@ -164,6 +172,29 @@ def solve_all(chosen: list[Platform], every: list[Platform], arguments: argparse
     return CONFIRMED
 
 
+def attack(
+    asked: Callable[[Any], tuple[str, list[tuple[str, str, str]]]],
+    items: Sequence[Any],
+    honest: Sequence[str],
+    arguments: argparse.Namespace,
+) -> int:
+    """Print what is not right about many questions; return the exit code."""
+    tally: Counter[str] = Counter()
+    chosen = sampled(items, arguments.sample)
+    work = Workers(arguments.jobs).as_completed(asked, chosen)
+    for name, remarks in progress(work, total=len(chosen), label="asking"):
+        tally.update(verdict for _, verdict, _ in remarks)
+        for what, verdict, said in remarks:
+            if verdict != "right":
+                print(f"{name}: {what}: {verdict}: {said}")
+    told = ", ".join(f"{number} {verdict}" for verdict, number in tally.most_common())
+    if not set(tally) <= set(honest):
+        print(f"different: {told}")
+        return DIFFERENT
+    print(f"confirmed: {len(chosen)} of {len(items)}: nothing wrong is said: {told}")
+    return CONFIRMED
+
+
 def _record(judgement: Judgement, seeds: int, known: Mapping[str, Mapping[str, str]]) -> None:
     finite = [row for row in known.values() if row["finite"] == "yes"]
     real = sum(bool(row["real"]) for row in finite)
@@ -207,7 +238,7 @@ def main() -> int:
     commands = parser.add_subparsers(dest="command", required=True)
     shown = commands.add_parser("show", help="write instance files")
     shown.add_argument("names", nargs="+", metavar="ID")
-    for name in ("count", "solve"):
+    for name in ("count", "solve", "batches", "certify"):
         command = commands.add_parser(name)
         command.add_argument("--only", default="", metavar="PATTERN", help="of the ids")
         command.add_argument("--jobs", type=int, default=1, metavar="N", help="processes")
@@ -220,8 +251,9 @@ def main() -> int:
                 action="store_false",
                 help="leave the real poses to a later run: they take most of the time",
             )
-        else:
-            command.add_argument("--check", action="store_true", help="as without it")
+            continue
+        command.add_argument("--check", action="store_true", help="as without it")
+        if name == "solve":
             command.add_argument("--record", action="store_true", help="write the page")
             command.add_argument("--seeds", type=int, default=2, metavar="N")
             command.add_argument("--slow", type=float, default=5.0, metavar="SECONDS")
@@ -232,6 +264,12 @@ def main() -> int:
     chosen = [p for p in every if not arguments.only or _matches(p.id, arguments.only)]
     if arguments.command == "count":
         return count(chosen, every, arguments)
+    if arguments.command == "batches":
+        geometries = special_rows.geometries(chosen)
+        return attack(special_rows.attacked, geometries, special_rows.HONEST, arguments)
+    if arguments.command == "certify":
+        honest = special_candidates.HONEST
+        return attack(special_candidates.attacked, chosen, honest, arguments)
     return solve_all(chosen, every, arguments)
 
 

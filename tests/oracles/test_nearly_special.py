@@ -6,6 +6,8 @@ from collections.abc import Callable
 
 import pytest
 
+from gspcli.solver import solve
+
 SAMPLE = {
     "hexagons": ["shape-1/straight/6-places", "shape-2/turned/9-places"],
     "plates": ["hexagon/1e-2/1", "hexagon/1e-9/2"],
@@ -48,3 +50,55 @@ def test_nothing_said_depends_on_the_seed(load_tool: Callable) -> None:
         assert not failure
         said = {(a.verdict, a.found, a.multiple, a.real, a.certified) for a in found}
         assert len(said) == 1
+
+
+@pytest.mark.parametrize(
+    "prefix",
+    [
+        # Shared with special values in one batch: double poses split by 1e-14, planes in contact.
+        "double/axis-1/",
+        "couplings/vees-1/one/",
+        "degrees/1/",
+        "zero/1/",
+        "line-pairs/1/1e-9",
+    ],
+)
+def test_batches_with_special_values_say_nothing_wrong(prefix: str, load_tool: Callable) -> None:
+    made, rows = load_tool("special_platforms"), load_tool("special_rows")
+    chosen = [p for p in made.platforms([prefix.partition("/")[0]]) if p.id.startswith(prefix)]
+    for geometry in rows.geometries(chosen)[:1]:
+        _, remarks = rows.attacked(geometry)
+        assert len(remarks) >= len(geometry) + 3
+        assert {verdict for _, verdict, _ in remarks} == {"right"}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        # Complex poses at 4e8 lengths, whose doubles hardly say on which side of a plane they are.
+        "parallels/DPH-1/1e-4",
+        # N is a negative number, and the quaternion of the conjugate was none.
+        "published/rubin-camera-hexapod/pose-1/exact",
+        "couplings/vees-1/one/1e-6",
+        "double-mixed/PL-PH-PP-PP-PP-PP/+1e-8",
+    ],
+)
+def test_certify_takes_what_solve_prints_and_nothing_wrong(name: str, load_tool: Callable) -> None:
+    made, candidates = load_tool("special_platforms"), load_tool("special_candidates")
+    [platform] = [p for p in made.platforms([name.partition("/")[0]]) if p.id == name]
+    _, remarks = candidates.attacked(platform)
+    assert len(remarks) > 60
+    assert {verdict for _, verdict, _ in remarks} <= set(candidates.HONEST)
+    assert [verdict for what, verdict, _ in remarks if what.endswith("as printed")] == ["right"] * 2
+
+
+def test_residuals_of_lines_next_to_parallel_are_as_small_as_doubles_allow(
+    load_tool: Callable,
+) -> None:
+    made = load_tool("special_platforms")
+    for platform in made.platforms(["line-pairs"]):
+        digits = platform.id.removeprefix("line-pairs/1/1e-")
+        if digits in ("4", "7", "10"):
+            solved = solve(platform.instance)
+            assert solved.certified.all()
+            assert solved.residuals.max() < max(1e-9, 1e-15 * 10 ** int(digits))
