@@ -7,10 +7,15 @@ namespace gsp {
 void GSP_TRACK_SHIFTS(const ShiftGeometry& geometry, const ShiftOptions& options, const ShiftPaths& paths,
                     int begin, int end, const ShiftEnds& ends) {
   const auto run = [&]<int M, bool has_h>() {
-    if (paths.line)
-      ShiftTracker<M, has_h, MovingGeometry<M>>(geometry, options, paths, begin, end, ends).run();
+    const auto with = [&]<class Moving>() {
+      ShiftTracker<M, has_h, Moving>(geometry, options, paths, begin, end, ends).run();
+    };
+    if (!paths.line)
+      with.template operator()<MovingValues>();
+    else if (paths.line->real)
+      with.template operator()<MovingPlatform<M>>();
     else
-      ShiftTracker<M, has_h, MovingValues>(geometry, options, paths, begin, end, ends).run();
+      with.template operator()<MovingGeometry<M>>();
   };
   switch (2 * geometry.scalars + geometry.has_h) {
     case 0: return run.template operator()<0, false>();

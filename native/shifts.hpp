@@ -36,8 +36,11 @@ struct ShiftOptions {
   int max_steps;
 };
 
-// All coefficients along the way from a start (t = 0) to a target (1); the values are in the forms.
+// All coefficients along the way from a start (t = 0) to a target (1). If those of both are real but
+// for their values, the imaginary parts are in the values, and forms and slopes are taken as real.
 struct ShiftLine {
+  bool real;
+  double value[kEquations], value_change[kEquations];  // imaginary parts
   Complex form[kEquations][kForms], form_change[kEquations][kForms];
   Complex slope[kEquations][kMostScalars], slope_change[kEquations][kMostScalars];
 };

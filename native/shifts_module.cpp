@@ -96,6 +96,9 @@ nb::tuple track_shifts(Array<std::int32_t, 1> pivots, Array<std::int32_t, 1> fre
                         owned(std::move(steps), {targets, paths}));
 }
 
+// Imaginary parts below this part of the largest coefficient are rounding.
+constexpr double kNoImaginary = 1e-13;
+
 // The coefficients of solved quadrics, as the start or the end of a line.
 void put_line(const ReducedQuadrics& q, const std::int32_t* free, ShiftLine& line, bool ends) {
   const auto put = [&](Complex& from, Complex& change, const Numbers& x) {
@@ -114,6 +117,26 @@ void put_line(const ReducedQuadrics& q, const std::int32_t* free, ShiftLine& lin
     for (int l = 0; l < q.free(); ++l)
       put(line.slope[j][l], line.slope_change[j][l], j < q.pivots ? q.row[j][free[l]] : 0.0);
   }
+}
+
+// Takes imaginary parts that are multiples of N out of the forms, if there are no others.
+void split(ShiftLine& line, int scalars) {
+  constexpr bool kDiagonal[kForms] = {true, false, false, false, true, false, false, true, false, true};
+  double rest = 0.0, largest = 0.0;
+  for (int j = 0; j < kEquations; ++j) {
+    const double value[2] = {-line.form[j][0].im, -line.form_change[j][0].im};
+    line.value[j] = value[0], line.value_change[j] = value[1];
+    for (int i = 0; i < kForms; ++i) {
+      const Complex* const parts[2] = {&line.form[j][i], &line.form_change[j][i]};
+      for (int k = 0; k < 2; ++k) {
+        rest = std::max(rest, std::abs(parts[k]->im + (kDiagonal[i] ? value[k] : 0.0)));
+        largest = std::max(largest, std::abs(parts[k]->re));
+      }
+    }
+    for (int l = 0; l < scalars; ++l)
+      rest = std::max({rest, std::abs(line.slope[j][l].im), std::abs(line.slope_change[j][l].im)});
+  }
+  line.real = rest <= kNoImaginary * largest;
 }
 
 // A Study point in the coordinates e, of norm 1, and the free quantities.
@@ -150,6 +173,7 @@ nb::object track_reduced(Array<Numbers, 2> start, Array<Numbers, 2> points, Arra
   ShiftLine line;
   put_line(from, geometry.free, line, false);
   put_line(to, geometry.free, line, true);
+  split(line, to.free());
   const std::size_t d = 4 + scalars;
   std::vector<Complex> starts(paths * d), ends(paths * d);
   for (std::size_t p = 0; p < paths; ++p)

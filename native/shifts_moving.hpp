@@ -13,9 +13,23 @@ INLINE void add_real(C& s, double a, const C& b) {
   s.re += a * b.re;
   s.im += a * b.im;
 }
+INLINE void add_real(C& s, const V& a, const C& b) {
+  s.re += a * b.re;
+  s.im += a * b.im;
+}
+// s += i a b
+INLINE void add_times_i(C& s, const V& a, const C& b) {
+  s.re -= a * b.im;
+  s.im += a * b.re;
+}
 INLINE C minus(const C& a) { return {-a.re, -a.im}; }
+INLINE V minus(const V& a) { return -a; }
 INLINE double minus(double a) { return -a; }
 INLINE void subtract_times(C& s, double a, const C& b) { add_real(s, -a, b); }
+INLINE void subtract_times(C& s, const V& a, const C& b) {
+  s.re -= a * b.re;
+  s.im -= a * b.im;
+}
 INLINE void subtract_times(C& s, const C& a, const C& b) { subtract_product(s, a, b); }
 
 // Orders of a series that what is next in it depends on: products of e of the order without what is
@@ -29,6 +43,7 @@ struct Orders {
 // Forms and slopes of one geometry, the values moving from those of a start to those of a target,
 // another in each lane.
 struct MovingValues {
+  static constexpr int kOrder = 4;  // of the Taylor series
   const ShiftGeometry& geometry;
   const ShiftPaths& paths;
   C from[kEquations], change[kEquations], v[kEquations];
@@ -82,6 +97,7 @@ struct MovingValues {
 // All coefficients moving from those of a start to those of one target; values are in the forms.
 template <int M>
 struct MovingGeometry {
+  static constexpr int kOrder = 4;
   const ShiftGeometry& geometry;
   const ShiftPaths& paths;
   C form[kEquations][kForms], slopes[kEquations][M > 0 ? M : 1];
@@ -120,6 +136,55 @@ struct MovingGeometry {
     if (order > 1)
       for (int i = 0; i < kForms; ++i) add_product(s, form[j][i], at.pairs[i]);
     return minus(s);
+  }
+};
+
+// The same where only values are complex.
+template <int M>
+struct MovingPlatform {
+  static constexpr int kOrder = 3;
+  const ShiftGeometry& geometry;
+  const ShiftPaths& paths;
+  V form[kEquations][kForms], slopes[kEquations][M > 0 ? M : 1];
+  V v[kEquations];  // imaginary parts: the real ones are in the forms
+
+  INLINE void load(int, int) {}
+  INLINE void go(const V& t) {
+    const ShiftLine& line = *paths.line;
+    for (int j = 0; j < kEquations; ++j) {
+      for (int i = 0; i < kForms; ++i)
+        form[j][i] = line.form[j][i].re + t * line.form_change[j][i].re;
+      for (int l = 0; l < M; ++l) slopes[j][l] = line.slope[j][l].re + t * line.slope_change[j][l].re;
+      v[j] = line.value[j] + t * line.value_change[j];
+    }
+  }
+  INLINE void arrive(int, int) { go(splat(1.0)); }
+
+  INLINE void half_gradient(int j, const C* e, C* half) const {
+    const V* c = form[j];
+    for (int a = 0; a < 4; ++a) {
+      half[a] = {v[j] * e[a].im, -(v[j] * e[a].re)};
+    }
+    for (int a = 0, k = 0; a < 4; ++a) {
+      add_real(half[a], c[k++], e[a]);
+      for (int b = a + 1; b < 4; ++b, ++k) {
+        const V entry = 0.5 * c[k];
+        add_real(half[a], entry, e[b]);
+        add_real(half[b], entry, e[a]);
+      }
+    }
+  }
+  INLINE const V& slope(int j, int l) const { return slopes[j][l]; }
+  INLINE C next(int j, int order, const Orders& at) const {
+    const ShiftLine& line = *paths.line;
+    C s{};
+    add_times_i(s, splat(line.value_change[j]), at.n_before);
+    for (int i = 0; i < kForms; ++i) add_real(s, -line.form_change[j][i].re, at.before[i]);
+    for (int l = 0; l < M; ++l) add_real(s, -line.slope_change[j][l].re, at.scalars[l]);
+    if (order == 1) return s;
+    add_times_i(s, v[j], at.n);
+    for (int i = 0; i < kForms; ++i) add_real(s, minus(form[j][i]), at.pairs[i]);
+    return s;
   }
 };
 

@@ -8,8 +8,6 @@
 namespace gsp {
 namespace {
 
-constexpr int kOrder = 4;  // of the Taylor series
-
 INLINE C conjugate(const C& a) { return {a.re, -a.im}; }
 
 // r += (e ^ w), four components of which three are independent where e is not zero.
@@ -30,6 +28,7 @@ constexpr Wedge kWedge[6] = {{2, 3, 3, 2}, {3, 1, 1, 3}, {1, 2, 2, 1},
 template <int M, bool has_h, class Moving>
 struct System {
   // Coordinates; pivots; the first equation without quantities.
+  static constexpr int kOrder = Moving::kOrder;
   static constexpr int D = 4 + M, P = (has_h ? 7 : 6) - M, F = has_h ? 5 : 4;
 
   const ShiftGeometry& geometry;
@@ -98,14 +97,15 @@ struct System {
     subtract_product(row[t.minus][column], x[t.minus_e], c);
     if constexpr (has_h) add_product(row[4][column], q[k] + q[k], c);
   }
-  INLINE void add_quantity(int k, int column, double c) {
+  template <class Real>
+  INLINE void add_quantity(int k, int column, const Real& c) {
     if (k == 6) {
-      add_real(row[4][column], -c, n);
+      add_real(row[4][column], minus(c), n);
       return;
     }
     const Wedge& t = kWedge[k];
     add_real(row[t.plus][column], c, x[t.plus_e]);
-    add_real(row[t.minus][column], -c, x[t.minus_e]);
+    add_real(row[t.minus][column], minus(c), x[t.minus_e]);
     if constexpr (has_h) add_real(row[4][column], 2.0 * c, q[k]);
   }
 

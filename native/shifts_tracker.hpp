@@ -12,7 +12,7 @@ constexpr double kRounding = 1e-12;
 
 template <int M, bool has_h, class Moving>
 class ShiftTracker {
-  static constexpr int D = 4 + M;
+  static constexpr int D = 4 + M, kOrder = Moving::kOrder;
 
  public:
   ShiftTracker(const ShiftGeometry& geometry, const ShiftOptions& options, const ShiftPaths& paths,

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from gspcli import _kernel
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
-from gspcli.continuation.start import start_system
-from gspcli.continuation.systems import Structure
+from gspcli.continuation.start import StartSystem
 from gspcli.continuation.tracker import DEFAULT, PathStatus, TrackerOptions, helpful
 
 #: Pivots below this part of the largest entry are zero, ...
@@ -28,7 +27,9 @@ _MOST_FREE = 3
 #: The series have few terms, so that they are computed quickly; what is lost is seen.
 QUICK = replace(DEFAULT, predictor_tolerance=3e-3, contraction=0.1, min_step=1e-6, max_steps=200)
 #: Paths from the stored start are longer, and come nearer to others.
-_FROM_START = replace(QUICK, min_step=1e-10)
+FROM_START = replace(QUICK, min_step=1e-10)
+#: From a start with real geometry a few in a hundred platforms lose paths with such steps.
+LONG_STEPS = replace(FROM_START, predictor_tolerance=1e-2, contraction=0.25)
 
 
 class ShiftEnds(NamedTuple):
@@ -148,17 +149,21 @@ class Shifts:
         )
 
 
-def ends_from_start(structure: Structure, quadrics: ComplexArray) -> ComplexArray | None:
-    """Return the ends of the paths from the stored start system to six quadrics.
+def ends_from_start(
+    start: StartSystem, quadrics: ComplexArray, options: TrackerOptions = FROM_START
+) -> ComplexArray | None:
+    """Return the ends of the paths from a start system to six quadrics.
 
     Both are solved for the same quantities, and all that is left moves along straight lines.
 
     Parameters
     ----------
-    structure
-        Their spaces, in canonical order, no products.
+    start
+        Of their structure, no products.
     quadrics
         Coefficients, shape (6, 27); lengths of order one.
+    options
+        How long the steps are.
 
     Returns
     -------
@@ -166,16 +171,15 @@ def ends_from_start(structure: Structure, quadrics: ComplexArray) -> ComplexArra
         Study points of any norm, shape (paths, 8), not a number where a path is lost; None if the
         quadrics are not solved as those of the start are, because they are special.
     """
-    start = start_system(structure)
     found = _kernel.track_reduced(
         start.system.coefficients.g,
         np.ascontiguousarray(start.points),
         quadrics,
-        predictor_tolerance=_FROM_START.predictor_tolerance,
-        contraction=_FROM_START.contraction,
-        radius_fraction=_FROM_START.radius_fraction,
-        min_step=_FROM_START.min_step,
-        max_steps=_FROM_START.max_steps,
+        predictor_tolerance=options.predictor_tolerance,
+        contraction=options.contraction,
+        radius_fraction=options.radius_fraction,
+        min_step=options.min_step,
+        max_steps=options.max_steps,
     )
     if found is None:
         return None

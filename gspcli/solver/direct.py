@@ -9,11 +9,14 @@ from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DPH, DPP
 from gspcli.certification.frames import Frames
 from gspcli.certification.many_values import ValueProofs
 from gspcli.continuation.paths import PathAccount
-from gspcli.continuation.shifts import ends_from_start
+from gspcli.continuation.shifts import FROM_START, LONG_STEPS, ends_from_start
+from gspcli.continuation.start import StartSystem, start_system
+from gspcli.continuation.tracker import TrackerOptions
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.proof import Ground, Proof
+from gspcli.solver.reference_start import reference_start
 from gspcli.solver.study_systems import coefficients_at, side_choices
 
 Complex = NDArray[np.complex128]
@@ -47,10 +50,37 @@ def proved_directly(proofs: ValueProofs, arrangement: Arrangement) -> PoseSet | 
     if not is_reducible(arrangement):
         return None
     structure, coefficients = coefficients_at(arrangement.normalized)
-    order = list(structure.order)
+    given = coefficients.g[:, list(structure.order)]
+    structure = structure.canonical()
+    reference = reference_start(structure)
+    if reference is not None:
+        poses = _proved_from(reference.start, LONG_STEPS, given, proofs, arrangement)
+        if poses is not None:
+            return poses
+    return _proved_from(start_system(structure), FROM_START, given, proofs, arrangement)
+
+
+def _proved_from(
+    start: StartSystem,
+    options: TrackerOptions,
+    given: Complex,
+    proofs: ValueProofs,
+    arrangement: Arrangement,
+) -> PoseSet | None:
+    """Return the poses at the ends of the paths from a start, if all are proved.
+
+    Parameters
+    ----------
+    start, options
+        See `ends_from_start`.
+    given
+        The quadrics for each combination of sides, shape (k, 6, 27).
+    proofs, arrangement
+        As for `proved_directly`.
+    """
     ends = []
-    for quadrics in coefficients.g[:, order]:
-        points = ends_from_start(structure.canonical(), quadrics)
+    for quadrics in given:
+        points = ends_from_start(start, quadrics, options)
         if points is None:
             return None
         ends.append(points)

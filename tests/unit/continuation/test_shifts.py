@@ -9,7 +9,7 @@ from gspcli import _kernel
 from gspcli.catalogue.parsing import parse_type
 from gspcli.continuation.shifts import Shifts, ends_from_start
 from gspcli.continuation.solve import solve_system
-from gspcli.continuation.start import path_count
+from gspcli.continuation.start import path_count, start_system
 from gspcli.continuation.systems import Coefficients, System
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.generate import random_instance
@@ -103,14 +103,14 @@ def _distinct(system: System, study: np.ndarray) -> int:
 @pytest.mark.parametrize("name", TYPES)
 def test_paths_from_the_stored_start_lead_to_all_solutions(name):
     system = _whole(name)
-    study = ends_from_start(system.structure, system.coefficients.g)
+    study = ends_from_start(start_system(system.structure), system.coefficients.g)
     assert len(study) == path_count(system.structure)
     assert _distinct(system, study) == len(study)
 
 
 def test_a_geometry_of_lower_rank_than_the_start_is_left_to_others():
     system = _whole("DPP DPP DPP DPP DPP DPP", planar=True)
-    assert ends_from_start(system.structure, system.coefficients.g) is None
+    assert ends_from_start(start_system(system.structure), system.coefficients.g) is None
 
 
 @pytest.mark.parametrize("name", ["DPP DPP DPP DPP DPP DLL", "DPP DPP DPP ALL ALL ALH"])
