@@ -24,6 +24,10 @@ _ZERO = 1e-12
 _SMALL = 1e-3
 #: So many quantities may be free: with more nothing is gained.
 _MOST_FREE = 3
+#: Study points whose cosine is nearer to one are the same to a few digits, ...
+_SAME = 1e-10
+#: ... and at most this part of the paths is a few.
+_FEW = 0.25
 #: The series have few terms, so that they are computed quickly; what is lost is seen.
 QUICK = replace(DEFAULT, predictor_tolerance=3e-3, contraction=0.1, min_step=1e-6, max_steps=200)
 #: Paths from the stored start are longer, and come nearer to others.
@@ -186,6 +190,40 @@ def ends_from_start(
     study, status = found
     study[status != PathStatus.REGULAR] = np.nan
     return np.asarray(study)
+
+
+def followed_again(
+    start: StartSystem, quadrics: ComplexArray, ends: ComplexArray
+) -> ComplexArray | None:
+    """Return ends of paths of which those that went wrong are followed again, with short steps.
+
+    A path is lost, or has jumped to the end of another, which is not told from it then.
+
+    Parameters
+    ----------
+    start, quadrics
+        As for `ends_from_start`, which did not return None.
+    ends
+        Of the paths from all points of the start, shape (paths, 8).
+
+    Returns
+    -------
+    ComplexArray or None
+        Likewise; None if none went wrong, or so many that the target is a special one.
+    """
+    lost = np.isnan(ends[:, 0])
+    points = np.where(lost[:, None], 1.0, ends)
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    alike = np.abs(points.conj() @ points.T) > 1 - _SAME
+    wrong = lost | (alike.sum(axis=1) > 1)
+    if not 0 < wrong.sum() <= max(2, _FEW * len(wrong)):
+        return None
+    again = ends_from_start(StartSystem(start.system, start.points[wrong]), quadrics)
+    if again is None:
+        return None
+    mended = ends.copy()
+    mended[wrong] = again
+    return mended
 
 
 def _solved(quantities: FloatArray) -> tuple[NDArray[np.intp], FloatArray] | None:

@@ -9,7 +9,7 @@ from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DPH, DPP
 from gspcli.certification.frames import Frames
 from gspcli.certification.many_values import ValueProofs
 from gspcli.continuation.paths import PathAccount
-from gspcli.continuation.shifts import FROM_START, LONG_STEPS, ends_from_start
+from gspcli.continuation.shifts import FROM_START, LONG_STEPS, ends_from_start, followed_again
 from gspcli.continuation.start import StartSystem, start_system
 from gspcli.continuation.tracker import TrackerOptions
 from gspcli.geometry.arrangement import Arrangement
@@ -84,7 +84,15 @@ def _proved_from(
         if points is None:
             return None
         ends.append(points)
-    return all_proved(proofs, arrangement, np.array(ends), Frames.of(arrangement))
+    frames = Frames.of(arrangement)
+    poses = all_proved(proofs, arrangement, np.array(ends), frames)
+    if poses is not None or options is not LONG_STEPS:
+        return poses
+    again = [followed_again(start, *each) for each in zip(given, ends, strict=True)]
+    mended = [old if new is None else new for new, old in zip(again, ends, strict=True)]
+    if all(new is None for new in again):
+        return None
+    return all_proved(proofs, arrangement, np.array(mended), frames)
 
 
 def all_proved(

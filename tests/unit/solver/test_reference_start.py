@@ -7,7 +7,7 @@ from gspcli.catalogue.parsing import parse_type
 from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.pursuit import pursue
 from gspcli.continuation.shifts import LONG_STEPS
-from gspcli.continuation.start import distinct, path_count
+from gspcli.continuation.start import distinct, path_count, start_system
 from gspcli.continuation.systems import Coefficients, Structure, System
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver import direct, solve, tracking
@@ -103,7 +103,8 @@ def test_without_products_long_steps_of_real_forms_are_proved(name, monkeypatch)
     np.testing.assert_allclose(found.T, known.T, atol=1e-8)
 
 
-def test_what_a_reference_does_not_prove_is_followed_from_the_stored_start(monkeypatch):
+@pytest.mark.parametrize("lost", [1, 40])
+def test_lost_and_colliding_paths_are_followed_again(lost, monkeypatch):
     first, second = platforms("6PP", 2)
     known = solve(second)
     solve(first)
@@ -112,11 +113,18 @@ def test_what_a_reference_does_not_prove_is_followed_from_the_stored_start(monke
     def spoilt(start, quadrics, options):
         points = ends(start, quadrics, options)
         if options is LONG_STEPS:
-            points[0] = points[1]
+            points[2] = points[3]
+            points[:lost] = np.nan
         return points
 
+    stored = []
     monkeypatch.setattr(direct, "ends_from_start", spoilt)
+    monkeypatch.setattr(
+        direct, "start_system", lambda given: stored.append(1) or start_system(given)
+    )
     found = solve(second)
+    # A few from the reference, all from the stored start.
+    assert bool(stored) == (lost == 40)
     assert found.certified.all()
     assert len(found.R) == 40
     np.testing.assert_allclose(found.T, known.T, atol=1e-8)
