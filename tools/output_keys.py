@@ -152,7 +152,7 @@ KEYS: dict[str, str] = {
     "notes": "remarks",
     # Atlas
     "counts": "how many of what",
-    "sides": "for each PH and HP distance the side: positive or negative",
+    "sides": "for each PH and HP distance the side: positive or negative; none if in doubt",
     "atlas summary.sides": "sides of planes given or both",
     "smallest": "smallest",
     "median": "median",

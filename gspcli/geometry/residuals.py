@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 #: as it has zeros.
 _NEARLY_PARALLEL = 1e-8
 _DIGITS = 60
+#: Heights below this part of the lengths that they are made of may have either sign.
+_SIGN_KNOWN = 2.0**-45
 
 
 def residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
@@ -94,6 +96,18 @@ def sides_of(arrangement: Arrangement, R: Field, T: Field) -> NDArray[np.int64]:
     values = measured(arrangement, R, T).real
     sign = np.where(values < 0, -1, 1)
     return np.where(arrangement.sided, np.where(arrangement.signs == 0, sign, arrangement.signs), 0)
+
+
+def known_sides(arrangement: Arrangement, R: Field, T: Field) -> NDArray[np.int64]:
+    """Return the same, but 0 where a height is too small for doubles to tell its sign.
+
+    Of poses ``(n, 3, 3), (n, 3)`` rounded to doubles, heights are known to some last places of
+    the largest length that they are made of.
+    """
+    extent = max(np.abs(arrangement.y).max(initial=0), np.abs(arrangement.x).max(initial=0))
+    size = (1 + np.abs(R).max(axis=(-1, -2))) * extent + np.abs(T).max(axis=-1)
+    small = np.abs(arrangement.targets) <= _SIGN_KNOWN * size[..., None]
+    return np.where(small & (arrangement.signs == 0), 0, sides_of(arrangement, R, T))
 
 
 def condition_numbers(

@@ -18,9 +18,9 @@ from gspcli.geometry.limits import LeftLimit, has_limits, left_limits
 from gspcli.geometry.quaternions import Field
 from gspcli.geometry.residuals import (
     condition_numbers,
+    known_sides,
     proved_residuals,
     residuals,
-    sides_of,
 )
 from gspcli.solver.pose_set import Motion, PoseSet
 from gspcli.solver.proof import Ground, Proof
@@ -191,7 +191,7 @@ class SolveResult:
     def solutions(self) -> tuple[Solution, ...]:
         """The poses one by one."""
         quaternions = self.quaternions
-        sides = sides_of(self.arrangement, self.R, self.T)
+        sides = known_sides(self.arrangement, self.R, self.T)
         names = {1: Side.POSITIVE.value, -1: Side.NEGATIVE.value}
         limits = self._limits(sides)
         return tuple(

@@ -14,6 +14,7 @@ from gspcli.geometry.primitives import Line, Plane, Point, vector
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.residuals import (
     condition_numbers,
+    known_sides,
     proved_residuals,
     residuals,
     sides_of,
@@ -124,3 +125,22 @@ def test_nearly_parallel_lines_are_measured_as_they_are(sine, value, expected, u
         pose = np.eye(3, dtype=dtype)[None], np.zeros((1, 3), dtype)
         np.testing.assert_allclose(proved_residuals(arrangement, *pose), expected, atol=1e-12)
         np.testing.assert_allclose(residuals(arrangement, *pose), unproved, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("value", "side", "expected"),
+    [
+        (2, Side.BOTH, 1),
+        (1e-9, Side.BOTH, 1),
+        # At 1e-17 of a plane three lengths away rounding decides.
+        (1e-17, Side.BOTH, 0),
+        (1e-17, Side.NEGATIVE, -1),
+        (0, Side.BOTH, 1),
+    ],
+)
+def test_sides_are_told_where_doubles_know_them(value, side, expected):
+    point, plane = Point(vector(0, 0, 0)), Plane(vector(0, 0, 3), vector(0, 0, 1))
+    row = Constraint(KINDS[3], point, plane, Number.of(value), side)
+    arrangement = Arrangement.of(Instance((row,), Units("m", AngleUnit.DEGREE)))
+    pose = np.eye(3)[None], np.array([[0.0, 0.0, 3 + value]])
+    np.testing.assert_array_equal(known_sides(arrangement, *pose), [[expected]])
