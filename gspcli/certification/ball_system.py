@@ -20,6 +20,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import product
 
 import numpy as np
 from flint import acb, acb_mat, arb, arb_mat, fmpz_mat
@@ -45,6 +46,8 @@ def _hessians() -> fmpz_mat:
 #: A quadratic form: coefficients of the forms of `study`, by their position.
 Form = dict[int, arb]
 
+#: Of two sides the nearer is the one if the distances differ by this part of their sum.
+_CLEAR = 0.9
 _SIGNS = {Side.POSITIVE: (1,), Side.NEGATIVE: (-1,), Side.BOTH: (1, -1)}
 
 
@@ -130,8 +133,10 @@ class BallSystem:
         self.forms.append(form)
         return len(self.forms) - 1
 
-    def sides_at(self, point: Sequence[acb], pose: PoseBall) -> tuple[int, ...]:
+    def sides_near(self, point: Sequence[acb], pose: PoseBall) -> list[tuple[int, ...]]:
         """Return for each constraint the index of the side whose equation is nearer to zero.
+
+        All combinations are returned, the likeliest first, where that is not clear.
 
         Parameters
         ----------
@@ -140,10 +145,10 @@ class BallSystem:
             tell the sides: the one with the larger quotient of the two distances has kept more.
         """
         if all(len(sides) == 1 for sides in self.equations):
-            return (0,) * len(self.equations)
+            return [(0,) * len(self.equations)]
         column = acb_mat(8, 1, list(point))
         places = (self._values(column, self._gradients(column)), self._quadrics(pose))
-        return tuple(_nearer(sides, places) for sides in self.equations)
+        return list(product(*(_nearer(sides, places) for sides in self.equations)))
 
     def excludes(self, pose: PoseBall) -> bool:
         """Whether it is proved that no pose in these balls meets all constraints."""
@@ -230,17 +235,22 @@ class BallSystem:
         return np.asarray(np.stack(bounds, axis=-1) * OUTWARD)
 
 
-def _nearer(sides: Sequence[BallEquation], places: Sequence[Sequence[acb]]) -> int:
-    """Return which equation is nearer to zero, by the values that tell them apart best."""
+def _nearer(sides: Sequence[BallEquation], places: Sequence[Sequence[acb]]) -> tuple[int, ...]:
+    """Return which equations are near zero, by the values that tell them apart best."""
     if len(sides) == 1:
-        return 0
+        return (0,)
     first, second = sides
     pairs = [
         (float(values[first.main].abs_upper()), float(values[second.main].abs_upper()))
         for values in places
     ]
-    a, b = max(pairs, key=lambda pair: abs(pair[0] - pair[1]) / (sum(pair) or 1.0))
-    return int(b < a)
+    a, b = max(pairs, key=_contrast)
+    order = (0, 1) if a <= b else (1, 0)
+    return order[:1] if _contrast((a, b)) > _CLEAR else order
+
+
+def _contrast(pair: tuple[float, float]) -> float:
+    return abs(pair[0] - pair[1]) / (sum(pair) or 1.0)
 
 
 def _value(equation: BallEquation, quadrics: Sequence[acb]) -> acb:

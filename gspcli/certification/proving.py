@@ -36,7 +36,7 @@ class _Candidate:
         self.given = given
         # Entries of complex rotations may be large, and are then only known relatively.
         self.size = max(1.0, float_above(largest(given.entries)))
-        self.sides: tuple[int, ...] | None = None
+        self.sides: list[tuple[int, ...]] = []
         self.isolation: Isolation | None = None
         self.pose: PoseBall | None = None
         self.measurements: list[Measurement] = []
@@ -49,23 +49,22 @@ class _Candidate:
         """Try to decide everything about the candidate at the precision of the system."""
         tolerance *= self.size
         self.precision = system.precision
-        if self.sides is None:
-            self.sides = system.sides_at(self.point, self.given)
-        result = refine_point(system, self.point, self.patch, self.sides)
-        pose = pose_of_point(result.point) if isinstance(result, Isolation) else None
-        if not isinstance(result, Isolation) or pose is None:
+        if not self.sides:
+            self.sides = system.sides_near(self.point, self.given)
+        found = self._nearest(system)
+        if found is None:
             # With too few digits Newton's method leaves even a good start.
             self.point = self.start
             if self.isolation is None and system.excludes(self.given.widened(tolerance)):
                 self.outcome, self.is_open = Outcome.REFUTED, False
             return
-        self.isolation, self.pose = result, pose
+        self.isolation, self.pose = result, pose = found
         nearest, farthest = pose.deviation(self.given)
         self.deviation = float_above(farthest)
         real = result.real
         self.measurements = measure(system, pose) if real else []
         if self.deviation <= tolerance:
-            self.point = list(result.centre)
+            self.point, self.sides = list(result.centre), [result.sides]
             self.outcome, self.is_open = self._judge(system, real)
         elif system.excludes(self.given.widened(tolerance)):
             self.outcome, self.is_open = Outcome.REFUTED, False
@@ -74,6 +73,18 @@ class _Candidate:
             # with more digits Newton's method may find another solution from the same start.
             self.point = list(result.centre) if not nearest > tolerance else self.start
             self.outcome = Outcome.TOO_FAR
+
+    def _nearest(self, system: BallSystem) -> tuple[Isolation, PoseBall] | None:
+        """Return the nearest solution that is proved, of those on sides that it may be on."""
+        results = [refine_point(system, self.point, self.patch, sides) for sides in self.sides]
+        proved = [
+            (result, pose)
+            for result in results
+            if isinstance(result, Isolation) and (pose := pose_of_point(result.point)) is not None
+        ]
+        if len(proved) < 2:
+            return proved[0] if proved else None
+        return min(proved, key=lambda one: float_above(one[1].deviation(self.given)[1]))
 
     def _judge(self, system: BallSystem, real: bool | None) -> tuple[Outcome, bool]:
         """Return the outcome of a solution nearby, and whether something is still open."""

@@ -77,6 +77,7 @@ def test_batches_with_special_values_say_nothing_wrong(prefix: str, load_tool: C
     [
         # Complex poses at 4e8 lengths, whose doubles hardly say on which side of a plane they are.
         "parallels/DPH-1/1e-4",
+        "parallels/DHP-1/1e-4",
         # N is a negative number, and the quaternion of the conjugate was none.
         "published/rubin-camera-hexapod/pose-1/exact",
         "couplings/vees-1/one/1e-6",

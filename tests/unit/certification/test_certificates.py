@@ -159,7 +159,9 @@ def complex_solutions(instance: Instance, starts: int, seed: int) -> list[list[c
             point = source.standard_normal(8) + 1j * source.standard_normal(8)
             point[0] = 1
             centre = [acb(x) for x in point.tolist()]
-            result = refine_point(system, centre, 0, system.sides_at(centre, pose_of_point(centre)))
+            result = refine_point(
+                system, centre, 0, system.sides_near(centre, pose_of_point(centre))[0]
+            )
             if isinstance(result, Isolation):
                 # The proof may succeed before Newton's method has converged.
                 result = refine_point(system, result.centre, 0, result.sides)
