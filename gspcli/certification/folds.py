@@ -8,10 +8,10 @@ With z a Study point, u a direction and t the time, a fold is a zero of the seve
 turning point: t has an extremum along the curve of solutions, which passes through it in the
 direction u. Krawczyk's test in balls proves exactly one zero in a box.
 
-That a mode reaches the fold is proved on the curve of solutions (`Fold.sides`, `arcs`). An arc of it
-through the fold is proved in a larger box, and that t bends one way on all of it: so t has no other
-extremum there, and increases up to the fold or decreases from it on. The pose is in that box, or
-the curve is followed from the pose in further arcs, on which t increases, until it is.
+That a mode reaches the fold is proved on the curve of solutions (`Fold.sides`, `arcs`). An arc of
+it through the fold is proved in a larger box, and that t bends one way on all of it: so t has no
+other extremum there, and increases up to the fold or decreases from it on. The pose is in that box,
+or the curve is followed from the pose in further arcs, on which t increases, until it is.
 """
 
 from __future__ import annotations
