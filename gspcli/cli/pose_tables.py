@@ -152,7 +152,8 @@ def lone_tables(result: SolveResult, shown: Shown) -> list[Table]:
         return []
     notes = [
         "none of these real poses can move, and there are no others: known by exact counts; "
-        "that all constraints hold there is known to 50 decimals, or 9 where poses meet"
+        "that all constraints hold there is known to 50 decimals, or 9 where poses meet and of the "
+        "distance of parallel lines"
     ]
     tables = pose_tables(result.lone, alone, certify=False, summary=[], notes=notes)
     # As equations over the complex numbers the constraints are singular there.

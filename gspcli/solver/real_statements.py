@@ -33,8 +33,8 @@ from gspcli.solver.pose_set import Motion, PoseSet
 _CHOICES, _MOST_POSES = 40, 640
 #: Decimals to which a pose is compared with the constraints that it was not made from.
 _DIGITS = 50
-#: Of multiple poses nothing is certified: residuals, by the platform's length, of what holds there
-#: and what does not.
+#: Residuals, by the platform's length, of what holds and what does not. Of multiple poses, and of
+#: the distance of parallel lines, where its equation always holds, nothing else is known.
 _HOLDS, _FAILS = 1e-9, 1e-4
 #: Angles, in degrees, at which two directions are parallel.
 _STRAIGHT = {ALL: ("0", "180"), ALH: ("90",), AHL: ("90",), AHH: ("0", "180")}
@@ -49,7 +49,8 @@ def lone_real_poses(
     """Return the real poses of a platform, each a motion of dimension zero.
 
     That there are no others is proved, and so that none can move; that all constraints hold at each
-    of them is known to fifty decimals, or nine where poses meet.
+    of them is known to fifty decimals, or nine where poses meet and of the distance of
+    parallel lines.
 
     Parameters
     ----------
@@ -98,13 +99,12 @@ def _common(whole: Instance, chosen: Instance, poses: PoseSet) -> tuple[Motion, 
     kept = []
     certificates = certify(chosen, real.R, real.T)
     for k, certificate in enumerate(certificates):
-        if certificate.certified:
-            holds = not excluded(whole, refine(chosen, certificate, _DIGITS))
-        elif _HOLDS < sizes[k] < _FAILS:
+        if _HOLDS < sizes[k] < _FAILS:
             return None
-        else:
-            holds = bool(sizes[k] <= _HOLDS)
-        if holds:
+        if sizes[k] > _HOLDS:
+            continue
+        exact = refine(chosen, certificate, _DIGITS) if certificate.certified else None
+        if exact is None or not excluded(whole, exact):
             kept.append(Motion(0, True, real.R[k : k + 1].real, real.T[k : k + 1].real))
     return tuple(kept)
 

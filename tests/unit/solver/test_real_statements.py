@@ -7,6 +7,7 @@ import pytest
 
 from gspcli.pictures.staging import scene_of
 from gspcli.solver import SolveResult, solve
+from gspcli.solver.real_statements import lone_real_poses
 from gspcli.spec import loads
 
 #: A ball in a seat at the origin, a ball in a groove along the x axis, a ball on the table: real
@@ -94,6 +95,16 @@ def test_sense_of_a_direction() -> None:
     # Turned over: E is as far below the end as it was above.
     np.testing.assert_allclose(found.R[:, 2, 2], -1, atol=1e-12)
     np.testing.assert_allclose(found.R[:, 1, 0], 3 / 8, atol=1e-12)
+
+
+@pytest.mark.parametrize(("apart", "poses"), [(5, 0), (0, 2)])
+def test_distance_of_parallel_lines(apart: int, poses: int) -> None:
+    """Its equation holds at any distance; what is stated does not."""
+    text = SHAFT.format(unit="deg", angle=0, direction=1, gap=3)
+    other = loads(text.replace("[E, hole], value: 0", f"[shaft, hole], value: {apart}"))
+    found = lone_real_poses(other, lambda platform: solve(platform).poses)
+    assert found is not None
+    assert len(found) == poses
 
 
 def test_key_that_touches() -> None:
