@@ -23,6 +23,8 @@ _NEARLY_PARALLEL = 1e-8
 _DIGITS = 60
 #: Heights below this part of the lengths that they are made of may have either sign.
 _SIGN_KNOWN = 2.0**-45
+#: A singular value of a 6x6 matrix of doubles below this part of the largest may be zero.
+_ROUNDING = 6 * float(np.finfo(np.float64).eps)
 
 
 def residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
@@ -119,7 +121,7 @@ def condition_numbers(
     whose twists turn about the centre of the platform points, whose turning columns are
     divided by the typical length (that of the arrangement if None is given, else shape (...)),
     and whose rows are scaled to norm one. It depends neither on frames nor on units, and is
-    infinite at a singular pose.
+    infinite at a singular pose and at one that doubles cannot tell from it.
     """
     unit = np.asarray(arrangement.length if length is None else length)[..., None, None]
     # A measure without a derivative (parallel lines, distance or angle zero) is not finite here.
@@ -134,4 +136,5 @@ def condition_numbers(
         rows = np.where(defined[..., None, None], rows / np.where(norms > 0, norms, 1.0), 0.0)
         values = np.linalg.svd(rows, compute_uv=False)
         condition = values[..., 0] / values[..., -1]
-    return np.where(defined, condition, np.inf)
+    regular = values[..., -1] > _ROUNDING * values[..., 0]
+    return np.where(defined & regular, condition, np.inf)

@@ -78,7 +78,7 @@ def test_condition_is_free_of_units_and_frames(arrangement_of_all_kinds, random_
     )
 
 
-def test_condition_of_a_singular_pose_is_infinite_or_huge(arrangement_of_all_kinds, random_pose):
+def test_condition_of_a_singular_pose_is_infinite(arrangement_of_all_kinds, random_pose):
     rng = np.random.default_rng(7)
     arrangement = six_of(arrangement_of_all_kinds(rng))
     repeated = replace(
@@ -87,7 +87,7 @@ def test_condition_of_a_singular_pose_is_infinite_or_huge(arrangement_of_all_kin
         y=np.zeros((6, 3)),
         x=rng.normal(size=(6, 3)),
     )
-    assert condition_numbers(repeated, *random_pose(rng)) > 1e12
+    assert condition_numbers(repeated, *random_pose(rng)) == np.inf
 
 
 def test_normalized_arrangement_has_the_same_poses(arrangement_of_all_kinds, random_pose):
