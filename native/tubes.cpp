@@ -21,6 +21,9 @@ constexpr int kBlock = 8;
 constexpr double kEasy = 0.35;
 // or after so many blocks without failure: rounding may keep the measure up whatever the step.
 constexpr int kPatience = 4;
+// Points before the last one that predict the next: on a parabola through two of them, or on the
+// quartic through all, whichever predicted the last point better. Values have corners at rows.
+constexpr int kBefore = 4;
 
 // Where a branch is: at `row` and `part` of 2^`level` steps to the next row.
 struct Cursor {
@@ -31,8 +34,9 @@ struct Cursor {
   double end = 0.0;    // how near the proved zero is
   double alone = 0.0;  // and how near no other one
   // The points before at the same step, the last one first.
-  double before[2][N];
+  double before[kBefore][N];
   int known = 0;
+  bool bent = false;  // whether the quartic predicts better
   int successes = 0;  // blocks in a row that were kept whole
   // The block that is being tried.
   int count = 0;
@@ -131,10 +135,11 @@ class Follower {
 
   // Follows each branch for a block of steps.
   void march() {
-    D now[N], before[2][N];
+    D now[N], before[kBefore][N];
+    Mask curved;
     int known[W], row[W], level[W];
     std::int64_t part[W];
-    bool going[W];
+    bool going[W], bent[W];
     for (int l = 0; l < W; ++l) {
       const Cursor& cursor = cursors_[l];
       going[l] = cursor.branch != nullptr;
@@ -144,15 +149,17 @@ class Follower {
       part[l] = source.part;
       level[l] = source.level;
       known[l] = source.known;
+      bent[l] = source.bent;
       for (int i = 0; i < N; ++i) {
         now[i][l] = source.z[i];
-        for (int j = 0; j < 2; ++j) before[j][i][l] = j < known[l] ? source.before[j][i] : source.z[i];
+        for (int j = 0; j < kBefore; ++j)
+          before[j][i][l] = j < known[l] ? source.before[j][i] : source.z[i];
       }
       cursors_[l].count = 0;
     }
     for (int s = 0; s < kBlock; ++s) {
       D v[kConstraints], c[kConstraints], z[N], w1, w2;
-      bool any = false;
+      bool any = false, all_known = false;
       for (int l = 0; l < W; ++l) {
         Cursor& cursor = cursors_[l];
         // One step less from an odd part, so that the step can be doubled afterwards.
@@ -167,7 +174,9 @@ class Follower {
         }
         // Weights of the points before: of a parabola, a line or nothing.
         w1[l] = known[l] == 0 ? 0.0 : known[l] == 1 ? -1.0 : -3.0;
-        w2[l] = known[l] == 2 ? 1.0 : 0.0;
+        w2[l] = known[l] >= 2 ? 1.0 : 0.0;
+        curved[l] = bent[l] ? -1 : 0;
+        all_known |= going[l] && known[l] == kBefore;
       }
       if (!any) return;
       for (int l = 0; l < W; ++l)
@@ -176,17 +185,33 @@ class Follower {
           for (int k = 0; k < kConstraints; ++k) v[k][l] = v[k][other];
           for (int i = 0; i < N; ++i) {
             now[i][l] = now[i][other];
-            before[0][i][l] = before[0][i][other];
-            before[1][i][l] = before[1][i][other];
+            for (auto& point : before) point[i][l] = point[i][other];
           }
           w1[l] = w1[other];
           w2[l] = w2[other];
+          curved[l] = curved[other];
         }
       coefficients(v, c);
       const D w0 = 1.0 - w1 - w2;
-      for (int i = 0; i < N; ++i) z[i] = w0 * now[i] + w1 * before[0][i] + w2 * before[1][i];
+      D parabola[N], quartic[N] = {};
+      for (int i = 0; i < N; ++i)
+        z[i] = parabola[i] = w0 * now[i] + w1 * before[0][i] + w2 * before[1][i];
+      if (all_known)
+        for (int i = 0; i < N; ++i) {
+          quartic[i] = 5.0 * (now[i] - before[2][i]) - 10.0 * (before[0][i] - before[1][i]) +
+                       before[3][i];
+          z[i] = curved ? quartic[i] : parabola[i];
+        }
       bool converged[W];
       newton(c, z, converged);
+      if (all_known) {
+        D off{};  // by how much more the parabola misses the point
+        for (int i = 0; i < N; ++i) {
+          const D a = z[i] - parabola[i], b = z[i] - quartic[i];
+          off += a * a - b * b;
+        }
+        for (int l = 0; l < W; ++l) bent[l] = known[l] == kBefore && off[l] > 0.0;
+      }
       for (int l = 0; l < W; ++l) {
         if (!going[l]) continue;
         going[l] = converged[l];
@@ -194,10 +219,11 @@ class Follower {
         cursor.measure[s] = converged[l] ? 0.0 : kGaveUp;
         ++cursor.count;
         for (int i = 0; i < N; ++i) cursor.point[s][i] = z[i][l];
-        known[l] = std::min(known[l] + 1, 2);
+        known[l] = std::min(known[l] + 1, kBefore);
+        cursor.bent = bent[l];
       }
       for (int i = 0; i < N; ++i) {
-        before[1][i] = before[0][i];
+        for (int j = kBefore - 1; j > 0; --j) before[j][i] = before[j - 1][i];
         before[0][i] = now[i];
         now[i] = z[i];
       }
@@ -272,8 +298,9 @@ class Follower {
         ++b.tries;
       }
       ++b.segments;
-      cursor.known = std::min(cursor.known + 1, 2);
-      std::copy(cursor.before[0], cursor.before[0] + N, cursor.before[1]);
+      cursor.known = std::min(cursor.known + 1, kBefore);
+      for (int j = kBefore - 1; j > 0; --j)
+        std::copy(cursor.before[j - 1], cursor.before[j - 1] + N, cursor.before[j]);
       std::copy(cursor.z, cursor.z + N, cursor.before[0]);
       std::copy(cursor.point[s], cursor.point[s] + N, cursor.z);
       advance(cursor.row, cursor.part, cursor.level);
@@ -289,13 +316,16 @@ class Follower {
         cursor.successes = 0;
         --cursor.level;
         cursor.part /= 2;
-        // Of three points in a row the outer two are as far apart as the next step.
-        if (cursor.known == 2) std::copy(cursor.before[1], cursor.before[1] + N, cursor.before[0]);
-        cursor.known = cursor.known == 2 ? 1 : 0;
+        // Of points in a row every other one is as far from the next as the next step.
+        for (int j = 0; 2 * j + 1 < cursor.known; ++j)
+          std::copy(cursor.before[2 * j + 1], cursor.before[2 * j + 1] + N, cursor.before[j]);
+        cursor.known /= 2;
+        cursor.bent = false;
       }
       return;
     }
     cursor.successes = 0;
+    cursor.bent = false;
     // The measure is about proportional to the step.
     const double measure = cursor.measure[s];
     int halvings = 1;
