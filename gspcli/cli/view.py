@@ -12,7 +12,7 @@ import click
 
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import DRAWINGS, Output, check_writable, output_options, write
-from gspcli.cli.pose_options import text_of
+from gspcli.cli.pose_options import pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
 from gspcli.errors import GspError
 
@@ -49,6 +49,7 @@ _PAGE = "html"
     help="Also show the trajectories in FILE, as gsp track writes them (CSV), or - for "
     "standard input.",
 )
+@pose_options
 @click.option("--open", "opened", is_flag=True, help="Open the page in the browser.")
 @click.option(
     "--all-modes", is_flag=True, help="Of a drawing (svg, png, pdf): a panel for every mode."
@@ -66,6 +67,8 @@ def command(
     settings: tuple[str, ...],
     mode: int | None,
     track: str | None,
+    euler: str | None,
+    pivot: str | None,
     opened: bool,
     all_modes: bool,
     seen_from: str | None,
@@ -81,8 +84,8 @@ def command(
     to a file in the current folder, named as SPEC. With the suffix svg, png or pdf it is a line
     drawing for a paper, of one mode or of all (needs matplotlib).
 
-    FILE needs the columns x, y, z, qw, qx, qy, qz; t, mode, condition, clearance are read if
-    there are any. Rows without a pose are skipped.
+    FILE has poses as `gsp measure` takes them, in CSV; mode, condition, clearance are read if
+    there are such columns. Rows without a pose are skipped.
 
     \b
     Examples:
@@ -105,7 +108,8 @@ def command(
 
     view = _view(seen_from)
     instance = set_values(load_instance(spec), settings)
-    tracks = read_tracks(*text_of(track)) if track is not None else []
+    form = pose_format(instance, euler, pivot)
+    tracks = read_tracks(*text_of(track), form) if track is not None else []
     if output.path is None and (opened or sys.stdout.isatty()):
         path = Path(f"{_stem(spec)}.{output.format}")
         check_writable(path)

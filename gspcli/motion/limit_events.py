@@ -124,7 +124,7 @@ def _between_rows(track: Track) -> list[LimitEvent]:
     # Modes that are born on the way are followed back from the last row.
     born = np.isnan(track.T[:, 0, 0])
     for step in (1, -1):
-        proofs = ConeProofs(track.instance, track.coordinates, rows[::step])
+        proofs = ConeProofs(track.followed, track.coordinates, rows[::step])
         modes = np.flatnonzero(born == (step < 0)).tolist()
         points = StudyUnits(proofs.system.scale).points(track.R[modes], track.T[modes])
         for m, stretches in zip(modes, proofs.stretches(points[:, ::step]), strict=True):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,8 +62,9 @@ class NumberTable:
         cells = self._cells(heading)
         self._heading_line = lines[0][0]
         self._columns = [cell.column for cell in cells]
-        #: The names in the heading, in small letters.
-        self.heading = tuple(cell.text.lower() for cell in cells)
+        #: The names in the heading, in small letters; those with a dot name what somebody has
+        #: named, and may differ in capitals only.
+        self.heading = tuple(cell.text if "." in cell.text else cell.text.lower() for cell in cells)
         #: The same as they are written.
         self.written = tuple(cell.text for cell in cells)
         for k, cell in enumerate(cells):
@@ -108,7 +109,7 @@ class NumberTable:
         self.problems.append(Problem(Location(self.name, self._heading_line, 1), "", message))
 
     def note_cell(self, row: int, name: str, message: str) -> None:
-        """Note a mistake that begins in a column of a row; rows from 0, names in small letters."""
+        """Note a mistake that begins in a column of a row; rows from 0, names as in `heading`."""
         number, line = self._lines[row]
         column = self._cells(line)[self.heading.index(name)].column
         self.problems.append(Problem(Location(self.name, number, column), "", message))
@@ -119,7 +120,7 @@ class NumberTable:
         Parameters
         ----------
         groups
-            Alternatives, names in small letters.
+            Alternatives, names as in `heading`.
         """
         complete = [group for group in groups if set(group) <= set(self.heading)]
         if len(complete) == 1:
@@ -150,16 +151,30 @@ class NumberTable:
         known = {name for group in groups for name in group}
         return [name for name in self.heading if name and name not in known]
 
+    def _texts(self, line: str) -> list[str]:
+        if '"' in line:
+            return [cell.text for cell in self._cells(line)]
+        return line.split(self._delimiter or None)
+
+    def texts(self, name: str) -> list[str]:
+        """Return the cells of a column as they are written; empty where a row is too short."""
+        place = self.heading.index(name)
+        rows = [self._texts(line) for _, line in self._lines]
+        return [row[place].strip() if place < len(row) else "" for row in rows]
+
+    def leave_out_empty(self, names: Collection[str]) -> None:
+        """Leave out the rows in which all columns of these names are empty."""
+        columns = [self.texts(name) for name in self.heading if name in names]
+        if columns:
+            filled = [any(cells) for cells in zip(*columns, strict=True)]
+            self._lines = [row for row, kept in zip(self._lines, filled, strict=True) if kept]
+
     def numbers(self, columns: Sequence[str]) -> Array:
         """Return the numbers in some columns, shape (rows, columns); NaN for each mistake."""
         places = [self.heading.index(name) for name in columns]
         rows = np.full((len(self._lines), len(places)), math.nan)
         for k, (number, line) in enumerate(self._lines):
-            texts = (
-                line.split(self._delimiter or None)
-                if '"' not in line
-                else [cell.text for cell in self._cells(line)]
-            )
+            texts = self._texts(line)
             try:
                 rows[k] = [float(texts[place]) for place in places]
             except (ValueError, IndexError):

@@ -23,11 +23,14 @@ from gspcli.wording import shown
 
 Array = NDArray[np.float64]
 
-_POSITION = ("x", "y", "z")
-_TRANSLATION = ("tx", "ty", "tz")
-_QUATERNION = ("qw", "qx", "qy", "qz")
+#: Columns: the position of the pivot, that of the frame, a quaternion.
+POSITION = ("x", "y", "z")
+TRANSLATION = ("tx", "ty", "tz")
+QUATERNION = ("qw", "qx", "qy", "qz")
 _ANGLES = ("rx", "ry", "rz")
 _ENTRIES = tuple(f"r{i}{j}" for i in "123" for j in "123")
+#: All columns that say where a platform is.
+COLUMNS = (*POSITION, *TRANSLATION, *QUATERNION, *_ANGLES, *_ENTRIES)
 #: Entries of R may differ from those of a rotation by this much: they are often rounded to three
 #: decimals. The nearest rotation is taken.
 _ROUNDED = 1e-3
@@ -92,9 +95,20 @@ def read_poses(text: str, name: str, form: PoseFormat) -> PoseTable:
     if text.lstrip()[:1] in ("{", "["):
         return _read_json(text, name, form)
     table = NumberTable(text, name)
-    position = table.choose(_POSITION, _TRANSLATION)
-    rotation = table.choose(_QUATERNION, _ANGLES, _ENTRIES)
-    if position == _TRANSLATION and any(form.pivot):
+    poses = poses_in(table, form)
+    table.check()
+    assert poses is not None
+    return poses
+
+
+def poses_in(table: NumberTable, form: PoseFormat) -> PoseTable | None:
+    """Return the poses of a table; None if its columns are not those of poses.
+
+    Mistakes are noted in the table; a pose with one has numbers that mean nothing.
+    """
+    position = table.choose(POSITION, TRANSLATION)
+    rotation = table.choose(QUATERNION, _ANGLES, _ENTRIES)
+    if position == TRANSLATION and any(form.pivot):
         table.note_heading("found Tx Ty Tz, the pose of the frame; expected x y z with a pivot")
     if rotation is not None and rotation != _ANGLES and form.euler:
         table.note_heading(f"found {' '.join(rotation)}, expected rx ry rz with an Euler sequence")
@@ -105,14 +119,15 @@ def read_poses(text: str, name: str, form: PoseFormat) -> PoseTable:
     t = table.numbers(["t"])[:, 0] if "t" in table.heading else None
     points = table.numbers(position) if position else None
     turns = table.numbers(rotation) if rotation else None
-    if rotation and turns is not None and rotation != _ANGLES:
-        whole = np.flatnonzero(np.isfinite(turns).all(axis=1))
-        for row, message in _rotations(turns[whole], form)[1]:
-            table.note_cell(int(whole[row]), rotation[0], message)
-    table.check()
-    assert points is not None
-    assert turns is not None
-    R, _ = _rotations(turns, form)
+    if rotation is None or turns is None or (rotation == _ANGLES and form.euler is None):
+        return None
+    whole = np.flatnonzero(np.isfinite(turns).all(axis=1))
+    R = np.full((len(turns), 3, 3), np.nan)
+    R[whole], wrong = _rotations(turns[whole], form)
+    for row, message in wrong:
+        table.note_cell(int(whole[row]), rotation[0], message)
+    if points is None:
+        return None
     return PoseTable(t, R, points - apply(R, np.array(form.pivot)))
 
 
@@ -146,7 +161,7 @@ def read_pose(text: str, form: PoseFormat, name: str = "--pose") -> PoseTable:
 def pose_numbers(text: str, name: str) -> tuple[tuple[str, ...], list[float]]:
     """Return the columns of a pose on the command line and its numbers; see `read_pose`."""
     cells = [cell for cell in re.split(r"[,;\s]+", text.strip()) if cell]
-    names = {7: _QUATERNION, 6: _ANGLES, 12: _ENTRIES}.get(len(cells))
+    names = {7: QUATERNION, 6: _ANGLES, 12: _ENTRIES}.get(len(cells))
     if names is None:
         message = (
             f"found {len(cells)} numbers in {shown(text)}, expected x,y,z and qw,qx,qy,qz; or "
@@ -156,11 +171,11 @@ def pose_numbers(text: str, name: str) -> tuple[tuple[str, ...], list[float]]:
     check(
         [
             Problem(None, f"{name}: {key}", message)
-            for key, cell in zip((*_POSITION, *names), cells, strict=True)
+            for key, cell in zip((*POSITION, *names), cells, strict=True)
             if (message := wrong_number(cell))
         ]
     )
-    return (*_POSITION, *names), [float(cell) for cell in cells]
+    return (*POSITION, *names), [float(cell) for cell in cells]
 
 
 def poses_of(numbers: Array, form: PoseFormat) -> tuple[Array, Array]:
@@ -183,7 +198,7 @@ def _rotations(numbers: Array, form: PoseFormat) -> tuple[Array, list[tuple[int,
     if numbers.shape[1] == len(_ANGLES):
         assert form.euler is not None
         return rotation_from_euler(form.euler, numbers * form.in_radians), wrong
-    if numbers.shape[1] == len(_QUATERNION):
+    if numbers.shape[1] == len(QUATERNION):
         sizes = np.abs(numbers).max(axis=1, initial=0.0, keepdims=True)
         wrong += [
             (int(row), "found a quaternion of length zero, expected that of a rotation")

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DLL
 from gspcli.certification.folds import Fold, prove_fold
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.instance import Instance
 from gspcli.motion.following import Branches, FollowOptions, MovingPlatform, Stop
 from gspcli.motion.moving_geometry import MovingGeometry
 from gspcli.motion.stepping import follow_closely
@@ -29,6 +30,7 @@ _FAR = 10.0
 class Run:
     """Following along one trajectory."""
 
+    instance: Instance
     platform: MovingPlatform | MovingGeometry
     t: Array
     values: Array
@@ -51,6 +53,7 @@ class Run:
             if branches.stop[k] != Stop.END
         )
         return Track(
+            self.instance,
             platform.instance,
             self.t,
             self.values[:, :6],
@@ -67,7 +70,9 @@ class Run:
     @property
     def reversed(self) -> Run:
         """The same from the last row to the first."""
-        return Run(self.platform, -self.t[::-1], self.values[::-1].copy(), self.options)
+        return Run(
+            self.instance, self.platform, -self.t[::-1], self.values[::-1].copy(), self.options
+        )
 
     def time(self, row: int, part: float) -> float:
         """Return t at a part of the step after a row."""
@@ -197,7 +202,7 @@ class Run:
             np.linalg.norm(T + R @ arrangement.platform_centre - arrangement.base_centre)
         )
         if distance > _FAR * arrangement.length:
-            unit = self.platform.instance.units.length
+            unit = self.instance.units.length
             return f"the platform goes far away, to {distance:.3g} {unit}"
         return None
 

@@ -68,7 +68,9 @@ class Track:
     Attributes
     ----------
     instance
-        Geometry and units.
+        Geometry and units, as given.
+    followed
+        The same, with points for lines of a DLL that stay parallel all along.
     t, values
         The rows, shapes (r,) and (r, 6); the values change linearly between them.
     modes
@@ -92,6 +94,7 @@ class Track:
     """
 
     instance: Instance
+    followed: Instance
     t: Array
     values: Array
     modes: NDArray[np.int64]
@@ -106,12 +109,12 @@ class Track:
     places: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
     def instances(self) -> Iterator[tuple[slice, Instance]]:
-        """Yield runs of rows with the instance there, whose values are not used."""
+        """Yield runs of rows with what is followed there, whose values are not used."""
         if not self.coordinates:
-            yield slice(None), self.instance
+            yield slice(None), self.followed
             return
         for k, place in enumerate(self.places):
-            yield slice(k, k + 1), moved(self.instance, self.coordinates, place)
+            yield slice(k, k + 1), moved(self.followed, self.coordinates, place)
 
     @cached_property
     def conditions(self) -> Array:

@@ -98,7 +98,7 @@ def track(
         followed = [mode - 1 for mode in modes]
     else:
         followed = list(range(len(R)))
-    run = Run(platform, times, rows, FollowOptions(certify=certify, jobs=jobs))
+    run = Run(instance, platform, times, rows, FollowOptions(certify=certify, jobs=jobs))
     forward = run.follow(R[followed], T[followed], numbers[followed])
     if not everything:
         return forward
@@ -129,7 +129,8 @@ def track_from(
     rows = _checked(values, "values", (None, 6))
     times = np.arange(1.0, len(rows) + 1)
     R, T = np.asarray(R, float), np.asarray(T, float)
-    run = Run(MovingPlatform(_over(instance, rows)), times, rows, options or FollowOptions())
+    platform = MovingPlatform(_over(instance, rows))
+    run = Run(instance, platform, times, rows, options or FollowOptions())
     return run.follow(R, T, np.arange(1, len(R) + 1))
 
 

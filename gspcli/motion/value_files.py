@@ -18,13 +18,12 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.ranges import wrong_value
 from gspcli.motion.measuring import measure
 from gspcli.motion.number_tables import NumberTable
-from gspcli.motion.pose_files import PoseFormat, read_poses
+from gspcli.motion.pose_files import POSITION, TRANSLATION, PoseFormat, poses_in
 from gspcli.wording import nearest, shown
 
 Array = NDArray[np.float64]
 
 _MOVING = (*BODIES, "crank")
-_POSITIONS = ({"x", "y", "z"}, {"tx", "ty", "tz"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,13 +84,16 @@ def read_values(
     table = NumberTable(text, name)
     moving = _moving(table, instance)
     coordinates: dict[str, Array] = {}
-    if any(names <= set(table.heading) for names in _POSITIONS):
-        poses = read_poses(text, name, form)
-        values, t = measure(instance, poses.R, poses.T), poses.t
+    if any({*names} <= set(table.heading) for names in (POSITION, TRANSLATION)):
         if delta:
             table.note_heading("found poses, expected values with --delta")
         for one in moving:
             table.note_column(one, "found a coordinate that moves beside poses, expected values")
+        poses = poses_in(table, form)
+        t = None if poses is None else poses.t
+        values = np.zeros((len(table), len(instance.constraints)))
+        if poses is not None and not table.problems:
+            values = measure(instance, poses.R, poses.T)
     else:
         count = len(instance.constraints)
         numbers = [str(k) for k in range(1, count + 1)]
@@ -105,7 +107,7 @@ def read_values(
         columns = [int(name) - 1 for name in found]
         values[:, columns] = given + (base[columns] if delta else 0)
         _check_meaning(table, instance, values, columns)
-        places = table.numbers([one.lower() for one in moving])
+        places = table.numbers(list(moving))
         if delta and len(moving):
             places += stated(instance, list(moving.values()))
         coordinates = {

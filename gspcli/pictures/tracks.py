@@ -2,48 +2,36 @@
 
 from __future__ import annotations
 
-import csv
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import islice
 
 import numpy as np
+from numpy.typing import NDArray
 
-from gspcli.errors import Location, Problem, SpecError
 from gspcli.geometry.coordinates import BODIES
-from gspcli.geometry.quaternions import rotation_from_quaternion
+from gspcli.motion.number_tables import NumberTable, wrong_number
+from gspcli.motion.pose_files import COLUMNS, PoseFormat, poses_in
 from gspcli.pictures.shown_poses import Poses
 
-#: Names of the columns of a pose; those of `gsp solve` are accepted too.
-_POSITION = (("x", "y", "z"), ("tx", "ty", "tz"))
-_QUATERNION = ("qw", "qx", "qy", "qz")
 #: What moves the platform: the first of these that there is, else the number of the row.
 _PARAMETERS = ("t", "row")
 _MODE = "mode"
+_CONDITION = "condition"
+#: How infinite condition numbers are written.
+_INFINITE = ("", "inf", "infinity", "infinite")
 #: What coordinates that move begin with.
 _MOVING = tuple(f"{word}." for word in (*BODIES, "crank"))
 #: Numbers or words said of each pose where there are such columns.
 _FACTS = ("clearance", "pose_clearance", "certified", "status")
 #: Longer tracks are thinned: a page cannot show more poses one after the other.
 MOST_POSES = 2000
-_MOST_PROBLEMS = 20
+
+Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class _Row:
-    line: int
-    cells: Mapping[str, str]
-
-    def has(self, names: Iterable[str]) -> bool:
-        return all(self.cells.get(name, "") for name in names)
-
-
-def read_tracks(text: str, name: str) -> list[Poses]:
+def read_tracks(text: str, name: str, form: PoseFormat) -> list[Poses]:
     """Read trajectories from CSV with a heading, one for each value of the column ``mode``.
 
-    Needed are ``x y z`` (or ``Tx Ty Tz``) and ``qw qx qy qz``, for
-    ``x_base = R x_platform + T``. ``t`` or ``row`` says where a pose lies on its way,
+    Poses are as in `gspcli.motion.read_poses`. ``t`` or ``row`` says where a pose lies on its way,
     ``condition``, ``clearance``, ``certified`` and ``status`` what else is known of it. Columns
     such as ``base.B1.x`` or ``crank.B1`` are coordinates that move; other ones are left out. Rows
     without a pose, where a mode has ended, are skipped.
@@ -52,116 +40,75 @@ def read_tracks(text: str, name: str) -> list[Poses]:
     ----------
     text, name
         The content, and how messages name it.
+    form
+        What it does not say.
 
     Raises
     ------
     SpecError
-        With all mistakes, each with its line.
+        With all mistakes, each with line and column.
     """
-    reader = csv.DictReader(_lines(text), restval="")
-    written = [cell.strip() for cell in reader.fieldnames or ()]
-    # Names of primitives may differ in capitals only.
-    heading = [cell if cell.lower().startswith(_MOVING) else cell.lower() for cell in written]
-    reader.fieldnames = heading
-    position = next((names for names in _POSITION if {*names} <= {*heading}), None)
-    if position is None or not {*_QUATERNION} <= {*heading}:
-        message = (
-            f"found the columns {' '.join(heading) or '(none)'}, "
-            "expected x y z qw qx qy qz and perhaps t, mode, condition, clearance"
+    table = NumberTable(text, name)
+    table.leave_out_empty(COLUMNS)
+    if not len(table) and not table.problems:
+        table.note_heading("found no row with a pose")
+    moving = [key for key in table.heading if key.lower().startswith(_MOVING)]
+    parameter = next((key for key in _PARAMETERS if key in table.heading), None)
+    poses = poses_in(table, form)
+    way = None if poses is None or parameter != "t" else poses.t
+    if parameter == "row":
+        way = table.numbers(["row"])[:, 0]
+    coordinates = table.numbers(moving)
+    conditions = _conditions(table) if _CONDITION in table.heading else None
+    table.check()
+    assert poses is not None
+    cells = table.texts(_MODE) if _MODE in table.heading else [""] * len(table)
+    facts = {key: table.texts(key) for key in _FACTS if key in table.heading}
+    tracks = []
+    for mode in dict.fromkeys(cells):
+        every = [row for row, cell in enumerate(cells) if cell == mode]
+        places = _thinned(len(every))
+        rows = [every[place] for place in places]
+        tracks.append(
+            Poses(
+                f"Trajectory of mode {mode}" if mode else "Trajectory",
+                "pose",
+                poses.R[rows],
+                poses.T[rows],
+                facts={key: [_fact(column[row]) for row in rows] for key, column in facts.items()},
+                parameter=(
+                    parameter or "row",
+                    np.array(places) + 1.0 if way is None else way[rows],
+                ),
+                conditions=None if conditions is None else conditions[rows],
+                coordinates=tuple(moving),
+                places=coordinates[rows],
+                note=_note(len(rows), len(every)),
+            )
         )
-        raise SpecError([Problem(Location(name, 1, 1), "", message)])
-    pose = (*position, *_QUATERNION)
-    rows = []
-    for row in reader:
-        cells = {key: str(value).strip() for key, value in row.items() if key}
-        rows.append(_Row(reader.line_num, cells))
-    placed = [row for row in rows if row.has(pose)]
-    modes = list(dict.fromkeys(row.cells.get(_MODE, "") for row in placed))
-    problems = list(islice(_problems(placed, pose, heading, name), _MOST_PROBLEMS))
-    if problems:
-        raise SpecError(problems)
-    if not placed:
-        message = "found no row with a pose"
-        raise SpecError([Problem(Location(name, 1, 1), "", message)])
-    return [
-        _track(mode, [row for row in placed if row.cells.get(_MODE, "") == mode], pose, heading)
-        for mode in modes
-    ]
+    return tracks
 
 
-def _lines(text: str) -> list[str]:
-    """Return the lines with comments emptied, so that the others keep their numbers."""
-    return ["" if line.startswith("#") else line for line in text.splitlines()]
+def _thinned(count: int) -> list[int]:
+    """Return which of so many poses are shown; the last one is: there the motion ends."""
+    step = -(-count // MOST_POSES)
+    return [*range(0, count - 1, step), count - 1]
 
 
-def _problems(
-    rows: Sequence[_Row], pose: Sequence[str], heading: Sequence[str], name: str
-) -> Iterator[Problem]:
-    moving = _moving(heading)
-    numeric = [*pose, *(key for key in (*_PARAMETERS, "condition") if key in heading), *moving]
-    for row in rows:
-        location = Location(name, row.line, 1)
-        wrong = False
-        for key in numeric:
-            cell = row.cells.get(key, "")
-            needed = key in pose or key in _PARAMETERS or key in moving
-            if _number(cell) is None and (needed or cell):
-                wrong = True
-                yield Problem(location, key, f"found {cell!r}, expected a number")
-        if not wrong and not any(_number(row.cells[key]) for key in _QUATERNION):
-            yield Problem(location, "", "found a quaternion of length zero")
+def _note(shown: int, count: int) -> str:
+    return f"{shown} of {count} poses are shown." if shown < count else ""
 
 
-def _moving(heading: Sequence[str]) -> list[str]:
-    """Return the columns that name coordinates."""
-    return [key for key in heading if key.lower().startswith(_MOVING)]
-
-
-def _number(cell: str) -> float | None:
-    try:
-        value = float(cell)
-    except ValueError:
-        return None
-    return None if math.isnan(value) else value
-
-
-def _track(mode: str, rows: list[_Row], pose: Sequence[str], heading: Sequence[str]) -> Poses:
-    every = len(rows)
-    step = -(-every // MOST_POSES)
-    # The last pose stays: it is where the motion ends.
-    kept = rows[::step] if (every - 1) % step == 0 else [*rows[::step], rows[-1]]
-    numbers = np.array([[float(row.cells[key]) for key in pose] for row in kept])
-    quaternions = numbers[:, 3:] / np.abs(numbers[:, 3:]).max(axis=1, keepdims=True)
-    parameter = next((key for key in _PARAMETERS if key in heading), "row")
-    values = np.array(
-        [
-            float(row.cells[parameter]) if parameter in heading else 1.0 + index * step
-            for index, row in enumerate(kept)
-        ]
-    )
-    conditions = None
-    if "condition" in heading:
-        given = [_number(row.cells.get("condition", "")) for row in kept]
-        conditions = np.array([math.inf if value is None else value for value in given])
-    facts = {
-        key: [_fact(row.cells.get(key, "")) for row in kept] for key in _FACTS if key in heading
-    }
-    moving = _moving(heading)
-    note = f"Every {step}th of {every} poses is shown." if step > 1 else ""
-    return Poses(
-        f"Trajectory of mode {mode}" if mode else "Trajectory",
-        "pose",
-        rotation_from_quaternion(quaternions),
-        numbers[:, :3],
-        facts=facts,
-        parameter=(parameter, values),
-        conditions=conditions,
-        coordinates=tuple(moving),
-        places=np.array([[float(row.cells[key]) for key in moving] for row in kept]),
-        note=note,
-    )
+def _conditions(table: NumberTable) -> Array:
+    """Return the column of condition numbers, infinite where it is empty."""
+    column = []
+    for row, cell in enumerate(table.texts(_CONDITION)):
+        infinite = cell.lower() in _INFINITE
+        if message := "" if infinite else wrong_number(cell):
+            table.note_cell(row, _CONDITION, message)
+        column.append(math.inf if infinite or message else float(cell))
+    return np.array(column)
 
 
 def _fact(cell: str) -> float | str:
-    number = _number(cell)
-    return cell if number is None or math.isinf(number) else number
+    return cell if wrong_number(cell) else float(cell)

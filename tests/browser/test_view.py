@@ -12,6 +12,7 @@ import matplotlib.image
 import numpy as np
 import pytest
 
+from gspcli.motion import PoseFormat
 from gspcli.pictures.page import page
 from gspcli.pictures.staging import scene_of
 from gspcli.pictures.tracks import read_tracks
@@ -33,7 +34,7 @@ def view(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
     def write(name: str, track: str | None = None) -> Path:
         path = folder / f"{name}{'-track' if track else ''}.html"
         if not path.exists():
-            tracks = read_tracks(track, "track.csv") if track else []
+            tracks = read_tracks(track, "track.csv", PoseFormat()) if track else []
             scene = scene_of(solve(load(instance_files()[name]), certify=False), tracks)
             path.write_text(page(scene), encoding="utf-8")
         return path

@@ -131,3 +131,35 @@ def test_a_crank_and_coordinates_of_its_point_are_a_mistake():
     head = gspcli.load(data_path("platforms", "t-top-head.yaml"))
     with pytest.raises(SpecError, match=r"found crank\.B1 and coordinates of the same point"):
         read_values("crank.B1,base.B1.x\n0,0\n", "v", head, PLAIN)
+
+
+def test_mistakes_of_poses_and_of_t_are_told_in_order(hexapod):
+    text = "t,x,y,z,qw,qx,qy,qz\n2,0,0,1,1,0,0,0\n1,0,0,1,0,0,0,0\n1,a,0,1,1,0,0,0\n"
+    with pytest.raises(SpecError) as caught:
+        read_values(text, "v", hexapod, PLAIN)
+    assert str(caught.value).splitlines() == [
+        "v:3:1: found t = 1 after 2: t must increase",
+        "v:3:9: found a quaternion of length zero, expected that of a rotation",
+        "v:4:1: found t = 1 after 1: t must increase",
+        "v:4:3: x: found 'a', expected a finite number",
+    ]
+
+
+def test_coordinates_that_differ_in_capitals_only_are_two():
+    point = "{point: [0, 0, 0]}"
+    rows = "".join(
+        f"  - {{distance: [P{k}, {name}], value: 1}}\n"
+        for k, name in enumerate(("B1", "b1", "B2", "B3", "B4", "B5"))
+    )
+    instance = gspcli.loads(
+        "gsp: 1\nunits: {length: m, angle: deg}\nplatform:\n"
+        + "".join(f"  P{k}: {point}\n" for k in range(6))
+        + "base:\n"
+        + "".join(f"  {name}: {point}\n" for name in ("B1", "b1", "B2", "B3", "B4", "B5"))
+        + f"constraints:\n{rows}"
+    )
+    table = read_values("base.B1.x,base.b1.x\n1,2\n3,4\n", "v", instance, PLAIN)
+    assert {name: column.tolist() for name, column in table.coordinates.items()} == {
+        "base.B1.x": [1, 3],
+        "base.b1.x": [2, 4],
+    }

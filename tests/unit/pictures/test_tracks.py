@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 
 from gspcli.errors import ArgumentError, SpecError
+from gspcli.motion import PoseFormat
 from gspcli.pictures.staging import scene_of
 from gspcli.pictures.tracks import MOST_POSES, read_tracks
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load
 
+PLAIN = PoseFormat()
 HEADING = "row,t,mode,x,y,z,qw,qx,qy,qz,condition,clearance"
 
 
@@ -28,7 +30,7 @@ def test_modes_become_tracks_and_ended_ones_are_skipped() -> None:
             "2,0.5,2,,,,,,,,,",
         ]
     )
-    first, second = read_tracks(text, "track.csv")
+    first, second = read_tracks(text, "track.csv", PLAIN)
     assert (first.title, second.title) == ("Trajectory of mode 1", "Trajectory of mode 2")
     assert first.parameter is not None
     assert (first.parameter[0], first.parameter[1].tolist()) == ("t", [0.0, 0.5])
@@ -40,17 +42,24 @@ def test_modes_become_tracks_and_ended_ones_are_skipped() -> None:
 
 
 def test_only_poses_are_needed() -> None:
-    (track,) = read_tracks("Tx,Ty,Tz,qw,qx,qy,qz\n1,2,3,1,0,0,0\n4,5,6,1,0,0,0", "t.csv")
+    (track,) = read_tracks("Tx,Ty,Tz,qw,qx,qy,qz\n1,2,3,1,0,0,0\n4,5,6,1,0,0,0", "t.csv", PLAIN)
     assert track.title == "Trajectory"
     assert track.parameter is not None
     assert track.parameter[1].tolist() == [1, 2]
     assert track.conditions is None
 
 
+def test_poses_are_as_those_that_are_measured() -> None:
+    text = "t;x;y;z;rx;ry;rz\n0;1;2;3;0;0;90\n"
+    (track,) = read_tracks(text, "t.csv", PoseFormat("xyz", (1.0, 0.0, 0.0), math.pi / 180))
+    np.testing.assert_allclose(track.R[0], [[0, -1, 0], [1, 0, 0], [0, 0, 1]], atol=1e-15)
+    np.testing.assert_allclose(track.T[0], [1, 1, 3], atol=1e-15)
+
+
 def test_coordinates_that_move_are_read_and_drawn() -> None:
     instance = load(instance_files()["t-top-head"])
     text = "t,x,y,z,qw,qx,qy,qz,crank.B1,base.b2.x\n0,0,0,0,1,0,0,0,0,0\n1,0,0,0,1,0,0,0,90,2\n"
-    (track,) = read_tracks(text, "t.csv")
+    (track,) = read_tracks(text, "t.csv", PLAIN)
     assert track.coordinates == ("crank.B1", "base.b2.x")
     assert track.places.tolist() == [[0, 0], [90, 2]]
     series = scene_of(solve(instance, certify=False), [track]).series[-1]
@@ -73,7 +82,7 @@ def test_coordinates_that_move_are_read_and_drawn() -> None:
 
 
 def test_a_wrong_coordinate_is_named() -> None:
-    (track,) = read_tracks("x,y,z,qw,qx,qy,qz,base.B9.x\n0,0,0,1,0,0,0,1\n", "t.csv")
+    (track,) = read_tracks("x,y,z,qw,qx,qy,qz,base.B9.x\n0,0,0,1,0,0,0,1\n", "t.csv", PLAIN)
     instance = load(instance_files()["t-top-head"])
     with pytest.raises(ArgumentError, match=r"found 'base\.B9\.x', expected a coordinate"):
         scene_of(solve(instance, certify=False), [track])
@@ -81,7 +90,7 @@ def test_a_wrong_coordinate_is_named() -> None:
 
 def test_long_tracks_are_thinned_and_say_so() -> None:
     rows = [f"{k},0,0,1,0,0,0" for k in range(3 * MOST_POSES + 2)]
-    (track,) = read_tracks("\n".join(["x,y,z,qw,qx,qy,qz", *rows]), "t.csv")
+    (track,) = read_tracks("\n".join(["x,y,z,qw,qx,qy,qz", *rows]), "t.csv", PLAIN)
     assert len(track.T) <= MOST_POSES + 1
     assert track.T[-1, 0] == 3 * MOST_POSES + 1
     assert "of 6002 poses" in track.note
@@ -90,14 +99,19 @@ def test_long_tracks_are_thinned_and_say_so() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("a,b\n1,2", "t.csv:1:1: found the columns a b, expected x y z qw qx qy qz"),
-        ("", "found the columns (none)"),
-        ("x,y,z,qw,qx,qy,qz", "found no row with a pose"),
-        ("x,y,z,qw,qx,qy,qz\n1,2,3,1,0,0,zero", "t.csv:2:1: qz: found 'zero', expected a number"),
-        ("x,y,z,qw,qx,qy,qz\n1,2,3,0,0,0,0", "t.csv:2:1: found a quaternion of length zero"),
+        ("a,b\n1,2", "t.csv:1:1: found the columns 'a b', expected x y z or tx ty tz"),
+        ("", "found nothing, expected a heading and rows"),
+        ("x,y,z,qw,qx,qy,qz", "found a heading and no rows"),
+        ("mode,x,y,z,qw,qx,qy,qz\n1,,,,,,,", "found no row with a pose"),
+        ("x,y,z,qw,qx,qy,qz,condition\n0,0,0,1,0,0,0,ill", "t.csv:2:15: found 'ill'"),
+        (
+            "x,y,z,qw,qx,qy,qz\n1,2,3,1,0,0,zero",
+            "t.csv:2:13: qz: found 'zero', expected a finite number",
+        ),
+        ("x,y,z,qw,qx,qy,qz\n1,2,3,0,0,0,0", "t.csv:2:7: found a quaternion of length zero"),
     ],
 )
 def test_mistakes_are_located(text: str, message: str) -> None:
     with pytest.raises(SpecError) as caught:
-        read_tracks(text, "t.csv")
+        read_tracks(text, "t.csv", PLAIN)
     assert message in str(caught.value)

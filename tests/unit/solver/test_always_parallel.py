@@ -159,6 +159,10 @@ def test_the_plate_is_followed_on_the_table() -> None:
     result = track(_spec(), rows)
     assert not result.events
     assert result.certified
+    # Points are followed, lines are what the file says.
+    assert result.instance.type == _spec().type
+    assert result.followed.type != result.instance.type
+    assert (result.conditions < 100).all()
     end = solve(_spec(("value: 3/2", "value: 1.6"), ("value: 2}", "value: 2.1}"),
                       ("[H3, P3], value: 1", "[H3, P3], value: 1.05")))  # fmt: skip
     there = {tuple(row) for row in end.T[end.real].real.round(9).tolist()}
