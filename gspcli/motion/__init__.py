@@ -1,6 +1,7 @@
 """Platforms that move: what poses measure, and what poses do when the values change."""
 
 from gspcli.geometry.limits import out_of_range
+from gspcli.motion.box_division import workspace
 from gspcli.motion.cranks import crank_angles
 from gspcli.motion.following import FollowOptions, MovingPlatform
 from gspcli.motion.measuring import measure
@@ -9,7 +10,7 @@ from gspcli.motion.tracks import Event, Track
 from gspcli.motion.trajectories import track
 from gspcli.motion.travels import Travel, travels
 from gspcli.motion.value_files import ValueTable, read_values
-from gspcli.motion.workspaces import Workspace, workspace
+from gspcli.motion.workspaces import Workspace
 
 __all__ = [
     "Event",

@@ -69,7 +69,7 @@ def moved(
     offset
         What is added to some of x, y, z, rx, ry, rz; angles turn about axes of the base.
     pivot, sequence
-        As in `gspcli.motion.workspaces.workspace`.
+        As in `gspcli.motion.box_division.workspace`.
     in_radians
         The unit of angles.
     """

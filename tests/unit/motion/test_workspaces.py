@@ -11,8 +11,8 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.limits import within_limits
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import measure
+from gspcli.motion.box_division import workspace
 from gspcli.motion.pose_boxes import PARAMETERS
-from gspcli.motion.workspaces import workspace
 from gspcli.motion.wrenches import wrenches
 from tests.support.limited import limited, one_leg, study, turned
 
