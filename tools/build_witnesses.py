@@ -54,8 +54,8 @@ from gspcli.catalogue.witnesses import Witness, witness_text
 from gspcli.cli.progress_bars import progress
 from gspcli.defaults import SEED
 from gspcli.errors import GspError
-from gspcli.reality.maximize import Search, multiplier
-from gspcli.reality.platforms import Platforms
+from gspcli.reality.maximize import Search
+from gspcli.reality.platforms import Platforms, multiplier
 from gspcli.reality.witness_proofs import (
     certified_real,
     quickly_certified_real,

@@ -42,8 +42,9 @@ from gspcli.continuation.pursuit import pursue
 from gspcli.continuation.start import path_count
 from gspcli.defaults import SEED
 from gspcli.geometry.quaternions import pose_from_study
-from gspcli.reality.maximize import Search, Solved, quickly_solved, reduced, solved
-from gspcli.reality.platforms import Platforms, random_platforms
+from gspcli.reality.maximize import Search
+from gspcli.reality.platforms import Platforms, random_platforms, reduced
+from gspcli.reality.solved_platforms import Solved, quickly_solved, solved
 from gspcli.reality.splitting import Pattern, Splitting, splittings
 
 #: How far points that turn are away, in units of the largest distance of a place from their middle

@@ -25,8 +25,8 @@ from gspcli.catalogue.types import CONSTRAINTS, Family
 from gspcli.catalogue.witnesses import Witness, named_family, read_row
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.reality.limits import limits
-from gspcli.reality.maximize import Solved, multiplier
-from gspcli.reality.platforms import Platforms
+from gspcli.reality.platforms import Platforms, multiplier
+from gspcli.reality.solved_platforms import Solved
 from gspcli.reality.witness_proofs import witness_instance
 
 FOLDER = ROOT / "data" / "witnesses"

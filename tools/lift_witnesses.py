@@ -24,8 +24,8 @@ from gspcli.catalogue.kinds import DHP, DPH, DPP
 from gspcli.catalogue.types import Family
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.limits import Limit, limits
-from gspcli.reality.maximize import Solved, quickly_solved
 from gspcli.reality.platforms import Platforms
+from gspcli.reality.solved_platforms import Solved, quickly_solved
 
 #: How far away far points are, in units of the size of the set of places.
 _REACHES = tuple(3.0 * 2.5**k for k in range(12))

@@ -25,8 +25,8 @@ sys.path.insert(0, str(ROOT))
 from gspcli.catalogue.witnesses import named_family
 from gspcli.defaults import SEED
 from gspcli.reality.fold_distances import moved
-from gspcli.reality.maximize import Solved, quickly_solved
 from gspcli.reality.platforms import Array, Platforms
+from gspcli.reality.solved_platforms import Solved, quickly_solved
 from gspcli.reality.splitting import Pattern
 
 #: Decimal exponents between which changes are; every second one changes some constraints only.

@@ -114,7 +114,8 @@ def command(
         message = "--real chooses what --show writes: add --show, or search with --target"
         raise click.UsageError(message)
 
-    from gspcli.reality.maximize import Search, multiplier, reduced
+    from gspcli.reality.maximize import Search
+    from gspcli.reality.platforms import multiplier, reduced
     from gspcli.reality.state import State, read_state
     from gspcli.reality.witness_proofs import DEFAULT_UNITS, platform_of
 
@@ -177,7 +178,8 @@ def _searched(
 ) -> State:
     """Return the state after the search; reports each attempt on stderr."""
     from gspcli.continuation.start import path_count
-    from gspcli.reality.maximize import attempts, multiplier
+    from gspcli.reality.maximize import attempts
+    from gspcli.reality.platforms import multiplier
 
     each = multiplier(search.kinds)
     everything = path_count(search.structure)

@@ -6,10 +6,7 @@ coming together meanwhile. A step is the shortest change of the platform's numbe
 to first order (`gspcli.reality.fold_distances`), of limited length. After each step all solutions
 are followed along a random complex path; the search accepts no step that loses a real one.
 
-It works on *reduced* platforms: distances to planes and of lines are zero. A plane can be moved
-instead of changing its distance, so nothing is lost on one side; and a small distance gives
-each real solution of a reduced platform one near it for each sign, so all sides, and both signs
-of the mutual moment of two lines, have as many real solutions as one (`docs/real-counts.md`).
+It works on reduced platforms (`gspcli.reality.platforms`).
 """
 
 from __future__ import annotations
@@ -23,15 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, Kind
-from gspcli.continuation.parameter_homotopy import follow
-from gspcli.continuation.pursuit import pursue
-from gspcli.continuation.solve import solve_systems
-from gspcli.continuation.systems import Structure, System
+from gspcli.continuation.systems import Structure
 from gspcli.defaults import SEED
-from gspcli.geometry.quaternions import pose_from_study
-from gspcli.reality.fold_distances import Folds, folds, moved
-from gspcli.reality.platforms import Platforms, random_platforms
-from gspcli.reality.recognition import look_real, reality
+from gspcli.reality.fold_distances import Folds, moved
+from gspcli.reality.platforms import Platforms, random_platforms, reduced
+from gspcli.reality.solved_platforms import Solved, followed_from, solved
 from gspcli.reality.splitting import Pattern
 from gspcli.reality.step import shortest_step
 from gspcli.workers import HERE, Workers
@@ -62,106 +55,8 @@ _PATIENCE = 200
 _AFRESH = 50
 #: Limits of the numbers: points, distances, and the least difference from 1 of a cosine.
 _LARGEST, _SMALLEST, _COSINE = 4.0, 0.02, 1e-3
-#: The part of the solutions that has to be seen at the first attempt.
-_SETTLED = 0.4
 #: Distance to folds up to which a finished platform is improved, and with how many steps.
 _COMFORT, _IMPROVEMENTS = 0.03, 60
-
-
-@dataclass(frozen=True, eq=False)
-class Solved:
-    """A reduced platform with all its solutions.
-
-    Attributes
-    ----------
-    platform
-        One platform, no leading axes.
-    system
-        Its equations.
-    points
-        Solutions in Study coordinates, N = 1, shape (n, 8).
-    real
-        Which are real, shape (n,).
-    """
-
-    platform: Platforms
-    system: System
-    points: Complex
-    real: NDArray[np.bool_]
-
-    @property
-    def count(self) -> int:
-        """How many solutions are real."""
-        return int(self.real.sum())
-
-    def folds(self, pattern: Pattern) -> tuple[Folds, Folds]:
-        """Return the folds of conjugate pairs and those of real solutions, within a pattern."""
-        R, T = pose_from_study(self.points[:, :4], self.points[:, 4:])
-        return folds(self.platform, R, T, self.real, pattern)
-
-    def margin(self, pattern: Pattern) -> float:
-        """Return the linear distance to the nearest fold of real solutions, within a pattern."""
-        return float(self.folds(pattern)[1].distances.min(initial=np.inf))
-
-
-def reduced(platforms: Platforms) -> Platforms:
-    """Return platforms with planes moved to distance zero, and lines that meet."""
-    y, x, values = platforms.y.copy(), platforms.x.copy(), platforms.values.copy()
-    for i, kind in enumerate(platforms.kinds):
-        shift = values[..., i, None]
-        if kind is DPH:
-            x[..., i, :] += shift * platforms.v[..., i, :]
-        elif kind is DHP:
-            y[..., i, :] += shift * platforms.u[..., i, :]
-        if kind in (DPH, DHP, DLL):
-            values[..., i] = 0.0
-    return replace(platforms, y=y, x=x, values=values)
-
-
-def multiplier(kinds: tuple[Kind, ...]) -> int:
-    """Return how many solutions on all sides there are for each of a reduced platform."""
-    return int(2 ** sum(kind in (DPH, DHP, DLL) for kind in kinds))
-
-
-def solved(platform: Platforms, seed: int = SEED, solutions: int | None = None) -> Solved | None:
-    """Return a platform with all solutions, or None if some cannot be made out.
-
-    Special platforms may have fewer solutions than their type: `solutions`.
-    """
-    system = next(platform[None].systems())
-    result = next(solve_systems([system], seed=seed))
-    if len(result.points) != (solutions or result.account.expected):
-        return None
-    found = reality(result.points, result.condition)
-    if not found.decided:
-        return None
-    return Solved(platform, system, result.points, found.real)
-
-
-def quickly_solved(platform: Platforms, seed: int = SEED) -> Solved | None:
-    """Return a platform with what a first attempt at all paths finds; None if it loses most.
-
-    What looks real is taken to be so, and nothing is checked: a beginning.
-    """
-    system = next(platform[None].systems())
-    (pursuit,) = pursue([system], seed=seed)
-    ends = pursuit.first()
-    if ends.settled.mean() < _SETTLED:
-        return None
-    points = ends.points[ends.settled]
-    real = look_real(points)
-    size = np.sqrt((points[:, :4] ** 2).sum(axis=-1, keepdims=True))
-    return Solved(platform, system, points / np.where(size, size, 1.0), real)
-
-
-def _followed(known: Solved, platform: Platforms, rng: np.random.Generator) -> Solved | None:
-    """Return a platform near another with all solutions, followed from those of the other."""
-    system = next(platform[None].systems())
-    ends = follow(known.system, known.points, system, rng=rng)
-    if ends is None:
-        return None
-    found = reality(ends.points, ends.condition)
-    return Solved(platform, system, ends.points, found.real) if found.decided else None
 
 
 def _acceptable(platform: Platforms, limit: float = _LARGEST) -> bool:
@@ -304,7 +199,7 @@ class Search:
             if _acceptable(platform, self._limit):
                 followed += 1
                 if followed % _AFRESH:
-                    new = _followed(best, platform, rng)
+                    new = followed_from(best, platform, rng)
                 else:
                     new = solved(platform, self.seed, self.solutions)
             if new is None or new.count < best.count:
@@ -345,7 +240,7 @@ class Search:
             if step is not None:
                 platform = _centred(moved(best.platform, step))
                 if _acceptable(platform, self._limit):
-                    new = _followed(best, platform, rng)
+                    new = followed_from(best, platform, rng)
             further = nearest if new is None else new.margin(self.pattern)
             if new is None or new.count < best.count or further <= nearest:
                 radius /= 2

@@ -1,4 +1,10 @@
-"""Many platforms of one type as arrays, from random numbers to solutions without `Instance`s."""
+"""Many platforms of one type as arrays, from random numbers to solutions without `Instance`s.
+
+Distances to planes and of lines are zero in *reduced* platforms. A plane can be moved instead of
+changing its distance, so nothing is lost on one side; and a small distance gives each real
+solution of a reduced platform one near it for each sign, so all sides, and both signs of the
+mutual moment of two lines, have as many real solutions as one (`docs/real-counts.md`).
+"""
 
 from __future__ import annotations
 
@@ -9,7 +15,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import Kind, Primitive
+from gspcli.catalogue.kinds import DHP, DLL, DPH, Kind, Primitive
 from gspcli.continuation.solutions import SystemSolutions
 from gspcli.continuation.solve import solve_systems
 from gspcli.continuation.systems import System
@@ -98,3 +104,22 @@ def random_platforms(kinds: Sequence[Kind], count: int, rng: np.random.Generator
         elif not kind.has_sides:
             values[:, i] = np.abs(values[:, i])
     return Platforms(bodies.kinds, y, x, u, v, values)
+
+
+def reduced(platforms: Platforms) -> Platforms:
+    """Return platforms with planes moved to distance zero, and lines that meet."""
+    y, x, values = platforms.y.copy(), platforms.x.copy(), platforms.values.copy()
+    for i, kind in enumerate(platforms.kinds):
+        shift = values[..., i, None]
+        if kind is DPH:
+            x[..., i, :] += shift * platforms.v[..., i, :]
+        elif kind is DHP:
+            y[..., i, :] += shift * platforms.u[..., i, :]
+        if kind in (DPH, DHP, DLL):
+            values[..., i] = 0.0
+    return replace(platforms, y=y, x=x, values=values)
+
+
+def multiplier(kinds: tuple[Kind, ...]) -> int:
+    """Return how many solutions on all sides there are for each of a reduced platform."""
+    return int(2 ** sum(kind in (DPH, DHP, DLL) for kind in kinds))

@@ -11,8 +11,8 @@ import numpy as np
 
 from gspcli.catalogue.kinds import KINDS_BY_NAME
 from gspcli.errors import GspError
-from gspcli.reality.maximize import Solved
 from gspcli.reality.platforms import Platforms
+from gspcli.reality.solved_platforms import Solved
 
 SCHEMA = "gsp.maximize-real/1"
 _PARTS = ("y", "x", "u", "v", "values")

@@ -76,7 +76,7 @@ def real_instance(
     Parameters
     ----------
     platform
-        One reduced platform (`gspcli.reality.maximize`), lengths of order one.
+        One reduced platform (`gspcli.reality.platforms`), lengths of order one.
     count
         How many real poses the instance has to have, on all sides.
     units

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from gspcli.reality import maximize
+from gspcli.reality.solved_platforms import Solved
 from gspcli.spec import dumps, loads
 
 
@@ -68,7 +69,7 @@ def test_an_instance_file_is_where_the_search_begins(gsp, tmp_path: Path) -> Non
 def test_an_interruption_writes_the_best_so_far(gsp, monkeypatch: pytest.MonkeyPatch) -> None:
     real_attempt = maximize.Search.attempt
 
-    def attempt(self: maximize.Search, number: int) -> maximize.Solved | None:
+    def attempt(self: maximize.Search, number: int) -> Solved | None:
         if number:
             raise KeyboardInterrupt
         return real_attempt(maximize.Search(self.kinds, starts=2, steps=2), 0)
@@ -78,7 +79,7 @@ def test_an_interruption_writes_the_best_so_far(gsp, monkeypatch: pytest.MonkeyP
     assert done.code == 130
     assert done.out.startswith("gsp: 1\n")
 
-    def at_once(self: maximize.Search, number: int) -> maximize.Solved | None:
+    def at_once(self: maximize.Search, number: int) -> Solved | None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(maximize.Search, "attempt", at_once)

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.witnesses import named_family
-from gspcli.reality.maximize import solved
 from gspcli.reality.platforms import Platforms
+from gspcli.reality.solved_platforms import solved
 
 #: Each has 8 solutions and is simpler than the next.
 CHAIN = tuple(named_family(" ".join(["PH"] * n)) for n in (3, 4, 5))

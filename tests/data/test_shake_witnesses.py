@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.witnesses import named_family
-from gspcli.reality.maximize import reduced, solved
-from gspcli.reality.platforms import Platforms, random_platforms
+from gspcli.reality.platforms import Platforms, random_platforms, reduced
+from gspcli.reality.solved_platforms import solved
 
 FAMILY = named_family("PP PP PP PP PP PP")
 KINDS = FAMILY.types[0].kinds

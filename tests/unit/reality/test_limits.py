@@ -6,8 +6,8 @@ import pytest
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DPH, DPL, DPP
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.limits import Limit, limits
-from gspcli.reality.maximize import Solved, reduced, solved
-from gspcli.reality.platforms import random_platforms
+from gspcli.reality.platforms import random_platforms, reduced
+from gspcli.reality.solved_platforms import Solved, solved
 
 
 def _poses(found: Solved) -> np.ndarray:

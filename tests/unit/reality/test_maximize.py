@@ -15,9 +15,10 @@ from gspcli.errors import GspError
 from gspcli.geometry.instance import AngleUnit, Units
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.fold_distances import moved, neighbours
-from gspcli.reality.maximize import Search, Solved, multiplier, reduced, solved
-from gspcli.reality.platforms import Platforms, random_platforms
+from gspcli.reality.maximize import Search
+from gspcli.reality.platforms import Platforms, multiplier, random_platforms, reduced
 from gspcli.reality.recognition import look_real
+from gspcli.reality.solved_platforms import Solved, solved
 from gspcli.reality.splitting import Pattern
 from gspcli.reality.state import State, read_state
 from gspcli.reality.step import nonnegative_least_squares, shortest_step

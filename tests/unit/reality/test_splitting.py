@@ -9,8 +9,9 @@ import pytest
 
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.geometry.quaternions import pose_from_study
-from gspcli.reality.maximize import Search, reduced, solved
-from gspcli.reality.platforms import Platforms, random_platforms
+from gspcli.reality.maximize import Search
+from gspcli.reality.platforms import Platforms, random_platforms, reduced
+from gspcli.reality.solved_platforms import solved
 from gspcli.reality.splitting import Splitting, splittings
 
 ANGLES = (ALL, ALL)
