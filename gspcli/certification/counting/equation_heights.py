@@ -81,6 +81,16 @@ def _constraint_height(row: ExactConstraint) -> float:
     return 2 * vectors + height(row.value) + _CONSTANTS * (2 if squared else 1)
 
 
+def lines_height(row: ExactConstraint, bits: int) -> float:
+    """Return a bound of the height of what is zero where the lines of a DLL are parallel.
+
+    That is of ``w . (R u x v)`` with random integers w of so many bits, times a coordinate or not,
+    and of the distance of parallel lines (`motion_equations.parallel_lines`).
+    """
+    vectors = sum(_vector_height(vector) for vector in (row.a, row.b, row.u, row.v))
+    return 2 * vectors + height(row.value) + 2 * _CONSTANTS + bits
+
+
 def _fraction(element: Element) -> Fraction:
     assert element.fraction is not None
     return element.fraction

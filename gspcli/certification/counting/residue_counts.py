@@ -140,6 +140,7 @@ def count(
     conditions: Sequence[MotionEquation] = (),
     groups: Sequence[Sequence[int]] = (),
     find_distinct: bool = True,
+    moment_relations: bool = True,
     build: str = "",
 ) -> ResidueCount:
     """Count the solutions of equations modulo a prime.
@@ -160,6 +161,9 @@ def count(
         Functions in coordinates, as sides of equations, and groups of their numbers.
     find_distinct
         Whether to count the values of a random linear form, too.
+    moment_relations
+        Whether to find all quadrics that vanish on the motions and contain moments. Else the
+        moments are coordinates of their own, and what defines them is among the equations.
     build
         The kernel's build; by default the quickest.
 
@@ -177,6 +181,7 @@ def count(
         conditions=conditions,
         groups=groups,
         find_distinct=find_distinct,
+        moment_relations=moment_relations,
         build=build,
     )
     return result

@@ -15,6 +15,7 @@ from gspcli.certification.counting.exact_counts import (
     count_equations,
 )
 from gspcli.certification.counting.modular_platform import NotCountedError
+from gspcli.certification.counting.parts import dimension
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
 
@@ -92,6 +93,23 @@ def count_geometry(
     counted.
     """
     return count_equations(instance, seed, work_limit(limit), values_free=True)
+
+
+def dimension_exactly(
+    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
+) -> tuple[int, float]:
+    """Return the dimension of the set of poses over the complex numbers, and how sure that is.
+
+    Parameters and errors are those of `count_exactly`; the instance has one choice of sides.
+
+    Returns
+    -------
+    dimension
+        That of the poses at which no lines of a DLL are parallel; -1 if there are none.
+    error
+        A bound of the probability that the random prime and the random hyperplanes have misled.
+    """
+    return dimension(instance, seed, work_limit(limit))
 
 
 def with_points_for_lines(

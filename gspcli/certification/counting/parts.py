@@ -1,0 +1,243 @@
+"""The poses as they are stated, counted by which lines of them are parallel.
+
+The equation of a DLL holds wherever its lines are parallel, at any distance. So the poses are
+counted in parts: for each set of DLL those where just the lines of these are parallel, and have
+their distances, which is linear in R and quadratic in T or U; for each of the others a coordinate
+more is the inverse of ``w . (R u x v)``, w random, which is zero where its lines are parallel. No
+pose is in two parts.
+
+A part is also cut with random hyperplanes. They miss what has fewer dimensions, and meet what has
+as many: one hyperplane that meets a part proves it infinite, often with far less work than an
+elimination without one (docs/exact-counts.md has the bounds of the error).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain, combinations
+
+from flint import nmod
+
+from gspcli.catalogue.kinds import DLL
+from gspcli.certification import study
+from gspcli.certification.counting.coordinate_choice import DEGREES, Blocks, quadrics
+from gspcli.certification.counting.equation_heights import lines_height
+from gspcli.certification.counting.error_bounds import ErrorBounds, total
+from gspcli.certification.counting.modular_platform import (
+    ModularPlatform,
+    NotCountedError,
+    on_sides,
+)
+from gspcli.certification.counting.motion_equations import (
+    FUNCTIONS,
+    MotionEquation,
+    MotionEquations,
+    equations,
+    parallel_lines,
+    with_moments,
+)
+from gspcli.certification.counting.residue_counts import Ending, ResidueCount, count
+from gspcli.geometry.instance import Instance
+
+#: Random vectors and hyperplanes have coefficients of so many bits.
+_RANDOM_BITS = 60
+#: The height of a hyperplane: at most 17 coefficients.
+_HYPERPLANE_HEIGHT = _RANDOM_BITS + 5.0
+#: Further primes are taken until they all mislead with a probability below this, at most so many.
+_ENOUGH, _MOST_PRIMES = 1e-9, 6
+#: Largest dimension of a set of motions.
+_MOST_DIMENSIONS = 6
+
+
+@dataclass(frozen=True)
+class PartCount:
+    """The poses at which the lines of some DLL are parallel, and those of no others.
+
+    Attributes
+    ----------
+    parallel
+        The indices of these DLL.
+    solutions, distinct
+        How many there are, with multiplicity and without; None if infinitely many. With parallel
+        lines the multiplicity is that of a solution of more than six equations.
+    error
+        A bound of the probability that the random primes have misled.
+    work
+        Multiplications.
+    """
+
+    parallel: tuple[int, ...]
+    solutions: int | None
+    distinct: int | None
+    error: float
+    work: int
+
+
+def count_parts(instance: Instance, seed: int, max_work: int) -> tuple[PartCount, ...]:
+    """Count the poses of an instance with one choice of sides by which lines are parallel.
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    seed
+        The primes and everything random are derived from it and from the instance.
+    max_work
+        Multiplications after which to give up.
+
+    Raises
+    ------
+    NotCountedError
+        If numbers have no homomorphism to a prime field, if it is too much work, or if primes
+        disagree.
+    """
+    lines = [k for k, row in enumerate(instance.constraints) if row.kind is DLL]
+    found = []
+    for parallel in _subsets(lines):
+        part = _part(instance, parallel, 0, seed, max_work)
+        max_work = max(0, max_work - part.work)
+        found.append(part)
+    return tuple(found)
+
+
+def dimension(instance: Instance, seed: int, max_work: int) -> tuple[int, float]:
+    """Return the dimension of the set of poses without parallel lines, and a bound of the error.
+
+    Parameters and errors are those of `count_parts`; -1 is the dimension of no poses.
+    """
+    for slices in range(_MOST_DIMENSIONS + 1):
+        part = _part(instance, (), slices, seed, max_work)
+        if part.solutions:
+            return slices, part.error
+        if part.solutions == 0:
+            break
+    if slices == 0:
+        return -1, part.error
+    message = "hyperplanes do not say which dimension a set of motions has: take another seed"
+    raise NotCountedError(message)
+
+
+def _part(
+    instance: Instance, parallel: tuple[int, ...], slices: int, seed: int, max_work: int
+) -> PartCount:
+    """Count a part, cut with some hyperplanes, modulo as many primes as it needs."""
+    found: PartCount | None = None
+    for index in range(_MOST_PRIMES):
+        one = _modulo_a_prime(
+            ModularPlatform(instance, seed, index=index), parallel, slices, max_work
+        )
+        max_work = max(0, max_work - one.work)
+        found = one if found is None else _confirmed(found, one)
+        if found.error < _ENOUGH:
+            break
+    assert found is not None
+    return found
+
+
+def _confirmed(found: PartCount, other: PartCount) -> PartCount:
+    if (found.solutions, found.distinct) != (other.solutions, other.distinct):
+        message = "the primes of an exact count disagree: take another seed"
+        raise NotCountedError(message)
+    return replace(found, error=found.error * other.error, work=found.work + other.work)
+
+
+def _modulo_a_prime(
+    platform: ModularPlatform, parallel: tuple[int, ...], slices: int, max_work: int
+) -> PartCount:
+    given = _equations(platform, parallel, slices)
+    counted = count(
+        given,
+        platform.blocks,
+        platform.prime,
+        seed=platform.randomness.below(2**63),
+        max_work=max_work,
+        moment_relations=False,
+    )
+    if counted.outcome is Ending.STOPPED:
+        message = "the poses cannot be counted by their parallel lines within the limit"
+        raise NotCountedError(message)
+    is_finite = counted.outcome is Ending.FINITE
+    if is_finite and counted.distinct is None:
+        message = "the distinct poses cannot be counted within the limit"
+        raise NotCountedError(message)
+    return PartCount(
+        parallel,
+        counted.solutions if is_finite else None,
+        counted.distinct if is_finite else None,
+        _error(platform, counted, parallel, slices, len(given.moments)),
+        counted.work,
+    )
+
+
+def _equations(
+    platform: ModularPlatform, parallel: tuple[int, ...], slices: int
+) -> MotionEquations:
+    """Return the equations of a part, cut with some hyperplanes."""
+    rows = on_sides(platform.rows, platform.choices[0])
+    others = [row for k, row in enumerate(rows) if k not in parallel]
+    in_base = Blocks.TRANSLATION in platform.blocks
+    given = with_moments(equations(others))
+    moments, result = list(given.moments), list(given.equations)
+    for row in others:
+        if row.kind is DLL:
+            crossing, _ = parallel_lines(row, _random(platform, 3), in_base=in_base)
+            result.append(_inverse(crossing, FUNCTIONS + len(moments), platform.prime))
+            moments.append({})
+    for k in parallel:
+        for axis in range(3):
+            unit = [int(axis == j) for j in range(3)]
+            crossing, distance = parallel_lines(rows[k], unit, in_base=in_base)
+            result.append(crossing)
+        result.append(distance)
+    places = [study.NORM, *chain(*study.ROTATION)]
+    places += study.TRANSLATION if Blocks.TRANSLATION in platform.blocks else ()
+    places += study.BODY if Blocks.BODY in platform.blocks else ()
+    for _ in range(slices):
+        values = _random(platform, len(places))
+        result.append(MotionEquation(dict(zip(places, values, strict=True))))
+    return MotionEquations(moments, result)
+
+
+def _inverse(function: MotionEquation, place: int, prime: int) -> MotionEquation:
+    """Return that the product of a linear function and a coordinate is one."""
+    quarter = nmod(4, prime) ** -1
+    plus, minus = (function.linear | {place: sign} for sign in (1, -1))
+    return MotionEquation({study.NORM: -1}, [(quarter, plus), (-quarter, minus)])
+
+
+def _random(platform: ModularPlatform, number: int) -> list[nmod]:
+    bits = 2**_RANDOM_BITS
+    return [nmod(platform.randomness.below(bits), platform.prime) for _ in range(number)]
+
+
+def _error(
+    platform: ModularPlatform,
+    counted: ResidueCount,
+    parallel: tuple[int, ...],
+    slices: int,
+    moments: int,
+) -> float:
+    """Return a bound of the probability that a part, cut with hyperplanes, has another count."""
+    bounds = ErrorBounds.of(platform.exact, platform.requirements, platform.blocks)
+    lines = [row for row in platform.exact if row.kind is DLL]
+    heights = [lines_height(row, _RANDOM_BITS) for row in lines]
+    heights += [_HYPERPLANE_HEIGHT] if slices else []
+    height = max([bounds.bits.height, *heights])
+    bounds = replace(bounds, bits=replace(bounds.bits, height=height, moments=moments))
+    # Of six equations solutions modulo the prime come from solutions; of more they need not.
+    is_lifted = not parallel and not slices
+    is_finite = counted.outcome is Ending.FINITE
+    finite = is_finite and (is_lifted or counted.solutions == 0)
+    errors = [bounds.count(counted.reach, finite=finite)]
+    if is_finite and counted.distinct != counted.solutions:
+        errors.append(bounds.distinct(counted.reach, counted.solutions))
+    # A random vector hides a solution without parallel lines, a hyperplane contains a component.
+    blocks, kinds = platform.blocks, platform.kinds
+    most = DEGREES[blocks] << quadrics(blocks, kinds)
+    errors.append((len(lines) - len(parallel) + slices) * most / 2.0**_RANDOM_BITS)
+    return total(errors)
+
+
+def _subsets(items: Sequence[int]) -> Iterator[tuple[int, ...]]:
+    return chain.from_iterable(combinations(items, size) for size in range(len(items) + 1))

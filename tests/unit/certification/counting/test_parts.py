@@ -1,0 +1,99 @@
+"""Poses counted by which lines of a DLL are parallel, and dimensions by random hyperplanes."""
+
+from __future__ import annotations
+
+import pytest
+
+from gspcli.certification.counting import NotCountedError, count_exactly, dimension_exactly
+from gspcli.certification.counting.parts import count_parts
+from gspcli.geometry.instance import Instance
+from gspcli.resources import data_directory
+from gspcli.spec import load, loads
+
+#: A plate on three points between three round posts: one foot is longer.
+SPEC = """
+gsp: 1
+units: {length: unit, angle: deg}
+platform:
+  F1: {point: [3, 0, 1]}
+  F2: {point: [-1, 2, 0]}
+  F3: {point: [-2, -1, 0]}
+  H1: {line: {point: [1, 0, 0], direction: [0, 0, 1]}}
+  H2: {line: {point: [-1, 1, 0], direction: [0, 0, 1]}}
+  H3: {line: {point: [0, -2, 0], direction: [0, 0, 1]}}
+base:
+  table: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}
+  P1: {line: {point: [2, 1, 0], direction: [0, 0, 1]}}
+  P2: {line: {point: [-2, 2, 0], direction: [0, 0, 1]}}
+  P3: {line: {point: [1, -3, 0], direction: [0, 0, 1]}}
+constraints:
+  - {distance: [F1, table], value: 1, side: positive}
+  - {distance: [F2, table], value: 0}
+  - {distance: [F3, table], value: 0}
+  - {distance: [H1, P1], value: 3/2}
+  - {distance: [H2, P2], value: 2}
+  - {distance: [H3, P3], value: 1}
+"""
+WORK = 10**10
+
+
+def _example(name: str) -> Instance:
+    return load(data_directory() / "examples" / f"{name}.yaml")
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("dietmaier", 0),
+        ("bricard-octahedron", 1),
+        ("griffis-duffy", 1),
+        ("similar-hexagons", 1),
+        ("congruent-equal-legs", 2),
+    ],
+)
+def test_dimensions_are_those_of_groebner_bases(name: str, expected: int) -> None:
+    dimension, error = dimension_exactly(_example(name))
+    assert dimension == expected
+    assert 0 < error < 1e-9
+
+
+def test_no_poses_have_no_dimension() -> None:
+    flat = SPEC.replace("value: 1, side: positive", "value: 100")
+    assert dimension_exactly(loads(flat))[0] == -1
+
+
+def test_the_limit_of_a_dimension_is_kept() -> None:
+    with pytest.raises(NotCountedError, match="limit"):
+        dimension_exactly(_example("griffis-duffy"), limit=1e-5)
+
+
+@pytest.mark.parametrize("name", ["parallel-lines", "figure-2", "surfaces-ppp"])
+def test_without_parallel_lines_there_is_one_part(name: str) -> None:
+    instance = _example(name)
+    first, *others = count_parts(instance, 1, WORK)
+    count = count_exactly(instance)
+    assert (first.solutions, first.distinct) == (count.solutions, count.distinct)
+    assert {part.solutions for part in others} == {0}
+
+
+def test_poses_with_parallel_lines_are_a_part_of_their_own() -> None:
+    # Upright the plate has four poses; turned over it is tilted, and has none.
+    parts = {part.parallel: part for part in count_parts(loads(SPEC), 1, WORK)}
+    assert len(parts) == 8
+    assert {key: part.solutions for key, part in parts.items() if part.solutions} == {(3, 4, 5): 4}
+    skew = SPEC.replace("[0, -2, 0], direction: [0, 0, 1]", "[0, -2, 0], direction: [1, 0, 1]")
+    parts = {part.parallel: part for part in count_parts(loads(skew), 1, WORK)}
+    found = {key: part.solutions for key, part in parts.items() if part.solutions}
+    assert found == {(): 16, (3, 4): 12}
+    assert max(part.error for part in parts.values()) < 1e-9
+
+
+def test_seeds_change_the_primes_and_not_the_parts() -> None:
+    counts = [
+        [
+            (part.parallel, part.solutions, part.distinct)
+            for part in count_parts(loads(SPEC), k, WORK)
+        ]
+        for k in range(3)
+    ]
+    assert counts[0] == counts[1] == counts[2]
