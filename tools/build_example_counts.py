@@ -1,17 +1,21 @@
-"""Count the complex solutions of the shipped instances by Gröbner bases and record them.
+"""Count the complex solutions of the shipped instances and record them.
 
     python tools/build_example_counts.py [--check [--sample N]] [NAME ...]
+    python tools/build_example_counts.py --check --groebner [--sample N] [NAME ...]
 
-The complex counts (`quaternion_counts`) are independent of the package's solvers and of its
-statements of the constraints (`gspcli.geometry.constraint_polynomials`); two primes must agree.
-What holds between square roots, sines and cosines of an instance holds modulo these primes, too
-(`homomorphisms`). Of the real platforms the same is also counted with random values: the count of
-the geometry.
+The complex counts are the package's own, modulo random primes (docs/exact-counts.md): `proved` says
+whether that of the solutions with multiplicity holds for every prime. Of infinitely many the
+dimension is recorded. Of the real platforms the same is counted with random values, too: the count
+of the geometry.
+
+With --groebner the record is compared with Gröbner bases by Singular modulo two other primes. They
+are independent of the package's solvers, its counts and its statements of the constraints
+(`quaternion_counts`); what holds between square roots, sines and cosines of an instance holds
+modulo these primes, too (`homomorphisms`).
 
 The real poses are those that the package's solver finds; `certified` says how many of the distinct
-solutions are proved, with whether they are real, by interval arithmetic. That the list is complete
-rests on the count modulo primes, which is evidence and no proof over the rationals; a proved bound
-that equals it (`gsp check`) makes it one. Where a number is known otherwise, both must agree.
+solutions are proved, with whether they are real, by interval arithmetic. Where a number is known
+otherwise, both must agree.
 """
 
 from __future__ import annotations
@@ -24,14 +28,20 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+import flint
 import singular
-import sympy
 from homomorphisms import fields
-from quaternion_counts import count
-from recording import ROOT, parser, sampled, save
+from quaternion_counts import count as groebner_count
+from recording import ROOT, parser, report, sampled, save
 
 sys.path.insert(0, str(ROOT))
 
+from gspcli.certification.counting import (
+    ExactCount,
+    count_exactly,
+    count_geometry,
+    dimension_exactly,
+)
 from gspcli.cli.progress_bars import progress
 from gspcli.geometry.instance import Instance
 from gspcli.resources import INSTANCE_FOLDERS
@@ -54,37 +64,58 @@ KNOWN: dict[str, tuple[int, str]] = {
 
 
 def counts(path: Path) -> dict[str, Any]:
-    """Return the record of one file: the same modulo two primes."""
+    """Return the record of one file."""
     instance = load(path)
-    results: dict[int, dict[str, int]] = {}
-    geometry: dict[int, dict[str, int]] = {}
-    for field in islice(fields(instance), 2):
-        results[field.prime] = count(instance, field)
-        if path.parent == PLATFORMS:
-            geometry[field.prime] = count(instance, field, generic=True)
-    first = _agreeing(path, results)
+    count = count_exactly(instance)
+    own = _distinct_and_multiple(count)
+    if not count.finite:
+        own["dimension"], _ = dimension_exactly(instance)
     record = {
         "sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
         "type": instance.type.id,
-        **first,
-        "primes": list(results),
+        **own,
+        "proved": count.error == 0,
     }
-    if geometry:
-        record["geometry"] = _agreeing(path, geometry)
-    if first["dimension"] == 0:
-        record |= real_poses(path, instance, first)
+    if path.parent == PLATFORMS:
+        record["geometry"] = _distinct_and_multiple(count_geometry(instance))
+    if count.finite:
+        record |= real_poses(path, instance, record)
     return record
 
 
-def _agreeing(path: Path, results: dict[int, dict[str, int]]) -> dict[str, int]:
-    first, second = results.values()
-    if first != second:
-        message = f"{path.name}: the primes disagree: {results}"
+def _distinct_and_multiple(count: ExactCount) -> dict[str, Any]:
+    if count.solutions is None:
+        return {"dimension": None}
+    if count.distinct is None or count.spurious is None or count.spurious_distinct is None:
+        message = "distinct solutions were not counted"
         raise SystemExit(message)
-    return first
+    return {
+        "dimension": 0,
+        "complex": count.solutions - count.spurious,
+        "distinct": count.distinct - count.spurious_distinct,
+    }
 
 
-def real_poses(path: Path, instance: Instance, exact: dict[str, int]) -> dict[str, Any]:
+def different_by_groebner(path: Path, record: dict[str, Any]) -> list[str]:
+    """Return in what a record differs from what Gröbner bases modulo two primes give."""
+    instance = load(path)
+    differences = []
+    for field in islice(fields(instance), 2):
+        compared = {"": (groebner_count(instance, field), record)}
+        if "geometry" in record:
+            geometry = groebner_count(instance, field, generic=True)
+            compared[" of the geometry"] = geometry, record["geometry"]
+        for name, (found, recorded) in compared.items():
+            known = {key: recorded.get(key) for key in found}
+            if known != found:
+                differences.append(
+                    f"{path.parent.name}/{RECORD}: {path.stem}: counts{name}: {known}, "
+                    f"{found} by Singular modulo {field.prime}"
+                )
+    return differences
+
+
+def real_poses(path: Path, instance: Instance, exact: dict[str, Any]) -> dict[str, Any]:
     """Return the record of the real poses of an instance with finitely many.
 
     Of a platform for which the solver finds another number of poses nothing is recorded: its
@@ -95,7 +126,7 @@ def real_poses(path: Path, instance: Instance, exact: dict[str, int]) -> dict[st
     if found.found != exact["distinct"]:
         if path.parent == PLATFORMS:
             return {}
-        message = f"{name}: {found.found} poses found, {exact['distinct']} by the Gröbner basis"
+        message = f"{name}: {found.found} poses found, {exact['distinct']} counted"
         raise SystemExit(message)
     record = {"real": found.real, "certified": found.certified}
     if name in KNOWN:
@@ -110,20 +141,31 @@ def real_poses(path: Path, instance: Instance, exact: dict[str, int]) -> dict[st
 def main() -> int:
     """Compute the counts and write or compare the records; return the exit code."""
     options = parser(__doc__, sample=True)
+    options.add_argument("--groebner", action="store_true", help="compare with Gröbner bases")
     options.add_argument("names", nargs="*", help="instance files (default: all)")
     arguments = options.parse_args()
     files = {path.stem: path for folder in FOLDERS for path in sorted(folder.glob("*.yaml"))}
     wanted = [name for name in files if name in arguments.names or not arguments.names]
     wanted = sampled(wanted, arguments.sample if arguments.check else None)
     records = {folder: _recorded(folder) for folder in FOLDERS}
+    if arguments.groebner:
+        bases = progress(wanted, total=len(wanted), label="computing Gröbner bases")
+        differences = [
+            difference
+            for name in bases
+            for difference in different_by_groebner(
+                files[name], records[files[name].parent].get(name, {})
+            )
+        ]
+        by = f"Singular {singular.version()}"
+        return report(differences, f"counts of {len(wanted)} of {len(files)} files by {by}")
     for folder, entries in records.items():
         for name in [name for name in entries if files.get(name, folder).parent != folder]:
             del entries[name]
     for name in progress(wanted, total=len(wanted), label="counting solutions"):
         records[files[name].parent][name] = counts(files[name])
     versions = {
-        "Singular": singular.version(),
-        "sympy": sympy.__version__,
+        "python-flint": flint.__version__,
         "python": platform.python_version(),
     }
     documents = {

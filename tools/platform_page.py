@@ -26,11 +26,12 @@ LEGEND = """
 - *type*: the generic count, for the sides that the file asks for: what almost every platform of the
   type has over the complex numbers; proved.
 - *geometry*: the count for these joints with random values; *exact*: for the values at home, with
-  multiplicities. Both are Gröbner bases modulo two primes that agree: evidence, not proofs.
+  multiplicities. Both are [counted modulo a random prime](exact-counts.md), and by Gröbner bases
+  modulo two others.
 - *real*: the assembly modes at home. They are recorded only where the solver finds as many poses as
   the exact count; *certified* of all poses are proved, with whether they are real.
 
-`python tools/build_example_counts.py` computes them again (Singular). The sides of planes are
+`python tools/build_example_counts.py` computes them again. The sides of planes are
 those of the machines. An exact count below the one of the type is what symmetry does: the other
 poses are at infinity. Infinite: the triangle of the three balls, turned upside down, glides with
 its corners on the three vees (concurrent lines at 120 degrees); as built it stands still.

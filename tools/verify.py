@@ -83,14 +83,25 @@ STEPS = (
         "examples",
         ("data/examples/*", "data/platforms/*"),
         "tools/build_example_counts.py --check",
-        "",
-        "--sample 6",
+        sample="--sample 12",
+    ),
+    Step(
+        "examples-groebner",
+        ("data/examples/*", "data/platforms/*"),
+        "tools/build_example_counts.py --check --groebner",
+        sample="--sample 6",
     ),
     Step("output", ("docs/output.md", "docs/schemas/*"), "tools/build_output_reference.py --check"),
     Step(
         "shared-joints",
         ("data/verification/coincident-platforms*",),
         "tools/build_coincident_counts.py --check",
+    ),
+    Step(
+        "shared-joints-groebner",
+        ("data/verification/coincident-platforms*",),
+        "tools/build_coincident_counts.py --check --groebner",
+        sample="--sample 6",
     ),
     Step(
         "special-platforms",

@@ -137,10 +137,20 @@ needs_singular = pytest.mark.skipif(
             marks=needs_singular,
         ),
         pytest.param(
-            "build_example_counts.py --check octahedral-3-3",
+            "build_example_counts.py --check --groebner octahedral-3-3",
             "data/examples/expected.json",
             _replaced('"distinct": 16', '"distinct": 14'),
             marks=needs_singular,
+        ),
+        (
+            "build_example_counts.py --check octahedral-3-3",
+            "data/examples/expected.json",
+            _replaced('"distinct": 16', '"distinct": 14'),
+        ),
+        (
+            "build_coincident_counts.py --check",
+            "data/verification/coincident-platforms.csv",
+            _replaced(",40,40,", ",40,39,"),
         ),
         ("build_start_systems.py --check --sample 1", "data/start-systems/points.npy", _one_bit),
         (
