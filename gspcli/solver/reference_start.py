@@ -12,16 +12,19 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from itertools import count, permutations
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind, Primitive
-from gspcli.continuation.pursuit import Pursuit, first_attempts, pursue
 from gspcli.continuation.start import StartSystem, path_count
 from gspcli.continuation.systems import Coefficients, Structure, System
 from gspcli.continuation.tracker import TrackerOptions
 from gspcli.solver.study_systems import coefficients_of
+
+if TYPE_CHECKING:
+    from gspcli.continuation.pursuit import Pursuit
 
 Array = NDArray[np.float64]
 
@@ -82,6 +85,9 @@ def _reference(structure: Structure) -> Reference | None:
     sorts = list(zip(structure.spaces, structure.products, strict=True))
     if any(sort not in _KINDS for sort in sorts):
         return None
+    # The first platform of a process does without.
+    from gspcli.continuation.pursuit import pursue
+
     for seed in _SEEDS:
         given = _platform(tuple(_KINDS[sort] for sort in sorts), seed)
         pursuit = next(pursue([given], seed=seed))
@@ -134,6 +140,8 @@ def pursue_near(
     seed, jobs, options
         As for `pursue`.
     """
+    from gspcli.continuation.pursuit import Pursuit, first_attempts
+
     start = reference.start
     inner = _matched(start.system, given.in_units(np.array(reference.scale)))
     targets = inner.normalized()

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import click
 
-from gspcli.cli.output import csv, json, latex, markdown, terminal
 from gspcli.cli.output.files import write_whole
 from gspcli.cli.output.options import Output
 from gspcli.cli.output.tables import Table
@@ -38,27 +37,39 @@ def emit(
     texts
         Ready text for formats in which the command does not want tables.
     """
+    # Each format is imported when it is needed: start-up is most of the time of many commands.
     tables = [tables] if isinstance(tables, Table) else list(tables)
     if output.part is not None:
         tables = [table for table in tables if table.part == output.part]
     if texts and output.format in texts:
         write(output, texts[output.format])
     elif output.format == "json":
+        from gspcli.cli.output import json
+
         write(output, json.render(tables, document, schema))
     elif output.format == "csv":
         _emit_csv(output, [table for table in tables if table.columns])
     elif output.format == "markdown":
+        from gspcli.cli.output import markdown
+
         write(output, markdown.render(tables))
     elif output.format == "latex":
+        from gspcli.cli.output import latex
+
         write(output, latex.render(tables))
-    elif output.path is None and sys.stdout.isatty():
-        terminal.show(tables)
     else:
-        write(output, terminal.render(tables))
+        from gspcli.cli.output import terminal
+
+        if output.path is None and sys.stdout.isatty():
+            terminal.show(tables)
+        else:
+            write(output, terminal.render(tables))
 
 
 def _emit_csv(output: Output, tables: Sequence[Table]) -> None:
     """Write one table, or each of several to a file of its own."""
+    from gspcli.cli.output import csv
+
     if len(tables) > 1 and output.path is None:
         parts = ", ".join(table.part for table in tables)
         message = f"CSV holds one table: choose --part of {parts}, or -o FILE.csv for a file each"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import os
-import tempfile
 from pathlib import Path
 
 from gspcli.errors import GspError
@@ -51,6 +50,8 @@ def write_whole(path: Path, content: str | bytes) -> None:
         return
     # A link stays one.
     path = path.resolve()
+    import tempfile
+
     try:
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     except OSError as error:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from itertools import zip_longest
@@ -19,6 +18,8 @@ _RULE = "─"
 
 def show(tables: Sequence[Table]) -> None:
     """Print tables on the terminal, leaving out columns that do not fit."""
+    import shutil
+
     width = shutil.get_terminal_size().columns
     for index, table in enumerate(tables):
         grid = lay_out(table, width)
