@@ -3,6 +3,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+def centres(points: NDArray[np.float64], *, far: float) -> tuple[NDArray[np.float64], float]: ...
+def quotients(ratios: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def track(
     products: NDArray[np.bool_],
     start_g: NDArray[np.complex128],

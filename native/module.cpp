@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "bindings.hpp"
+#include "bodies_module.hpp"
 #include "conjugates.hpp"
 #include "counting.hpp"
 #include "ends_module.hpp"
@@ -384,6 +385,7 @@ NB_MODULE(_kernel, m) {
         "max_work"_a, "max_entries"_a, "trace"_a = false,
         "moment_relations"_a = true, "build"_a = "",
         "Count solutions modulo a prime; see gspcli.certification.counting.residue_counts.");
+  gsp::bind_bodies(m);
   gsp::bind_reach(m);
   gsp::bind_tubes(m, [](const std::string& name) { return gsp::build_named(name).follow; });
   gsp::bind_proofs(m, [](const std::string& name) { return gsp::build_named(name).prove; });

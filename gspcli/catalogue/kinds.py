@@ -23,7 +23,7 @@ class Quantity(Enum):
     ANGLE = "A"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Kind:
     """A kind of constraint, such as DPL: the distance of a platform point to a base line.
 
@@ -52,12 +52,12 @@ class Kind:
         """The name without its leading letter, such as ``PL``."""
         return self.platform.value + self.base.value
 
-    @property
+    @cached_property
     def is_distance(self) -> bool:
         """Whether the constraint fixes a distance."""
         return self.quantity is Quantity.DISTANCE
 
-    @property
+    @cached_property
     def has_sides(self) -> bool:
         """Whether the distance has two sides to choose from: DPH and DHP (Theorem 5.4)."""
         return self.is_distance and Primitive.PLANE in (self.platform, self.base)

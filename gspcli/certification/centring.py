@@ -38,12 +38,15 @@ def length_scale(instance: Instance, distances: Iterable[float] | None = None) -
     """
     if distances is None:
         distances = (c.value.value for c in instance.constraints if c.kind.is_distance)
-    lengths = [abs(distance) for distance in distances]
-    for constraint in instance.constraints:
-        for geometry in (constraint.platform, constraint.base):
-            lengths += [abs(number.value) for number in geometry.position]
-    size = max(lengths)
+    size = max(_reach(instance), *map(abs, distances))
     return 2.0 ** math.frexp(size)[1] if 0 < size < math.inf else 1.0
+
+
+def _reach(instance: Instance) -> float:
+    """Return the largest coordinate of a point, without its sign."""
+    bodies = [body for row in instance.constraints for body in (row.platform, row.base)]
+    coordinates = [number.value for body in bodies for number in body.position]
+    return max(max(coordinates), -min(coordinates))
 
 
 _NOWHERE = (Fraction(0),) * 3
@@ -66,6 +69,8 @@ class Centring:
     def of(cls, instance: Instance) -> Centring:
         """Return origins near the primitives of both bodies; zero unless that is far away."""
         distances = [abs(c.value.value) for c in instance.constraints if c.kind.is_distance]
+        if _reach(instance) <= FAR * max(distances):
+            return cls(_NOWHERE, _NOWHERE)
         middles, extents = [], []
         for body in ("platform", "base"):
             points = [getattr(c, body).position for c in instance.constraints]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli import _kernel
 from gspcli.certification.rounding import OUTWARD
 from gspcli.geometry.numbers import Number
 
@@ -20,7 +21,7 @@ Array = NDArray[np.float64]
 ERROR = 2.0**-96
 #: Integers up to this are doubles.
 _INTEGERS = 2**53
-_ONE, _NO_RATIO = (1, 1), (0, 2 * _INTEGERS)
+_ONE = (1, 1)
 #: Bits of balls that are turned into two doubles, and how many of them should be known.
 _PRECISION, _KNOWN = 128, 108
 
@@ -80,21 +81,19 @@ class Doubled(NamedTuple):
 
 
 def doubled(numbers: Sequence[Number]) -> Array:
-    """Return `Doubled.of` of numbers as rows, shape (n, 3); short quotients all at once."""
+    """Return `Doubled.of` of numbers as columns, shape (3, n); short quotients all at once."""
     fractions = [number.fraction for number in numbers]
-    ratios = [_NO_RATIO if x is None else x.as_integer_ratio() for x in fractions]
-    long = [k for k, (p, q) in enumerate(ratios) if q > _INTEGERS or abs(p) > _INTEGERS]
-    for k in long:
-        ratios[k] = _ONE
-    p, q = np.array(ratios, float).T
-    high = p / q
-    product, rest = two_product(high, q)
-    # Exact: of what was divided and of the rounded quotient times the divisor.
-    low = ((p - product) - rest) / q
-    found = np.stack((high, low, np.abs(high)), axis=1)
-    for k in long:
-        found[k] = Doubled.of(numbers[k])
+    found = quotients([_ONE if x is None else x.as_integer_ratio() for x in fractions])
+    for k in [k for k, exact in enumerate(fractions) if exact is None]:
+        found[:, k] = Doubled.of(numbers[k])
     return found
+
+
+def quotients(ratios: Sequence[tuple[int, int]]) -> Array:
+    """Return `Doubled.of_ratio` of quotients p / q, q > 0, as columns, shape (3, n)."""
+    if max(map(max, ratios)) <= _INTEGERS and min(ratios)[0] >= -_INTEGERS:
+        return _kernel.quotients(np.array(ratios, float))
+    return np.array([Doubled.of_ratio(*ratio) for ratio in ratios]).T
 
 
 def two_product(a: Array, b: Array) -> tuple[Array, Array]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,9 +30,10 @@ from gspcli.catalogue.kinds import (
     DPL,
     DPP,
     Kind,
+    Primitive,
 )
 from gspcli.certification.centring import Centring, length_scale
-from gspcli.certification.doubled import ERROR, Doubled, doubled, two_product
+from gspcli.certification.doubled import ERROR, Doubled, doubled, quotients, two_product
 from gspcli.certification.frames import Frames
 from gspcli.certification.rounding import COMPLEX, CONVERSION, ISOLATED, OUTWARD, REAL, TINY
 from gspcli.certification.sines import SINE_ERROR, cosines, sines
@@ -48,6 +50,10 @@ Complex = NDArray[np.complex128]
 _MEASURES = {DPP: 0, DPH: 1, DHP: 2, DPL: 3, DLP: 4, DLL: 5, **dict.fromkeys(ANGLE_KINDS, 6)}
 #: A cosine errs by at most `SINE_ERROR`, which is this part of the unit of `converted`.
 _COSINE_ERROR = SINE_ERROR / CONVERSION
+#: What the bits of the kernel say.
+_BITS = np.arange(2 * max(ISOLATED, REAL, COMPLEX))
+_CERTIFIED = ((_BITS & ISOLATED) > 0) & ((_BITS & (REAL | COMPLEX)) > 0)
+_REAL = (_BITS & REAL) > 0
 
 
 class ProvedPoses(NamedTuple):
@@ -97,14 +103,12 @@ class ValueProofs:
         self.scale = length_scale(instance, largest)
         numbers = _numbers(given)
         # Exact: a power of two.
-        numbers[:, :2] /= self.scale
+        numbers[:, :, :2] /= self.scale
         found = _kernel.open(
-            np.array([_MEASURES[kind] for kind in self.kinds], np.int32),
-            np.ascontiguousarray(np.moveaxis(numbers, -1, 0)),
-            form_hessians(),
-            tiny=TINY / CONVERSION,
+            _measures(self.kinds), numbers, form_hessians(), tiny=TINY / CONVERSION
         )
         self._hessians, self._lows, self._moduli, self._table, self._weights, self._turned = found
+        self._turns = bool((self._turned >= 0).any())
 
     @classmethod
     def of(cls, instance: Instance, rows: Array | None) -> ValueProofs | None:
@@ -122,9 +126,9 @@ class ValueProofs:
 
     def _is_fine(self, values: Array) -> bool:
         """Whether distances that quadrics are multiplied by are doubles (native/residuals.hpp)."""
-        turned = self._turned >= 0
-        if not turned.any():
+        if not self._turns:
             return True
+        turned = self._turned >= 0
         # The square of such a double needs no third one.
         square, low = two_product(values[:, 2, turned], values[:, 2, turned])
         return bool((values[:, 0, turned] == square).all() and (values[:, 3, turned] == low).all())
@@ -183,25 +187,41 @@ class ValueProofs:
 
     def _own_values(self, choices: Array) -> Array:
         """Return what the kernel wants of the values of the instance, shape (k, 5, 6)."""
-        columns = np.empty((len(choices), 5, len(self.kinds)))
-        for i, row in enumerate(self.instance.constraints):
-            value, distance = self._own_value(row)
-            gap = value.size * ERROR * OUTWARD
-            columns[:, :, i] = value.high, value.size + TINY / CONVERSION, distance, value.low, gap
-            if row.kind in (DPH, DHP):
-                columns[:, [0, 3], i] *= choices[:, i, None]
+        rows = self.instance.constraints
+        exact = [row.value.fraction if row.kind.is_distance else None for row in rows]
+        signed = [row.kind in (DPH, DHP) for row in rows]
+        unit = 1 / self.scale
+        ratios = [
+            (0, 1)
+            if x is None
+            else (x.numerator, x.denominator)
+            if heights
+            else (x.numerator**2, x.denominator**2)
+            for x, heights in zip(exact, signed, strict=True)
+        ]
+        # Exact: powers of two.
+        factors = [unit if heights else unit**2 for heights in signed]
+        high, low, size = (quotients(ratios) * factors).tolist()
+        for i, row in enumerate(rows):
+            if exact[i] is None:
+                high[i], low[i], size[i] = self._irrational(row)
+        distances = [abs(row.value.value) * unit * row.kind.is_distance for row in rows]
+        bounds = [x + TINY / CONVERSION for x in size]
+        gaps = [x * ERROR * OUTWARD for x in size]
+        columns = np.array([[high, bounds, distances, low, gaps]] * len(choices))
+        if any(signed):
+            columns[:, [0, 3]] *= np.where(signed, choices, 1.0)[:, None]
         return columns
 
-    def _own_value(self, row: Constraint) -> tuple[Doubled, float]:
-        """Return what is in the equation of a constraint, and its distance."""
+    def _irrational(self, row: Constraint) -> Doubled:
+        """Return what is in the equation of a constraint whose value is no fraction."""
         if not row.kind.is_distance:
             from gspcli.certification.statement import cosine
 
-            return Doubled.near(lambda: cosine(row, self.instance.units.angle)), 0.0
-        distance = abs(row.value.value) / self.scale
+            return Doubled.near(lambda: cosine(row, self.instance.units.angle))
         if row.kind in (DPH, DHP):
-            return Doubled.of(row.value).scaled(1 / self.scale), distance
-        return Doubled.square(row.value).scaled(1 / self.scale**2), distance
+            return Doubled.of(row.value).scaled(1 / self.scale)
+        return Doubled.square(row.value).scaled(1 / self.scale**2)
 
     def _decide(self, values: Array, points: Complex, frames: Frames, jobs: int) -> ProvedPoses:
         """Return what the kernel proves about points (b, k, m, 8) for values (b, k, 5, 6)."""
@@ -224,7 +244,7 @@ class ValueProofs:
             tolerance=TOLERANCE,
             jobs=jobs,
         )
-        certified = ((bits & ISOLATED) > 0) & ((bits & (REAL | COMPLEX)) > 0)
+        certified = _CERTIFIED[bits]
         different = complete > 0
         for k in np.flatnonzero(certified.all(axis=1) & ~different):
             from gspcli.certification.distinct import all_different
@@ -237,7 +257,7 @@ class ValueProofs:
 
             parallel = nearly_parallel(self.instance, R.reshape(-1, 3, 3))
             certified &= ~parallel.reshape(certified.shape)
-        real = certified & ((bits & REAL) > 0)
+        real = certified & _REAL[bits]
         # Solutions of the equations of different sides are different ones: no distance is zero.
         different &= certified.all(axis=1)
 
@@ -255,24 +275,39 @@ class ValueProofs:
 
 
 def _numbers(rows: Sequence[Constraint]) -> Array:
-    """Return the points and the directions of both primitives as `doubled`, (6, 4, 3, 3)."""
+    """Return the points and the directions of both primitives as `doubled`, (3, 6, 4, 3)."""
     numbers: list[Number] = []
-    places: list[tuple[int, int]] = []
     factors: list[float] = []
-    for i, row in enumerate(rows):
-        for j, body in enumerate((row.platform, row.base)):
+    for row in rows:
+        for body in (row.platform, row.base):
             numbers += body.position
-            places.append((i, j))
             factors.append(1.0)
             if not isinstance(body, Point):
                 towards = body.direction if isinstance(body, Line) else body.normal
                 numbers += towards
-                places.append((i, 2 + j))
                 # So that its length is near one, exactly.
                 largest = max(abs(number.value) for number in towards)
                 factors.append(2.0 ** (1 - math.frexp(largest)[1]))
-    found = np.zeros((len(rows), 4, 3, 3))
-    found[tuple(np.array(places).T)] = (
-        doubled(numbers).reshape(-1, 3, 3) * np.array(factors)[:, None, None]
-    )
+    found = np.zeros((3, len(rows), 4, 3))
+    places = _places(tuple(row.kind for row in rows))
+    found[:, *places] = doubled(numbers).reshape(3, -1, 3) * np.array(factors)[:, None]
     return found
+
+
+@cache
+def _places(kinds: tuple[Kind, ...]) -> tuple[list[int], list[int]]:
+    """Return where the vectors of primitives stand: constraints, and which of their four."""
+    places = [
+        (i, j)
+        for i, kind in enumerate(kinds)
+        for k, body in enumerate((kind.platform, kind.base))
+        for j in ((k,) if body is Primitive.POINT else (k, 2 + k))
+    ]
+    constraints, vectors = zip(*places, strict=True)
+    return list(constraints), list(vectors)
+
+
+@cache
+def _measures(kinds: tuple[Kind, ...]) -> NDArray[np.int32]:
+    """Return what constraints are to the kernel, shape (6,)."""
+    return np.array([_MEASURES[kind] for kind in kinds], np.int32)

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli import _kernel
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, Kind
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.primitives import Geometry, Point
@@ -183,14 +184,9 @@ class Arrangement(Bodies):
         return np.array((self.y[self.distances], self.x[self.distances]))
 
     @cached_property
-    def _centres(self) -> Array:
-        """The means of these points, far ones left out, shape (2, 3)."""
-        centres = self._points.sum(axis=1) / self._points.shape[1]
-        for body, rows in enumerate(self._points.tolist()):
-            near = _near(rows)
-            if len(near) < len(rows):
-                centres[body] = self._points[body, near].mean(axis=0)
-        return np.asarray(centres)
+    def _centred(self) -> tuple[Array, float]:
+        """The means of these points, far ones left out, shape (2, 3), and `extent`."""
+        return _kernel.centres(self._points, far=_FAR)
 
     @property
     def platform_centre(self) -> Array:
@@ -199,18 +195,17 @@ class Arrangement(Bodies):
         Points a hundred times as far from the others as those from each other do not count:
         coordinates about a mean with them would lose digits.
         """
-        return np.asarray(self._centres[0])
+        return np.asarray(self._centred[0][0])
 
     @property
     def base_centre(self) -> Array:
         """Mean of the base points of the distance constraints likewise, shape (3,)."""
-        return np.asarray(self._centres[1])
+        return np.asarray(self._centred[0][1])
 
-    @cached_property
+    @property
     def extent(self) -> float:
         """The largest distance of a point from the centre of its body, of distances only."""
-        offsets = self._points - self._centres[:, None]
-        return math.sqrt((offsets * offsets).sum(axis=2).max())
+        return self._centred[1]
 
     @cached_property
     def length(self) -> float:
@@ -233,25 +228,14 @@ class Arrangement(Bodies):
         """Return the same in another unit of length, frames at the centres of the points."""
         values = self.values.copy()
         values[self.distances] /= length
-        return replace(
-            self,
-            y=(self.y - self.platform_centre) / length,
-            x=(self.x - self.base_centre) / length,
-            values=values,
-        )
+        platform, base = self._centred[0]
+        y, x = (self.y - platform) / length, (self.x - base) / length
+        return Arrangement(self.kinds, y, x, self.u, self.v, values, self.sides, self.in_radians)
 
     def restored(self, R: Field, T: Field, length: float | None = None) -> Field:
         """Return translations of `in_units_of` (`normalized` if None) in the given frames."""
         unit = self.length if length is None else length
         return unit * T + self.base_centre - apply(R, self.platform_centre)
-
-
-def _near(points: list[list[float]]) -> list[int]:
-    """Return which points are not far from the others, by distances from the one amid them."""
-    amid = min(([math.dist(p, q) for q in points] for p in points), key=sum)
-    # Of the nearer half the farthest; nothing is far from points that coincide.
-    usual = next(filter(None, sorted(amid)[(len(points) - 1) // 2 :]), 0.0)
-    return [i for i, distance in enumerate(amid) if distance <= _FAR * usual]
 
 
 def _direction(geometry: Geometry) -> Array | tuple[float, ...]:

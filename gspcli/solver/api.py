@@ -192,8 +192,9 @@ def _proved(instance: Instance, poses: PoseSet) -> PoseSet:
 
 def _is_general(poses: PoseSet, certify: bool) -> bool:
     """Whether there are as many distinct simple poses as the type has, as asked proved or not."""
-    simple = int((poses.multiplicity == 1).sum())
-    return poses.proof is not None if certify else simple == poses.account.expected
+    if certify:
+        return poses.proof is not None
+    return int((poses.multiplicity == 1).sum()) == poses.account.expected
 
 
 def solve_values(

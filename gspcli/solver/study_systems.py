@@ -10,7 +10,7 @@ mutual moment M and the cosine C of two lines, ``(M + idC)(M - idC) = d^2 N^2``.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import cache
+from functools import cache, lru_cache
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -41,8 +41,10 @@ def target_systems(arrangement: Arrangement) -> list[System]:
 
 def coefficients_at(arrangement: Arrangement) -> tuple[Structure, Coefficients]:
     """Return the structure and, for each combination of sides asked for, the coefficients."""
-    values = arrangement.values.copy()
-    values[arrangement.angles] = arrangement.cosines(arrangement.values)
+    values = arrangement.values
+    if len(arrangement.angles):
+        values = values.copy()
+        values[arrangement.angles] = arrangement.cosines(arrangement.values)
     geometry = (arrangement.y, arrangement.x, arrangement.u, arrangement.v)
     return coefficients_of(arrangement.kinds, *geometry, values * side_choices(arrangement))
 
@@ -52,11 +54,18 @@ def side_choices(arrangement: Arrangement) -> Array:
 
     The positive side of the first constraint that has both comes first.
     """
+    return _choices(arrangement.kinds, tuple(arrangement.signs.tolist()))
+
+
+@lru_cache
+def _choices(kinds: tuple[Kind, ...], signs: tuple[int, ...]) -> Array:
     choices = [
         (1, -1) if kind.has_sides and sign == 0 else (1 if sign >= 0 else -1,)
-        for kind, sign in zip(arrangement.kinds, arrangement.signs.tolist(), strict=True)
+        for kind, sign in zip(kinds, signs, strict=True)
     ]
-    return np.array(list(product(*choices)))
+    found = np.array(list(product(*choices)))
+    found.setflags(write=False)
+    return found
 
 
 def systems_of(
@@ -231,6 +240,11 @@ def _mutual_moment(y: Array, x: Array, u: Array, v: Array) -> Array:
 
 def _point_point(y: Array, x: Array) -> Array:
     """Return the quadric of ``|R y + T - x|^2``."""
-    square = (dot(y, y) + dot(x, x))[..., None]
-    one = np.ones_like(square)
-    return _combined("s", square, -2 * _outer(x, y), -2 * x, 2 * y, one)
+    rows = np.empty((*y.shape[:-1], len(BASES["s"])), y.dtype)
+    rows[..., 0] = dot(y, y) + dot(x, x)
+    twice = -2 * x
+    rows[..., 1:10] = _outer(twice, y)
+    rows[..., 10:13] = twice
+    rows[..., 13:16] = 2 * y
+    rows[..., 16] = 1
+    return np.asarray(rows @ BASES["s"])

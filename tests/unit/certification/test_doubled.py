@@ -27,7 +27,7 @@ LONG = Fraction(2**53 + 1, 3**40)
 )
 def test_a_quotient_is_the_sum_of_its_doubles_as_nearly_as_is_said(value):
     exact = Fraction(value)
-    ((high, low, size),) = doubled([Number.of(value)])
+    ((high,), (low,), (size,)) = doubled([Number.of(value)])
     assert abs(Fraction(high) + Fraction(low) - exact) <= Fraction(ERROR) * abs(exact) / 256
     assert high == float(exact)
     assert size == abs(high)
@@ -36,7 +36,7 @@ def test_a_quotient_is_the_sum_of_its_doubles_as_nearly_as_is_said(value):
 def test_all_sorts_of_numbers_together_are_as_each_alone():
     root = Number("sqrt", (Number.of(3),))
     numbers = [Number.of("0.7"), root, Number.of(LONG), Number.of(-4)]
-    found = doubled(numbers)
+    found = doubled(numbers).T
     for row, number in zip(found, numbers, strict=True):
         np.testing.assert_allclose(row, Doubled.of(number), rtol=1e-15, atol=0)
         assert row[0] == Doubled.of(number).high
