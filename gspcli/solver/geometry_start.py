@@ -7,6 +7,7 @@ infinity whatever the values. Which of the two is true the geometry's exact coun
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 from functools import lru_cache
 
 import numpy as np
@@ -17,6 +18,7 @@ from gspcli.continuation.pursuit import Pursuit, pursue
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.shifts import Shifts
 from gspcli.continuation.systems import System
+from gspcli.solver.flat_start import ends_from_flat
 from gspcli.solver.study_systems import coefficients_of
 
 Array = NDArray[np.float64]
@@ -27,6 +29,14 @@ Array = NDArray[np.float64]
 _SPREAD = (0.7, 1.3)
 #: So many starts are kept for the process, those used last.
 _KEPT = 64
+
+
+class Way(Enum):
+    """How the solutions of a start are found."""
+
+    FLAT = "by short paths from a solved platform that is as flat; there may be others"
+    QUICK = "by paths from the stored start, simple ends only; there may be others"
+    CAREFUL = "by all of these, followed to their ends; None unless all finite ones are simple"
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +75,7 @@ def geometry_start(
     spread: tuple[float, ...],
     seed: int,
     *,
-    careful: bool,
+    way: Way,
 ) -> GeometryStart | None:
     """Return the start of a geometry with the finite solutions that paths lead to.
 
@@ -77,9 +87,8 @@ def geometry_start(
         Of the parameters; a spread of zero leaves the parameter alone.
     seed
         Source of random numbers.
-    careful
-        Whether each path must be followed to its end, and all finite solutions be simple; None
-        if they are not. Else there may be more solutions than were found.
+    way
+        How they are found.
     """
     rng = np.random.default_rng([seed, len(kinds)])
     turns = rng.choice([-1.0, 1.0], len(kinds)) * rng.uniform(*_SPREAD, len(kinds))
@@ -89,8 +98,12 @@ def geometry_start(
     y, x, u, v = np.frombuffer(geometry).reshape(4, len(kinds), 3)
     structure, coefficients = coefficients_of(kinds, y, x, u, v, values[None])
     system = System(structure, coefficients.take(0)).canonical()
-    pursuit = next(pursue([system], seed=seed))
-    solutions = _all_finite(pursuit) if careful else pursuit.distinct_simple()
+    solutions: ComplexArray | None
+    if way is Way.FLAT:
+        solutions = ends_from_flat(kinds, y, x, system)
+    else:
+        pursuit = next(pursue([system], seed=seed))
+        solutions = _all_finite(pursuit) if way is Way.CAREFUL else pursuit.distinct_simple()
     if solutions is None or not len(solutions):
         return None
     balanced, scale = system.coefficients.balanced()

@@ -8,7 +8,7 @@ which nothing is done here then.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
 from math import ceil, log2
@@ -26,7 +26,7 @@ from gspcli.continuation.start import path_count
 from gspcli.continuation.systems import Coefficients
 from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.solver.geometry_start import GeometryStart, geometry_start
+from gspcli.solver.geometry_start import GeometryStart, Way, geometry_start
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.study_systems import coefficients_of, side_choices
 
@@ -133,11 +133,7 @@ def _geometry(
     spread = np.exp2(np.rint(np.log2(np.maximum(parameters.std(axis=0), _LEAST_DEVIATION))))
     zero = (parameters == 0).all(axis=0)
     spread = np.where(zero, 0.0, spread)
-    for careful in (False, True):
-        found = geometry_about(given, length, mean, spread, count=count, seed=seed, careful=careful)
-        if found is not None:
-            return found
-    return None
+    return geometry_about(given, length, mean, spread, count=count, seed=seed, ways=Way)
 
 
 def geometry_about(
@@ -148,7 +144,7 @@ def geometry_about(
     *,
     count: Callable[[], ExactCount | None],
     seed: int,
-    careful: bool,
+    ways: Iterable[Way],
 ) -> Geometry | None:
     """Return a geometry with a start about some parameters; None if that is not safe.
 
@@ -160,25 +156,27 @@ def geometry_about(
         Of the start's parameters, what the equations are linear in, in that unit, shape (6,).
     count, seed
         As for `solve_rows`.
-    careful
-        Whether the paths to the start are followed to their ends (`geometry_start`).
+    ways
+        To the start, which are tried in turn.
     """
     inner, choices = given.in_units_of(length), side_choices(given)
     geometry = np.array([inner.y, inner.x, inner.u, inner.v]).tobytes()
     about = (given.kinds, geometry, tuple(mean.tolist()), tuple(spread.tolist()), seed)
-    start = geometry_start(*about, careful=careful)
-    if start is None:
-        return None
-    expected = path_count(start.system.structure) * len(choices)
-    found = len(start.points) * len(choices)
-    proof: Proof | None = Proof(Ground.TYPE)
-    if found < expected:
-        counted = count()
-        if counted is None or counted.solutions != found:
-            return None
-        # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md).
-        proof = Proof(Ground.GEOMETRY, counted.error) if counted.has_lone_lines else None
-    return Geometry(given, inner, length, choices, start, expected, proof)
+    for way in ways:
+        start = geometry_start(*about, way=way)
+        if start is None:
+            continue
+        expected = path_count(start.system.structure) * len(choices)
+        found = len(start.points) * len(choices)
+        proof: Proof | None = Proof(Ground.TYPE)
+        if found < expected:
+            counted = count()
+            if counted is None or counted.solutions != found:
+                continue
+            # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md).
+            proof = Proof(Ground.GEOMETRY, counted.error) if counted.has_lone_lines else None
+        return Geometry(given, inner, length, choices, start, expected, proof)
+    return None
 
 
 def _inner_values(given: Arrangement, rows: Array, length: float, choices: Array) -> Array:

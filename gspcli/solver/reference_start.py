@@ -89,7 +89,7 @@ def _reference(structure: Structure) -> Reference | None:
     from gspcli.continuation.pursuit import pursue
 
     for seed in _SEEDS:
-        given = _platform(tuple(_KINDS[sort] for sort in sorts), seed)
+        given = complex_platform(tuple(_KINDS[sort] for sort in sorts), seed)
         pursuit = next(pursue([given], seed=seed))
         points = pursuit.first().points
         if not pursuit.is_regular or len(points) != path_count(structure):
@@ -104,10 +104,22 @@ def _reference(structure: Structure) -> Reference | None:
     return None
 
 
-def _platform(kinds: tuple[Kind, ...], seed: int) -> System:
-    """Return a platform with complex values, lengths of order one."""
+def complex_platform(
+    kinds: tuple[Kind, ...], seed: int, *, flat: tuple[bool, bool] = (False, False)
+) -> System:
+    """Return a platform with complex values, lengths of order one.
+
+    Parameters
+    ----------
+    kinds, seed
+        Of its constraints, and of its random numbers.
+    flat
+        Whether all points of the platform, and of the base, have the same height.
+    """
     rng = np.random.default_rng([seed, len(kinds)])
     y, x = rng.uniform(-1, 1, (2, len(kinds), 3))
+    for points, same in zip((y, x), flat, strict=True):
+        points[:, 2] *= not same
     y, x = (z - z.mean(axis=0) for z in (y, x))
     length = np.sqrt(max((z**2).sum(axis=1).max() for z in (y, x)))
     u, v = rng.normal(size=(2, len(kinds), 3))

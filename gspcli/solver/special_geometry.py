@@ -21,6 +21,7 @@ from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Unit
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry as Primitive
 from gspcli.solver.direct import all_proved, is_reducible
+from gspcli.solver.geometry_start import Way
 from gspcli.solver.one_geometry import geometry_about
 from gspcli.solver.pose_set import PoseSet
 
@@ -64,7 +65,7 @@ def proved_by_geometry(
         count=lambda: kept_count(instance, seed, limit),
         seed=seed,
         # What needs more care costs less without a start.
-        careful=False,
+        ways=(Way.FLAT, Way.QUICK),
     )
     if geometry is None or geometry.proof is None:
         return None

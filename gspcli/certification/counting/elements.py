@@ -48,6 +48,7 @@ class Term(NamedTuple):
 
 ONE = Term(1, Fraction(0), Fraction(0), 0)
 Sum = Mapping[Term, Fraction]
+_WHOLE: Sum = {ONE: Fraction(1)}
 
 
 def _square_root(n: int) -> int | None:
@@ -59,10 +60,12 @@ def collected(pairs: Iterable[tuple[Term, Fraction]]) -> dict[Term, Fraction]:
     """Return the sum of terms, those whose roots have a rational quotient as one."""
     result: dict[Term, Fraction] = {}
     for given, factor in pairs:
-        turn = given.turn % 1
-        if turn >= HALF:
-            turn, factor = turn - HALF, -factor
-        term = Term(given.radicand, turn, given.radians, given.pi)
+        term = given
+        if given.turn.numerator:
+            turn = given.turn % 1
+            if turn >= HALF:
+                turn, factor = turn - HALF, -factor
+            term = Term(given.radicand, turn, given.radians, given.pi)
         if term not in result and term.radicand != 1:
             for other in result:
                 root = _square_root(other.radicand * term.radicand)
@@ -83,7 +86,13 @@ def _root(n: int) -> tuple[int, int]:
     return (n, 1) if root is None else (1, root)
 
 
-def _times(a: Sum, b: Sum) -> dict[Term, Fraction]:
+def _times(a: Sum, b: Sum) -> Sum:
+    # Most factors are rational numbers.
+    for one, other in ((a, b), (b, a)):
+        if len(one) == 1:
+            [(term, factor)] = one.items()
+            if term is ONE:
+                return other if factor == 1 else _scaled(other, factor)
     pairs = []
     for s, x in a.items():
         for t, y in b.items():
@@ -110,7 +119,7 @@ class Element:
     @classmethod
     def of(cls, value: Fraction | int) -> Element:
         """Return the element of a rational number."""
-        return cls({ONE: Fraction(value)} if value else {}, {ONE: Fraction(1)})
+        return cls({ONE: Fraction(value)} if value else {}, _WHOLE)
 
     @property
     def is_zero(self) -> bool:

@@ -62,8 +62,8 @@ def test_a_start_that_lacks_a_solution_proves_nothing(monkeypatch):
     instance = platform("examples", "octahedral-3-3")
     known = solve(instance)
 
-    def lacking(*about, careful):
-        start = geometry_start(*about, careful=careful)
+    def lacking(*about, way):
+        start = geometry_start(*about, way=way)
         object.__setattr__(start, "points", start.points[1:])
         object.__setattr__(start, "shifted", start.shifted[:, 1:])
         return start
