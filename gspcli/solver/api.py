@@ -81,13 +81,7 @@ def solve(
     pursuits: list[Pursuit] | None = None
     # Each method is imported when it is needed: start-up is most of the time of one solve.
     if len(arrangement.angles) == MAX_ANGLES:
-        from gspcli.solver.closed_form import solve_closed_form
-
-        poses: PoseSet | None = solve_closed_form(arrangement)
-        if certify and poses is not None:
-            from gspcli.solver.closed_form_proofs import proved_closed_form
-
-            poses = proved_closed_form(instance, arrangement, poses)
+        poses: PoseSet | None = _in_closed_form(instance, arrangement, certify=certify)
     else:
         from gspcli.solver.direct import proofs_of, proved_directly
 
@@ -117,6 +111,20 @@ def solve(
         poses = _special(instance, arrangement, pursuits, seed, jobs, limit)
     poses = poses.reordered(stable_order(poses, arrangement.length))
     return SolveResult(instance, arrangement, poses, seed)
+
+
+def _in_closed_form(instance: Instance, arrangement: Arrangement, *, certify: bool) -> PoseSet:
+    """Return the poses of a platform with three angles, proved as far as doubles prove them."""
+    from gspcli.solver.closed_form import solve_closed_form
+
+    if not certify:
+        return solve_closed_form(arrangement)
+    from gspcli.certification.many_values import ValueProofs
+    from gspcli.solver.closed_form_proofs import proved_closed_form, proved_general_form
+
+    proofs = ValueProofs.of(instance, None)
+    poses = proved_general_form(proofs, arrangement) if proofs else None
+    return poses or proved_closed_form(proofs, arrangement, solve_closed_form(arrangement))
 
 
 def _proved_shortly(

@@ -26,6 +26,7 @@ from gspcli.geometry.quaternions import (
     canonical_sign,
     cross,
     dot,
+    quaternion_product,
     rotation_from_quaternion,
     unit_quaternion,
 )
@@ -58,6 +59,9 @@ _SAMPLES = 8
 #: Error of rotations on components.
 _SAMPLE_ACCURACY = 1e-12
 _EPS = float(np.finfo(float).eps)
+#: Half the product of a translation, as a quaternion, and a quaternion e is linear in both: the
+#: part for component j of e, row i of T and column k, shape (4, 12).
+_HALVED_PRODUCT = quaternion_product(np.eye(4)[1:], np.eye(4)[:, None]).reshape(4, 12) / 2
 
 
 def solve_closed_form(arrangement: Arrangement) -> PoseSet:
@@ -94,6 +98,33 @@ def solve_closed_forms(arrangement: Arrangement, values: Array) -> Iterator[Pose
     for _, group in groupby(values, key=lambda row: tuple(row[distances] == 0)):
         while batch := list(islice(group, _BATCH)):
             yield from _solve_batch(arrangement, np.array(batch))
+
+
+def general_ends(arrangement: Arrangement) -> Complex | None:
+    """Return Study points of all poses, in the frames and the unit of ``arrangement.normalized``.
+
+    Returns
+    -------
+    Complex or None
+        Of any norm, shape (n, 8), as many as a 3D3A platform of these kinds has in general; None
+        unless all rotations and the surfaces of all of them are in general position.
+    """
+    given = arrangement.normalized
+    angles, shapes = given.angles, measures(given)
+    cosines = arrangement.cosines(arrangement.values)
+    (turned,) = rotations(angle_forms(given.u[angles], given.v[angles], cosines)[None])
+    if not turned.are_general:
+        return None
+    places = _places(shapes, given.values[given.distances][None], [turned])
+    if not places.good.all():
+        return None
+    e, T = places.quaternions, places.T
+    paired = ~turned.real
+    e, T = np.concatenate((e, e[paired].conj())), np.concatenate((T, T[paired].conj()))
+    ends = np.empty((*T.shape[:2], 8), complex)
+    ends[..., :4] = e[:, None]
+    ends[..., 4:] = T @ (e @ _HALVED_PRODUCT).reshape(-1, 3, 4)
+    return ends.reshape(-1, 8)
 
 
 def _solve_batch(arrangement: Arrangement, values: Array) -> Iterator[PoseSet]:

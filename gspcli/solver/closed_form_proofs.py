@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
-from gspcli.certification.frames import OWN
+from gspcli.certification.frames import OWN, Frames
 from gspcli.certification.many_values import ProvedPoses, ValueProofs
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import quaternion_product
 from gspcli.geometry.residuals import sides_of
 from gspcli.solver.batch import Block
+from gspcli.solver.closed_form import general_ends
+from gspcli.solver.direct import all_proved
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.study_systems import side_choices
@@ -62,9 +64,25 @@ def prove_closed_forms(
     return where, proofs.decide(rows[where], choices, np.stack(points), OWN)
 
 
-def proved_closed_form(instance: Instance, arrangement: Arrangement, poses: PoseSet) -> PoseSet:
+def proved_general_form(proofs: ValueProofs, arrangement: Arrangement) -> PoseSet | None:
+    """Return as many poses as the type has, all proved, with the least ado.
+
+    None if something is not in general position, or if there are several choices of sides.
+    """
+    choices, zero = side_choices(arrangement), _is_zero(arrangement)
+    if len(choices) > 1 or any(zero):
+        return None
+    ends = general_ends(arrangement)
+    poses = None
+    if ends is not None:
+        poses = all_proved(proofs, arrangement, ends[None], Frames.of(arrangement))
+    return poses and replace(poses, account=replace(poses.account, basis=Basis.COUNT))
+
+
+def proved_closed_form(
+    proofs: ValueProofs | None, arrangement: Arrangement, poses: PoseSet
+) -> PoseSet:
     """Return as many poses as the type has, all proved; the poses as they are if they are not."""
-    proofs = ValueProofs.of(instance, None)
     proved = prove_closed_forms(proofs, arrangement, None, [poses]) if proofs else None
     if proved is None or not proved[1].complete[0]:
         return poses
@@ -86,10 +104,11 @@ def block_of(poses: ProvedPoses, rows: Index) -> Block:
 
 def _by_sides(given: Arrangement, choices: Array, poses: PoseSet) -> Index | None:
     """Return the poses of each choice of sides, shape (k, m); None if they are not as many."""
-    zero = [
-        not v and (k.has_sides or k is DLL) for k, v in zip(given.kinds, given.values, strict=True)
-    ]
-    if any(zero) or len(poses.R) != poses.account.expected or (poses.multiplicity > 1).any():
+    if (
+        any(_is_zero(given))
+        or len(poses.R) != poses.account.expected
+        or (poses.multiplicity > 1).any()
+    ):
         return None
     if len(choices) == 1:
         return np.arange(len(poses.R))[None]
@@ -98,3 +117,11 @@ def _by_sides(given: Arrangement, choices: Array, poses: PoseSet) -> Index | Non
     if len(set(here.sum(axis=1).tolist())) > 1:
         return None
     return np.stack([np.flatnonzero(members) for members in here])
+
+
+def _is_zero(given: Arrangement) -> list[bool]:
+    """Return which distances are zero where that makes another equation."""
+    return [
+        not value and (kind.has_sides or kind is DLL)
+        for kind, value in zip(given.kinds, given.values.tolist(), strict=True)
+    ]

@@ -68,6 +68,11 @@ class Rotations:
     samples: Complex
     account: PathAccount
 
+    @property
+    def are_general(self) -> bool:
+        """Whether they are eight simple finite points."""
+        return self.account is _ALL_FOUND
+
 
 def angle_forms(u: Array, v: Array, cosines: Array) -> Array:
     """Return the quadrics of ``R u . v = cosine`` in quaternions, (..., 3) -> (..., 4, 4)."""
