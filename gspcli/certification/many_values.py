@@ -246,7 +246,8 @@ class ValueProofs:
         )
         certified = _CERTIFIED[bits]
         different = complete > 0
-        for k in np.flatnonzero(certified.all(axis=1) & ~different):
+        undecided = () if different.all() else np.flatnonzero(certified.all(axis=1) & ~different)
+        for k in undecided:
             from gspcli.certification.distinct import all_different
 
             # One linear form does not tell them apart.
@@ -262,7 +263,7 @@ class ValueProofs:
         different &= certified.all(axis=1)
 
         def together(part: NDArray[Any]) -> NDArray[Any]:
-            return part.reshape(count, -1, *part.shape[2:])
+            return part if len(part) == count else part.reshape(count, -1, *part.shape[2:])
 
         return ProvedPoses(
             R=together(R),

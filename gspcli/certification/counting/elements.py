@@ -131,6 +131,11 @@ class Element:
         """The rational number that it is as a sum of terms, if it is one."""
         if not self.numerator:
             return Fraction(0)
+        if self.denominator is _WHOLE and len(self.numerator) == 1:
+            # Usual, and without hashes of terms.
+            [(term, factor)] = self.numerator.items()
+            if term is ONE:
+                return factor
         if self.denominator.keys() == {ONE}:
             # Terms with different roots are kept apart, so nothing else is rational.
             if self.numerator.keys() != {ONE}:
@@ -146,7 +151,8 @@ class Element:
         return None
 
     def __add__(self, other: Element) -> Element:
-        if self.denominator == other.denominator:
+        same = self.denominator is other.denominator
+        if same or self.denominator == other.denominator:
             parts = [self.numerator, other.numerator]
             denominator = self.denominator
         else:
