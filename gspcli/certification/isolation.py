@@ -172,7 +172,9 @@ def _prove(
 ) -> Isolation | None:
     # A number stands for that multiple of the identity.
     defect = newton.inverse * newton.jacobian - 1
-    a = float(floats_above(defect.entries()).reshape(7, 7).sum(axis=1).max() * OUTWARD)
+    # Of a matrix that is nearly singular not even the sum may be a float.
+    with np.errstate(over="ignore"):
+        a = float(floats_above(defect.entries()).reshape(7, 7).sum(axis=1).max() * OUTWARD)
     if not a < 1:
         return None
     # Of points too far away for floats nothing is proved.

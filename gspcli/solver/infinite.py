@@ -7,10 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.certification import decide
-from gspcli.continuation.paths import PathAccount
+from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.pursuit import Pursuit
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
@@ -28,7 +27,7 @@ def solve_infinite(
     instance: Instance,
     arrangement: Arrangement,
     pursuits: Sequence[Pursuit],
-    proof: Proof,
+    proof: Proof | None,
 ) -> PoseSet:
     """Return sample motions and isolated poses of a platform.
 
@@ -43,7 +42,7 @@ def solve_infinite(
     pursuits
         The paths to its poses, for each choice of sides.
     proof
-        What proves the set of solutions to be infinite.
+        What proves the set of poses to be infinite; None if only that of the equations is.
     """
     answers = [_cleaned(arrangement, poses_by_paths(arrangement, list(pursuits)))]
     if len(arrangement.angles) == MAX_ANGLES:
@@ -53,9 +52,9 @@ def solve_infinite(
     best = best.decided(*decide(instance, best.R, best.T)) if len(best.R) else best
     if best.motions:
         best = _isolated(best)
-        # With a DLL the count may mean parallel lines: the samples are evidence, no proof.
-        return best if DLL in arrangement.kinds else replace(best, proof=proof)
-    if DLL not in arrangement.kinds:
+        # Without a proof the count may mean parallel lines: the samples are evidence.
+        return replace(best, proof=proof)
+    if proof is not None:
         # No sample was found, but paths must end on the set: those that are lost or seemed to
         # end at infinity.
         best = _isolated(best)
@@ -64,6 +63,30 @@ def solve_infinite(
         return replace(best, account=reduced, proof=proof)
     # Whether there are poses beside those with parallel lines, nobody knows.
     return replace(best, account=_lost(best.account))
+
+
+def along_points(
+    instance: Instance, arrangement: Arrangement, samples: Sequence[Motion], proof: Proof | None
+) -> PoseSet:
+    """Return the motions of a platform whose lines are parallel all along.
+
+    Parameters
+    ----------
+    instance, arrangement
+        The platform, exactly and in floating point.
+    samples
+        Motions of the platform with points for these lines.
+    proof
+        What proves the set of poses to be infinite.
+    """
+    paths = instance.expected
+    return replace(
+        PoseSet.unsolved(paths, ""),
+        motions=tuple(motion for motion in samples if _holds(arrangement, motion)),
+        account=PathAccount(expected=paths, on_curves=paths, basis=Basis.COUNT),
+        proof=proof,
+        problem=None,
+    )
 
 
 def _isolated(poses: PoseSet) -> PoseSet:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from gspcli.catalogue.kinds import DLL
 from gspcli.certification.counting import (
     ExactCount,
     SideCount,
@@ -19,8 +20,9 @@ from gspcli.continuation.pursuit import Pursuit
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.solver.completion import complete
-from gspcli.solver.infinite import solve_infinite
+from gspcli.solver.infinite import along_points, solve_infinite
 from gspcli.solver.pose_set import PoseSet, joined
+from gspcli.solver.poses_in_parts import complete_parts
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.search import Search
 from gspcli.solver.study_systems import side_choices
@@ -61,17 +63,28 @@ def solve_special(
     ]
     if count is None:
         return _uncounted(instance, searches, seed, limit)
+
+    def solve_points(same: Instance) -> PoseSet:
+        arrangement = Arrangement.of(same)
+        _, pursuits = next(pursue_each([arrangement], seed=seed, jobs=1))
+        return solve_special(same, arrangement, pursuits, seed=seed, limit=limit)
+
     infinite = any(side.solutions is None and not side.parallel for side in count.sides)
+    if infinite and (moving := _moving_with_parallel_lines(instance, count)) is not None:
+        samples = solve_points(moving).motions
+        return along_points(instance, arrangement, samples, _infinite(instance, count))
     parts = [
-        _with_parallel_lines(instance, side, search, seed, limit)
+        _with_parallel_lines(instance, side, search, solve_points)
         if side.parallel
+        else complete_parts(instance, side, search, solve_points)
+        if side.parts
         else _counted(search, side)
         for search, side in zip(searches, count.sides, strict=True)
         if not infinite
     ]
     # A set without a sample of it may have real poses that are alone, such as lines that coincide.
     if infinite or any(part.account.on_curves and not part.motions for part in parts):
-        return solve_infinite(instance, arrangement, pursuits, Proof(Ground.EXACT, count.error))
+        return solve_infinite(instance, arrangement, pursuits, _infinite(instance, count))
     poses = _proved(joined(parts), count)
     if poses.proof is None or poses.proof.error < _DOUBTFUL:
         return poses
@@ -79,6 +92,24 @@ def solve_special(
     geometry = geometry_count(instance, seed=seed, limit=limit)
     proof = _by_geometry(poses, geometry)
     return poses if proof is None else replace(poses, proof=min(proof, poses.proof, key=_error))
+
+
+def _infinite(instance: Instance, count: ExactCount) -> Proof | None:
+    """Return what proves that there are infinitely many poses, as they are stated."""
+    if all(row.kind is not DLL for row in instance.constraints):
+        return Proof(Ground.EXACT, count.error)
+    # The equations alone may be infinitely many because lines are parallel.
+    errors = [side.infinite_part.error for side in count.sides if side.infinite_part]
+    return Proof(Ground.EXACT, min(errors)) if errors else None
+
+
+def _moving_with_parallel_lines(instance: Instance, count: ExactCount) -> Instance | None:
+    """Return the platform with points for lines that are parallel at infinitely many poses."""
+    for side in count.sides:
+        part = side.infinite_part
+        if part is not None and part.parallel:
+            return by_points(instance.on_sides(side.signs), part.parallel)
+    return None
 
 
 def _counted(search: Search, side: SideCount) -> PoseSet:
@@ -95,17 +126,17 @@ def _counted(search: Search, side: SideCount) -> PoseSet:
 
 
 def _with_parallel_lines(
-    instance: Instance, side: SideCount, search: Search, seed: int, limit: float | None
+    instance: Instance,
+    side: SideCount,
+    search: Search,
+    solve_points: Callable[[Instance], PoseSet],
 ) -> PoseSet:
     """Return the poses for a choice of sides where some lines are parallel at all of them.
 
     They are those of the platform with points for lines. All else is in the set where the
     equations hold because the lines are parallel.
     """
-    same = by_points(instance.on_sides(side.signs), side.parallel)
-    arrangement = Arrangement.of(same)
-    _, pursuits = next(pursue_each([arrangement], seed=seed, jobs=1))
-    poses = solve_special(same, arrangement, pursuits, seed=seed, limit=limit)
+    poses = solve_points(by_points(instance.on_sides(side.signs), side.parallel))
     return replace(poses, account=_among(search.pursuit.paths, poses.account))
 
 

@@ -4,6 +4,7 @@ from gspcli.certification.counting.always_parallel import by_points
 from gspcli.certification.counting.eigenposes import ApproximatePose, poses_by_elimination
 from gspcli.certification.counting.exact_counts import ExactCount, SideCount
 from gspcli.certification.counting.modular_platform import NotCountedError
+from gspcli.certification.counting.parts import PartCount
 from gspcli.certification.counting.stated_counts import (
     DEFAULT_LIMIT,
     count_exactly,
@@ -19,6 +20,7 @@ __all__ = [
     "ApproximatePose",
     "ExactCount",
     "NotCountedError",
+    "PartCount",
     "SideCount",
     "by_points",
     "count_exactly",

@@ -13,6 +13,7 @@ from gspcli.certification.counting.coordinate_choice import DEGREES, quadrics
 from gspcli.certification.counting.error_bounds import COMMUTATOR_TESTS, ErrorBounds, total
 from gspcli.certification.counting.homomorphism import LARGE, SMALL
 from gspcli.certification.counting.modular_platform import ModularPlatform, NotCountedError
+from gspcli.certification.counting.parts import PartCount
 from gspcli.certification.counting.residue_counts import Ending, ResidueCount, count
 from gspcli.certification.counting.spurious import spurious
 from gspcli.geometry.instance import Instance
@@ -37,6 +38,9 @@ class SideCount:
     parallel
         Indices of the DLL whose lines are parallel at every pose. Each is counted as the distance
         of a point of its line, because its own equation holds at any distance.
+    parts
+        The poses by which lines of a DLL are parallel, if these are so on infinitely many solutions
+        of the equations, but not at every pose; the last part may be infinite.
     """
 
     signs: tuple[int, ...]
@@ -45,6 +49,12 @@ class SideCount:
     spurious: int | None
     spurious_distinct: int | None
     parallel: tuple[int, ...] = ()
+    parts: tuple[PartCount, ...] = ()
+
+    @property
+    def infinite_part(self) -> PartCount | None:
+        """A part of infinitely many poses as they are stated, if one is known."""
+        return next((part for part in self.parts if part.solutions is None), None)
 
 
 @dataclass(frozen=True)

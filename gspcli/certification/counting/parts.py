@@ -45,7 +45,7 @@ _RANDOM_BITS = 60
 #: The height of a hyperplane: at most 17 coefficients.
 _HYPERPLANE_HEIGHT = _RANDOM_BITS + 5.0
 #: Further primes are taken until they all mislead with a probability below this, at most so many.
-_ENOUGH, _MOST_PRIMES = 1e-9, 6
+_ENOUGH, _MOST_PRIMES = 1e-9, 16
 #: Largest dimension of a set of motions.
 _MOST_DIMENSIONS = 6
 
@@ -77,6 +77,8 @@ class PartCount:
 def count_parts(instance: Instance, seed: int, max_work: int) -> tuple[PartCount, ...]:
     """Count the poses of an instance with one choice of sides by which lines are parallel.
 
+    If a part is infinite it is the last one. Whether the first is, a hyperplane says.
+
     Parameters
     ----------
     instance
@@ -93,11 +95,17 @@ def count_parts(instance: Instance, seed: int, max_work: int) -> tuple[PartCount
         disagree.
     """
     lines = [k for k, row in enumerate(instance.constraints) if row.kind is DLL]
-    found = []
+    edge = _part(instance, (), 1, seed, max_work)
+    max_work = max(0, max_work - edge.work)
+    if edge.solutions != 0:
+        return (replace(edge, solutions=None, distinct=None),)
+    found: list[PartCount] = []
     for parallel in _subsets(lines):
         part = _part(instance, parallel, 0, seed, max_work)
         max_work = max(0, max_work - part.work)
         found.append(part)
+        if part.solutions is None:
+            break
     return tuple(found)
 
 

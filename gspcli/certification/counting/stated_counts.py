@@ -15,7 +15,7 @@ from gspcli.certification.counting.exact_counts import (
     count_equations,
 )
 from gspcli.certification.counting.modular_platform import NotCountedError
-from gspcli.certification.counting.parts import dimension
+from gspcli.certification.counting.parts import count_parts, dimension
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
 
@@ -134,30 +134,68 @@ def work_limit(limit: float | None) -> int:
 
 @dataclass(frozen=True)
 class _Side:
-    """The count for a choice of sides, and of the whole platform on these sides if it is new."""
+    """The count for a choice of sides.
+
+    Attributes
+    ----------
+    side
+        The numbers.
+    error, distinct_error
+        As of `ExactCount`; None for those of the count of all sides.
+    proved_lower, proved_distinct
+        As of `ExactCount`, if they are not in the count of all sides.
+    """
 
     side: SideCount
-    counted: ExactCount | None = None
-    error: float = 0.0
+    error: float | None = None
+    distinct_error: float | None = None
+    proved_lower: int = 0
+    proved_distinct: int = 0
 
 
 def _stated(instance: Instance, side: SideCount, seed: int, max_work: int) -> _Side:
-    """Return the count for a choice of sides, of points for lines that are always parallel."""
+    """Return the count of the poses as they are stated for a choice of sides.
+
+    It is that of points for lines that are always parallel; of others that in parts.
+    """
     if side.solutions is not None:
         return _Side(side)
     chosen = instance.on_sides(side.signs)
     lines = always_parallel(chosen, seed, max_work)
-    if not lines.constraints:
-        return _Side(side)
     left = max(0, max_work - lines.work)
+    if not lines.constraints:
+        return _in_parts(chosen, side, seed, left)
     counted = count_equations(by_points(chosen, lines.constraints), seed, left, values_free=False)
     (found,) = counted.sides
-    return _Side(replace(found, signs=side.signs, parallel=lines.constraints), counted, lines.error)
+    return _Side(
+        replace(found, signs=side.signs, parallel=lines.constraints),
+        total([lines.error, counted.error]),
+        total([lines.error, counted.distinct_error]),
+        counted.proved_lower,
+        counted.proved_distinct,
+    )
+
+
+def _in_parts(instance: Instance, side: SideCount, seed: int, max_work: int) -> _Side:
+    """Return the count by which lines are parallel; that of the equations if it is not known."""
+    try:
+        parts = count_parts(instance, seed, max_work)
+    except NotCountedError:
+        return _Side(side)
+    counted = replace(side, parts=parts)
+    error = total(part.error for part in parts)
+    if counted.infinite_part is None:
+        solutions, distinct = (
+            sum(getattr(part, name) for part in parts) for name in ("solutions", "distinct")
+        )
+        counted = replace(
+            counted, solutions=solutions, distinct=distinct, spurious=0, spurious_distinct=0
+        )
+    return _Side(counted, error, error)
 
 
 def _joined(found: ExactCount, sides: Sequence[_Side]) -> ExactCount:
     """Return the count of a platform whose equations have infinitely many solutions."""
-    counts = [side.counted for side in sides if side.counted is not None]
     numbers = [side.side for side in sides]
     finite = all(side.solutions is not None for side in numbers)
 
@@ -166,16 +204,20 @@ def _joined(found: ExactCount, sides: Sequence[_Side]) -> ExactCount:
         return sum(known) if finite and None not in known else None
 
     # Of the first count only that of sides without such lines is used.
-    errors = [found.error if side.counted is None else side.error for side in sides]
+    errors = [found.error if side.error is None else side.error for side in sides]
+    distinct_errors = [
+        found.distinct_error if side.distinct_error is None else side.distinct_error
+        for side in sides
+    ]
     return replace(
         found,
         finite=finite,
         solutions=added("solutions"),
         distinct=added("distinct"),
-        error=total([*errors, *(count.error for count in counts)]),
-        distinct_error=total([*errors, *(count.distinct_error for count in counts)]),
-        proved_lower=found.proved_lower + sum(count.proved_lower for count in counts),
-        proved_distinct=found.proved_distinct + sum(count.proved_distinct for count in counts),
+        error=total(errors),
+        distinct_error=total(distinct_errors),
+        proved_lower=found.proved_lower + sum(side.proved_lower for side in sides),
+        proved_distinct=found.proved_distinct + sum(side.proved_distinct for side in sides),
         sides=tuple(numbers),
         spurious=added("spurious"),
         spurious_distinct=added("spurious_distinct"),

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 import sympy as sp
 
 from gspcli.certification import certify, refine
-from gspcli.certification.counting import exact_count, with_points_for_lines
+from gspcli.certification.counting import ExactCount, exact_count, with_points_for_lines
 from gspcli.geometry.instance import Instance
 from gspcli.motion.clearances import clearances
 from gspcli.motion.trajectories import track
@@ -111,16 +115,87 @@ def test_variants(
     assert result.residuals[result.real].max(initial=0) < 1e-9
 
 
-def test_lines_parallel_at_some_poses_only_are_never_complete() -> None:
-    # One foot is higher: on its other face the plate is tilted, and the lines are not parallel.
-    result = solve(
-        _spec(
-            ("F1: {point: [3, 0, 0]", "F1: {point: [3, 0, 1]"),
-            ("[F1, table], value: 0", "[F1, table], value: 1, side: positive"),
-        )
-    )
-    assert result.verdict == "incomplete"
-    assert result.proof is None
+LONG_FOOT = [
+    ("F1: {point: [3, 0, 0]", "F1: {point: [3, 0, 1]"),
+    ("[F1, table], value: 0", "[F1, table], value: 1, side: positive"),
+]
+ONE_SKEW = ("H3: {line: {point: [0, -2, 0], direction: [0, 0, 1]",
+            "H3: {line: {point: [0, -2, 0], direction: [1, 0, 1]")  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("changes", "poses", "real"),
+    [
+        # Turned over the plate is tilted, and its lines are not parallel: there it has no pose.
+        pytest.param([], 4, 2, id="upright"),
+        # By Gröbner bases 12 upright, where two lines are parallel, and 16 turned over.
+        pytest.param([ONE_SKEW], 28, 20, id="on both faces"),
+    ],
+)
+def test_lines_parallel_at_some_poses_only(
+    changes: list[tuple[str, str]], poses: int, real: int
+) -> None:
+    result = solve(_spec(*LONG_FOOT, *changes))
+    assert result.verdict == "complete"
+    assert result.proof is not None
+    assert 0 < result.proof.error < 1e-9
+    assert result.exact_count == len(result.R) == poses
+    assert result.certified.all()
+    assert int(result.real.sum()) == real
+    assert result.residuals[result.real].max() < 1e-12
+
+
+@pytest.mark.parametrize("skew", [False, True])
+def test_motions_are_proved_where_lines_are_parallel_and_where_not(skew: bool) -> None:
+    # Four feet, so that one is too many, and two posts.
+    changes = [
+        ("H1:", "F4: {point: [5, 5, 0]}\n  H1:"),
+        ("distance: [H3, P3], value: 1", "distance: [F4, table], value: 0"),
+        ("  H3: {line: {point: [0, -2, 0], direction: [0, 0, 1]}}\n", ""),
+        ("  P3: {line: {point: [1, -3, 0], direction: [0, 0, 1]}}\n", ""),
+    ]
+    if skew:
+        changes += [
+            (f"H{k}: {{line: {{point: [{p}, 0], direction: [0, 0, 1]",
+             f"H{k}: {{line: {{point: [{p}, 0], direction: [1, {k}, 2]")
+            for k, p in ((1, "1, 0"), (2, "-1, 1"))
+        ]  # fmt: skip
+    result = solve(_spec(*changes))
+    assert result.verdict == "infinite"
+    assert result.proof is not None
+    assert 0 < result.proof.error < 1e-9
+    assert result.motions
+    assert {motion.dimension for motion in result.motions} == {1}
+
+
+def test_one_pose_too_few_or_too_many_is_never_complete(monkeypatch: pytest.MonkeyPatch) -> None:
+    from gspcli.solver import special
+
+    count = special.exact_count(_spec(*LONG_FOOT))
+    assert count is not None
+    (side,) = count.sides
+    for wrong in (3, 5):
+        parts = tuple(replace(p, solutions=wrong, distinct=wrong) if p.distinct else p
+                      for p in side.parts)  # fmt: skip
+        other = replace(side, solutions=wrong, distinct=wrong, parts=parts)
+        said = replace(count, solutions=wrong, distinct=wrong, sides=(other,))
+        monkeypatch.setattr(special, "exact_count", _told(count.primes, said, special.exact_count))
+        result = solve(_spec(*LONG_FOOT))
+        assert result.verdict == "incomplete"
+        assert not result.certified.any()
+        monkeypatch.undo()
+
+
+def _told(
+    primes: tuple[int, ...], said: ExactCount, count: Callable[..., ExactCount | None]
+) -> Callable[..., ExactCount | None]:
+    """Return a count that says something else of one platform."""
+
+    def told(*arguments: Any, **options: Any) -> ExactCount | None:
+        found = count(*arguments, **options)
+        return said if found is not None and found.primes == primes else found
+
+    return told
 
 
 def test_the_count_is_that_of_points_for_lines() -> None:
