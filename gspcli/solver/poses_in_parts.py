@@ -7,28 +7,16 @@ others do, proves that just these are parallel.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-from flint import acb, ctx
-from numpy.typing import NDArray
-
-from gspcli.catalogue.kinds import DLL
-from gspcli.certification.balls import cross, rotated
 from gspcli.certification.counting import PartCount, SideCount, by_points
-from gspcli.certification.frames import Frames
-from gspcli.certification.locating import Located, Locator
-from gspcli.certification.statement import Statement
+from gspcli.certification.parallel_poses import where_parallel
 from gspcli.continuation.paths import Basis, PathAccount
-from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.solver.completion import complete
 from gspcli.solver.pose_set import PoseSet, joined
 from gspcli.solver.search import Search
-
-#: Bits in which lines are told from parallel ones.
-_BITS = 512
 
 
 def complete_parts(
@@ -54,7 +42,8 @@ def complete_parts(
     found = []
     for part in side.parts:
         if part.parallel and part.distinct:
-            found.append(_with_parallel_lines(chosen, part, solve_points(_points(chosen, part))))
+            points = solve_points(by_points(chosen, part.parallel))
+            found.append(_with_parallel_lines(chosen, part, points))
         elif part.solutions and part.distinct:
             found.append(complete(search, part.solutions, part.distinct, 0))
     paths = search.pursuit.paths
@@ -72,22 +61,9 @@ def complete_parts(
     return replace(joined(found), motions=(), account=account)
 
 
-def _points(instance: Instance, part: PartCount) -> Instance:
-    return by_points(instance, part.parallel)
-
-
 def _with_parallel_lines(instance: Instance, part: PartCount, poses: PoseSet) -> PoseSet:
     """Return those poses at which just the lines of a part are parallel."""
-    same = _points(instance, part)
-    locator = Locator(same, Frames.of(Arrangement.of(same)))
-    original = Locator(instance, locator.frames)
-    located = [_located(locator, R, T) for R, T in zip(poses.R, poses.T, strict=True)]
-    with ctx.workprec(_BITS):
-        lines = original.system(_BITS).statements
-        chosen = np.array(
-            [pose is not None and _are_parallel(lines, part, pose) for pose in located], np.bool_
-        )
-    kept = poses.reordered(chosen)
+    kept = poses.reordered(where_parallel(instance, part.parallel, poses.R, poses.T))
     assert part.distinct is not None
     proved = (
         poses.account.verdict == "complete"
@@ -102,24 +78,3 @@ def _with_parallel_lines(instance: Instance, part: PartCount, poses: PoseSet) ->
         motions=(),
         proof=None,
     )
-
-
-def _located(
-    locator: Locator, R: NDArray[np.complex128], T: NDArray[np.complex128]
-) -> Located | None:
-    rotation = [[acb(x) for x in row] for row in R.tolist()]
-    start = locator.point_of_pose(rotation, [acb(x) for x in T.tolist()], _BITS)
-    sides = (0,) * len(locator.instance.constraints)
-    found = locator.locate_exactly(start, sides, _BITS)
-    return found if isinstance(found, Located) else None
-
-
-def _are_parallel(lines: Sequence[Statement], part: PartCount, pose: Located) -> bool:
-    """Whether balls do not tell the lines of a part from parallel ones, and tell all others."""
-    for index, line in enumerate(lines):
-        if line.kind is DLL:
-            u = rotated(pose.pose.rotation, [acb(x) for x in line.u])
-            across = cross(u, [acb(x) for x in line.v])
-            if all(x.contains(0) for x in across) != (index in part.parallel):
-                return False
-    return True

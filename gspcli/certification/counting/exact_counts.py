@@ -34,7 +34,7 @@ class SideCount:
     signs
         For each constraint 1 or -1: on which side of the plane the point lies; 1 for all others.
     solutions, distinct, spurious, spurious_distinct
-        As in `ExactCount`.
+        As in `ExactCount`; also None if only another choice of sides is known to be infinite.
     parallel
         Indices of the DLL whose lines are parallel at every pose. Each is counted as the distance
         of a point of its line, because its own equation holds at any distance.

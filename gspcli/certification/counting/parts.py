@@ -60,11 +60,14 @@ class PartCount:
         The indices of these DLL.
     solutions, distinct
         How many there are, with multiplicity and without; None if infinitely many. With parallel
-        lines the multiplicity is that of a solution of more than six equations.
+        lines the multiplicity is that of a solution of more than six equations. Cut with
+        hyperplanes the distinct ones are not counted.
     error
         A bound of the probability that the random primes have misled.
     work
         Multiplications.
+    primes
+        The primes that were used.
     """
 
     parallel: tuple[int, ...]
@@ -72,6 +75,7 @@ class PartCount:
     distinct: int | None
     error: float
     work: int
+    primes: tuple[int, ...]
 
 
 def count_parts(instance: Instance, seed: int, max_work: int) -> tuple[PartCount, ...]:
@@ -95,10 +99,10 @@ def count_parts(instance: Instance, seed: int, max_work: int) -> tuple[PartCount
         disagree.
     """
     lines = [k for k, row in enumerate(instance.constraints) if row.kind is DLL]
-    edge = _part(instance, (), 1, seed, max_work)
+    edge = on_a_hyperplane(instance, seed, max_work)
+    if edge.solutions is None:
+        return (edge,)
     max_work = max(0, max_work - edge.work)
-    if edge.solutions != 0:
-        return (replace(edge, solutions=None, distinct=None),)
     found: list[PartCount] = []
     for parallel in _subsets(lines):
         part = _part(instance, parallel, 0, seed, max_work)
@@ -107,6 +111,17 @@ def count_parts(instance: Instance, seed: int, max_work: int) -> tuple[PartCount
         if part.solutions is None:
             break
     return tuple(found)
+
+
+def on_a_hyperplane(instance: Instance, seed: int, max_work: int) -> PartCount:
+    """Return the poses without parallel lines on a random hyperplane.
+
+    If there are any, they are infinitely many everywhere, and called so.
+
+    Parameters and errors are those of `count_parts`.
+    """
+    found = _part(instance, (), 1, seed, max_work)
+    return replace(found, solutions=None) if found.solutions else found
 
 
 def dimension(instance: Instance, seed: int, max_work: int) -> tuple[int, float]:
@@ -132,9 +147,13 @@ def _part(
     """Count a part, cut with some hyperplanes, modulo as many primes as it needs."""
     found: PartCount | None = None
     for index in range(_MOST_PRIMES):
-        one = _modulo_a_prime(
-            ModularPlatform(instance, seed, index=index), parallel, slices, max_work
-        )
+        platform = ModularPlatform(instance, seed, index=index)
+        try:
+            one = _modulo_a_prime(platform, parallel, slices, max_work)
+        except NotCountedError:
+            if found is None:
+                raise
+            break
         max_work = max(0, max_work - one.work)
         found = one if found is None else _confirmed(found, one)
         if found.error < _ENOUGH:
@@ -147,7 +166,12 @@ def _confirmed(found: PartCount, other: PartCount) -> PartCount:
     if (found.solutions, found.distinct) != (other.solutions, other.distinct):
         message = "the primes of an exact count disagree: take another seed"
         raise NotCountedError(message)
-    return replace(found, error=found.error * other.error, work=found.work + other.work)
+    return replace(
+        found,
+        error=found.error * other.error,
+        work=found.work + other.work,
+        primes=found.primes + other.primes,
+    )
 
 
 def _modulo_a_prime(
@@ -160,13 +184,14 @@ def _modulo_a_prime(
         platform.prime,
         seed=platform.randomness.below(2**63),
         max_work=max_work,
+        find_distinct=not slices,
         moment_relations=False,
     )
     if counted.outcome is Ending.STOPPED:
         message = "the poses cannot be counted by their parallel lines within the limit"
         raise NotCountedError(message)
     is_finite = counted.outcome is Ending.FINITE
-    if is_finite and counted.distinct is None:
+    if is_finite and counted.distinct is None and not slices:
         message = "the distinct poses cannot be counted within the limit"
         raise NotCountedError(message)
     return PartCount(
@@ -175,6 +200,7 @@ def _modulo_a_prime(
         counted.distinct if is_finite else None,
         _error(platform, counted, parallel, slices, len(given.moments)),
         counted.work,
+        (platform.prime,),
     )
 
 
@@ -238,7 +264,7 @@ def _error(
     is_finite = counted.outcome is Ending.FINITE
     finite = is_finite and (is_lifted or counted.solutions == 0)
     errors = [bounds.count(counted.reach, finite=finite)]
-    if is_finite and counted.distinct != counted.solutions:
+    if is_finite and counted.distinct not in (None, counted.solutions):
         errors.append(bounds.distinct(counted.reach, counted.solutions))
     # A random vector hides a solution without parallel lines, a hyperplane contains a component.
     blocks, kinds = platform.blocks, platform.kinds

@@ -14,8 +14,8 @@ from gspcli.certification.counting.exact_counts import (
     SideCount,
     count_equations,
 )
-from gspcli.certification.counting.modular_platform import NotCountedError
-from gspcli.certification.counting.parts import count_parts, dimension
+from gspcli.certification.counting.modular_platform import ModularPlatform, NotCountedError
+from gspcli.certification.counting.parts import count_parts, dimension, on_a_hyperplane
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
 
@@ -78,7 +78,14 @@ def count_exactly(
         one, or if it is more work than `limit`.
     """
     max_work = work_limit(limit)
-    found = count_equations(instance, seed, max_work, values_free=False)
+    try:
+        found = count_equations(instance, seed, max_work, values_free=False)
+    except NotCountedError:
+        # That there are infinitely many can be far less work.
+        infinite = _infinite(instance, seed, max_work)
+        if infinite is None:
+            raise
+        return infinite
     if found.finite or not any(row.kind is DLL for row in instance.constraints):
         return found
     return _joined(found, [_stated(instance, side, seed, max_work) for side in found.sides])
@@ -130,6 +137,37 @@ def with_points_for_lines(
 def work_limit(limit: float | None) -> int:
     """Return a limit in multiplications."""
     return _UNLIMITED if limit is None else int(limit * BILLION)
+
+
+def _infinite(instance: Instance, seed: int, max_work: int) -> ExactCount | None:
+    """Return the count of a platform of which a hyperplane meets the poses, else None."""
+    platform = ModularPlatform(instance, seed)
+    for signs in platform.choices:
+        try:
+            part = on_a_hyperplane(instance.on_sides(signs), seed, max_work)
+        except NotCountedError:
+            return None
+        max_work = max(0, max_work - part.work)
+        if part.solutions is None:
+            unknown = [SideCount(other, None, None, None, None) for other in platform.choices]
+            return ExactCount(
+                finite=False,
+                solutions=None,
+                distinct=None,
+                error=part.error,
+                distinct_error=part.error,
+                proved_lower=0,
+                proved_distinct=0,
+                sides=tuple(
+                    replace(side, parts=(part,)) if side.signs == signs else side
+                    for side in unknown
+                ),
+                spurious=None,
+                spurious_distinct=None,
+                has_lone_lines=platform.has_lone_lines,
+                primes=part.primes,
+            )
+    return None
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
-from gspcli.certification.counting import NotCountedError, count_exactly, dimension_exactly
+from gspcli.catalogue.parsing import parse_name
+from gspcli.certification.counting import (
+    NotCountedError,
+    count_exactly,
+    dimension_exactly,
+    exact_count,
+)
 from gspcli.certification.counting.parts import count_parts
 from gspcli.geometry.instance import Instance
 from gspcli.resources import data_directory
+from gspcli.solver.generate import random_instance
 from gspcli.spec import load, loads
 
 #: A plate on three points between three round posts: one foot is longer.
@@ -97,3 +107,19 @@ def test_seeds_change_the_primes_and_not_the_parts() -> None:
         for k in range(3)
     ]
     assert counts[0] == counts[1] == counts[2]
+
+
+def test_infinitely_many_are_proved_where_a_count_is_too_much_work() -> None:
+    # A constraint that is said twice: two billion multiplications do not count it.
+    instance, _ = random_instance(
+        parse_name("DPP DPP DPL DPL DLP DLP"), np.random.default_rng(1), one_sided=True
+    )
+    *rows, fifth, _ = instance.constraints
+    twice = replace(instance, constraints=(*rows, fifth, fifth))
+    count = count_exactly(twice, limit=1.0)
+    assert not count.finite
+    assert count.solutions is None
+    assert 0 < count.error < 1e-9
+    assert len(count.primes) > 1
+    # Finitely many are not proved so.
+    assert exact_count(instance, limit=0.01) is None
