@@ -164,17 +164,22 @@ void curvatures(const ProofSystem& system, const V* m, V* out) {
   }
 }
 
-// The equations at a point: values and derivatives by the free coordinates, with an approximate inverse.
+// The equations at a point: values and derivatives by the free coordinates, with an approximate inverse
+// there or near there.
 struct Linear {
   C value[kRows], jacobian[kRows][kRows], inverse[kRows][kRows];
 };
 
-void linearize(const ProofSystem& system, const C* z, const Mask* above, Linear& at) {
+void evaluate(const ProofSystem& system, const C* z, const Mask* above, Linear& at) {
   Quadrics<C> quadrics;
   C whole[kRows][N];
   evaluate(system.quadrics, system.hessian, z, quadrics);
   combine(system, quadrics, -1.0, at.value, whole);
   for (int r = 0; r < kRows; ++r) free_columns(whole[r], above, at.jacobian[r]);
+}
+
+void linearize(const ProofSystem& system, const C* z, const Mask* above, Linear& at) {
+  evaluate(system, z, above, at);
   invert(at.jacobian, at.inverse);
 }
 
@@ -261,7 +266,9 @@ void prove_lanes(const ProofSystem& system, int newton_steps, C* z, const Mask* 
       z[k] = select(below[k], z[k] - change[k], z[k]);
       z[k + 1] = select(above[k], z[k + 1] - change[k], z[k + 1]);
     }
-    linearize(system, z, above, at);
+    evaluate(system, z, above, at);
+    // The last step is short: the inverse before it does as well.
+    if (step + 1 < newton_steps) invert(at.jacobian, at.inverse);
   }
   isolate(system, z, above, at, kRounding, nullptr, out);
 }
