@@ -52,6 +52,7 @@ struct ShiftPaths {
   const Complex* start_values;  // (starts, 6)
   const Complex* starts;        // (starts, paths, coordinates)
   const std::int32_t* start;    // from which of them, (targets,)
+  const std::int32_t* order;    // in which targets are reached, (targets,): starts together
   const Complex* values;        // (targets, 6)
   const ShiftLine* line;        // null: only values move; else there is one target, without values
 };
@@ -63,7 +64,7 @@ struct ShiftEnds {
   std::int32_t* steps;   // likewise
 };
 
-// Tracks all paths to targets begin <= k < end.
+// Tracks all paths to the targets that are from `begin` to before `end` in order.
 using TrackShifts = void(const ShiftGeometry&, const ShiftOptions&, const ShiftPaths&, int begin, int end,
                        const ShiftEnds&);
 TrackShifts track_shifts_portable, track_shifts_avx2, track_shifts_avx512;

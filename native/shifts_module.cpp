@@ -68,8 +68,12 @@ nb::tuple track_shifts(Array<std::int32_t, 1> pivots, Array<std::int32_t, 1> fre
     require(start(i) >= 0 && start(i) < static_cast<std::int32_t>(starts.shape(0)), "no such start");
   const ShiftOptions options{predictor_tolerance, contraction, radius_fraction, min_step, max_steps};
   const auto plain = [](const Numbers* z) { return reinterpret_cast<const Complex*>(z); };
-  const ShiftPaths given{static_cast<int>(paths), plain(start_values.data()),
-                       plain(starts.data()), start.data(), plain(values.data()), nullptr};
+  std::vector<std::int32_t> order(targets);
+  for (std::size_t i = 0; i < targets; ++i) order[i] = static_cast<std::int32_t>(i);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::int32_t a, std::int32_t b) { return start(a) < start(b); });
+  const ShiftPaths given{static_cast<int>(paths), plain(start_values.data()), plain(starts.data()),
+                         start.data(), order.data(), plain(values.data()), nullptr};
   const std::size_t total = targets * paths;
   auto point = std::make_unique<Numbers[]>(total * d);
   auto study = std::make_unique<Numbers[]>(total * eight);
@@ -183,7 +187,8 @@ nb::object track_reduced(Array<Numbers, 2> start, Array<Numbers, 2> points, Arra
   std::vector<std::int32_t> steps(paths);
   const std::int32_t first = 0;
   const ShiftOptions options{predictor_tolerance, contraction, radius_fraction, min_step, max_steps};
-  const ShiftPaths given{static_cast<int>(paths), nullptr, starts.data(), &first, nullptr, &line};
+  const ShiftPaths given{static_cast<int>(paths), nullptr, starts.data(), &first, &first, nullptr,
+                         &line};
   TrackShifts* const run = choose(build);
   {
     nb::gil_scoped_release release;

@@ -43,7 +43,7 @@ struct Orders {
 // Forms and slopes of one geometry, the values moving from those of a start to those of a target,
 // another in each lane.
 struct MovingValues {
-  static constexpr int kOrder = 4;  // of the Taylor series
+  static constexpr int kOrder = 3;  // of the Taylor series
   const ShiftGeometry& geometry;
   const ShiftPaths& paths;
   C from[kEquations], change[kEquations], v[kEquations];

@@ -24,21 +24,36 @@ struct Wedge {
 constexpr Wedge kWedge[6] = {{2, 3, 3, 2}, {3, 1, 1, 3}, {1, 2, 2, 1},
                              {0, 1, 1, 0}, {0, 2, 2, 0}, {0, 3, 3, 0}};
 
-// The equations in e and M scalars: 4 of e ^ w, with h the quadric of w, then those without quantities.
-template <int M, bool has_h, class Moving>
-struct System {
-  // Coordinates; pivots; the first equation without quantities.
-  static constexpr int kOrder = Moving::kOrder;
-  static constexpr int D = 4 + M, P = (has_h ? 7 : 6) - M, F = has_h ? 5 : 4;
-
-  const ShiftGeometry& geometry;
-  Moving moving;
+// What a series in D coordinates is computed from: nothing but vectors.
+template <int D>
+struct Expansion {
   C x[D];                     // where it is expanded
   C q[kQuantities], n;        // values of the quantities and of N there
   C slope[kQuantities][4];    // derivatives of the quantities by e
-  C f[D];                     // values of the equations
   C row[D][D], lower[D][D];   // of the Jacobian matrix, then of its factors
   V inverse[D];
+
+  // Lane `from` of another becomes lane l.
+  INLINE void take(int l, const Expansion& other, int from) {
+    constexpr int kVectors = sizeof(Expansion) / sizeof(V);
+    V* const to = reinterpret_cast<V*>(this);
+    const V* const given = reinterpret_cast<const V*>(&other);
+    for (int i = 0; i < kVectors; ++i) put(to[i], l, lane(given[i], from));
+  }
+};
+
+// The equations in e and M scalars: 4 of e ^ w, with h the quadric of w, then those without quantities.
+template <int M, bool has_h, class Moving>
+struct System : Expansion<4 + M> {
+  // Coordinates; pivots; the first equation without quantities.
+  static constexpr int kOrder = Moving::kOrder;
+  static constexpr int D = 4 + M, P = (has_h ? 7 : 6) - M, F = has_h ? 5 : 4;
+  using At = Expansion<D>;
+  using At::inverse, At::lower, At::n, At::q, At::row, At::slope, At::x;
+
+  const ShiftGeometry& geometry;
+  Moving moving;
+  C f[D];                     // values of the equations
 
   System(const ShiftGeometry& given, const ShiftPaths& paths)
       : geometry(given), moving{given, paths} {}

@@ -18,39 +18,70 @@ class ShiftTracker {
   ShiftTracker(const ShiftGeometry& geometry, const ShiftOptions& options, const ShiftPaths& paths,
              int begin, int end, const ShiftEnds& ends)
       : options_(options), paths_(paths), ends_(ends), upcoming_(begin * paths.paths),
-        first_(begin * paths.paths), last_(end * paths.paths), w(geometry, paths) {}
+        first_(begin * paths.paths), last_(end * paths.paths),
+        at_start_(new Expansion<D>[(paths.paths + W - 1) / W]), w(geometry, paths) {}
+  ~ShiftTracker() { delete[] at_start_; }
+  ShiftTracker(const ShiftTracker&) = delete;
+  ShiftTracker& operator=(const ShiftTracker&) = delete;
 
   void run() {
     for (int k = 0; k <= kOrder; ++k)
       for (int i = 0; i < D; ++i) series_[k][i] = C{};
-    for (int l = 0; l < W; ++l) load(l);
-    while (under_way_ > 0) step();
+    Mask loaded{};
+    for (int l = 0; l < W; ++l) loaded[l] = load(l);
+    renew(loaded);
+    while (under_way_ > 0) renew(step());
     for (int p = first_; p < last_; p += W) refine(p);
   }
 
  private:
-  void load(int l) {
+  // Paths are numbered in the order of their targets; their ends are stored by target.
+  int target_of(int path) const { return paths_.order[path / paths_.paths]; }
+  int place_of(int path) const {
+    return target_of(path) * paths_.paths + path % paths_.paths;
+  }
+
+  // The next path into a lane, at its start; -1 unless there is none: then 0.
+  long long load(int l) {
     path_[l] = upcoming_ < last_ ? upcoming_++ : -1;
     steps_[l] = 0;
     s.begin(l);
-    if (path_[l] < 0) return;
+    if (path_[l] < 0) return 0;
     ++under_way_;
-    const int target = path_[l] / paths_.paths, start = paths_.start[target];
-    const Complex* point = paths_.starts + (start * paths_.paths + path_[l] % paths_.paths) * D;
-    for (int i = 0; i < D; ++i) {
-      put(series_[0][i], l, point[i]);
-      for (int k = 1; k <= kOrder; ++k) put(series_[k][i], l, {0.0, 0.0});
-    }
+    const int target = target_of(path_[l]), k = path_[l] % paths_.paths;
+    if (paths_.start[target] != start_) prepare(target);
+    w.take(l, at_start_[k / W], k % W);
     w.moving.load(l, target);
+    return -1;
   }
 
-  void finish(int l, Status status) {
-    const int p = path_[l];
+  // The equations of a target's start at its solutions.
+  void prepare(int target) {
+    start_ = paths_.start[target];
+    System<M, has_h, Moving> system(w.geometry, paths_);
+    for (int l = 0; l < W; ++l) system.moving.load(l, target);
+    system.moving.go(splat(0.0));
+    for (int k = 0; k < paths_.paths; k += W) {
+      C z[D];
+      for (int l = 0; l < W; ++l) {
+        const int path = k + l < paths_.paths ? k + l : k;
+        const Complex* const point = paths_.starts + (start_ * paths_.paths + path) * D;
+        for (int i = 0; i < D; ++i) put(z[i], l, point[i]);
+      }
+      system.linearize(z);
+      system.factorize();
+      at_start_[k / W] = system;
+    }
+  }
+
+  // Its end; returns as `load`.
+  long long finish(int l, Status status) {
+    const int p = place_of(path_[l]);
     for (int i = 0; i < D; ++i) ends_.point[p * D + i] = lane(w.x[i], l);
     ends_.status[p] = status;
     ends_.steps[p] = steps_[l];
     --under_way_;
-    load(l);
+    return load(l);
   }
 
   // e of norm 1; the scalars are quadratic.
@@ -84,13 +115,12 @@ class ShiftTracker {
     normalize(z);
   }
 
-  void step() {
+  // Returns which lanes are at points that they have no series for.
+  Mask step() {
     C z[D], first[D], second[D];
     predict(z);
     w.moving.go(s.next);
-    V weight = splat(1.0);
-    for (int i = 4; i < D; ++i) weight += square(z[i]);
-    weight = 1.0 / weight;
+    const V weight = weigh(z);
     w.linearize(z);
     w.factorize();
     w.solve(w.f, first);
@@ -99,56 +129,64 @@ class ShiftTracker {
     w.factorize();
     w.solve(w.f, second);
     const V n1 = length(first, weight), n2 = length(second, weight), noise = splat(kRounding);
-    Mask accepted = s.judge(aims(), n1, n2, noise);
-    for (int l = 0; l < W; ++l)
-      if (path_[l] < 0) accepted[l] = 0;
+    const Mask accepted = s.judge(aims(), n1, n2, noise);
     // What the second correction changes in the factors is of second order.
     for (int i = 0; i < D; ++i) w.x[i] = w.x[i] - second[i];
-    renew(weight, accepted);
     s.learn(n1, n2, noise, accepted);
-    const V arrived = s.next;
-    s.advance(aims(), accepted);
-    settle(arrived, accepted);
+    return settle(accepted);
   }
 
   Aims aims() const {
     return {options_.predictor_tolerance, options_.contraction, options_.radius_fraction};
   }
 
-  // The series, kept in the lanes that accepted the step.
-  INLINE void renew(const V& weight, const Mask& accepted) {
+  static INLINE V weigh(const C* z) {
+    V sum = splat(1.0);
+    for (int i = 4; i < D; ++i) sum += square(z[i]);
+    return 1.0 / sum;
+  }
+
+  // The series in some lanes, and how far the next step goes in all.
+  INLINE void renew(const Mask& chosen) {
+    w.moving.go(s.next);
     C series[kOrder + 1][D];
     w.expand(series);
     for (int k = 0; k <= kOrder; ++k)
-      for (int i = 0; i < D; ++i) series_[k][i] = select(accepted, series[k][i], series_[k][i]);
+      for (int i = 0; i < D; ++i) series_[k][i] = select(chosen, series[k][i], series_[k][i]);
+    const V weight = weigh(w.x);
     const C *last = series[kOrder], *second = series[kOrder - 1];
     C product{}, scalars{};
     for (int i = 0; i < 4; ++i) add_conjugate_product(product, second[i], last[i]);
     for (int i = 4; i < D; ++i) add_conjugate_product(scalars, second[i], last[i]);
     s.expand({length(last, weight), length(second, weight), length(series[kOrder - 2], weight),
               product + weight * scalars},
-             accepted);
+             chosen);
+    s.advance(aims(), chosen);
   }
 
-  INLINE void settle(const V& arrived, const Mask& accepted) {
-    const V ahead = s.next - s.t;
+  // Lanes whose paths are at their ends take the next; returns as `step`.
+  INLINE Mask settle(const Mask& accepted) {
+    Mask chosen = accepted;
+    const V gone = s.next - s.t, arrived = s.next;
     for (int l = 0; l < W; ++l) {
+      chosen[l] = path_[l] < 0 ? 0 : chosen[l];
       if (path_[l] < 0) continue;
       ++steps_[l];
       if (accepted[l] && lane(arrived, l) == 1.0)
-        finish(l, kRegular);
-      else if (!(lane(ahead, l) > options_.min_step) || steps_[l] >= options_.max_steps)
-        finish(l, kFailed);
+        chosen[l] = finish(l, kRegular);
+      else if (!(lane(gone, l) > options_.min_step) || steps_[l] >= options_.max_steps)
+        chosen[l] = finish(l, kFailed);
     }
+    return chosen;
   }
 
   // A last step of Newton's method, and the Study points, of as many ends as there are lanes.
   void refine(int begin) {
     C z[D], change[D], study[N];
     for (int l = 0; l < W; ++l) {
-      const int p = begin + l < last_ ? begin + l : last_ - 1;
+      const int path = begin + l < last_ ? begin + l : last_ - 1, p = place_of(path);
       for (int i = 0; i < D; ++i) put(z[i], l, ends_.point[p * D + i]);
-      w.moving.arrive(l, p / paths_.paths);
+      w.moving.arrive(l, target_of(path));
     }
     w.linearize(z);
     w.factorize();
@@ -158,8 +196,9 @@ class ShiftTracker {
     w.measure(z);
     to_study(w, study);
     for (int l = 0; l < W && begin + l < last_; ++l) {
-      for (int i = 0; i < D; ++i) ends_.point[(begin + l) * D + i] = lane(z[i], l);
-      for (int i = 0; i < N; ++i) ends_.study[(begin + l) * N + i] = lane(study[i], l);
+      const int p = place_of(begin + l);
+      for (int i = 0; i < D; ++i) ends_.point[p * D + i] = lane(z[i], l);
+      for (int i = 0; i < N; ++i) ends_.study[p * N + i] = lane(study[i], l);
     }
   }
 
@@ -169,6 +208,8 @@ class ShiftTracker {
   int upcoming_;
   const int first_, last_;
   int under_way_ = 0;
+  int start_ = -1;              // which is prepared
+  Expansion<D>* const at_start_;  // of its paths, W together
   alignas(64) System<M, has_h, Moving> w;
   Steps<kOrder> s;
   C series_[kOrder + 1][D];

@@ -56,9 +56,9 @@ INLINE V order_root(const V& x) {
 #else
     // The exponent and the fraction of a double are nearly its logarithm; then one step of Newton's.
     constexpr double kOne = 1023.0 * 0x1p52, kPart = 1.0 / (order + 1);
-    const V logarithm = __builtin_convertvector(reinterpret_cast<const Mask&>(x), V);
+    const V logarithm = __builtin_convertvector((Mask)x, V);
     const Mask bits = __builtin_convertvector(kOne + kPart * (logarithm - kOne), Mask);
-    const V y = reinterpret_cast<const V&>(bits);
+    const V y = (V)bits;
     V power = y;
     for (int i = 1; i < order; ++i) power = power * y;
     return y + kPart * (x / power - y);
@@ -89,7 +89,6 @@ struct Steps {
   V surplus;
   V bend;     // estimate of the norm of J^-1 D^2 F
   V radius;   // of convergence, of the last expansion
-  V expected; // `leading` of the last expansion
 
   // The first step goes nowhere: it corrects the start point and expands there.
   INLINE void begin(int l) {
@@ -128,10 +127,10 @@ struct Steps {
     const V a0 = tail.last + kTiny, a1 = tail.second + kTiny, a2 = tail.third + kTiny;
     pole = select(accepted, (1.0 / (a1 * a1 + kTiny * kTiny)) * tail.product, pole);
     radius = minimum(a1 / a0, root(a2 / a0));
-    expected = a0 / radius;
+    leading = select(accepted, a0 / radius, leading);
   }
 
-  // What the corrections tell of the prediction and of the curvature.
+  // What the corrections tell of the prediction and of the curvature; before the next expansion.
   INLINE void learn(const V& n1, const V& n2, const V& noise, const Mask& accepted) {
     const V step = next - t;
     const V measured = n1 / (leading * step_power<order>(step) + kTiny * kTiny * kTiny);
@@ -139,7 +138,6 @@ struct Steps {
     worse = minimum(maximum(worse, splat(kLeastSurplus)), splat(kMostSurplus));
     worse = select(step > 0.0, worse, splat(1.0));
     surplus = select(accepted, worse, surplus);
-    leading = select(accepted, expected, leading);
     const V curved = select(n2 > kNoise * noise, 2.0 * n2 / (n1 * n1), splat(0.0));
     bend = select(accepted, maximum(curved, kBendMemory * bend), bend);
   }

@@ -213,8 +213,8 @@ class Tracker {
       normalize(z);
       correct(z, n1, n2, noise);
       const Mask accepted = judge(n1, n2, noise);
-      renew(z, accepted);
       s.learn(n1, n2, noise, accepted);
+      renew(z, accepted);
       const V arrived = s.next;
       advance(accepted);
       settle(z, arrived, accepted);
