@@ -32,8 +32,10 @@ _FEW = 0.25
 QUICK = replace(DEFAULT, predictor_tolerance=3e-3, contraction=0.1, min_step=1e-6, max_steps=200)
 #: Paths from the stored start are longer, and come nearer to others.
 FROM_START = replace(QUICK, min_step=1e-10)
-#: From a start with real geometry a few in a hundred platforms lose paths with such steps.
+#: From a start with real geometry a few in a hundred platforms lose paths with such steps, ...
 LONG_STEPS = replace(FROM_START, predictor_tolerance=1e-2, contraction=0.25)
+#: ... which these find, of paths on which only values move.
+SHORT_STEPS = replace(FROM_START, predictor_tolerance=1e-4, contraction=0.05, max_steps=1000)
 
 
 class ShiftEnds(NamedTuple):

@@ -19,6 +19,7 @@ from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.shifts import Shifts
 from gspcli.continuation.systems import System
 from gspcli.solver.flat_start import ends_from_flat
+from gspcli.solver.start_pool import StartPool
 from gspcli.solver.study_systems import coefficients_of
 
 Array = NDArray[np.float64]
@@ -51,20 +52,14 @@ class GeometryStart:
         Its solutions that were found, shape (n, 8).
     scale
         The unit of f in it.
-    parameters
-        What its equations are linear in, shape (1, 6).
-    shifts
-        The same equations with fewer unknowns, where nothing but multiples of N moves.
-    shifted
-        The solutions in its coordinates, shape (1, n, d).
+    pool
+        The same with fewer unknowns, where nothing but multiples of N moves; None elsewhere.
     """
 
     system: System
     points: ComplexArray
     scale: Array
-    parameters: ComplexArray
-    shifts: Shifts | None
-    shifted: ComplexArray
+    pool: StartPool | None
 
 
 @lru_cache(maxsize=_KEPT)
@@ -109,13 +104,14 @@ def geometry_start(
     balanced, scale = system.coefficients.balanced()
     points = solutions.copy()
     points[:, 4:] /= scale
-    shifts = None
+    pool = None
     if not structure.is_product.any() and DLL not in kinds:
         _, plain = coefficients_of(kinds, y, x, u, v, np.zeros((1, len(kinds))))
         shifts = Shifts.of(plain.g[0].real)
-    shifted = shifts.points(solutions[None]) if shifts else solutions[None]
-    start = System(system.structure, balanced)
-    return GeometryStart(start, points, scale, parameters[None], shifts, shifted)
+        if shifts is not None:
+            placed = shifts.points(solutions[None])
+            pool = StartPool(shifts, parameters[None], placed, np.ones(len(kinds)))
+    return GeometryStart(System(system.structure, balanced), points, scale, pool)
 
 
 def _all_finite(pursuit: Pursuit) -> ComplexArray | None:

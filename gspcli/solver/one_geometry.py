@@ -9,7 +9,7 @@ which nothing is done here then.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from math import ceil, log2
 from typing import TYPE_CHECKING, NamedTuple
@@ -22,12 +22,14 @@ from gspcli.certification.many_values import ProvedPoses, ValueProofs
 from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.quadrics import ComplexArray
+from gspcli.continuation.shifts import LONG_STEPS, SHORT_STEPS
 from gspcli.continuation.start import path_count
 from gspcli.continuation.systems import Coefficients
 from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.geometry_start import GeometryStart, Way, geometry_start
 from gspcli.solver.proof import Ground, Proof
+from gspcli.solver.start_pool import StartPool
 from gspcli.solver.study_systems import coefficients_of, side_choices
 
 if TYPE_CHECKING:
@@ -100,7 +102,7 @@ def solve_rows(
     # A distance of zero has one sign, and may have another equation.
     zero = [(row == 0).tobytes() for row in rows] if (rows == 0).any() else [b""] * len(rows)
     geometries = {
-        pattern: _geometry(arrangement, rows[[z == pattern for z in zero]], count, seed)
+        pattern: _geometry(arrangement, rows[[z == pattern for z in zero]], count, seed, jobs)
         for pattern in dict.fromkeys(zero)
         if proofs is not None
     }
@@ -121,6 +123,7 @@ def _geometry(
     rows: Array,
     count: Callable[[], ExactCount | None],
     seed: int,
+    jobs: int,
 ) -> Geometry | None:
     """Return the geometry with its start, or None if that does not pay or is not safe."""
     if len(rows) < _LEAST:
@@ -133,7 +136,10 @@ def _geometry(
     spread = np.exp2(np.rint(np.log2(np.maximum(parameters.std(axis=0), _LEAST_DEVIATION))))
     zero = (parameters == 0).all(axis=0)
     spread = np.where(zero, 0.0, spread)
-    return geometry_about(given, length, mean, spread, count=count, seed=seed, ways=Way)
+    found = geometry_about(given, length, mean, spread, count=count, seed=seed, ways=Way)
+    if found is None or found.pool is None:
+        return found
+    return replace(found, pool=found.pool.about(parameters, jobs))
 
 
 def geometry_about(
@@ -175,7 +181,7 @@ def geometry_about(
                 continue
             # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md).
             proof = Proof(Ground.GEOMETRY, counted.error) if counted.has_lone_lines else None
-        return Geometry(given, inner, length, choices, start, expected, proof)
+        return Geometry(given, inner, length, choices, start, start.pool, expected, proof)
     return None
 
 
@@ -205,6 +211,8 @@ class Geometry:
         The sign of each value for each choice of sides, shape (k, 6).
     start
         The start for each of them.
+    pool
+        From where paths with fewer unknowns lead; None if there are none.
     expected
         The generic count of the type.
     proof
@@ -216,6 +224,7 @@ class Geometry:
     length: float
     choices: Array
     start: GeometryStart
+    pool: StartPool | None
     expected: int
     proof: Proof | None
 
@@ -252,31 +261,38 @@ class Geometry:
             return proofs.decide(rows, self.choices, points, self.frames(unit), jobs=jobs)
 
         poses = proved(rows, *self.quick_ends(rows, jobs))
-        again = np.flatnonzero(~poses.complete)
-        if len(again):
-            careful = proved(rows[again], *self._careful_ends(rows[again], CAREFUL, jobs))
-            for part, better in zip(poses, careful, strict=True):
+        for ends in (self._short_ends, self._careful_ends):
+            again = np.flatnonzero(~poses.complete)
+            if not len(again):
+                break
+            found = ends(rows[again], jobs)
+            if found is None:
+                continue
+            for part, better in zip(poses, proved(rows[again], *found), strict=True):
                 part[again] = better
         return Solved(poses, self.account, self.proof)
 
     def quick_ends(self, rows: Array, jobs: int) -> tuple[ComplexArray, float]:
         """Return Study points of the ends of paths to sets of values, and their unit of f."""
-        start = self.start
-        if start.shifts is None:
-            return self._careful_ends(rows, SHORT, jobs)
-        values = _inner_values(self.given, rows, self.length, self.choices).reshape(-1, 6)
-        ends = start.shifts.track(
-            start.parameters,
-            start.shifted,
-            np.zeros(len(values), np.int32),
-            _squared(self.given, values).astype(np.complex128),
-            jobs=jobs,
-        )
-        # What is no end must not pass for one.
-        ends.study[ends.status != PathStatus.REGULAR] = np.nan
-        return ends.study, self.length
+        if self.pool is None:
+            return self._whole_ends(rows, SHORT, jobs)
+        return self.pool.follow(self._parameters(rows), LONG_STEPS, jobs), self.length
 
-    def _careful_ends(
+    def _short_ends(self, rows: Array, jobs: int) -> tuple[ComplexArray, float] | None:
+        """Return the same, by short steps from the geometry's own start; None without a pool."""
+        if self.start.pool is None:
+            return None
+        ends = self.start.pool.follow(self._parameters(rows), SHORT_STEPS, jobs)
+        return ends, self.length
+
+    def _careful_ends(self, rows: Array, jobs: int) -> tuple[ComplexArray, float]:
+        return self._whole_ends(rows, CAREFUL, jobs)
+
+    def _parameters(self, rows: Array) -> Array:
+        values = _inner_values(self.given, rows, self.length, self.choices).reshape(-1, 6)
+        return _squared(self.given, values)
+
+    def _whole_ends(
         self, rows: Array, options: TrackerOptions, jobs: int
     ) -> tuple[ComplexArray, float]:
         """Return the same, by paths of the system as it is."""

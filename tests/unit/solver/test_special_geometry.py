@@ -1,5 +1,7 @@
 """Platforms of special geometries are followed from a start of their own, proved by its count."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -64,9 +66,8 @@ def test_a_start_that_lacks_a_solution_proves_nothing(monkeypatch):
 
     def lacking(*about, way):
         start = geometry_start(*about, way=way)
-        object.__setattr__(start, "points", start.points[1:])
-        object.__setattr__(start, "shifted", start.shifted[:, 1:])
-        return start
+        pool = replace(start.pool, points=start.pool.points[:, 1:])
+        return replace(start, points=start.points[1:], pool=pool)
 
     geometry_start.cache_clear()
     monkeypatch.setattr("gspcli.solver.one_geometry.geometry_start", lacking)

@@ -1,0 +1,127 @@
+"""Starts among many sets of values, against the start of the geometry that they are solved from."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from gspcli.catalogue.parsing import parse_type
+from gspcli.certification.many_values import ValueProofs
+from gspcli.continuation.shifts import LONG_STEPS, QUICK, Shifts
+from gspcli.continuation.tracker import PathStatus
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.instance import Instance
+from gspcli.solver import one_geometry, solve_values
+from gspcli.solver.generate import random_instance
+from gspcli.solver.start_pool import StartPool
+
+SETS = 160
+
+
+@cache
+def case(name: str = "DPP DPP DPP DPP DPP DPP"):
+    """Return an instance, sets of values, and its geometry with a pool for them."""
+    instance, _ = random_instance(parse_type(name), np.random.default_rng(41), one_sided=True)
+    own = np.array([row.value.value for row in instance.constraints])
+    rows = own * (1 + 0.1 * np.random.default_rng(42).normal(size=(SETS, 6)))
+    return instance, rows, geometry_of(instance, rows)
+
+
+def geometry_of(instance: Instance, rows: np.ndarray) -> one_geometry.Geometry:
+    found = one_geometry._geometry(Arrangement.of(instance), rows, lambda: None, 1, 1)
+    assert found is not None
+    return found
+
+
+def _overlaps(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    a, b = (z / np.linalg.norm(z, axis=-1, keepdims=True) for z in (a, b))
+    return np.abs(a.conj() @ b.swapaxes(1, 2))
+
+
+@pytest.mark.parametrize("name", ["DPP DPP DPP DPP DPP DPP", "DPP DPP DPP DPH DHP ALL"])
+def test_paths_from_the_pool_end_where_those_from_the_start_do(name):
+    _, rows, geometry = case(name)
+    parameters = geometry._parameters(rows)
+    assert len(geometry.pool.parameters) == SETS // 32
+    near = geometry.pool.follow(parameters, QUICK, 1)
+    far = geometry.start.pool.follow(parameters, QUICK, 1)
+    found = np.isfinite(near).all(axis=(1, 2)) & np.isfinite(far).all(axis=(1, 2))
+    assert found.mean() > 0.9
+    # Each end of one is an end of the other.
+    same = _overlaps(near[found], far[found]) > 1 - 1e-9
+    assert (same.sum(axis=1) == 1).all()
+    assert (same.sum(axis=2) == 1).all()
+
+
+def test_paths_from_the_pool_are_shorter():
+    _, rows, geometry = case()
+    parameters = geometry._parameters(rows)
+    steps = []
+    for pool in (geometry.pool, geometry.start.pool):
+        given = parameters.astype(complex), pool._nearest(parameters), LONG_STEPS, 1
+        steps.append(pool._follow(*given).steps.mean())
+    assert steps[0] < 0.8 * steps[1]
+
+
+def test_the_nearest_member_is_taken():
+    _, rows, geometry = case()
+    pool, parameters = geometry.pool, geometry._parameters(rows)
+    far = ((parameters[:, None] - pool.parameters.real) / pool.unit) ** 2
+    np.testing.assert_array_equal(pool._nearest(parameters), far.sum(axis=2).argmin(axis=1))
+    # Each member is one of the sets.
+    assert len(np.unique(pool._nearest(pool.parameters.real))) == len(pool.parameters)
+
+
+def test_few_sets_start_from_the_geometry():
+    instance, rows, _ = case()
+    geometry = geometry_of(instance, rows[:100])
+    assert geometry.pool is geometry.start.pool
+
+
+@pytest.mark.parametrize("wrong", ["lost", "jumped"])
+def test_members_whose_paths_went_wrong_are_left_out(wrong, monkeypatch):
+    _, rows, geometry = case()
+    follow = StartPool._follow
+
+    def spoiled(*given):
+        ends = follow(*given)
+        if wrong == "lost":
+            ends.status[1, 7] = PathStatus.FAILED
+        else:
+            ends.study[1, 7] = 2j * ends.study[1, 8]
+        return ends
+
+    monkeypatch.setattr(StartPool, "_follow", spoiled)
+    pool = geometry.start.pool.about(geometry._parameters(rows), 1)
+    others = np.delete(np.arange(SETS // 32), 1)
+    np.testing.assert_array_equal(pool.parameters, geometry.pool.parameters[others])
+
+
+def test_what_long_steps_lose_is_found_by_short_ones(monkeypatch):
+    instance, rows, geometry = case()
+    track = Shifts.track
+    tolerances = []
+
+    def losing(*given, options, jobs):
+        ends = track(*given, options=options, jobs=jobs)
+        tolerances.append(options.predictor_tolerance)
+        if options is LONG_STEPS:
+            ends.status[2, 3] = PathStatus.FAILED
+        return ends
+
+    monkeypatch.setattr(Shifts, "track", losing)
+    monkeypatch.setattr(one_geometry, "track", None)  # the paths of the equations as they are
+    found = geometry.solve(rows[:4], ValueProofs.of(instance, rows), 1)
+    assert found.poses.complete.all()
+    assert len(tolerances) == 2
+    assert tolerances[1] < tolerances[0]
+
+
+def test_threads_and_pools_give_the_same_poses():
+    instance, rows, _ = case()
+    alone, shared = (list(solve_values(instance, rows, jobs=jobs)) for jobs in (1, 2))
+    for a, b in zip(alone, shared, strict=True):
+        np.testing.assert_array_equal(a.R, b.R)
+        assert a.proof is not None
