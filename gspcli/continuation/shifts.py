@@ -34,7 +34,10 @@ QUICK = replace(DEFAULT, predictor_tolerance=3e-3, contraction=0.1, min_step=1e-
 FROM_START = replace(QUICK, min_step=1e-10)
 #: From a start with real geometry a few in a hundred platforms lose paths with such steps, ...
 LONG_STEPS = replace(FROM_START, predictor_tolerance=1e-2, contraction=0.25)
-#: ... which these find, of paths on which only values move.
+#: Short paths, on which only values move, lose hardly more with still longer ones: of one or two of
+#: a thousand platforms, ...
+VALUE_STEPS = replace(FROM_START, predictor_tolerance=2e-2, contraction=0.35, radius_fraction=0.8)
+#: ... which these find.
 SHORT_STEPS = replace(FROM_START, predictor_tolerance=1e-4, contraction=0.05, max_steps=1000)
 
 

@@ -22,7 +22,7 @@ from gspcli.certification.many_values import ProvedPoses, ValueProofs
 from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.quadrics import ComplexArray
-from gspcli.continuation.shifts import LONG_STEPS, SHORT_STEPS
+from gspcli.continuation.shifts import SHORT_STEPS, VALUE_STEPS
 from gspcli.continuation.start import path_count
 from gspcli.continuation.systems import Coefficients
 from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
@@ -276,7 +276,7 @@ class Geometry:
         """Return Study points of the ends of paths to sets of values, and their unit of f."""
         if self.pool is None:
             return self._whole_ends(rows, SHORT, jobs)
-        return self.pool.follow(self._parameters(rows), LONG_STEPS, jobs), self.length
+        return self.pool.follow(self._parameters(rows), VALUE_STEPS, jobs), self.length
 
     def _short_ends(self, rows: Array, jobs: int) -> tuple[ComplexArray, float] | None:
         """Return the same, by short steps from the geometry's own start; None without a pool."""

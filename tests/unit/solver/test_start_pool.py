@@ -9,7 +9,7 @@ import pytest
 
 from gspcli.catalogue.parsing import parse_type
 from gspcli.certification.many_values import ValueProofs
-from gspcli.continuation.shifts import LONG_STEPS, QUICK, Shifts
+from gspcli.continuation.shifts import QUICK, VALUE_STEPS, Shifts
 from gspcli.continuation.tracker import PathStatus
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
@@ -60,7 +60,7 @@ def test_paths_from_the_pool_are_shorter():
     parameters = geometry._parameters(rows)
     steps = []
     for pool in (geometry.pool, geometry.start.pool):
-        given = parameters.astype(complex), pool._nearest(parameters), LONG_STEPS, 1
+        given = parameters.astype(complex), pool._nearest(parameters), VALUE_STEPS, 1
         steps.append(pool._follow(*given).steps.mean())
     assert steps[0] < 0.8 * steps[1]
 
@@ -107,7 +107,7 @@ def test_what_long_steps_lose_is_found_by_short_ones(monkeypatch):
     def losing(*given, options, jobs):
         ends = track(*given, options=options, jobs=jobs)
         tolerances.append(options.predictor_tolerance)
-        if options is LONG_STEPS:
+        if options is VALUE_STEPS:
             ends.status[2, 3] = PathStatus.FAILED
         return ends
 
