@@ -15,20 +15,29 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.motion_peers import RIGHT, Asked, ask_all
+from bench.motion_peers import Asked, ask_all, judged
+from bench.motion_trajectories import (
+    CYCLES,
+    NEAREST,
+    SEED,
+    Moves,
+    cycle,
+    near_singularities,
+    small_moves,
+)
 from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.types import GspType, all_types
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
+from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.motion import FollowOptions, MovingPlatform, measure
+from gspcli.motion.trajectories import track_from
 from gspcli.solver.generate import random_instance
-from gspcli.spec import loads
 
 Array = NDArray[np.float64]
 
-SEED = 2003
 POSES = 100_000
 POSES_OF_PEERS = 999
+ROWS_OF_HARD_CYCLES = (100, 24, 12)
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "motion.md"
 _BEGIN, _END = "<!-- speed -->\n", "<!-- end of speed -->\n"
 
@@ -60,50 +69,12 @@ class Speed:
     uncertified: float
 
 
-def cycle(branches: int, rows: int) -> tuple[Instance, Array, Array, Array]:
-    """Return a usual hexapod and smooth closed trajectories: R, T and the values."""
-    angles = np.radians([[55, 65, 175, 185, 295, 305], [10, 110, 130, 230, 250, 350]])
-    sizes = np.array([0.5, 1.0])[:, None]
-    corners = np.stack((sizes * np.cos(angles), sizes * np.sin(angles)), axis=-1).round(6)
-    instance = loads(_HEXAPOD.format(*corners.reshape(-1).tolist()))
-    rng = np.random.default_rng(SEED)
-    phases = rng.uniform(-np.pi, np.pi, (branches, 1, 6))
-    t = np.linspace(0, 2 * np.pi, rows)[None, :, None]
-    c = np.sin(t * (1 + np.arange(6) % 3) + phases)
-    R = rotation_from_quaternion(
-        np.concatenate((np.ones((branches, rows, 1)), 0.17 * c[..., :3]), axis=-1)
-    )
-    T = np.stack((0.25 * c[..., 3], 0.25 * c[..., 4], 1 + 0.15 * c[..., 5]), axis=-1)
-    return instance, R, T, measure(instance, R, T)
-
-
-_HEXAPOD = (
-    "gsp: 1\nunits: {{length: m, angle: deg}}\nplatform:\n"
-    + "".join(f"  P{k}: {{{{point: [{{}}, {{}}, 0]}}}}\n" for k in range(6))
-    + "base:\n"
-    + "".join(f"  B{k}: {{{{point: [{{}}, {{}}, 0]}}}}\n" for k in range(6))
-    + "constraints:\n"
-    + "".join(f"  - {{{{distance: [P{k}, B{k}], value: 1}}}}\n" for k in range(6))
-)
-
-
-def small_moves(
-    gsp_type: GspType, branches: int, rows: int
-) -> tuple[Instance, Array, Array, Array]:
-    """Return a random platform of a type and short smooth trajectories from its pose."""
-    rng = np.random.default_rng(SEED)
-    instance, (R, T) = random_instance(gsp_type, rng)
-    t = np.linspace(0, 1, rows)[None, :, None]
-    turn, move = rng.normal(size=(2, branches, 1, 3)) * 0.01
-    R, T = rotation_from_vector(t * turn) @ R, T + t * move
-    return instance, R, T, measure(instance, R, T)
-
-
-def followed(instance: Instance, R: Array, T: Array, values: Array) -> Speed:
+def followed(moves: Moves) -> Speed:
     """Return the time of a proved segment, and of a pose that is only followed."""
-    platform = MovingPlatform(instance)
-    inner, start = platform.internal(values), platform.points(R[:, 0], T[:, 0])
-    branches = np.arange(len(R))
+    platform = MovingPlatform(moves.instance)
+    inner = platform.internal(moves.values)
+    start = platform.points(moves.R[:, 0], moves.T[:, 0])
+    branches = np.arange(len(start))
 
     def run(certify: bool) -> float:
         options = FollowOptions(certify=certify)
@@ -114,16 +85,16 @@ def followed(instance: Instance, R: Array, T: Array, values: Array) -> Speed:
     return Speed(run(True), run(False))
 
 
-def alone(instance: Instance, R: Array, T: Array, values: Array) -> float:
+def alone(moves: Moves) -> float:
     """Return the time of a row of one branch, from an array of values to arrays R and T."""
-    platform = MovingPlatform(instance)
+    platform = MovingPlatform(moves.instance)
     branch = np.zeros(1, int)
 
     def run() -> None:
-        start = platform.points(R[:1, 0], T[:1, 0])
-        platform.poses(platform.follow(platform.internal(values[:1]), branch, start).points)
+        start = platform.points(moves.R[:1, 0], moves.T[:1, 0])
+        platform.poses(platform.follow(platform.internal(moves.values[:1]), branch, start).points)
 
-    return seconds(run) / (values.shape[1] - 1) * 1e6
+    return seconds(run, repeat=30) / len(moves.values[0, 1:]) * 1e6
 
 
 def figures() -> Iterator[tuple[str, str, str]]:
@@ -137,12 +108,12 @@ def figures() -> Iterator[tuple[str, str, str]]:
     name = f"`measure`, slowest of {len(speeds)} types ({slowest})"
     yield name, f"{speeds[slowest]:,.0f} {a_second}", "300,000"
     trajectories = cycle(64, 1001)
-    speed = followed(*trajectories)
+    speed = followed(trajectories)
     yield "following, 6PP", f"{1e6 / speed.certified:,.0f} proved parts a second", "1,000,000"
     unproved = f"{1e6 / speed.uncertified:,.0f} {a_second}"
     yield "following, 6PP, not proved", unproved, "3,000,000"
-    yield "following, 6PP, one branch alone", f"{alone(*trajectories):.2f} us a proved row", "2"
-    tracked = {gsp_type: followed(*small_moves(gsp_type, 64, 101)) for gsp_type in types}
+    yield "following, 6PP, one branch alone", f"{alone(trajectories):.2f} us a proved row", "2"
+    tracked = {gsp_type: followed(small_moves(gsp_type, 64, 101)) for gsp_type in types}
     for certified, what, bar in (
         (True, "proved parts a second", "100,000"),
         (False, a_second, "300,000"),
@@ -154,29 +125,43 @@ def figures() -> Iterator[tuple[str, str, str]]:
         yield name, f"{1e6 / times[slowest]:,.0f} {what}", bar
 
 
-def compared() -> Iterator[Asked]:
-    """Yield how peers and gsp follow one trajectory of a hexapod, 999 rows one after the other."""
-    instance, R, T, values = cycle(1, POSES_OF_PEERS + 1)
-    platform = MovingPlatform(instance)
-    start, branch = platform.points(R[:, 0], T[:, 0]), np.zeros(1, int)
-    found = platform.follow(platform.internal(values), branch, start)
-    rotations, places = platform.poses(found.points)
-    right = (np.abs(rotations - R).max(axis=(2, 3)) < RIGHT) & (
-        np.abs(places - T).max(axis=2) < RIGHT
-    )
-    yield Asked("gsp, proved", alone(instance, R, T, values), int((~right).sum()), 0)
-    yield from ask_all(instance, R[0], T[0], values[0])
+def trajectories_of_peers() -> Iterator[tuple[str, Moves]]:
+    """Yield what peers are asked to follow."""
+    yield "small turns, one cycle", cycle(1, POSES_OF_PEERS + 1)
+    for rows in ROWS_OF_HARD_CYCLES:
+        what = f"the {NEAREST} of {CYCLES} wide cycles next to singularities, {rows} rows a cycle"
+        yield what, near_singularities(rows + 1, rows)
+
+
+def compared(moves: Moves) -> Iterator[Asked]:
+    """Yield how gsp and peers follow trajectories of a hexapod, row by row."""
+    answers: dict[str, list[Asked]] = {}
+    for one in moves.each():
+        track = track_from(one.instance, one.values[0], one.R[:, 0], one.T[:, 0])
+        took = alone(one) * len(track.t[1:]) / 1e6
+        ours = judged("gsp, proved", one, track.R[0], track.T[0], took)
+        for answer in (ours, *ask_all(one)):
+            answers.setdefault(answer.name, []).append(answer)
+    for name, given in answers.items():
+        yield Asked(
+            name,
+            float(np.mean([answer.microseconds for answer in given])),
+            sum(answer.other for answer in given),
+            sum(answer.unsolved for answer in given),
+        )
 
 
 def page() -> str:
     """Return the tables, in Markdown."""
     lines = ["| what | measured | bar |", "|---|---:|---:|"]
     lines += [f"| {' | '.join(row)} |" for row in figures()]
-    lines += ["", f"| {POSES_OF_PEERS} rows of one trajectory of a hexapod, by | us a pose | "]
-    lines[-1] += "in another mode | not solved |"
-    lines.append("|---|---:|---:|---:|")
-    for one in compared():
-        lines.append(f"| {one.name} | {one.microseconds:,.1f} | {one.other} | {one.unsolved} |")
+    lines += ["", "| a hexapod, followed along | by | us a pose | in another mode | not solved |"]
+    lines.append("|---|---|---:|---:|---:|")
+    for what, moves in trajectories_of_peers():
+        poses = moves.values[:, 1:, 0].size
+        for one in compared(moves):
+            numbers = f"{one.microseconds:,.1f} | {one.other} | {one.unsolved}"
+            lines.append(f"| {what}: {poses} poses | {one.name} | {numbers} |")
     return "\n".join(lines) + "\n"
 
 

@@ -17,6 +17,7 @@ from importlib.metadata import version
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.motion_trajectories import Moves
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_vector
 
@@ -52,22 +53,22 @@ class Asked:
     unsolved: int
 
 
-def ask_all(instance: Instance, R: Array, T: Array, values: Array) -> Iterator[Asked]:
-    """Ask every peer that is installed for the poses of a trajectory, but its first one.
-
-    Parameters
-    ----------
-    instance
-        A 6-6 platform.
-    R, T, values
-        The right poses and the lengths, shapes (n, 3, 3), (n, 3) and (n, 6).
-    """
+def ask_all(moves: Moves) -> Iterator[Asked]:
+    """Ask every peer that is installed for the poses of one trajectory of a 6-6 platform."""
     for package, start in (("basic-robotics", _basic_robotics), ("scipy", _scipy)):
         try:
-            solver = start(instance, R[0], T[0])
+            solver = start(moves.instance, moves.R[0, 0], moves.T[0, 0])
         except ImportError:
             continue
-        yield _asked(f"{package} {version(package)}", solver, instance, R[1:], T[1:], values[1:])
+        with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
+            warnings.simplefilter("ignore")
+            began = time.process_time()
+            found = [solver(row) for row in moves.values[0, 1:]]
+            took = time.process_time() - began
+        R, T = (np.stack(part) for part in zip(*found, strict=True))
+        first = moves.R[:, 0], moves.T[:, 0]
+        R, T = np.concatenate((first[0], R)), np.concatenate((first[1], T))
+        yield judged(f"{package} {version(package)}", moves, R, T, took)
 
 
 def joints(instance: Instance) -> tuple[Array, Array]:
@@ -77,21 +78,29 @@ def joints(instance: Instance) -> tuple[Array, Array]:
     return platform, base
 
 
-def _asked(
-    name: str, solver: Solver, instance: Instance, R: Array, T: Array, values: Array
-) -> Asked:
-    with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
-        warnings.simplefilter("ignore")
-        began = time.process_time()
-        found = [solver(row) for row in values]
-        took = time.process_time() - began
-    rotations, places = (np.stack(part) for part in zip(*found, strict=True))
-    platform, base = joints(instance)
-    legs = np.einsum("nij,kj->nki", rotations, platform) + places[:, None] - base
-    solved = np.abs(np.linalg.norm(legs, axis=2) - values).max(axis=1) < SOLVED
-    far = np.abs(rotations - R).max(axis=(1, 2)) > RIGHT
-    far |= np.abs(places - T).max(axis=1) > RIGHT
-    return Asked(name, took / len(values) * 1e6, int((far & solved).sum()), int((~solved).sum()))
+def judged(name: str, moves: Moves, R: Array, T: Array, took: float) -> Asked:
+    """Return how well a trajectory was followed; of its first row nothing is said.
+
+    Parameters
+    ----------
+    name
+        Of the program.
+    moves
+        One trajectory, of a 6-6 platform.
+    R, T
+        What was found, shapes (r, 3, 3) and (r, 3); not finite where nothing was.
+    took
+        Seconds of processor time.
+    """
+    platform, base = joints(moves.instance)
+    legs = np.einsum("nij,kj->nki", R, platform) + T[:, None] - base
+    off = np.abs(np.linalg.norm(legs, axis=2) - moves.values[0]).max(axis=1)
+    # Where nothing was found the comparison is false.
+    solved = (off < SOLVED)[1:]
+    far = (np.abs(R - moves.R[0]).max(axis=(1, 2)) > RIGHT)[1:]
+    far |= (np.abs(T - moves.T[0]).max(axis=1) > RIGHT)[1:]
+    count = len(solved)
+    return Asked(name, took / count * 1e6, int((far & solved).sum()), int((~solved).sum()))
 
 
 def _basic_robotics(instance: Instance, R: Array, T: Array) -> Solver:

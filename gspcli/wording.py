@@ -1,4 +1,4 @@
-"""How error messages quote what a person wrote, and what they suggest instead."""
+"""How messages quote what a person wrote, what they suggest instead, and how they count."""
 
 from __future__ import annotations
 
@@ -18,6 +18,11 @@ def listed(words: Iterable[str], last: str = "or") -> str:
     """Return words as an English list: ``a, b or c``."""
     *first, end = words
     return f"{', '.join(first)} {last} {end}" if first else end
+
+
+def counted(count: int, noun: str) -> str:
+    """Return ``1 part``, ``2 parts``."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:

@@ -29,6 +29,7 @@ from gspcli.cli.progress_bars import progress
 from gspcli.cli.worker_options import worker_options
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED, GspError, IncompleteError
+from gspcli.wording import counted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -233,7 +234,8 @@ def _table(found: Scan, limits: Boundary, folds: bool) -> Table:
     notes = [_note(found)]
     if limits.curves:
         cusps = sum(len(curve.cusps) for curve in limits.curves)
-        notes.append(f"discriminant: {len(limits.curves)} curves, {cusps} cusps")
+        curves = counted(len(limits.curves), "curve")
+        notes.append(f"discriminant: {curves}, {counted(cusps, 'cusp')}")
     return Table(
         [*(Column(name, _heading(instance, name), "right", True) for name in names), *columns],
         _crossing_rows(limits.crossings, names) if folds else _node_rows(found, names),

@@ -13,6 +13,7 @@ from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
 from gspcli.errors import GspError, IncompleteError
+from gspcli.wording import counted
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -244,17 +245,13 @@ def _table(result: Track, rows: list[dict[str, Any]], limits: list[LimitEvent]) 
     kept = len(result.modes) - len(result.events)
     how = "proved" if result.certified else "not proved"
     note = (
-        f"{_counted(len(result.modes), 'mode')}, {kept} of them from the first row to the last; "
-        f"{_counted(result.segments, 'part')}, {how}"
+        f"{counted(len(result.modes), 'mode')}, {kept} of them from the first row to the last; "
+        f"{counted(result.segments, 'part')}, {how}"
     )
     if result.complete:
         note += "; every real pose at the last row is accounted for"
     notes = [note, *cones_notes(result, limits)]
     return Table(columns, rows, title=title, notes=notes)
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def _places(result: Track) -> Iterator[tuple[float, list[float]]]:
