@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 
 POSES = 100_000
 POSES_OF_PEERS = 999
-ROWS_OF_HARD_CYCLES = (100, 24, 12)
+ROWS_OF_HARD_CYCLES = (50, 12)
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "motion.md"
 _BEGIN, _END = "<!-- speed -->\n", "<!-- end of speed -->\n"
 
