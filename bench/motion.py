@@ -42,7 +42,7 @@ PAGE = Path(__file__).resolve().parents[1] / "docs" / "motion.md"
 _BEGIN, _END = "<!-- speed -->\n", "<!-- end of speed -->\n"
 
 
-def seconds(run: Callable[[], object], *, repeat: int = 5) -> float:
+def seconds(run: Callable[[], object], *, repeat: int = 12) -> float:
     """Return the least processor time of some runs."""
     times = []
     for _ in range(repeat):
@@ -58,7 +58,7 @@ def measured_a_second(gsp_type: GspType) -> float:
     instance: Instance = random_instance(gsp_type, rng)[0]
     R = rotation_from_quaternion(rng.normal(size=(POSES, 4)))
     T = rng.uniform(-1, 1, size=(POSES, 3))
-    return POSES / seconds(lambda: measure(instance, R, T), repeat=3)
+    return POSES / seconds(lambda: measure(instance, R, T), repeat=10)
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ def alone(moves: Moves) -> float:
         start = platform.points(moves.R[:1, 0], moves.T[:1, 0])
         platform.poses(platform.follow(platform.internal(moves.values[:1]), branch, start).points)
 
-    return seconds(run, repeat=30) / len(moves.values[0, 1:]) * 1e6
+    return seconds(run, repeat=400) / len(moves.values[0, 1:]) * 1e6
 
 
 def figures() -> Iterator[tuple[str, str, str]]:

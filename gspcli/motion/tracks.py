@@ -118,14 +118,18 @@ class Track:
 
     @cached_property
     def conditions(self) -> Array:
-        """Condition numbers of the poses, shape (m, r); NaN where there is none."""
+        """Condition numbers of the poses, shape (m, r); NaN where there is none.
+
+        Lengths are measured by that of the instance as given, at all rows.
+        """
+        length = Arrangement.of(self.instance).length
         conditions = np.full(self.T.shape[:2], np.nan)
         there = ~np.isnan(self.T[..., 0])
         for rows, instance in self.instances():
             here = np.zeros(there.shape, bool)
             here[:, rows] = there[:, rows]
             conditions[here] = condition_numbers(
-                Arrangement.of(instance), self.R[here], self.T[here]
+                Arrangement.of(instance), self.R[here], self.T[here], length
             )
         return conditions
 

@@ -320,3 +320,11 @@ def test_there_is_no_clearance_where_lines_meet():
     R, T = real.R[real.real].real, real.T[real.real].real
     assert len(R)
     assert (clearances(meeting, R, T) == 0).all()
+
+
+def test_conditions_are_those_of_solve():
+    instance = gspcli.load(data_path("examples", "platform-6-6.yaml"))
+    stated = np.array([row.value.value for row in instance.constraints])
+    result = track(instance, [stated, stated + [0.3, 0, 0, 0, 0, -0.2]])
+    solved = gspcli.solve(instance)
+    np.testing.assert_allclose(result.conditions[:, 0], solved.conditions[solved.real], rtol=1e-6)
