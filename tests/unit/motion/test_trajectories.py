@@ -325,6 +325,6 @@ def test_there_is_no_clearance_where_lines_meet():
 def test_conditions_are_those_of_solve():
     instance = gspcli.load(data_path("examples", "platform-6-6.yaml"))
     stated = np.array([row.value.value for row in instance.constraints])
-    result = track(instance, [stated, stated + [0.3, 0, 0, 0, 0, -0.2]])
+    result = track(instance, [stated, stated + np.array([0.3, 0, 0, 0, 0, -0.2])])
     solved = gspcli.solve(instance)
     np.testing.assert_allclose(result.conditions[:, 0], solved.conditions[solved.real], rtol=1e-6)
