@@ -47,10 +47,10 @@ def ends_from_flat(
     -------
     ComplexArray or None
         Points of norm one, shape (n, 8); None unless a body of six legs is flat, and no paths
-        collide.
+        collide. None of shared joints, too: most paths to these go wrong.
     """
     platform, base = (bool(np.ptp(points[:, 2]) <= _FLAT) for points in (y, x))
-    if set(kinds) != {DPP} or not (platform or base):
+    if set(kinds) != {DPP} or not (platform or base) or _shares_joints(y) or _shares_joints(x):
         return None
     start = _start(platform, base)
     ends = None if start is None else ends_from_start(start, system.coefficients.g, FROM_START)
@@ -61,6 +61,10 @@ def ends_from_flat(
     ends = ends[np.abs((ends[:, :4] ** 2).sum(axis=1)) > _FINITE]
     alike = np.abs(ends.conj() @ ends.T) > 1 - _SAME
     return None if alike.sum() > len(ends) else ends
+
+
+def _shares_joints(points: Array) -> bool:
+    return len(set(map(tuple, points.tolist()))) < len(points)
 
 
 @cache

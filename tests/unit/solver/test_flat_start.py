@@ -34,8 +34,8 @@ def test_the_solutions_are_those_of_the_stored_start(name):
     assert sorted(alike.argmax(axis=1).tolist()) == list(range(28))
 
 
-def test_only_legs_of_flat_bodies_have_such_a_start():
-    for name in ("rubin-m2", "sdss-primary"):
+def test_only_legs_of_flat_bodies_with_joints_of_their_own_have_such_a_start():
+    for name in ("rubin-m2", "sdss-primary", "linuxcnc-hexapod"):
         given = geometry(load(str(data_path("platforms", f"{name}.yaml"))))
         assert geometry_start(*given, *ABOUT, 1, way=Way.FLAT) is None
 
