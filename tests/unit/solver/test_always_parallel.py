@@ -168,6 +168,20 @@ def test_motions_are_proved_where_lines_are_parallel_and_where_not(skew: bool) -
     assert {motion.dimension for motion in result.motions} == {1}
 
 
+@pytest.mark.parametrize("length", ["1", "sqrt(2)", "sind(41.37)", "1000000"])
+def test_both_sides_are_the_plate_on_both_faces(length: str) -> None:
+    # Of a foot on either side of the table one leaves the plate upright, and one turned over.
+    result = solve(
+        _spec(
+            ("F1: {point: [3, 0, 0]", f"F1: {{point: [3, 0, {length}]"),
+            ("[F1, table], value: 0", f"[F1, table], value: {length}, side: both"),
+        )
+    )
+    assert result.verdict == "complete"
+    assert result.proof is not None
+    assert (len(result.R), int(result.real.sum())) == _planar_counts()
+
+
 def test_one_pose_too_few_or_too_many_is_never_complete(monkeypatch: pytest.MonkeyPatch) -> None:
     from gspcli.solver import special
 
