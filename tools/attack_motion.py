@@ -23,13 +23,11 @@ counted as `refused`. What does not hold is printed with its seed, and the exit 
 
 from __future__ import annotations
 
-import contextlib
 import csv
 import io
 import json
 import sys
 import tempfile
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -37,14 +35,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from motion_attacks import attack_by_seeds, call
 from numpy.typing import NDArray
-from recording import CONFIRMED, DIFFERENT, parser
 
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.types import all_types
-from gspcli.cli.main import run
-from gspcli.defaults import SEED
-from gspcli.errors import INTERRUPTED, GspError
+from gspcli.errors import GspError
 from gspcli.geometry.coordinates import choose, coordinates, moved
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_vector
@@ -176,14 +172,11 @@ def track(given: Attack, form: str) -> tuple[int, Any, str]:
         spec, values = Path(folder, "platform.yaml"), Path(folder, "values.csv")
         spec.write_text(dumps(given.instance), encoding="utf-8")
         values.write_text(given.text, encoding="utf-8")
-        out, err = io.StringIO(), io.StringIO()
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-            options = ["--all", "--format", form, *given.options]
-            code = run(["track", str(spec), str(values), *options])
-    text = out.getvalue()
+        options = ["--all", "--format", form, *given.options]
+        code, text, said = call("track", str(spec), str(values), *options)
     if form == "csv":
-        return code, list(csv.DictReader(io.StringIO(text))), err.getvalue()
-    return code, json.loads(text) if text else None, err.getvalue()
+        return code, list(csv.DictReader(io.StringIO(text))), said
+    return code, json.loads(text) if text else None, said
 
 
 def problems(given: Attack) -> Iterator[str]:
@@ -306,28 +299,12 @@ def _backwards(given: Attack, document: Any) -> Iterator[str]:
         yield f"folds at {folds[0]} forth, at {folds[1]} back"
 
 
-def main() -> int:
-    """Attack; return the exit code."""
-    options = parser(__doc__)
-    options.add_argument("--count", type=int, default=50, help="how many attacks")
-    options.add_argument("--seed", type=int, default=SEED, help="of the first one")
-    options.add_argument("--most", type=int, default=32, help="poses of the types")
-    arguments = options.parse_args()
-    counts: Counter[str] = Counter()
-    for seed in range(arguments.seed, arguments.seed + arguments.count):
-        turn = TURNS[seed % len(TURNS)]
-        given = attack(turn, arguments.most, np.random.default_rng(seed))
-        found = list(problems(given))
-        refused = any(problem.startswith("refused") for problem in found)
-        counts["refused" if refused else "wrong" if found else "right"] += 1
-        for problem in found:
-            print(f"seed {seed}, {turn}, {given.instance.type.id}: {problem}", flush=True)
-    print(", ".join(f"{count} {what}" for what, count in sorted(counts.items())))
-    return DIFFERENT if counts["wrong"] else CONFIRMED
+def attacking(seed: int, rng: np.random.Generator, most: int) -> tuple[str, list[str]]:
+    """Attack with one platform; return its type and turn, and what does not hold."""
+    turn = TURNS[seed % len(TURNS)]
+    given = attack(turn, most, rng)
+    return f"{turn}, {given.instance.type.id}", list(problems(given))
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)
+    sys.exit(attack_by_seeds(__doc__, attacking))

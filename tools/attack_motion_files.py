@@ -21,13 +21,10 @@ with its seed, and the exit code is 1.
 
 from __future__ import annotations
 
-import contextlib
-import io
 import json
 import re
 import sys
 import tempfile
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import permutations
@@ -36,15 +33,13 @@ from typing import Any
 
 import numpy as np
 import yaml
+from motion_attacks import attack_by_seeds, call
 from numpy.typing import NDArray
-from recording import CONFIRMED, DIFFERENT, parser
 from scipy.spatial.transform import Rotation
 
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.types import all_types
-from gspcli.cli.main import run
-from gspcli.defaults import SEED
-from gspcli.errors import INTERRUPTED, GspError
+from gspcli.errors import GspError
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_vector
 from gspcli.motion import measure
@@ -172,14 +167,6 @@ def _columns(
     return columns, options
 
 
-def call(*words: str) -> tuple[int, str, str]:
-    """Run a command; return the exit code, what is written and what is said."""
-    out, err = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        code = run(list(words))
-    return code, out.getvalue(), err.getvalue()
-
-
 def problems(given: Attack, rng: np.random.Generator) -> Iterator[str]:
     """Yield what does not hold; the first word `refused` means that nothing can be said."""
     first: dict[str, Any] | None = None
@@ -294,28 +281,11 @@ def place(line: str, mark: str, column: int) -> int:
     return start + text.lstrip().startswith('"')
 
 
-def main() -> int:
-    """Attack; return the exit code."""
-    options = parser(__doc__)
-    options.add_argument("--count", type=int, default=50, help="how many attacks")
-    options.add_argument("--seed", type=int, default=SEED, help="of the first one")
-    options.add_argument("--most", type=int, default=32, help="poses of the types")
-    arguments = options.parse_args()
-    counts: Counter[str] = Counter()
-    for seed in range(arguments.seed, arguments.seed + arguments.count):
-        rng = np.random.default_rng(seed)
-        given = attack(arguments.most, rng)
-        found = list(problems(given, rng))
-        refused = any(problem.startswith("refused") for problem in found)
-        counts["refused" if refused else "wrong" if found else "right"] += 1
-        for problem in found:
-            print(f"seed {seed}, {given.instance.type.id}: {problem}", flush=True)
-    print(", ".join(f"{count} {what}" for what, count in sorted(counts.items())))
-    return DIFFERENT if counts["wrong"] else CONFIRMED
+def attacking(_seed: int, rng: np.random.Generator, most: int) -> tuple[str, list[str]]:
+    """Attack with one trajectory; return its type, and what does not hold."""
+    given = attack(most, rng)
+    return given.instance.type.id, list(problems(given, rng))
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)
+    sys.exit(attack_by_seeds(__doc__, attacking))

@@ -19,31 +19,12 @@ from gspcli.geometry.instance import Instance
 from gspcli.resources import data_directory
 from gspcli.solver.generate import random_instance
 from gspcli.spec import load, loads
+from tests.support.posts import PLATE_ON_POSTS
 
 #: A plate on three points between three round posts: one foot is longer.
-SPEC = """
-gsp: 1
-units: {length: unit, angle: deg}
-platform:
-  F1: {point: [3, 0, 1]}
-  F2: {point: [-1, 2, 0]}
-  F3: {point: [-2, -1, 0]}
-  H1: {line: {point: [1, 0, 0], direction: [0, 0, 1]}}
-  H2: {line: {point: [-1, 1, 0], direction: [0, 0, 1]}}
-  H3: {line: {point: [0, -2, 0], direction: [0, 0, 1]}}
-base:
-  table: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}
-  P1: {line: {point: [2, 1, 0], direction: [0, 0, 1]}}
-  P2: {line: {point: [-2, 2, 0], direction: [0, 0, 1]}}
-  P3: {line: {point: [1, -3, 0], direction: [0, 0, 1]}}
-constraints:
-  - {distance: [F1, table], value: 1, side: positive}
-  - {distance: [F2, table], value: 0}
-  - {distance: [F3, table], value: 0}
-  - {distance: [H1, P1], value: 3/2}
-  - {distance: [H2, P2], value: 2}
-  - {distance: [H3, P3], value: 1}
-"""
+SPEC = PLATE_ON_POSTS.replace("F1: {point: [3, 0, 0]}", "F1: {point: [3, 0, 1]}").replace(
+    "{distance: [F1, table], value: 0}", "{distance: [F1, table], value: 1, side: positive}"
+)
 WORK = 10**10
 
 
