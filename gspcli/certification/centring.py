@@ -38,7 +38,7 @@ def length_scale(instance: Instance, distances: Iterable[float] | None = None) -
     """
     if distances is None:
         distances = (c.value.value for c in instance.constraints if c.kind.is_distance)
-    size = max(_reach(instance), *map(abs, distances))
+    size = max([_reach(instance), *map(abs, distances)])
     return 2.0 ** math.frexp(size)[1] if 0 < size < math.inf else 1.0
 
 
