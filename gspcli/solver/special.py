@@ -27,7 +27,7 @@ from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.search import Search
 from gspcli.solver.study_systems import side_choices
 from gspcli.solver.tracking import pursue_each
-from gspcli.solver.uncounted import without_count
+from gspcli.solver.uncounted import FEW, without_count
 
 #: Counts that mislead with a larger probability are worth another one.
 _DOUBTFUL = 1e-9
@@ -55,7 +55,10 @@ def solve_special(
         Work that the exact count may take (`certification.counting`), None for no limit;
         if it is zero, nothing is counted.
     """
-    count = exact_count(instance, seed=seed, limit=limit) if limit != 0 else None
+    count = None
+    if limit != 0:
+        astray = any(_many_astray(pursuit) for pursuit in pursuits)
+        count = exact_count(instance, seed=seed, limit=limit, suspect=astray)
     locator = Locator(instance, Frames.of(arrangement))
     searches = [
         Search(arrangement, locator, pursuit, sides)
@@ -92,6 +95,12 @@ def solve_special(
     geometry = geometry_count(instance, seed=seed, limit=limit)
     proof = _by_geometry(poses, geometry)
     return poses if proof is None else replace(poses, proof=min(proof, poses.proof, key=_error))
+
+
+def _many_astray(pursuit: Pursuit) -> bool:
+    """Return whether so many paths do not end at simple poses that these may be infinitely many."""
+    ends = pursuit.first()
+    return int((~(ends.simple & ends.settled)).sum()) * FEW > pursuit.paths
 
 
 def _infinite(instance: Instance, count: ExactCount) -> Proof | None:

@@ -19,7 +19,7 @@ from gspcli.solver.search import Search
 _STEPS = 4
 #: If at most one path in so many is missing, paths jumped rather than that the platform is special:
 #: other paths find what is missing.
-_FEW = 50
+FEW = 50
 
 
 def without_count(search: Search, most: int | None) -> PoseSet:
@@ -36,7 +36,7 @@ def without_count(search: Search, most: int | None) -> PoseSet:
     found, paths = search.found, search.pursuit.paths
     for step, _ in enumerate(search.steps(), 1):
         missing = min(paths - len(found) - len(search.infinite), (most or paths) - len(found))
-        if missing <= 0 or (step >= _STEPS and missing * _FEW > paths):
+        if missing <= 0 or (step >= _STEPS and missing * FEW > paths):
             break
     is_all = len(found) == most
     at_infinity = paths - len(found) if is_all else len(search.infinite)

@@ -26,7 +26,11 @@ _UNLIMITED = 2**62
 
 
 def exact_count(
-    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
+    instance: Instance,
+    *,
+    seed: int = SEED,
+    limit: float | None = DEFAULT_LIMIT,
+    suspect: bool = True,
 ) -> ExactCount | None:
     """Return how many solutions an instance has, or None if that could not be computed.
 
@@ -39,6 +43,8 @@ def exact_count(
     limit
         Work after which to give up, in billions of multiplications modulo the prime (a second or
         two each); None for none.
+    suspect
+        Whether it is worth as much again to look for infinitely many solutions by a hyperplane.
 
     Returns
     -------
@@ -46,7 +52,7 @@ def exact_count(
         None where `count_exactly` raises.
     """
     try:
-        return count_exactly(instance, seed=seed, limit=limit)
+        return count_exactly(instance, seed=seed, limit=limit, suspect=suspect)
     except NotCountedError:
         return None
 
@@ -65,7 +71,11 @@ def geometry_count(
 
 
 def count_exactly(
-    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
+    instance: Instance,
+    *,
+    seed: int = SEED,
+    limit: float | None = DEFAULT_LIMIT,
+    suspect: bool = True,
 ) -> ExactCount:
     """Return how many solutions an instance has.
 
@@ -82,7 +92,7 @@ def count_exactly(
         found = count_equations(instance, seed, max_work, values_free=False)
     except NotCountedError:
         # That there are infinitely many can be far less work.
-        infinite = _infinite(instance, seed, max_work)
+        infinite = _infinite(instance, seed, max_work) if suspect else None
         if infinite is None:
             raise
         return infinite

@@ -102,5 +102,6 @@ def test_infinitely_many_are_proved_where_a_count_is_too_much_work() -> None:
     assert count.solutions is None
     assert 0 < count.error < 1e-9
     assert len(count.primes) > 1
-    # Finitely many are not proved so.
+    # Finitely many are not proved so, and nothing is unless there is a suspicion.
     assert exact_count(instance, limit=0.01) is None
+    assert exact_count(twice, limit=1.0, suspect=False) is None
