@@ -9,3 +9,6 @@ SEED = 20031
 TOLERANCE = 1e-6
 #: Bits at which `certify` stops raising the precision.
 MAX_PRECISION = 1024
+#: Work that an exact count may take unless somebody asks for it, in billions of multiplications
+#: modulo a prime: about as many seconds.
+PATIENCE = 2.0

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import MAX_ANGLES
-from gspcli.defaults import SEED
+from gspcli.defaults import PATIENCE, SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance
@@ -31,9 +31,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-#: Work that an exact count may take unless somebody asks for it, in billions of multiplications
-#: modulo a prime: about as many seconds.
-PATIENCE = 2.0
 #: So many answers of the closed form are put together.
 _BLOCK = 64
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from gspcli import __version__
 from gspcli.continuation.paths import PathAccount, Verdict
+from gspcli.defaults import PATIENCE
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import LeftLimit, has_limits, left_limits
@@ -151,7 +152,6 @@ class SolveResult:
         if self.exact_count is None and self.verdict != "infinite":
             return None
         from gspcli.certification.counting import geometry_count
-        from gspcli.solver.api import PATIENCE
         from gspcli.solver.special_geometry import kept_count
 
         # Distances of zero leave no sides to choose, and are no values in general position.
