@@ -7,7 +7,7 @@ The grammar, with any blanks between the tokens::
     signed  = { "+" | "-" } atom
     atom    = decimal | "pi" | function "(" sum ")" | "(" sum ")"
 
-The functions are those of `gspcli.geometry.numbers.FUNCTIONS`, whose trigonometric ones take and
+The functions are those of `gspcli.geometry.evaluation.FUNCTIONS`, whose trigonometric ones take and
 give radians, and sind, cosd and tand of degrees: ``cosd(x)`` is ``cos(x*pi/180)``. Subexpressions
 that are rational are kept as one fraction; so are products with zero, roots of squares, and the
 functions of zero and of those multiples of pi whose values are rational.
@@ -17,13 +17,18 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from difflib import get_close_matches
 from fractions import Fraction
+from typing import Generic, TypeVar
 
-from gspcli.geometry.numbers import FUNCTIONS, LARGEST, SMALLEST, Number
+from gspcli.geometry.evaluation import FUNCTIONS, LARGEST, SMALLEST, Expression
 from gspcli.geometry.separation import multiple_of_pi
 from gspcli.geometry.signs import sign_of
 from gspcli.wording import shown
+
+#: A tree of some class.
+Tree = TypeVar("Tree", bound=Expression)
 
 MAX_LENGTH = 400
 MAX_NESTING = 20
@@ -67,8 +72,15 @@ _HINTS = {
 }
 
 
-def parse_number(text: str) -> Number:
-    """Return the exact number that a text denotes.
+def parsed(text: str, node: Callable[..., Tree]) -> Tree:
+    """Return the tree of the exact number that a text denotes.
+
+    Parameters
+    ----------
+    text
+        As it was written.
+    node
+        Makes a tree of an operation and a tuple of operands.
 
     Raises
     ------
@@ -81,7 +93,7 @@ def parse_number(text: str) -> Number:
     if len(text) > MAX_LENGTH:
         message = f"found {len(text)} characters, expected a number of at most {MAX_LENGTH}"
         raise ValueError(message)
-    number = _Parser(text).number()
+    number = _Parser(text, node).number()
     size = abs(number.value)
     if number.fraction == 0 or (SMALLEST <= size <= LARGEST and sign_of(number)):
         return number
@@ -94,11 +106,12 @@ def parse_number(text: str) -> Number:
     raise ValueError(message)
 
 
-class _Parser:
+class _Parser(Generic[Tree]):
     """Recursive descent over one expression."""
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, node: Callable[..., Tree]) -> None:
         self.text = text
+        self.node = node
         self.tokens = self._tokens()
         self.position = 0
         self.nesting = 0
@@ -129,7 +142,7 @@ class _Parser:
             return token
         return None
 
-    def number(self) -> Number:
+    def number(self) -> Tree:
         number = self._sum()
         kind, _ = self.tokens[self.position]
         if kind != "end":
@@ -137,13 +150,13 @@ class _Parser:
             raise self._unexpected("an operator or the end", product)
         return number
 
-    def _sum(self) -> Number:
+    def _sum(self) -> Tree:
         number = self._product()
         while symbol := self._take("+", "-"):
             number = self._apply(symbol, number, self._product())
         return number
 
-    def _product(self) -> Number:
+    def _product(self) -> Tree:
         number = self._signed()
         while symbol := self._take("*", "/"):
             if symbol == "*" and self.tokens[self.position] == ("symbol", "*"):
@@ -151,14 +164,14 @@ class _Parser:
             number = self._apply(symbol, number, self._signed())
         return number
 
-    def _signed(self) -> Number:
+    def _signed(self) -> Tree:
         negative = False
         while sign := self._take("+", "-"):
             negative ^= sign == "-"
         number = self._atom()
         return self._apply("neg", number) if negative else number
 
-    def _atom(self) -> Number:
+    def _atom(self) -> Tree:
         kind, token = self.tokens[self.position]
         if kind == "decimal":
             self.position += 1
@@ -170,15 +183,15 @@ class _Parser:
             return self._parenthesis()
         raise self._unexpected("a number")
 
-    def _decimal(self, token: str) -> Number:
+    def _decimal(self, token: str) -> Tree:
         exponent = token.lower().partition("e")[2]
         if exponent and abs(int(exponent)) > _MAX_EXPONENT:
             raise self._error(shown(token), f"an exponent of at most {_MAX_EXPONENT}")
-        return Number("rational", (Fraction(token),))
+        return self.node("rational", (Fraction(token),))
 
-    def _named(self, name: str) -> Number:
+    def _named(self, name: str) -> Tree:
         if name == "pi":
-            return Number("pi")
+            return self.node("pi", ())
         known = ["pi", *FUNCTIONS, *_OF_DEGREES]
         if name not in known:
             self.position -= 1
@@ -189,12 +202,12 @@ class _Parser:
             raise self._unexpected(f"( after {name}")
         argument = self._parenthesis()
         if name in _OF_DEGREES:
-            turned = self._apply("*", argument, Number("pi"))
-            radians = self._apply("/", turned, Number("rational", (Fraction(180),)))
+            turned = self._apply("*", argument, self.node("pi", ()))
+            radians = self._apply("/", turned, self.node("rational", (Fraction(180),)))
             return self._apply(_OF_DEGREES[name], radians)
         return self._apply(name, argument)
 
-    def _parenthesis(self) -> Number:
+    def _parenthesis(self) -> Tree:
         self.nesting += 1
         if self.nesting > MAX_NESTING:
             raise self._error(f"more than {MAX_NESTING} nested parentheses", "a simpler expression")
@@ -204,9 +217,9 @@ class _Parser:
         self.nesting -= 1
         return number
 
-    def _apply(self, operation: str, *arguments: Number) -> Number:
+    def _apply(self, operation: str, *arguments: Tree) -> Tree:
         """Return the number of an operation, checked to exist; a fraction if it is rational."""
-        number = Number(operation, arguments)
+        number = self.node(operation, arguments)
         try:
             exact = number.fraction
             if exact is None:
@@ -215,7 +228,7 @@ class _Parser:
             _ = number.value
             if operation in _MAY_BE_ZERO and exact is None and sign_of(number) == 0:
                 exact = Fraction(0)
-            if operation in ("/", "tan") and not sign_of(_divisor(operation, arguments)):
+            if operation in ("/", "tan") and not sign_of(self._divisor(operation, arguments)):
                 raise ZeroDivisionError
         except ZeroDivisionError:
             if operation == "tan":
@@ -228,14 +241,13 @@ class _Parser:
             argument = arguments[0].value
             domain = "an argument of at least 0" if operation == "sqrt" else "one from -1 to 1"
             raise self._error(f"{operation} of {argument:.6g}", domain) from None
-        return number if exact is None else Number("rational", (exact,))
+        return number if exact is None else self.node("rational", (exact,))
+
+    def _divisor(self, operation: str, arguments: tuple[Tree, ...]) -> Tree:
+        return arguments[1] if operation == "/" else self.node("cos", arguments)
 
 
-def _divisor(operation: str, arguments: tuple[Number, ...]) -> Number:
-    return arguments[1] if operation == "/" else Number("cos", arguments)
-
-
-def _rational_value(operation: str, arguments: tuple[Number, ...]) -> Fraction | None:
+def _rational_value(operation: str, arguments: tuple[Expression, ...]) -> Fraction | None:
     """Return the value of an operation on what is not all rational if it is known to be so.
 
     Raises

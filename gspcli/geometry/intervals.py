@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from gspcli.geometry.numbers import FUNCTIONS
+from gspcli.geometry.evaluation import FUNCTIONS
 
 _DOMAINS = {"sqrt": (0.0, math.inf), "asin": (-1.0, 1.0), "acos": (-1.0, 1.0)}
 
@@ -78,7 +78,7 @@ class _Intervals:
         return Interval.around(*map(function, ends), ulps=2)
 
 
-#: The arithmetic for `Number.evaluate`.
+#: The arithmetic for `Expression.evaluate`.
 INTERVALS = _Intervals()
 
 

@@ -6,50 +6,26 @@ same tree in ball arithmetic, so that what is proved is about the number that wa
 
 from __future__ import annotations
 
-import math
 import numbers
-from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, Protocol, SupportsFloat, TypeAlias, TypeVar
+from typing import Any, SupportsFloat, TypeAlias
 
 from gspcli.errors import ArgumentError
+from gspcli.geometry.evaluation import (
+    FUNCTIONS,
+    LARGEST,
+    RATIONAL_OPERATIONS,
+    SMALLEST,
+    Element,
+    Field,
+    rounded_ratio,
+)
+from gspcli.geometry.expressions import parsed
+from gspcli.geometry.signs import nearest
 
-Element = TypeVar("Element")
-
-
-class Field(Protocol[Element]):
-    """Arithmetic in which a `Number` can be evaluated; elements support ``+ - * /``."""
-
-    def rational(self, value: Fraction) -> Element:
-        """Return the element of a rational number."""
-        ...
-
-    def pi(self) -> Element:
-        """Return the element of pi."""
-        ...
-
-    def function(self, name: str, argument: Element) -> Element:
-        """Return sqrt, sin, cos, tan, asin, acos or atan of an element."""
-        ...
-
-
-#: The functions that an expression may use, for floating-point evaluation.
-FUNCTIONS: dict[str, Callable[[float], float]] = {
-    "sqrt": math.sqrt,
-    "sin": math.sin,
-    "cos": math.cos,
-    "tan": math.tan,
-    "asin": math.asin,
-    "acos": math.acos,
-    "atan": math.atan,
-}
-
-
-#: A number is zero or of a magnitude in this range: its fourth power is still a finite float.
-SMALLEST, LARGEST = 1e-60, 1e60
 #: What a caller may give for a number; NumPy's scalars are registered with `numbers.Real`.
 Real: TypeAlias = "int | float | str | Fraction | Decimal | SupportsFloat | Number"
 
@@ -70,19 +46,11 @@ def _fraction(value: object) -> Fraction:
         message = f"found {_quoted(value)}, expected a finite number"
         raise ArgumentError(message)
     numerator, denominator = ratio
-    if numerator and not SMALLEST <= abs(_ratio(numerator, denominator)) <= LARGEST:
+    if numerator and not SMALLEST <= abs(rounded_ratio(numerator, denominator)) <= LARGEST:
         expected = f"expected 0 or a magnitude from {SMALLEST:g} to {LARGEST:g}"
         message = f"found {value}, {expected}"
         raise ArgumentError(message)
     return Fraction(numerator, denominator)
-
-
-def _ratio(numerator: int, denominator: int) -> float:
-    """Return a fraction rounded to a float: infinite if no finite one is as large."""
-    try:
-        return numerator / denominator
-    except OverflowError:
-        return math.inf if numerator > 0 else -math.inf
 
 
 def _decimal_ratio(text: str) -> tuple[int, int] | None:
@@ -92,21 +60,6 @@ def _decimal_ratio(text: str) -> tuple[int, int] | None:
 
 def _quoted(value: object) -> str:
     return str(value) if isinstance(value, numbers.Number) else f"a {type(value).__name__}"
-
-
-class _FloatField:
-    def rational(self, value: Fraction) -> float:
-        return _ratio(value.numerator, value.denominator)
-
-    def pi(self) -> float:
-        return math.pi
-
-    def function(self, name: str, argument: float) -> float:
-        return FUNCTIONS[name](argument)
-
-
-#: Floating point, for `Number.evaluate`.
-FLOATS = _FloatField()
 
 
 @dataclass(frozen=True)
@@ -143,9 +96,6 @@ class Number:
         if isinstance(value, Number):
             return value
         if isinstance(value, str):
-            # That module reads expressions of the class defined here.
-            from gspcli.geometry.expressions import parse_number
-
             try:
                 return parse_number(value)
             except ValueError as error:
@@ -159,9 +109,9 @@ class Number:
             value: Fraction = self.arguments[0]
             return value
         parts = [argument.fraction for argument in self.arguments]
-        if self.operation not in _RATIONAL_OPERATIONS or None in parts:
+        if self.operation not in RATIONAL_OPERATIONS or None in parts:
             return None
-        result: Fraction = _RATIONAL_OPERATIONS[self.operation](*parts)
+        result: Fraction = RATIONAL_OPERATIONS[self.operation](*parts)
         return result
 
     @cached_property
@@ -172,10 +122,7 @@ class Number:
         """
         exact = self.arguments[0] if self.operation == "rational" else self.fraction
         if exact is not None:
-            return _ratio(exact.numerator, exact.denominator)
-        # Those modules evaluate numbers of the class defined here.
-        from gspcli.geometry.signs import nearest
-
+            return rounded_ratio(exact.numerator, exact.denominator)
         return nearest(self)
 
     def evaluate(self, field: Field[Element]) -> Element:
@@ -185,8 +132,8 @@ class Number:
         if self.operation == "pi":
             return field.pi()
         parts: list[Any] = [argument.evaluate(field) for argument in self.arguments]
-        if self.operation in _RATIONAL_OPERATIONS:
-            result: Element = _RATIONAL_OPERATIONS[self.operation](*parts)
+        if self.operation in RATIONAL_OPERATIONS:
+            result: Element = RATIONAL_OPERATIONS[self.operation](*parts)
             return result
         return field.function(self.operation, parts[0])
 
@@ -206,13 +153,17 @@ class Number:
         return f"Number.of({str(self)!r})"
 
 
-_RATIONAL_OPERATIONS: dict[str, Callable[..., Any]] = {
-    "+": lambda a, b: a + b,
-    "-": lambda a, b: a - b,
-    "*": lambda a, b: a * b,
-    "/": lambda a, b: a / b,
-    "neg": lambda a: -a,
-}
+def parse_number(text: str) -> Number:
+    """Return the exact number that a text denotes (`gspcli.geometry.expressions`).
+
+    Raises
+    ------
+    ValueError
+        If it denotes none; the message says what was found and what is expected.
+    """
+    return parsed(text, Number)
+
+
 _PRECEDENCE = {"+": 1, "-": 1, "*": 2, "/": 2, "neg": 3}
 
 

@@ -14,7 +14,7 @@ from fractions import Fraction
 from math import isqrt, lcm
 from typing import NamedTuple
 
-from gspcli.geometry.numbers import Number
+from gspcli.geometry.evaluation import Expression
 
 
 class _Bounds(NamedTuple):
@@ -22,11 +22,11 @@ class _Bounds(NamedTuple):
 
     above: int
     below: int
-    roots: frozenset[Number]
+    roots: frozenset[Expression]
     order: int
 
 
-def separation_bits(number: Number) -> int | None:
+def separation_bits(number: Expression) -> int | None:
     """Return b such that a number is zero or at least ``2^-b`` in modulus.
 
     None if it is not known to be algebraic.
@@ -38,7 +38,7 @@ def separation_bits(number: Number) -> int | None:
     return found.above.bit_length() * (degree - 1) + found.below.bit_length()
 
 
-def _bounds(number: Number) -> _Bounds | None:
+def _bounds(number: Expression) -> _Bounds | None:
     operation, arguments = number.operation, number.arguments
     if number.fraction is not None:
         p, q = number.fraction.as_integer_ratio()
@@ -68,7 +68,7 @@ def _bounds(number: Number) -> _Bounds | None:
     )
 
 
-def _trigonometric(operation: str, angle: Number) -> _Bounds | None:
+def _trigonometric(operation: str, angle: Expression) -> _Bounds | None:
     halves = multiple_of_pi(angle)
     if halves is None:
         return None
@@ -79,7 +79,7 @@ def _trigonometric(operation: str, angle: Number) -> _Bounds | None:
     return _Bounds(size, size, frozenset(), order)
 
 
-def multiple_of_pi(number: Number) -> Fraction | None:
+def multiple_of_pi(number: Expression) -> Fraction | None:
     """Return the rational factor if a number is a rational multiple of pi, as it is written."""
     operation, arguments = number.operation, number.arguments
     if operation == "pi":

@@ -11,8 +11,8 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+from gspcli.geometry.evaluation import FLOATS, Expression
 from gspcli.geometry.intervals import INTERVALS, FineIntervals, Interval
-from gspcli.geometry.numbers import FLOATS, Number
 from gspcli.geometry.separation import separation_bits
 
 #: Precisions that are tried in turn, and the largest one for a proof that a number is zero.
@@ -21,7 +21,7 @@ _BITS, _MOST_BITS = (128, 512, 2048), 2**15
 _NARROW = 2.0**-40
 
 
-def sign_of(number: Number) -> int | None:
+def sign_of(number: Expression) -> int | None:
     """Return 1, 0 or -1, proved; None if the sign is not known.
 
     Raises
@@ -48,7 +48,7 @@ def sign_of(number: Number) -> int | None:
     return None
 
 
-def nearest(number: Number) -> float:
+def nearest(number: Expression) -> float:
     """Return the double next to a number, but for a few units in the last place.
 
     Raises
@@ -66,7 +66,7 @@ def nearest(number: Number) -> float:
     return number.evaluate(FLOATS)
 
 
-def _in_doubles(number: Number) -> Interval | None:
+def _in_doubles(number: Expression) -> Interval | None:
     """Return an interval in floating point; None next to the end of a domain."""
     try:
         return number.evaluate(INTERVALS)
@@ -74,7 +74,7 @@ def _in_doubles(number: Number) -> Interval | None:
         return None
 
 
-def _finer(number: Number, precisions: tuple[int, ...]) -> Iterator[tuple[Any, Any]]:
+def _finer(number: Expression, precisions: tuple[int, ...]) -> Iterator[tuple[Any, Any]]:
     """Yield the ends of intervals with ever more digits."""
     for bits in precisions:
         field = FineIntervals(bits)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from gspcli.geometry.expressions import parse_number
-from gspcli.geometry.numbers import Number
+from gspcli.geometry.numbers import Number, parse_number
 from gspcli.spec.document import Mapping, Scalar, Sequence, Value
 from gspcli.wording import listed, shown
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from gspcli.errors import ArgumentError, Problem, SpecError
-from gspcli.geometry.expressions import parse_number
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.numbers import Number, Real
+from gspcli.geometry.numbers import Number, Real, parse_number
 from gspcli.geometry.ranges import wrong_value
 from gspcli.wording import shown
 

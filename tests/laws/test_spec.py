@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 
 from gspcli.catalogue.kinds import KINDS_BY_NAME
 from gspcli.errors import SpecError
-from gspcli.geometry.expressions import parse_number
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
-from gspcli.geometry.numbers import Number
+from gspcli.geometry.numbers import Number, parse_number
 from gspcli.geometry.primitives import Line, Plane, Point
 from gspcli.resources import data_directory
 from gspcli.spec import dumps, loads, read_text

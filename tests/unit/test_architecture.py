@@ -6,6 +6,7 @@ import ast
 import re
 import subprocess
 import sys
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -93,6 +94,38 @@ def test_imports_point_one_way(path: Path) -> None:
             assert room in ROOMS[top], f"{top} belongs in {ROOMS[top]}"
         if room in STANDARD_LIBRARY_ONLY and top not in ("gspcli", "__future__", FRAMES):
             assert top in sys.stdlib_module_names, name
+
+
+def _module(path: Path) -> str:
+    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def _without_type_checking(tree: ast.Module) -> ast.Module:
+    """Drop what only type checkers import."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            node.body = [ast.Pass()]
+    return tree
+
+
+def test_no_file_imports_itself_by_way_of_others() -> None:
+    """Not inside of functions either, where Python would not mind."""
+    modules = {_module(path): path for path in _sources()}
+    graph: dict[str, set[str]] = {}
+    for module, path in modules.items():
+        tree = _without_type_checking(ast.parse(path.read_text(encoding="utf-8")))
+        names = [
+            (f"{node.module}.{alias.name}", node.module)
+            for node in ast.walk(tree)
+            if isinstance(node, ast.ImportFrom)
+            for alias in node.names
+        ]
+        found = {str(name if name in modules else above) for name, above in names}
+        graph[module] = (found & modules.keys()) - {module}
+    # `import gspcli` alone imports nothing: its names are looked up when they are used.
+    del graph["gspcli"]
+    TopologicalSorter(graph).prepare()
 
 
 def test_every_room_has_its_place() -> None:

@@ -7,8 +7,8 @@ import pytest
 
 from gspcli.catalogue.kinds import KINDS_BY_NAME
 from gspcli.export.constants import Constants
-from gspcli.geometry.expressions import parse_number
 from gspcli.geometry.instance import AngleUnit, Constraint
+from gspcli.geometry.numbers import parse_number
 from gspcli.geometry.primitives import Line, vector
 
 LINE = Line(vector(0, 0, 0), vector(0, 0, 1))

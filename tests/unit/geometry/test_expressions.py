@@ -6,8 +6,8 @@ from fractions import Fraction
 import pytest
 import sympy
 
-from gspcli.geometry.expressions import parse_number
 from gspcli.geometry.intervals import INTERVALS
+from gspcli.geometry.numbers import parse_number
 
 
 @pytest.mark.parametrize(

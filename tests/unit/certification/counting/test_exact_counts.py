@@ -11,8 +11,7 @@ from gspcli.certification.counting import (
     exact_count,
     geometry_count,
 )
-from gspcli.geometry.expressions import parse_number
-from gspcli.geometry.numbers import Number
+from gspcli.geometry.numbers import Number, parse_number
 from gspcli.resources import data_directory, data_json
 from gspcli.solver.generate import random_instance
 from gspcli.spec import load

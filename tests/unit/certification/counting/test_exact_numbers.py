@@ -4,9 +4,8 @@ import pytest
 
 from gspcli.certification.counting.elements import Element, NoElementError
 from gspcli.certification.counting.exact_numbers import element, in_radians
-from gspcli.geometry.expressions import parse_number
 from gspcli.geometry.instance import AngleUnit
-from gspcli.geometry.numbers import Number
+from gspcli.geometry.numbers import Number, parse_number
 
 
 def of(text: str) -> Element:

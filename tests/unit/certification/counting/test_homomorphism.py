@@ -7,7 +7,7 @@ import pytest
 from gspcli.certification.counting.elements import NoElementError
 from gspcli.certification.counting.exact_numbers import element
 from gspcli.certification.counting.homomorphism import Requirements, homomorphisms
-from gspcli.geometry.expressions import parse_number
+from gspcli.geometry.numbers import parse_number
 
 
 def images(*texts: str, primes: int = 3):
