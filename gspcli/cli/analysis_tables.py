@@ -95,8 +95,8 @@ def _notes(entry: dict[str, Any], given: Wrenches) -> list[str]:
     point = ", ".join(f"{x:.6g}" for x in entry["point"])
     notes = [
         f"about the point ({point}) {unit}; lengths divided by {given.length:.6g} {unit}:",
-        f"singular values {values}; condition {condition}; "
-        f"manipulability {entry['manipulability']:.6g}",
+        f"singular values {values}; manipulability {entry['manipulability']:.6g}; "
+        f"condition {condition} (rows scaled to one)",
     ]
     if worst["reaction"] is not None:
         along = ", ".join(f"{x:.4g}" for x in worst["direction"])

@@ -80,8 +80,8 @@ def command(
     Without --mode or --pose there is one line for each real pose. For one pose: the wrench of each
     constraint, a force along an axis with a pitch, or a couple for angles; the derivatives of the
     values by a twist (rotation in radians about the axes through the point, velocity of the point)
-    and their inverse; singular values, condition and manipulability of the matrix with lengths
-    divided by the stated length.
+    and their inverse; singular values and manipulability of the matrix with lengths divided by the
+    stated length, and the condition number that `gsp solve` gives.
 
     With --load the forces in the constraints (positive: it pushes towards a greater value) and
     moments for angles. With --tolerance (or tolerance: in SPEC) the largest errors of the pose:

@@ -18,10 +18,11 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import jacobian
 from gspcli.geometry.quaternions import apply, cross
+from gspcli.geometry.residuals import condition_numbers
 
 Array = NDArray[np.float64]
 
-#: Beyond this condition number of the scaled matrix its inverse means nothing.
+#: Beyond this condition number the inverse matrix means nothing.
 _CONDITION = 1e14
 
 
@@ -98,10 +99,12 @@ class Wrenches:
 
     @cached_property
     def conditions(self) -> Array:
-        """The ratio of the largest to the smallest singular value, shape (...)."""
-        values = self.singular_values
-        with np.errstate(divide="ignore"):
-            return np.asarray(values[..., 0] / values[..., -1])
+        """The condition numbers of the poses with the length as the unit, shape (...).
+
+        They are those of `gsp solve` (`condition_numbers`): of the matrix about the centre of the
+        platform with rows of norm one, wherever the point is.
+        """
+        return condition_numbers(Arrangement.of(self.instance), self.R, self.T, self.length)
 
     @cached_property
     def manipulability(self) -> Array:

@@ -24,7 +24,14 @@ def test_one_mode_in_detail(gsp):
     assert run.code == 0
     for title in ("Derivatives of the values by the twist", "Twist by the values", "Errors of"):
         assert title in run.out
-    assert "condition 34.7525; manipulability 0.00335094" in run.out
+    assert "manipulability 0.00335094; condition 34.9255 (rows scaled to one)" in run.out
+
+
+def test_condition_numbers_are_those_of_solve(gsp):
+    analyzed = json.loads(gsp("analyze", HEXAPOD, "--format", "json").out)
+    solved = json.loads(gsp("solve", HEXAPOD, "--format", "json").out)
+    numbers = [pose["condition"] for pose in solved["solutions"] if pose["real"]]
+    assert [pose["condition"] for pose in analyzed["poses"]] == pytest.approx(numbers, rel=1e-9)
 
 
 def test_errors_from_the_geometry(gsp):

@@ -89,7 +89,11 @@ def test_units_of_length_change_no_scaled_number():
     instance, R, T = platform("PP PL LP PH ALL AHH", 2)
     given = wrenches(instance, R, T, length=2.0)
     assert given.manipulability == pytest.approx(abs(np.linalg.det(given.scaled)))
-    assert given.conditions == pytest.approx(np.linalg.cond(given.scaled))
+    rows = given.scaled / np.linalg.norm(given.scaled, axis=-1, keepdims=True)
+    assert given.conditions == pytest.approx(np.linalg.cond(rows))
+    elsewhere = wrenches(instance, R, T, length=2.0, point=(1.0, 2.0, 3.0))
+    assert elsewhere.conditions == given.conditions
+    assert elsewhere.manipulability == pytest.approx(given.manipulability)
     stiffness = given.stiffness(np.arange(1.0, 7))
     assert np.allclose(stiffness, given.jacobian.T @ np.diag(np.arange(1.0, 7)) @ given.jacobian)
 
