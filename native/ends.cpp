@@ -237,7 +237,8 @@ void decide_closely(const Decision& d, int count, C* z, const Mask* above, const
   const FineGeometry fine{d.open.equations.quadrics, d.open.equations.hessian, d.open.hessian_low,
                           d.open.weight, d.open.weight_low, d.open.turned,
                           d.open.equations.equation};
-  const FineValues values{d.given.value, d.given.low, d.given.distance};
+  const FineValues values{d.given.value, d.given.low, d.given.distance,
+                          d.given.distance_low};
   double gap[kEquations];
   for (int r = 0; r < kEquations; ++r) gap[r] = kOutward * d.open.weight_bound[r] * d.given.gap[r];
   C low[N] = {};
@@ -330,7 +331,7 @@ void decide(const OpenGeometry& open, const OpenValues& given, int count, const 
   for (int k = 0; k < left; ++k)
     if (points[N * static_cast<int>(list[k])].re == points[N * static_cast<int>(list[k])].re)
       list[there++] = list[k];
-  if (there > 0 && open.hessian_low) left += decide_all(d, there, list, true) - there;
+  if (there > 0) left += decide_all(d, there, list, true) - there;
   *out.complete = left == 0 && different(count, low, high, list);
 }
 

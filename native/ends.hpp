@@ -29,9 +29,10 @@ struct OpenGeometry {
 
 // One set of values: the function that is in the equation (a square, the distance, a cosine), what
 // bounds it as `floating.converted` wants it, the distance itself where a quadric is turned, what double
-// precision leaves of the value, and by how much that still errs.
+// precision leaves of the value, by how much that still errs, and what double precision leaves of
+// the distance.
 struct OpenValues {
-  const double *value, *bound, *distance, *low, *gap;  // (6) each
+  const double *value, *bound, *distance, *low, *gap, *distance_low;  // (6) each
 };
 
 // Arrays over the points of one set of values.

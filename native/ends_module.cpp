@@ -20,7 +20,7 @@ namespace {
 using Numbers = std::complex<double>;
 
 // Of each value: see OpenValues.
-constexpr std::size_t kNumbers = 5;
+constexpr std::size_t kNumbers = 6;
 
 Decide* (*choose)(const std::string& build);
 
@@ -51,11 +51,10 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> lows, Array<double,
   const std::size_t quadrics = hessians.shape(0), three = 3, four = 4, eight = kVariables;
   check_geometry(hessians, moduli, equations, turned);
   for (int axis = 0; axis < 3; ++axis)
-    require(lows.shape(0) == 0 || lows.shape(axis) == hessians.shape(axis),
-            "lows must be shaped as hessians, or empty");
+    require(lows.shape(axis) == hessians.shape(axis), "lows must be shaped as hessians");
   require(weights.shape(0) == 4 && weights.shape(1) == kEquations && values.shape(0) == systems &&
               values.shape(1) == kNumbers && values.shape(2) == kEquations,
-          "weights and values must have shapes (4, 6) and (systems, 5, 6)");
+          "weights and values must have shapes (4, 6) and (systems, 6, 6)");
   require(points.shape(2) == eight && origins.shape(0) == 2 && origins.shape(1) == 3,
           "points and origins must have shapes (systems, count, 8) and (2, 3)");
   ProofEquation equation[kEquations];
@@ -66,7 +65,7 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> lows, Array<double,
       weights.data(), weights.data() + kEquations, weights.data() + 2 * kEquations, turned.data(),
       unit, {origins(0, 0), origins(0, 1), origins(0, 2)},
       {origins(1, 0), origins(1, 1), origins(1, 2)}, scale, tolerance,
-      lows.shape(0) ? lows.data() : nullptr, weights.data() + 3 * kEquations};
+      lows.data(), weights.data() + 3 * kEquations};
   const std::size_t total = systems * count;
   auto rotation = std::make_unique<Numbers[]>(total * 9);
   auto translation = std::make_unique<Numbers[]>(total * 3);
@@ -85,7 +84,7 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> lows, Array<double,
         const double* given = values.data() + s * kNumbers * kEquations;
         run(open,
             {given, given + kEquations, given + 2 * kEquations, given + 3 * kEquations,
-             given + 4 * kEquations},
+             given + 4 * kEquations, given + 5 * kEquations},
             static_cast<int>(count),
             reinterpret_cast<const Complex*>(points.data() + at * eight), room.data(),
             {reinterpret_cast<Complex*>(rotation.get() + at * 9),

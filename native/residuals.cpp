@@ -38,7 +38,7 @@ void insert(const FineGeometry& g, const FineValues& given, double* hessian, dou
     }
     if (g.turned[r] < 0) continue;
     for (int i = g.turned[r] * N * N; i < (g.turned[r] + 1) * N * N; ++i)
-      put_pair(i, product({hessian[i], low[i]}, {given.distance[r], 0.0}));
+      put_pair(i, product({hessian[i], low[i]}, {given.distance[r], given.distance_low[r]}));
   }
 }
 

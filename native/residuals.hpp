@@ -17,7 +17,7 @@ struct FineGeometry {
 };
 
 struct FineValues {
-  const double *value, *value_low, *distance;  // (6) each
+  const double *value, *value_low, *distance, *distance_low;  // (6) each
 };
 
 // The seven equations at `count` points (count, 8), at most as many as there are lanes; `work` has room for

@@ -14,6 +14,7 @@ from gspcli.certification.centring import Centring
 from gspcli.certification.distinct import all_different
 from gspcli.certification.floating import prove
 from gspcli.certification.proving import FIRST_PRECISION, certify_equations
+from gspcli.certification.skew_lines import are_skew
 from gspcli.defaults import TOLERANCE
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.primitives import Line
@@ -33,10 +34,14 @@ class Decisions(NamedTuple):
         other certified poses, and proved to be real or not to be; shape (n,).
     real
         Whether it is proved to be real, shape (n,).
+    deviation
+        Bound of how far a certified pose is off, in any entry of R, and of T by the scale of the
+        equations; shape (n,).
     """
 
     certified: NDArray[np.bool_]
     real: NDArray[np.bool_]
+    deviation: NDArray[np.float64]
 
 
 def decide(instance: Instance, R: ArrayLike, T: ArrayLike) -> Decisions:
@@ -61,7 +66,7 @@ def decide(instance: Instance, R: ArrayLike, T: ArrayLike) -> Decisions:
     entries = np.concatenate((rotations.reshape(-1, 9), places), axis=1)
     tolerance = TOLERANCE * np.maximum(1, np.abs(entries).max(axis=1, initial=0))
     certified = proofs.isolated & (proofs.real | proofs.complex) & (proofs.deviation <= tolerance)
-    certified &= ~nearly_parallel(instance, rotations)
+    certified &= are_skew(instance, rotations, proofs.deviation)
     real, deviation = certified & proofs.real, proofs.deviation
     rest = np.flatnonzero(~certified)
     others = certify_equations(instance, rotations[rest], translations[rest]) if len(rest) else ()
@@ -70,7 +75,7 @@ def decide(instance: Instance, R: ArrayLike, T: ArrayLike) -> Decisions:
         certified[k] = decided and one.same_as is None and not one.unresolved
         real[k], deviation[k] = bool(one.real), one.deviation or 0.0
     if all_different(entries[certified], deviation[certified]):
-        return Decisions(certified, certified & real)
+        return Decisions(certified, certified & real, deviation)
     return _by_balls(instance, rotations, translations)
 
 
@@ -78,7 +83,8 @@ def _by_balls(instance: Instance, rotations: Complex, translations: Complex) -> 
     every = certify_equations(instance, rotations, translations)
     single = [c.certified and c.same_as is None and not c.unresolved for c in every]
     certified = np.array(single, bool) & np.array([c.real is not None for c in every], bool)
-    return Decisions(certified, certified & np.array([bool(c.real) for c in every], bool))
+    real = certified & np.array([bool(c.real) for c in every], bool)
+    return Decisions(certified, real, np.array([c.deviation or 0.0 for c in every]))
 
 
 def nearly_parallel(instance: Instance, R: Complex) -> NDArray[np.bool_]:

@@ -37,6 +37,7 @@ from gspcli.certification.doubled import ERROR, Doubled, doubled, quotients, two
 from gspcli.certification.frames import Frames
 from gspcli.certification.rounding import COMPLEX, CONVERSION, ISOLATED, OUTWARD, REAL, TINY
 from gspcli.certification.sines import SINE_ERROR, cosines, sines
+from gspcli.certification.skew_lines import are_skew
 from gspcli.certification.study import form_hessians
 from gspcli.defaults import TOLERANCE
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
@@ -70,6 +71,8 @@ class ProvedPoses(NamedTuple):
         to be; shape (b, n).
     real
         Which of those are real, shape (b, n).
+    deviation
+        Bounds of how far those are off, in any entry of R, and of T by the scale; shape (b, n).
     complete
         For which sets all are certified and proved to be different solutions, shape (b,).
     """
@@ -79,6 +82,7 @@ class ProvedPoses(NamedTuple):
     quaternions: Complex
     certified: NDArray[np.bool_]
     real: NDArray[np.bool_]
+    deviation: Array
     complete: NDArray[np.bool_]
 
 
@@ -108,7 +112,6 @@ class ValueProofs:
             _measures(self.kinds), numbers, form_hessians(), tiny=TINY / CONVERSION
         )
         self._hessians, self._lows, self._moduli, self._table, self._weights, self._turned = found
-        self._turns = bool((self._turned >= 0).any())
 
     @classmethod
     def of(cls, instance: Instance, rows: Array | None) -> ValueProofs | None:
@@ -124,17 +127,8 @@ class ValueProofs:
             raise ValueError(kind)
         return cosines(angles, degrees=degrees) * (-1 if kind is AHH else 1)
 
-    def _is_fine(self, values: Array) -> bool:
-        """Whether distances that quadrics are multiplied by are doubles (native/residuals.hpp)."""
-        if not self._turns:
-            return True
-        turned = self._turned >= 0
-        # The square of such a double needs no third one.
-        square, low = two_product(values[:, 2, turned], values[:, 2, turned])
-        return bool((values[:, 0, turned] == square).all() and (values[:, 3, turned] == low).all())
-
     def _values(self, rows: Array, choices: Array) -> Array:
-        """Return what the kernel wants of each value (native/ends.hpp), shape (b, k, 5, 6)."""
+        """Return what the kernel wants of each value (native/ends.hpp), shape (b, k, 6, 6)."""
         values = np.repeat(rows[:, None, :], len(choices), axis=1)
         bounds, lows, gaps = np.empty_like(values), np.zeros_like(values), np.zeros_like(values)
         for i, kind in enumerate(self.kinds):
@@ -151,7 +145,7 @@ class ValueProofs:
                 bounds[..., i] = np.abs(values[..., i]) + _COSINE_ERROR
                 gaps[..., i] = SINE_ERROR
         distances = np.broadcast_to(np.abs(rows)[:, None] / self.scale, values.shape)
-        return np.stack((values, bounds, distances, lows, gaps), axis=2)
+        return np.stack((values, bounds, distances, lows, gaps, np.zeros_like(gaps)), axis=2)
 
     def decide(
         self, rows: Array, choices: Array, points: Complex, frames: Frames, *, jobs: int = 1
@@ -186,7 +180,7 @@ class ValueProofs:
         return self._decide(self._own_values(choices)[None], points[None], frames, jobs=1)
 
     def _own_values(self, choices: Array) -> Array:
-        """Return what the kernel wants of the values of the instance, shape (k, 5, 6)."""
+        """Return what the kernel wants of the values of the instance, shape (k, 6, 6)."""
         rows = self.instance.constraints
         exact = [row.value.fraction if row.kind.is_distance else None for row in rows]
         signed = [row.kind in (DPH, DHP) for row in rows]
@@ -205,13 +199,21 @@ class ValueProofs:
         for i, row in enumerate(rows):
             if exact[i] is None:
                 high[i], low[i], size[i] = self._irrational(row)
-        distances = [abs(row.value.value) * unit * row.kind.is_distance for row in rows]
+        distances, lower = zip(*(self._turning(row) for row in rows), strict=True)
         bounds = [x + TINY / CONVERSION for x in size]
         gaps = [x * ERROR * OUTWARD for x in size]
-        columns = np.array([[high, bounds, distances, low, gaps]] * len(choices))
+        columns = np.array([[high, bounds, distances, low, gaps, lower]] * len(choices))
         if any(signed):
             columns[:, [0, 3]] *= np.where(signed, choices, 1.0)[:, None]
         return columns
+
+    def _turning(self, row: Constraint) -> tuple[float, float]:
+        """Return the distance that a quadric is multiplied by, zero where there is none."""
+        if row.kind is not DLL:
+            return 0.0, 0.0
+        high, low, size = Doubled.of(row.value).scaled(1 / self.scale)
+        # The kernel takes for granted that it is as exact as that.
+        return abs(high), (low if high > 0 else -low) if abs(high) == size else math.nan
 
     def _irrational(self, row: Constraint) -> Doubled:
         """Return what is in the equation of a constraint whose value is no fraction."""
@@ -224,14 +226,13 @@ class ValueProofs:
         return Doubled.square(row.value).scaled(1 / self.scale**2)
 
     def _decide(self, values: Array, points: Complex, frames: Frames, jobs: int) -> ProvedPoses:
-        """Return what the kernel proves about points (b, k, m, 8) for values (b, k, 5, 6)."""
+        """Return what the kernel proves about points (b, k, m, 8) for values (b, k, 6, 6)."""
         count = len(values)
         values = values.reshape(-1, *values.shape[2:])
         points = np.ascontiguousarray(points.reshape(-1, *points.shape[2:]))
-        fine = self._lows if self._is_fine(values) else np.zeros((0, 8, 8))
         R, T, quaternions, deviation, bits, complete = _kernel.decide(
             self._hessians,
-            fine,
+            self._lows,
             self._moduli,
             self._table,
             self._weights,
@@ -254,10 +255,8 @@ class ValueProofs:
             entries = np.concatenate((R[k].reshape(-1, 9), T[k] / self.scale), axis=1)
             different[k] = all_different(entries, deviation[k])
         if DLL in self.kinds:
-            from gspcli.certification.deciding import nearly_parallel
-
-            parallel = nearly_parallel(self.instance, R.reshape(-1, 3, 3))
-            certified &= ~parallel.reshape(certified.shape)
+            skew = are_skew(self.instance, R.reshape(-1, 3, 3), deviation.ravel())
+            certified &= skew.reshape(certified.shape)
         real = certified & _REAL[bits]
         # Solutions of the equations of different sides are different ones: no distance is zero.
         different &= certified.all(axis=1)
@@ -271,6 +270,7 @@ class ValueProofs:
             quaternions=together(quaternions),
             certified=together(certified),
             real=together(real),
+            deviation=together(deviation),
             complete=np.asarray(different.reshape(count, -1).all(axis=1)),
         )
 

@@ -90,7 +90,7 @@ def solve(
             poses = proved_by_geometry(instance, proofs, arrangement, seed=seed, limit=PATIENCE)
         # Of mutual moments doubles often leave a few poses to balls.
         if poses is None and proofs and (certify or DLL not in arrangement.kinds):
-            poses = _proved_shortly(instance, arrangement, proofs, seed, jobs, certify=certify)
+            poses = _proved_shortly(arrangement, proofs, seed, jobs, certify=certify)
         if poses is None:
             from gspcli.solver import tracking
 
@@ -98,7 +98,9 @@ def solve(
             regular = _all_regular(pursuits)
             # Proving all poses is cheaper than counting them because a few paths went wrong.
             if proofs and (certify or not regular):
-                poses = tracking.proved_by_paths(proofs, arrangement, pursuits)
+                poses = tracking.proved_by_paths(
+                    proofs, arrangement, pursuits, one_by_one=certify and regular
+                )
             if poses is None and regular:
                 poses = tracking.poses_by_paths(arrangement, pursuits)
     if poses is not None and certify and len(poses.R) and poses.proof is None:
@@ -125,7 +127,6 @@ def _in_closed_form(instance: Instance, arrangement: Arrangement, *, certify: bo
 
 
 def _proved_shortly(
-    instance: Instance,
     arrangement: Arrangement,
     proofs: ValueProofs,
     seed: int,
@@ -140,13 +141,10 @@ def _proved_shortly(
     from gspcli.solver import tracking
 
     for pursuits in tracking.short_pursuits(arrangement, seed=seed, jobs=jobs):
-        poses = tracking.proved_by_paths(proofs, arrangement, pursuits)
+        one_by_one = certify and _all_regular(pursuits)
+        poses = tracking.proved_by_paths(proofs, arrangement, pursuits, one_by_one=one_by_one)
         if poses is not None:
             return poses
-        if certify and _all_regular(pursuits):
-            poses = _proved(instance, tracking.poses_by_paths(arrangement, pursuits))
-            if _is_general(poses, certify=True):
-                return poses
     return None
 
 
@@ -191,7 +189,7 @@ def _proved(instance: Instance, poses: PoseSet) -> PoseSet:
     """Return poses with certificates, and with a proof if they are as many as the type has."""
     from gspcli.certification import decide
 
-    poses = poses.decided(*decide(instance, poses.R, poses.T))
+    poses = poses.decided(decide(instance, poses.R, poses.T))
     return replace(poses, proof=poses.proof_by_type or poses.proof)
 
 

@@ -96,10 +96,22 @@ def _proved_from(
 
 
 def all_proved(
-    proofs: ValueProofs, arrangement: Arrangement, points: Complex, frames: Frames
+    proofs: ValueProofs,
+    arrangement: Arrangement,
+    points: Complex,
+    frames: Frames,
+    *,
+    one_by_one: bool = False,
 ) -> PoseSet | None:
-    """Return the poses at ends of paths (sides, paths, 8) in some frames if all are proved."""
+    """Return the poses at ends of paths (sides, paths, 8) in some frames if all are proved.
+
+    Those that are not proved with all others are proved one by one, if that is asked for.
+    """
     found = proofs.decide_own(side_choices(arrangement), points, frames)
+    if one_by_one and not found.certified.all():
+        from gspcli.certification.remaining import with_remaining
+
+        found = with_remaining(proofs, found)
     if not found.complete[0]:
         return None
     count = len(found.R[0])

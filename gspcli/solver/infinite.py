@@ -49,7 +49,7 @@ def solve_infinite(
         # The closed form sees real motions where paths see complex ones.
         answers.insert(0, _cleaned(arrangement, solve_closed_form(arrangement)))
     best = max(answers, key=lambda x: (any(motion.real for motion in x.motions), len(x.motions)))
-    best = best.decided(*decide(instance, best.R, best.T)) if len(best.R) else best
+    best = best.decided(decide(instance, best.R, best.T)) if len(best.R) else best
     if best.motions:
         best = _isolated(best)
         # Without a proof the count may mean parallel lines: the samples are evidence.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,9 @@ from numpy.typing import NDArray
 from gspcli.continuation.paths import PathAccount
 from gspcli.geometry.quaternions import Field, quaternion_from_rotation
 from gspcli.solver.proof import Ground, Proof
+
+if TYPE_CHECKING:
+    from gspcli.certification.deciding import Decisions
 
 Complex = NDArray[np.complex128]
 
@@ -138,9 +142,11 @@ class PoseSet:
             account=PathAccount(expected=count, found=count),
         )
 
-    def decided(self, certified: NDArray[np.bool_], real: NDArray[np.bool_]) -> PoseSet:
+    def decided(self, decisions: Decisions) -> PoseSet:
         """Return the poses with some of them certified, and proved to be real or not."""
-        return replace(self, certified=certified, real=np.where(certified, real, self.real))
+        certified = decisions.certified
+        real = np.where(certified, decisions.real, self.real)
+        return replace(self, certified=certified, real=real)
 
     def reordered(self, order: NDArray[np.intp] | NDArray[np.bool_]) -> PoseSet:
         """Return the poses in another order, or some of them."""

@@ -142,7 +142,11 @@ def short_pursuits(arrangement: Arrangement, *, seed: int, jobs: int) -> Iterato
 
 
 def proved_by_paths(
-    proofs: ValueProofs, arrangement: Arrangement, pursuits: list[Pursuit]
+    proofs: ValueProofs,
+    arrangement: Arrangement,
+    pursuits: list[Pursuit],
+    *,
+    one_by_one: bool = False,
 ) -> PoseSet | None:
     """Return as many poses as the type has, all proved; None if the paths do not lead to them.
 
@@ -152,9 +156,11 @@ def proved_by_paths(
         The platform, exactly and in floating point.
     pursuits
         For each choice of sides.
+    one_by_one
+        Whether poses that are not proved with all others are proved one by one.
     """
     points = np.stack([pursuit.first().points for pursuit in pursuits])
-    return all_proved(proofs, arrangement, points, Frames.of(arrangement))
+    return all_proved(proofs, arrangement, points, Frames.of(arrangement), one_by_one=one_by_one)
 
 
 def _poses(arrangement: Arrangement, points: Field) -> tuple[Field, Field]:
