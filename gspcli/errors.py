@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from gspcli.records import dataclass
 
 #: Exit code of what the user interrupted; those of errors are `GspError.exit_code`.
 INTERRUPTED = 130

@@ -15,7 +15,6 @@ from concurrent.futures import (
 )
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
 from importlib import import_module
 from itertools import chain, islice
 from multiprocessing import active_children, get_context, parent_process
@@ -24,6 +23,7 @@ from threading import Thread
 from typing import Any, TypeVar
 
 from gspcli.errors import GspError
+from gspcli.records import dataclass
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Callable
-from dataclasses import dataclass
 from fractions import Fraction
 from statistics import median_low
 
@@ -12,6 +11,7 @@ from gspcli.catalogue.bounds import type_bounds
 from gspcli.catalogue.counts import FAMILIES_FILE, FOLDER, generic_counts
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import CLASSES, GspType, all_types
+from gspcli.records import dataclass
 from gspcli.resources import data_path
 
 

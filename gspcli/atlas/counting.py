@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from gspcli.atlas.tasks import Task
 from gspcli.atlas.trace import Trace
 from gspcli.atlas.tracked_counts import Tracked
 from gspcli.progress import Progress, silent
+from gspcli.records import dataclass
 from gspcli.workers import HERE, Workers
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from random import Random
 
 from gspcli.catalogue.kinds import DPP, Primitive
@@ -12,6 +11,7 @@ from gspcli.errors import GspError
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector, vector
+from gspcli.records import dataclass
 
 #: Coordinates are integers of at most this size.
 _SIZE = 1000

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Hashable, Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, ClassVar, Protocol, TypeVar
 
 from gspcli.errors import GspError
 from gspcli.progress import Progress, silent
+from gspcli.records import dataclass
 from gspcli.workers import HERE, Workers
 
 Item = TypeVar("Item")

@@ -10,12 +10,12 @@ ways of counting are independent.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache
 from random import Random
 
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.certification import study
+from gspcli.records import dataclass
 
 Vector = Sequence[int]
 #: Coefficients of 1, R, T, U, rho and T x R.

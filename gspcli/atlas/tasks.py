@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cache
 from random import Random
 
@@ -14,6 +13,7 @@ from gspcli.catalogue.counts import all_families, law
 from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind
 from gspcli.catalogue.types import CONSTRAINTS
 from gspcli.defaults import SEED
+from gspcli.records import dataclass
 from gspcli.resources import data_json
 
 #: The two largest primes below 2^31.

@@ -10,8 +10,6 @@ components of the curve. The proof is in docs/counts.md.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,6 +17,7 @@ from gspcli.continuation.monodromy import random_quadrics
 from gspcli.continuation.quadrics import BASES, ComplexArray, evaluate
 from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
 from gspcli.continuation.tracker import CAREFUL, PARANOID, PathStatus, track
+from gspcli.records import dataclass
 
 #: The part of `without_one` that the defect must be below; without one it is about 1.
 TOLERANCE = 1e-2

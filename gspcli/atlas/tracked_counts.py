@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from gspcli.catalogue.types import CONSTRAINTS, GspType
 from gspcli.certification import certify
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import study_from_pose
+from gspcli.records import dataclass
 from gspcli.solver.generate import random_instance
 from gspcli.solver.study_systems import target_systems
 from gspcli.solver.tracking import solve_by_tracking

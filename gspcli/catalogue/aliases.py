@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+
+from gspcli.records import dataclass
 
 #: The type of all of them: six distances of points.
 _TYPE = "6DPP"

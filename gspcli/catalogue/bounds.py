@@ -9,8 +9,9 @@ angles are linear everywhere and never count.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 from math import prod
 from typing import NamedTuple
@@ -19,13 +20,14 @@ from gspcli.catalogue.constraints import LowestDegrees, constraint_facts
 from gspcli.catalogue.kinds import DISTANCE_KINDS, DLL, DPH, DPP, Kind
 from gspcli.catalogue.recorded_varieties import LAZARD, MOURRAIN_16, ROTATIONS, varieties
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES, Family, GspType
+from gspcli.records import dataclass
 
 _NUMBER_WORDS = ("no", "one", "two", "three", "four", "five", "six")
 #: The letters of the surfaces in the order of Table 3.
 _SURFACES = "PSC"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclasses.dataclass(frozen=True, slots=True)
 class Bound:
     """A proved ceiling for the number of solutions.
 
@@ -46,7 +48,7 @@ class Bound:
         return self.explain()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclasses.dataclass(frozen=True, slots=True)
 class Bounds:
     """The bounds of a type or family.
 

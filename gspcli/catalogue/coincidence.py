@@ -19,7 +19,6 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import count
 from typing import Protocol
 
@@ -27,6 +26,7 @@ from gspcli.catalogue.aliases import find_alias
 from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind
 from gspcli.catalogue.types import GspType
 from gspcli.errors import TypeNameError
+from gspcli.records import dataclass
 
 #: A vertex: the letter of its sort and its number among the primitives of that sort and body.
 Vertex = tuple[str, int]

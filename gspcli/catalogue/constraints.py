@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 
 from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind, Primitive
+from gspcli.records import dataclass
 from gspcli.resources import data_json
 
 _NOUNS = {Primitive.POINT: "point", Primitive.LINE: "line", Primitive.PLANE: "plane"}

@@ -10,10 +10,11 @@ divisor classes. The centres are products of projective lines. Proof: docs/count
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from itertools import product
 from math import comb, prod
+
+from gspcli.records import dataclass
 
 DIMENSION = 6
 #: Degrees of h^k x^(6-k) on Y: coefficients of t^(3-k) in 1 / ((1 - t)^4 (1 - 2t)).

@@ -10,10 +10,11 @@ the rank of its screws at a configuration with rational coordinates, computed wi
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
 from functools import cached_property
+
+from gspcli.records import dataclass
 
 #: A vector with three exact components.
 Vector = tuple[Fraction, Fraction, Fraction]

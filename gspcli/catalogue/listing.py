@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, overload
 
 from gspcli.catalogue.bounds import BOUND_MEANINGS, Bound, type_bounds
@@ -14,6 +13,7 @@ from gspcli.catalogue.real_counts import real_counts, spelled
 from gspcli.catalogue.types import GspType, PlatformClass, all_types
 from gspcli.catalogue.witnesses import best_real
 from gspcli.errors import GspError
+from gspcli.records import dataclass
 
 if TYPE_CHECKING:
     import pandas as pd

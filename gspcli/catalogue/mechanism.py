@@ -8,12 +8,12 @@ joints, which then have one centre, axis or plane in common.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 from gspcli.catalogue.coincidence import Connection, coincident_types
 from gspcli.catalogue.kinds import ALL, DLL, Primitive
 from gspcli.catalogue.realization import Realization, realization
 from gspcli.catalogue.types import GspType
+from gspcli.records import dataclass
 
 #: The freedoms of a rigid body in space.
 BODY_FREEDOMS = 6

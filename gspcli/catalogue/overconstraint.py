@@ -16,10 +16,10 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 from gspcli.catalogue.coincidence import Connection
 from gspcli.catalogue.types import CONSTRAINTS
+from gspcli.records import dataclass
 
 #: How much of a primitive the constraints see: sort, or "direction" of a line or plane.
 _POINT, _LINE, _PLANE, _DIRECTION = "P", "L", "H", "direction"

@@ -10,7 +10,6 @@ chain but not the platform.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import cache, cached_property
 
 from gspcli.catalogue.joints import (
@@ -27,6 +26,7 @@ from gspcli.catalogue.joints import (
     vector,
 )
 from gspcli.catalogue.kinds import AHH, ALH, ALL, DLL, DPH, DPL, DPP, Kind, Primitive
+from gspcli.records import dataclass
 
 
 @dataclass(frozen=True)

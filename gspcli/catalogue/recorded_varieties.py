@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 
+from gspcli.records import dataclass
 from gspcli.resources import data_json
 
 

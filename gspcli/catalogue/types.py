@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import combinations_with_replacement
 from math import comb
 
 from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, Kind, Primitive
 from gspcli.errors import TypeNameError
+from gspcli.records import dataclass
 
 #: A platform has six constraints (a rigid body has six degrees of freedom) ...
 CONSTRAINTS = 6

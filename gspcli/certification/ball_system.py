@@ -18,7 +18,6 @@ from those that are solved (`gspcli.geometry.constraint_polynomials`,
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache
 from itertools import product
 
@@ -34,6 +33,7 @@ from gspcli.certification.pose_balls import PoseBall
 from gspcli.certification.rounding import OUTWARD
 from gspcli.certification.statement import Statement, statements
 from gspcli.geometry.instance import Instance, Side
+from gspcli.records import dataclass
 
 
 @cache

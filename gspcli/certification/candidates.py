@@ -6,7 +6,6 @@ import csv
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 
 from gspcli.errors import Location, Problem, SpecError
 from gspcli.geometry.quaternions import rotation_from_quaternion
+from gspcli.records import dataclass
 
 _SHAPES = {"R": (3, 3), "T": (3,), "quaternion": (4,)}
 #: Accepted spellings of the columns of a CSV file, by key.

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Vector, vector
+from gspcli.records import dataclass
 
 if TYPE_CHECKING:
     from flint import acb, arb

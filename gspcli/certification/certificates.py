@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import Enum
 from typing import overload
 
 from gspcli.certification.isolation import Isolation
 from gspcli.geometry.instance import Instance, Side
+from gspcli.records import dataclass
 
 
 class Outcome(Enum):

@@ -8,8 +8,6 @@ the residuals better, and this is what is done here.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import flint
 import numpy as np
 from flint import arb, arb_poly, arb_series
@@ -19,6 +17,7 @@ from gspcli.certification import study
 from gspcli.certification.moving import Shape
 from gspcli.certification.rounding import OUTWARD, TINY
 from gspcli.certification.taylor import Element, MovingSystem
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,6 @@ With u a direction, a fold is a zero of the seventeen equations
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from flint import arb, arb_mat, arb_series
@@ -23,6 +22,7 @@ from numpy.typing import NDArray
 from gspcli.certification import study
 from gspcli.certification.moving import Shape
 from gspcli.certification.taylor import Element, MovingSystem
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

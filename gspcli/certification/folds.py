@@ -17,7 +17,6 @@ or the curve is followed from the pose in further arcs, on which t increases, un
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import flint
 import numpy as np
@@ -28,6 +27,7 @@ from gspcli.certification.arcs import Arc, at_time, towards
 from gspcli.certification.balls import float_above, float_ends
 from gspcli.certification.fold_system import UNKNOWNS, FoldSystem, unit
 from gspcli.certification.taylor import MovingSystem
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

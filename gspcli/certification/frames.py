@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.records import dataclass
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

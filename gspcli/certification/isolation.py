@@ -18,7 +18,6 @@ all F whose coefficients are in the balls that were used, so for the exact ones.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from flint import acb, acb_mat, arb
@@ -26,6 +25,7 @@ from flint import acb, acb_mat, arb
 from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.balls import floats_above, largest
 from gspcli.certification.rounding import OUTWARD
+from gspcli.records import dataclass
 
 #: Largest radius of a uniqueness ball. Coordinates of e are at most about one.
 REACH = 1 / 8

@@ -9,7 +9,7 @@ certificate is (`isolation`), N != 0 and the constraints as they are stated incl
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import chain
 
@@ -26,6 +26,7 @@ from gspcli.certification.isolation import Isolation, refine_point, step_length
 from gspcli.certification.measures import as_stated
 from gspcli.certification.pose_balls import PoseBall, pose_of_point
 from gspcli.geometry.instance import Instance
+from gspcli.records import dataclass
 
 Complex = NDArray[np.complex128]
 

@@ -8,7 +8,6 @@ statement in `gspcli.geometry.constraint_polynomials`.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from flint import acb, arb
 
@@ -17,6 +16,7 @@ from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.balls import cross, dot, largest, norm, rotated
 from gspcli.certification.pose_balls import PoseBall
 from gspcli.certification.statement import Statement
+from gspcli.records import dataclass
 
 
 @dataclass(frozen=True)

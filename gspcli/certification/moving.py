@@ -12,7 +12,6 @@ Directions are divided by their lengths here, unlike in `ball_system`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import IntEnum
 
 import flint
@@ -36,6 +35,7 @@ from gspcli.certification.centring import length_scale
 from gspcli.certification.rounding import OUTWARD, TINY
 from gspcli.certification.statement import statements
 from gspcli.geometry.instance import Instance
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

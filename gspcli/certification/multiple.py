@@ -7,7 +7,6 @@ a statement about the platform together with its exact count (`gspcli.solver.com
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
@@ -19,6 +18,7 @@ from gspcli.certification import study
 from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.balls import cross, dot, largest, rotated
 from gspcli.certification.locating import Locator, dot4
+from gspcli.records import dataclass
 
 Complex = NDArray[np.complex128]
 

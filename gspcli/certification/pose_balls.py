@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from gspcli.certification import study
 from gspcli.certification.balls import largest
+from gspcli.records import dataclass
 
 
 @dataclass(frozen=True)

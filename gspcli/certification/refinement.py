@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import chain
 
 from flint import arb, ctx
@@ -17,6 +16,7 @@ from gspcli.certification.isolation import Isolation, refine_point
 from gspcli.certification.pose_balls import pose_of_point
 from gspcli.errors import IncompleteError
 from gspcli.geometry.instance import Instance
+from gspcli.records import dataclass
 
 Rows = tuple[tuple[str, str, str], tuple[str, str, str], tuple[str, str, str]]
 Triple = tuple[str, str, str]

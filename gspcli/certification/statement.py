@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 from flint import arb
@@ -12,6 +11,7 @@ from gspcli.certification.balls import ball, power_of_two
 from gspcli.certification.centring import length_scale
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.primitives import Line, Plane, Point, Vector
+from gspcli.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Any
 
 import flint
@@ -27,6 +26,7 @@ from gspcli.certification.rounding import OUTWARD, TINY
 from gspcli.geometry.coordinates import Body, Coordinate, stated
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
 from gspcli.geometry.primitives import Crank, Line, Plane, Point
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.cli.digits import DECIMALS
 from gspcli.cli.output import Column, Table
 from gspcli.cli.summary import proved
+from gspcli.records import dataclass
 from gspcli.solver.columns import FACTS, TRANSLATION, PoseColumn
 
 if TYPE_CHECKING:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from gspcli.cli.real_poses import real_poses
 from gspcli.errors import GspError
+from gspcli.records import dataclass
 
 if TYPE_CHECKING:
     import numpy as np

@@ -9,7 +9,7 @@ paths. The account with the fewest lost paths counts.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import lru_cache
 from random import Random
 
@@ -41,6 +41,7 @@ from gspcli.continuation.tracker import (
     TrackerOptions,
     track,
 )
+from gspcli.records import dataclass
 
 
 @dataclass(frozen=True)

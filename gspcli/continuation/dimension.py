@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.systems import System
+from gspcli.records import dataclass
 
 #: What rounding leaves of e.e of points of norm one where it is zero.
 _INFINITE = 1e-14

@@ -8,7 +8,6 @@ fixed affine chart this holds at infinity too.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.systems import System
 from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
+from gspcli.records import dataclass
 
 
 @dataclass(frozen=True)

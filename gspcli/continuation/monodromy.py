@@ -8,7 +8,6 @@ chosen point, leads to all. That all are there is confirmed by trace tests.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 from gspcli.continuation.quadrics import BASES, ComplexArray, evaluate, monomials
 from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
 from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
+from gspcli.records import dataclass
 
 _QUIET_LOOPS = 8
 _MAX_LOOPS = 500

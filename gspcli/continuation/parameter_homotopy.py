@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from gspcli.continuation.accounts import all_regular
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.systems import EQUATIONS, System
 from gspcli.continuation.tracker import DEFAULT, TrackerOptions, track
+from gspcli.records import dataclass
 
 #: Angles of the random phases: not zero, lest a path between real systems meets a fold, and not
 #: larger than they need to be, because a short path has fewer steps.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from itertools import groupby, islice
 
 import numpy as np
@@ -33,6 +33,7 @@ from gspcli.continuation.tracker import (
     TrackerOptions,
     track,
 )
+from gspcli.records import dataclass
 
 #: Newton's method converges where its last correction is not longer than this part of e.
 _SETTLED = 1e-3

@@ -7,7 +7,7 @@ by linear algebra need not be followed (native/shifts.hpp).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +17,7 @@ from gspcli import _kernel
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.start import StartSystem
 from gspcli.continuation.tracker import DEFAULT, PathStatus, TrackerOptions, helpful
+from gspcli.records import dataclass
 
 #: Pivots below this part of the largest entry are zero, ...
 _ZERO = 1e-12

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.accounts import Settled
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
+from gspcli.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

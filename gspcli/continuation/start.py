@@ -8,7 +8,6 @@ H, whose solutions are those of the 2^m systems with one factor of each product.
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 from functools import cache
 from itertools import product
 
@@ -24,6 +23,7 @@ from gspcli.continuation.quadrics import (
 from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
 from gspcli.continuation.tracker import CAREFUL, DEFAULT, PARANOID, PathStatus, track
 from gspcli.errors import DataError
+from gspcli.records import dataclass
 from gspcli.resources import data_path
 
 FOLDER = "start-systems"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -19,6 +18,7 @@ from gspcli.continuation.quadrics import (
     evaluate,
     gradients,
 )
+from gspcli.records import dataclass
 
 EQUATIONS = 6
 # The degree in f of each coefficient, and which coefficients have the degree 0, 1, 2.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import IntEnum
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from gspcli import _kernel
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.systems import Coefficients, System
+from gspcli.records import dataclass
 
 
 class PathStatus(IntEnum):

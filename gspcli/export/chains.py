@@ -7,13 +7,13 @@ joints taken apart; all axes are placed at one pose of the platform.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.records import dataclass
 
 Vector = NDArray[np.float64]
 #: Lines at a smaller angle than this (radians) are drawn and jointed as parallel ones, and

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 from gspcli.export.polynomials import Operand, Polynomial, cross, dot
+from gspcli.records import dataclass
 
 Vector = Sequence[Polynomial]
 _AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))

@@ -10,7 +10,6 @@ primes in `gspcli.atlas` and those for Singular in `tools/`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.export.constants import Constants
@@ -19,6 +18,7 @@ from gspcli.export.polynomials import Polynomial, cross, dot
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane
+from gspcli.records import dataclass
 
 _ONE = Polynomial.constant(1)
 _SIGNS = {Side.POSITIVE: 1, Side.NEGATIVE: -1}

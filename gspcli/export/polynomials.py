@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import lcm
+
+from gspcli.records import dataclass
 
 #: The symbols of a monomial in alphabetical order, each as often as its exponent says.
 Monomial = tuple[str, ...]

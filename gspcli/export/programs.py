@@ -11,11 +11,12 @@ degree ..`` where they know it, and the solutions as CSV that `gsp certify` read
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 from gspcli import __version__
 from gspcli.export.polynomials import Monomial, Polynomial, Style
+from gspcli.records import dataclass
 
 if TYPE_CHECKING:
     from gspcli.export.polynomial_systems import PolynomialSystem

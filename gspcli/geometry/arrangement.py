@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, cached_property
 from typing import NamedTuple
 
@@ -15,6 +15,7 @@ from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, Kind
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.primitives import Geometry, Point
 from gspcli.geometry.quaternions import Field, apply
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
@@ -13,6 +13,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Point, Vector
+from gspcli.records import dataclass
 from gspcli.wording import shown, suggestion
 
 Array = NDArray[np.float64]

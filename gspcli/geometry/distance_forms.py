@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
 from functools import cache
 from itertools import product
 
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import BODY_TRANSLATION_FORMS, ROTATION_FORMS, TRANSLATION_FORMS
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 #: A vector of a constraint; here there are too few numbers for arrays to be quick.

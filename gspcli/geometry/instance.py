@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 from functools import cached_property
 from typing import Any
@@ -15,6 +15,7 @@ from gspcli.catalogue.types import GspType
 from gspcli.errors import ArgumentError
 from gspcli.geometry.numbers import Number, Real
 from gspcli.geometry.primitives import Geometry
+from gspcli.records import dataclass
 
 
 class Side(Enum):

@@ -7,11 +7,11 @@ interval contains zero.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 from gspcli.geometry.evaluation import FUNCTIONS
+from gspcli.records import dataclass
 
 _DOMAINS = {"sqrt": (0.0, math.inf), "asin": (-1.0, 1.0), "acos": (-1.0, 1.0)}
 

@@ -6,7 +6,6 @@ Neither restricts the poses that six values have; both restrict which of them th
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -17,6 +16,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.primitives import Cone, Point
 from gspcli.geometry.quaternions import apply
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,6 @@ same tree in ball arithmetic, so that what is proved is about the number that wa
 from __future__ import annotations
 
 import numbers
-from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
@@ -25,6 +24,7 @@ from gspcli.geometry.evaluation import (
 )
 from gspcli.geometry.expressions import parsed
 from gspcli.geometry.signs import nearest
+from gspcli.records import dataclass
 
 #: What a caller may give for a number; NumPy's scalars are registered with `numbers.Real`.
 Real: TypeAlias = "int | float | str | Fraction | Decimal | SupportsFloat | Number"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeAlias
 
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import Primitive
 from gspcli.errors import ArgumentError
 from gspcli.geometry.numbers import Number, Real
+from gspcli.records import dataclass
 from gspcli.wording import shown
 
 Vector = tuple[Number, Number, Number]

@@ -13,7 +13,6 @@ in general position are solved quicker by `gspcli.geometry.intersections`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from itertools import combinations_with_replacement
 from math import factorial, prod
@@ -22,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.quaternions import Field, normalized
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

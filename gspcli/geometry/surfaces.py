@@ -15,7 +15,7 @@ origin.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from gspcli.geometry.distance_forms import Measures
 from gspcli.geometry.intersections import generic_points
 from gspcli.geometry.quadric_intersections import all_roots
 from gspcli.geometry.quaternions import Field, normalized
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

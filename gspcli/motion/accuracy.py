@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -20,6 +18,7 @@ from gspcli.motion.enclosures import SIGNS, Neighbourhood
 from gspcli.motion.following import MovingPlatform, apart
 from gspcli.motion.measuring import measure
 from gspcli.motion.wrenches import Wrenches
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

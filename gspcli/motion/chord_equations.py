@@ -9,13 +9,13 @@ its terms.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.certification.moving import Shape
 from gspcli.certification.taylor import MovingQuadrics
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

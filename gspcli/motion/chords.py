@@ -17,7 +17,6 @@ directions than n.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +24,7 @@ from numpy.typing import NDArray
 from gspcli.certification.chord_residuals import ExactChords
 from gspcli.motion.chord_bends import Bends
 from gspcli.motion.chord_equations import BENDS, REACH, ROUNDING, SLOPES, VALUES, Chord, Parts
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ of r means that every value may change by r times its weight, all at once and in
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -24,6 +24,7 @@ from gspcli.motion.following import MovingPlatform, Stop, apart
 from gspcli.motion.measuring import measure
 from gspcli.motion.tracks import Event
 from gspcli.motion.trajectories import track_from
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

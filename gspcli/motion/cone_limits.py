@@ -9,7 +9,7 @@ because they begin or end where it does, with no other pose near.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,7 @@ from gspcli.motion.stepping import (
     corrected,
     newton,
 )
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from gspcli.motion.following import MovingPlatform
 from gspcli.motion.scanning import Scan
 from gspcli.motion.tracks import Event
 from gspcli.motion.trajectories import at_values, track
+from gspcli.records import dataclass
 from gspcli.solver import solve_batch
 
 Array = NDArray[np.float64]
@@ -45,7 +47,7 @@ class Crossing:
     change: int
 
 
-@dataclass(eq=False)
+@dataclasses.dataclass(eq=False)
 class Boundary:
     """The discriminant as far as it was found.
 

@@ -12,13 +12,12 @@ not proofs.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.motion.enclosures import Neighbourhood
 from gspcli.motion.following import MovingPlatform
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

@@ -21,7 +21,6 @@ Errors of rounding are bounded as there, with twice the constants.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -29,6 +28,7 @@ from numpy.typing import NDArray
 
 from gspcli.certification.moving import Law, Shape
 from gspcli.motion.following import MovingPlatform
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property
 
@@ -18,6 +17,7 @@ from gspcli.geometry.coordinates import Coordinate
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import pose_from_study, study_from_pose
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -208,7 +208,7 @@ class MovingPlatform(StudyUnits):
         values: Array,
         trajectory: Index,
         start: Array,
-        options: FollowOptions = FollowOptions(),
+        options: FollowOptions | None = None,
         near: Array | None = None,
     ) -> Branches:
         """Follow branches along trajectories of values, which are linear between their rows.
@@ -227,7 +227,7 @@ class MovingPlatform(StudyUnits):
             How near to its start the pose is that is meant, if another may be as near, shape (n,);
             zero, or None for all, means the one that Newton's method finds.
         """
-        equations = self.equations
+        equations, options = self.equations, options or FollowOptions()
         low, high = self._bounds(values)
         return Branches(
             *_kernel.follow(

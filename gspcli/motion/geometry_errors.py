@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +12,7 @@ from gspcli.geometry.measurement import gradients
 from gspcli.geometry.primitives import Geometry, Point
 from gspcli.geometry.quaternions import apply
 from gspcli.motion.wrenches import Wrenches
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Literal
 
@@ -15,6 +15,7 @@ from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range
 from gspcli.motion.cone_limits import ConeProofs, Stretch
 from gspcli.motion.following import StudyUnits
 from gspcli.motion.tracks import Track
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

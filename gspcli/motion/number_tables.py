@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import Location, Problem, SpecError
+from gspcli.records import dataclass
 from gspcli.wording import listed, shown, suggestion
 
 Array = NDArray[np.float64]

@@ -7,8 +7,6 @@ type, Advances in Mechanism and Machine Science (2019).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -16,6 +14,7 @@ from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
 from gspcli.motion.displacements import Displacements
 from gspcli.motion.screw_forms import ScrewForms
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from gspcli.errors import Location, Problem, SpecError
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.quaternions import apply, rotation_from_quaternion
 from gspcli.motion.number_tables import NumberTable, check, wrong_number
+from gspcli.records import dataclass
 from gspcli.wording import shown
 
 Array = NDArray[np.float64]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +15,7 @@ from gspcli.geometry.measurement import jacobian
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.pose_clearances import pose_clearances
 from gspcli.motion.pose_files import PoseFormat, pose_numbers, poses_of, read_pose
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 #: An edge of the grid: along which axis, and its first node.

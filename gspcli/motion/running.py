@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +13,7 @@ from gspcli.motion.following import Branches, FollowOptions, MovingPlatform, Sto
 from gspcli.motion.moving_geometry import MovingGeometry
 from gspcli.motion.stepping import follow_closely
 from gspcli.motion.tracks import Event, Track
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -16,6 +15,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.clearances import clearances, range_weights
 from gspcli.motion.value_files import stated_values
+from gspcli.records import dataclass
 from gspcli.solver import solve_batch
 from gspcli.workers import HERE, Workers
 

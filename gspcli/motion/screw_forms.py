@@ -10,8 +10,6 @@ eigenvector of b of Perron and Frobenius.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,6 +17,7 @@ from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.geometry.quaternions import apply, rotation_from_quaternion
 from gspcli.motion.displacements import Displacements
 from gspcli.motion.taylor_forms import ROUNDING, Form
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

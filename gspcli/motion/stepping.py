@@ -7,8 +7,9 @@ residuals in balls (`follow_closely`).
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from gspcli.motion.chord_equations import VALUES, Parts, equations_at
 from gspcli.motion.chords import EASY, LONGEST, prove
 from gspcli.motion.following import Branches, FollowOptions, Stop
 from gspcli.motion.part_models import PartModels
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -39,7 +41,7 @@ _MOST_HALVINGS, _HALVINGS = 50, 24
 _TRIES, _MOST_TRIES = 50, 1000
 
 
-@dataclass(eq=False)
+@dataclasses.dataclass(eq=False)
 class _Cursor:
     """Where a branch is: at ``part`` of 2^``level`` steps from ``row`` to the next one."""
 
@@ -100,7 +102,7 @@ class Segment:
     alone: float
 
 
-@dataclass(eq=False)
+@dataclasses.dataclass(eq=False)
 class Follower:
     """Follows branches, all of them one step at a time.
 

@@ -8,12 +8,12 @@ part of the rest.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.quaternions import cross, dot
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Literal
 
@@ -15,6 +15,7 @@ from gspcli.geometry.coordinates import Coordinate, moved
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.residuals import condition_numbers
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +14,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range, tilts
 from gspcli.motion.measuring import measure
 from gspcli.motion.pose_boxes import NEGATIVE, PARAMETERS, REGULAR, PoseBoxes
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from gspcli.geometry.ranges import wrong_value
 from gspcli.motion.measuring import measure
 from gspcli.motion.number_tables import NumberTable
 from gspcli.motion.pose_files import POSITION, TRANSLATION, PoseFormat, poses_in
+from gspcli.records import dataclass
 from gspcli.wording import nearest, shown
 
 Array = NDArray[np.float64]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.geometry.instance import Instance
 from gspcli.motion.box_sets import Levels
 from gspcli.motion.pose_boxes import Keys, PoseBoxes, places
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

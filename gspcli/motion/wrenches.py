@@ -7,7 +7,6 @@ axes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +18,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import jacobian
 from gspcli.geometry.quaternions import apply, cross
 from gspcli.geometry.residuals import condition_numbers
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

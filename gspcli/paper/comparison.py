@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
 from gspcli.paper import table1, table2, table3
 from gspcli.paper.errata import erratum_of
 from gspcli.paper.printed import Difference
+from gspcli.records import dataclass
 
 _TITLES = {
     1: "Table 1: the eight rotations of Example 6.2, three angles of π/3",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +15,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import apply, cross, dot
 from gspcli.paper.table3 import Entry, compute
 from gspcli.progress import Progress, silent
+from gspcli.records import dataclass
 from gspcli.solver import SolveResult, solve
 from gspcli.solver.generate import random_instance
 

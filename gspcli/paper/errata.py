@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Literal
 
 from gspcli.errors import CheckFailed
 from gspcli.paper import errata_proofs as proofs
 from gspcli.paper.printed import Difference
+from gspcli.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
+from gspcli.records import dataclass
 from gspcli.resources import data_json
 
 #: A row of Table 1 or 2: from column names to exact numbers as text, such as ``1/(1-sqrt(5))``.

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from gspcli.catalogue.bounds import family_bounds
 from gspcli.catalogue.constraints import constraint_facts
 from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind
 from gspcli.catalogue.types import CLASSES, Family, families
 from gspcli.paper.printed import Difference
+from gspcli.records import dataclass
 from gspcli.resources import data_json
 
 Triple = tuple[Kind, Kind, Kind]

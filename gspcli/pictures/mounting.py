@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.joints import JointAxis, JointKind, PlacedJoint
 from gspcli.catalogue.realization import Realization
 from gspcli.pictures.strokes import perpendicular
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from gspcli.records import dataclass
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -48,7 +51,7 @@ class View:
         return np.array([right, np.cross(eye, right), eye])
 
 
-@dataclass
+@dataclasses.dataclass
 class Paper:
     """A panel on which things in space are drawn.
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import Enum
 from functools import cached_property
 from typing import Any
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from gspcli import __version__
 from gspcli.catalogue.kinds import Kind, Primitive
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 SCHEMA = "gsp.scene/1"

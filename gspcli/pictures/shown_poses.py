@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.residuals import condition_numbers, sides_of
 from gspcli.pictures.scene import DrawnBody, Series, Stroke
 from gspcli.pictures.stage import Stage
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

@@ -10,8 +10,6 @@ for all kinds of constraints.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,6 +19,7 @@ from gspcli.geometry.measurement import by_twist
 from gspcli.geometry.quaternions import dot
 from gspcli.reality.platforms import Platforms
 from gspcli.reality.splitting import NUMBERS, Pattern
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -15,10 +15,11 @@ generic count is the same.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from gspcli.catalogue.kinds import ALL, DHP, DPH, DPP, Kind
 from gspcli.reality.platforms import Array, Platforms
+from gspcli.records import dataclass
 
 _SIMPLER = {DPP: (DPH, DHP), DPH: (ALL,), DHP: (ALL,)}
 #: More make a type infinite.

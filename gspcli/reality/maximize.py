@@ -14,7 +14,7 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ from gspcli.reality.platforms import Platforms, random_platforms, reduced
 from gspcli.reality.solved_platforms import Solved, followed_from, solved
 from gspcli.reality.splitting import Pattern
 from gspcli.reality.step import shortest_step
+from gspcli.records import dataclass
 from gspcli.workers import HERE, Workers
 
 Array = NDArray[np.float64]

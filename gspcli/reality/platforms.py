@@ -9,7 +9,7 @@ mutual moment of two lines, have as many real solutions as one (`docs/real-count
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -22,6 +22,7 @@ from gspcli.continuation.systems import System
 from gspcli.geometry.arrangement import Bodies
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import dot, normalized, rotation_from_quaternion
+from gspcli.records import dataclass
 from gspcli.solver.study_systems import systems_of
 
 Array = NDArray[np.float64]

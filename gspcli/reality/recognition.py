@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.quaternions import normalized
+from gspcli.records import dataclass
 
 #: The error of a solution of norm 1 is about the condition number times this, ...
 _EPS = float(np.finfo(float).eps)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
@@ -13,13 +14,14 @@ from gspcli.catalogue.types import GspType
 from gspcli.defaults import SEED
 from gspcli.reality.platforms import Platforms, random_platforms
 from gspcli.reality.recognition import reality
+from gspcli.records import dataclass
 from gspcli.workers import HERE, Workers
 
 #: About how many paths are one piece of work.
 _PATHS = 16_384
 
 
-@dataclass
+@dataclasses.dataclass
 class Tally:
     """The numbers of real solutions of some random platforms.
 

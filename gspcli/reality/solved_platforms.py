@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,6 +15,7 @@ from gspcli.reality.fold_distances import Folds, folds
 from gspcli.reality.platforms import Platforms
 from gspcli.reality.recognition import look_real, reality
 from gspcli.reality.splitting import Pattern
+from gspcli.records import dataclass
 
 Complex = NDArray[np.complex128]
 

@@ -29,7 +29,7 @@ two for each constraint that was split, if the two are near enough.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -38,6 +38,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.geometry.quaternions import normalized
 from gspcli.reality.platforms import Platforms
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

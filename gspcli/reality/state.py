@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from gspcli.catalogue.kinds import KINDS_BY_NAME
 from gspcli.errors import GspError
 from gspcli.reality.platforms import Platforms
 from gspcli.reality.solved_platforms import Solved
+from gspcli.records import dataclass
 
 SCHEMA = "gsp.maximize-real/1"
 _PARTS = ("y", "x", "u", "v", "values")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from typing import Any
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from gspcli.continuation.paths import PathAccount
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.residuals import condition_numbers, proved_residuals, residuals
+from gspcli.records import dataclass
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.proof import Proof
 

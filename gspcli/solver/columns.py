@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from gspcli.errors import GspError
 from gspcli.geometry.euler import check_sequence, euler_from_rotation
 from gspcli.geometry.quaternions import vector_from_rotation
+from gspcli.records import dataclass
 
 if TYPE_CHECKING:
     from gspcli.solver.result import SolveResult

@@ -6,7 +6,6 @@ infinity whatever the values. Which of the two is true the geometry's exact coun
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
 
@@ -18,6 +17,7 @@ from gspcli.continuation.pursuit import Pursuit, pursue
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.shifts import Shifts
 from gspcli.continuation.systems import System
+from gspcli.records import dataclass
 from gspcli.solver.flat_start import ends_from_flat
 from gspcli.solver.start_pool import StartPool
 from gspcli.solver.study_systems import coefficients_of

@@ -9,7 +9,7 @@ which nothing is done here then.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import groupby
 from math import ceil, log2
 from typing import TYPE_CHECKING, NamedTuple
@@ -27,6 +27,7 @@ from gspcli.continuation.start import path_count
 from gspcli.continuation.systems import Coefficients
 from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.records import dataclass
 from gspcli.solver.geometry_start import GeometryStart, Way, geometry_start
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.start_pool import StartPool

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gspcli.continuation.paths import PathAccount
 from gspcli.geometry.quaternions import Field, quaternion_from_rotation
+from gspcli.records import dataclass
 from gspcli.solver.proof import Ground, Proof
 
 if TYPE_CHECKING:

@@ -9,7 +9,6 @@ paths lead is proved afterwards; else it is forgotten.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cache, lru_cache
 from itertools import count, permutations
 from typing import TYPE_CHECKING
@@ -21,6 +20,7 @@ from gspcli.catalogue.kinds import ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind, Prim
 from gspcli.continuation.start import StartSystem, path_count
 from gspcli.continuation.systems import Coefficients, Structure, System
 from gspcli.continuation.tracker import TrackerOptions
+from gspcli.records import dataclass
 from gspcli.solver.study_systems import coefficients_of
 
 if TYPE_CHECKING:

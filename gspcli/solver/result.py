@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +23,7 @@ from gspcli.geometry.residuals import (
     proved_residuals,
     residuals,
 )
+from gspcli.records import dataclass
 from gspcli.solver.pose_set import Motion, PoseSet
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.solution import Counts, Solution

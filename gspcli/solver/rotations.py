@@ -7,7 +7,6 @@ they are at infinity.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -19,6 +18,7 @@ from gspcli.geometry.intersections import generic_points
 from gspcli.geometry.quadric_intersections import all_roots
 from gspcli.geometry.quaternions import Field, dot, rotated_forms
 from gspcli.geometry.surfaces import certainly_not_zero
+from gspcli.records import dataclass
 from gspcli.solver.infinity import refined_rotation
 
 Array = NDArray[np.float64]

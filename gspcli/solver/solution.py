@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from gspcli.geometry.limits import LeftLimit
 from gspcli.geometry.quaternions import Field
+from gspcli.records import dataclass
 
 
 @dataclass(frozen=True)

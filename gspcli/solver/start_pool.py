@@ -7,14 +7,13 @@ smaller imaginary parts.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.shifts import QUICK, ShiftEnds, Shifts
 from gspcli.continuation.tracker import PathStatus, TrackerOptions
+from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, TextIO
 
 from gspcli.errors import Problem, SpecError
 from gspcli.geometry.instance import AngleUnit, Instance
+from gspcli.records import dataclass
 from gspcli.spec.document import Mapping, Scalar, Value, decode, parse, parse_correct
 from gspcli.spec.file_checks import FileChecker
 from gspcli.spec.plain import read_plainly

@@ -6,13 +6,13 @@ The equations are those of `gspcli.symbolic.constraint_equations`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 
 import sympy
 from sympy import Expr, Symbol
 
 from gspcli.catalogue.kinds import Kind
+from gspcli.records import dataclass
 from gspcli.symbolic.constraint_equations import (
     SymbolicEquation,
     equation,

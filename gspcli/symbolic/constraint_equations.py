@@ -12,13 +12,13 @@ Names: on the platform the point Y, the line (B, v) and the plane (B, normal v);
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 
 import sympy
 from sympy import Expr, Matrix, Symbol
 
 from gspcli.catalogue.kinds import Kind, Primitive
+from gspcli.records import dataclass
 from gspcli.symbolic.coordinate_systems import (
     MOTIONS,
 )

@@ -9,11 +9,12 @@ A set of coordinates is a choice of *blocks*, each a vector or matrix function o
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import sympy
 from sympy import Matrix, Symbol
+
+from gspcli.records import dataclass
 
 #: The blocks in the order in which they are listed.
 BLOCKS = ("R", "T", "U", "rho", "TxR")

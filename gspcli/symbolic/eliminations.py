@@ -9,8 +9,8 @@ with respect to y and z, without extraneous factors except where it is said.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
+from gspcli.records import dataclass
 from gspcli.symbolic.sparse_polynomials import Polynomial, coefficient, coefficients
 from gspcli.symbolic.triangular import Condition, Elimination, Relation
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import sympy
 from sympy import Expr
 
 from gspcli.catalogue.kinds import Kind, Primitive
+from gspcli.records import dataclass
 from gspcli.symbolic.constraint_degrees import lowest_degree
 from gspcli.symbolic.constraint_equations import (
     ANGLE,

@@ -13,7 +13,6 @@ The atoms are SymPy applied functions of the names of vectors.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from enum import Enum
 from functools import cache
 from typing import Any
@@ -21,6 +20,7 @@ from typing import Any
 import sympy
 from sympy import Expr, Function, Symbol
 
+from gspcli.records import dataclass
 from gspcli.symbolic.coordinate_systems import SYMBOLS
 
 

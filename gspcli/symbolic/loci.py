@@ -7,12 +7,11 @@ space of dimension 3 − rank Q: a sphere, a cylinder or two parallel planes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import sympy
 from sympy import Expr, Matrix, Symbol
 
 from gspcli.catalogue.kinds import Kind, Primitive
+from gspcli.records import dataclass
 from gspcli.symbolic.constraint_equations import setting, squared_distance
 from gspcli.symbolic.coordinate_systems import MOTIONS, motion_blocks
 from gspcli.symbolic.forms import Frame, Vector, evaluate, inner

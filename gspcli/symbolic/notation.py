@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
+from gspcli.records import dataclass
 from gspcli.symbolic.sparse_polynomials import Polynomial, coefficients, symbols_of
 from gspcli.symbolic.triangular import Definition
 

@@ -6,13 +6,14 @@ Vectors and matrices are NumPy arrays of `fractions.Fraction` (dtype object).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from random import Random
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from gspcli.records import dataclass
 
 Exact = NDArray[np.object_]
 Residues = NDArray[np.int64]

@@ -7,13 +7,13 @@ equations of `gspcli.symbolic.constraint_equations` from outside.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 from random import Random
 
 import numpy as np
 
 from gspcli.catalogue.kinds import Kind, Primitive
+from gspcli.records import dataclass
 from gspcli.symbolic.rational_motions import (
     Exact,
     RationalMotion,

@@ -10,7 +10,7 @@ web page.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import chain
 from math import prod
@@ -19,6 +19,7 @@ from typing import Any
 from sympy import QQ, ZZ
 from sympy.polys.rings import PolyElement, PolyRing
 
+from gspcli.records import dataclass
 from gspcli.symbolic.sparse_polynomials import (
     Polynomial,
     Values,

@@ -33,8 +33,9 @@ LAYERS = {
     "defaults": 0,
     "resources": 0.5,
     "workers": 0.5,
-    "errors": 0,
+    "errors": 0.2,
     "progress": 0,
+    "records": 0,
     "wording": 0,
     "__init__": 8,
 }
@@ -53,6 +54,7 @@ STRANGERS = {"continuation": {"geometry", "catalogue", "symbolic"}}
 #: Who talks to the native kernel; everybody else talks to them.
 OF_THE_KERNEL = {"certification", "continuation", "geometry", "motion"}
 STANDARD_LIBRARY_ONLY = {"catalogue", "errors", "resources", "progress", "defaults", "wording"}
+STANDARD_LIBRARY_ONLY |= {"records"}
 #: What a room may import from the package itself.
 _PUBLIC = set(gspcli.__all__)
 ROW = re.compile(r"\| +([0-9.]+) \| `(\w+)` \| [^|]+ \|([^|]*)\|")
@@ -180,6 +182,10 @@ HEAVY = {"numpy", "sympy", "pandas", "flint", "pydantic", "yaml", "rich", "scipy
             HEAVY,
         ),
         ("from gspcli.cli.main import run; run(['bound', '17', '--format', 'json'])", HEAVY),
+        (
+            "from gspcli.cli.main import run; run(['solve', '@dietmaier', '--format', 'json'])",
+            HEAVY - {"numpy"} | {"mpmath"},
+        ),
     ],
 )
 def test_start_up_loads_only_what_is_needed(code: str, forbidden: set[str]) -> None:

@@ -18,7 +18,7 @@ W has a solution on the spheres, and none of them is in B.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 
 from gspcli.catalogue.kinds import DLL, DPL, DPP
@@ -31,6 +31,7 @@ from gspcli.certification.counting.residue_counts import Ending, count
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Point
+from gspcli.records import dataclass
 
 #: Further primes are taken until they all mislead with a probability below this, at most so many.
 _ENOUGH, _MOST_PRIMES = 1e-12, 3

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 
 from flint import acb, arb, ctx, fmpq
 
@@ -30,6 +29,7 @@ from gspcli.certification.counting.spectrum import SpectrumError, eigenvectors
 from gspcli.certification.counting.stated_counts import DEFAULT_LIMIT, work_limit
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
+from gspcli.records import dataclass
 
 #: The coefficients of the linear form whose eigenvectors are sought are below this number.
 _COEFFICIENTS = 64

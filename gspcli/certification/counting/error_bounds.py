@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.recorded_varieties import Variety, varieties
@@ -18,6 +17,7 @@ from gspcli.certification.counting.coordinate_choice import Blocks
 from gspcli.certification.counting.equation_heights import equation_height
 from gspcli.certification.counting.exact_platform import ExactConstraint
 from gspcli.certification.counting.homomorphism import Requirements
+from gspcli.records import dataclass
 
 #: A lower bound for the number of primes between 2^60 and 2^61, by P. Dusart: x/(ln x - 1) is less
 #: than pi(x), and x/(ln x - 1.1) more, for x above 60184.

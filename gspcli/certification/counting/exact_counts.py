@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 from gspcli.catalogue.counts import generic_counts
@@ -17,6 +17,7 @@ from gspcli.certification.counting.parts import PartCount
 from gspcli.certification.counting.residue_counts import Ending, ResidueCount, count
 from gspcli.certification.counting.spurious import spurious
 from gspcli.geometry.instance import Instance
+from gspcli.records import dataclass
 
 BILLION = 10**9
 #: Further primes are taken until they all mislead with a probability below this, at most so many.

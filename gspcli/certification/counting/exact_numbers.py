@@ -6,7 +6,6 @@ sines of whole multiples of them do.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 
 from gspcli.certification.counting.elements import (
@@ -19,6 +18,7 @@ from gspcli.certification.counting.elements import (
 )
 from gspcli.geometry.instance import AngleUnit
 from gspcli.geometry.numbers import Number
+from gspcli.records import dataclass
 
 _ZERO, _UNIT = Element.of(0), Element.of(1)
 _PI = Element({ONE._replace(pi=1): Fraction(1)}, {ONE: Fraction(1)})

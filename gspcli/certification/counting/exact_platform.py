@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, Kind
@@ -11,6 +11,7 @@ from gspcli.certification.counting.elements import Element
 from gspcli.certification.counting.exact_numbers import Angle, element, in_radians, squared
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.primitives import Line, Plane, Point, Vector
+from gspcli.records import dataclass
 
 _ZERO, _ONE = Element.of(0), Element.of(1)
 _SIGNS: dict[Side, tuple[int, ...]] = {

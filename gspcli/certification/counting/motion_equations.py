@@ -9,13 +9,14 @@ The functions are 1, R (by rows), T, U, rho and T x R, in the order of
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.certification import study
 from gspcli.certification.balls import cross, dot
 from gspcli.certification.counting.exact_platform import EvaluatedConstraint
+from gspcli.records import dataclass
 
 #: A linear combination: coefficients of the functions, by their position.
 Function = dict[int, Any]

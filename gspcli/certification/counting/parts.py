@@ -14,7 +14,7 @@ elimination without one (docs/exact-counts.md has the bounds of the error).
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import chain, combinations
 
 from flint import nmod
@@ -39,6 +39,7 @@ from gspcli.certification.counting.motion_equations import (
 )
 from gspcli.certification.counting.residue_counts import Ending, ResidueCount, count
 from gspcli.geometry.instance import Instance
+from gspcli.records import dataclass
 
 #: Random vectors and hyperplanes have coefficients of so many bits.
 _RANDOM_BITS = 60

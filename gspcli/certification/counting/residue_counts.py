@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache
 from typing import Any
@@ -20,6 +19,7 @@ from gspcli.certification.counting.motion_equations import (
     MotionEquation,
     MotionEquations,
 )
+from gspcli.records import dataclass
 
 #: More residues than this are not kept at once (1 GB).
 MAX_ENTRIES = 2**27

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.certification.counting.always_parallel import always_parallel, by_points
@@ -18,6 +18,7 @@ from gspcli.certification.counting.modular_platform import ModularPlatform, NotC
 from gspcli.certification.counting.parts import count_parts, dimension, on_a_hyperplane
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
+from gspcli.records import dataclass
 
 #: Billions of multiplications after which a count is given up, by default: each takes a second
 #: or two.

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from gspcli.cli.output.cells import column_texts
 from gspcli.cli.output.tables import DIGITS, Column, Table
+from gspcli.records import dataclass
 
 #: Blanks between two columns.
 GAP = 2

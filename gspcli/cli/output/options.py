@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
 import click
 
 from gspcli.cli.output.files import check_writable
+from gspcli.records import dataclass
 
 FORMATS = ("table", "csv", "json", "markdown", "latex")
 #: Formats of pictures on paper.

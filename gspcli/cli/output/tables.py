@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Literal
+
+from gspcli.records import dataclass
 
 #: Digits of a number in a table for people, unless the column or the width says otherwise.
 DIGITS = 6
