@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, BinaryIO, TextIO
 from gspcli.errors import Problem, SpecError
 from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.records import dataclass
-from gspcli.spec.document import Mapping, Scalar, Value, decode, parse, parse_correct
+from gspcli.spec.document import Mapping, Scalar, Value, decode
 from gspcli.spec.file_checks import FileChecker
+from gspcli.spec.ordinary import read_ordinary
 from gspcli.spec.plain import read_plainly
 from gspcli.spec.proportion import out_of_proportion
 
@@ -99,13 +100,15 @@ def read(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> 
 
 def read_text(text: str, *, name: str = "instance") -> Reading:
     """Read the text of an instance file; as `read`."""
-    root = parse_correct(text, name)
+    root = read_ordinary(text, name)
     if root is not None:
         try:
             return _reading(root, [])
         except SpecError:
             # Mistakes are reported from the full reading.
             pass
+    from gspcli.spec.any_yaml import parse
+
     problems: list[Problem] = []
     return _reading(parse(text, name, problems), problems)
 

@@ -10,8 +10,9 @@ from copy import deepcopy
 import pytest
 
 from gspcli.resources import instance_files
-from gspcli.spec.document import Mapping, Scalar, Sequence, locate, parse_correct
+from gspcli.spec.document import Mapping, Scalar, Sequence, locate
 from gspcli.spec.models import InstanceModel
+from gspcli.spec.ordinary import read_ordinary
 from gspcli.spec.plain import InstanceFields, read_plainly
 
 FILES = instance_files()
@@ -50,7 +51,7 @@ def check(root, found: InstanceFields):
 
 
 def roots():
-    return [parse_correct(path.read_text(encoding="utf-8"), name) for name, path in FILES.items()]
+    return [read_ordinary(path.read_text(encoding="utf-8"), name) for name, path in FILES.items()]
 
 
 @pytest.mark.parametrize("root", roots(), ids=FILES)

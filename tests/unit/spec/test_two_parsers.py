@@ -1,4 +1,4 @@
-"""The parser in C and the one in Python say the same of a file, places included."""
+"""The reader of ordinary files says the same of them as PyYAML, places included."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ import pytest
 from gspcli.errors import SpecError
 from gspcli.resources import instance_files
 from gspcli.spec import loads
-from gspcli.spec.document import Mapping, Scalar, Sequence, Value, parse, parse_correct
+from gspcli.spec.any_yaml import parse
+from gspcli.spec.document import Mapping, Scalar, Sequence, Value
+from gspcli.spec.ordinary import read_ordinary
 from tests.support.effort import calls
 
 FILES = instance_files()
@@ -32,21 +34,75 @@ def located(value: Value) -> Any:
 @pytest.mark.parametrize("name", FILES)
 def test_places_are_the_same(name):
     text = FILES[name].read_text(encoding="utf-8")
-    quick = parse_correct(text, name)
+    quick = read_ordinary(text, name)
     assert quick is not None
     assert located(quick) == located(parse(text, name, []))
 
 
-def test_what_is_taken_for_correct_is_so():
-    """Files with something put in or taken out: accepted by one parser, so by the other."""
+#: Ordinary in all ways that there are; shipped files use few of them.
+ORDINARY = """\
+a: b
+e:
+  - f: [1, -2, "q r"]   # list
+    g:
+      h: 'i'
+  - j#k
+  # a remark
+l:
+- {m: n, o: {p: [q,
+r], s: -t}}
+- ''
+u: http://v.w:x/y#z   two  blanks
+1: "é # {"
+"2 3": ~
+end:
+"""
+#: What is no ordinary file, though it is YAML.
+OTHERS = [
+    "a: b\n c",
+    "a: >\n  b",
+    'a: "b\\n"',
+    "a: 'b''c'",
+    "a: &b c",
+    "a: !b c",
+    "? a\n: b",
+    "---\na: b",
+    "a: b\n...\n",
+    "a: 'b\tc'",
+    "a: [b, ]",
+    "a: {b, c: d}",
+    "a: [b\n c]",
+    "a:\n  'b\n  c'",
+    "- - a",
+    "{a: b}",
+    " a: b",
+    "a: b\r\nc: d",
+]
+
+
+def test_every_ordinary_form_is_read():
+    quick, problems = read_ordinary(ORDINARY, "file"), []
+    assert quick is not None
+    assert located(quick) == located(parse(ORDINARY, "file", problems))
+    assert not problems
+
+
+@pytest.mark.parametrize("text", OTHERS)
+def test_other_forms_are_left_to_the_parser(text):
+    parse(text, "file", [])
+    assert read_ordinary(text, "file") is None
+
+
+def test_what_is_taken_for_ordinary_is_read_as_such():
+    """Files with something put in or taken out: accepted by the reader, so by the parser."""
     rng = random.Random(1)
-    texts = [path.read_text(encoding="utf-8") for path in FILES.values()]
+    texts = [path.read_text(encoding="utf-8") for path in FILES.values()] + [ORDINARY] * 20
     correct = 0
     for _ in range(300):
         text = rng.choice(texts)
         start = rng.randrange(len(text))
         changed = text[:start] + rng.choice(PIECES) + text[start + rng.randrange(3) :]
-        quick = parse_correct(changed, "file")
+        quick = read_ordinary(changed, "file")
         if quick is None:
             continue
         problems = []
@@ -61,7 +117,6 @@ def test_what_is_taken_for_correct_is_so():
 
 
 def test_an_ordinary_file_is_read_with_few_calls():
-    """3 ms on a quiet machine."""
     text = FILES["example-6.8"].read_text(encoding="utf-8")
     loads(text)
     assert calls(lambda: loads(text)) < 8000
