@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import pytest
 
-#: Runs a command on the terminal that it has for output, and shows its tables at each width.
+#: Runs the commands that it is sent on the terminal that it has for output, one after the other,
+#: and shows their tables at each width.
 _SCRIPT = """
-import fcntl, struct, sys, termios
+import fcntl, json, struct, sys, termios
 from gspcli.cli.main import run
 from gspcli.cli import progress_bars
 from gspcli.cli.output import terminal
 progress_bars._PATIENCE_SECONDS = 1e6
-widths, words = [int(word) for word in sys.argv[1].split(",")], sys.argv[2:]
 show = terminal.show
 def resize(width):
     fcntl.ioctl(1, termios.TIOCSWINSZ, struct.pack("HHHH", 50, width, 0, 0))
@@ -27,50 +28,84 @@ def show_all(tables):
         show(tables)
         print("\\f", flush=True)
 terminal.show = show_all
-resize(widths[0])
-sys.exit(run(words))
+for request in sys.stdin:
+    widths, words = json.loads(request)
+    resize(widths[0])
+    code = run(words)
+    sys.stderr.flush()
+    print(f"\\f{code}\\v", end="", flush=True)
 """
+_END = re.compile(r"\f(\d+)\v\Z")
 _STYLE = re.compile(r"\x1b\[[0-9;]*m")
 
 
 Pages = Callable[..., tuple[list[str], int]]
 
 
+class _Terminal:
+    """A process with a terminal, in which commands are run."""
+
+    def __init__(self, environment: dict[str, str]) -> None:
+        settings = {
+            k: v for k, v in os.environ.items() if k not in ("COLUMNS", "LINES", "NO_COLOR")
+        }
+        settings |= {"TERM": "xterm-256color", "PYTHONUTF8": "1"} | environment
+        self._output, theirs = os.openpty()
+        self._process = subprocess.Popen(
+            [sys.executable, "-c", _SCRIPT],
+            stdin=subprocess.PIPE,
+            stdout=theirs,
+            stderr=theirs,
+            env=settings,
+            text=True,
+        )
+        os.close(theirs)
+
+    def run(self, words: tuple[str, ...], widths: list[int]) -> tuple[str, int]:
+        """Return everything on the terminal, and the exit code."""
+        assert self._process.stdin is not None
+        self._process.stdin.write(json.dumps([widths, words]) + "\n")
+        self._process.stdin.flush()
+        received = b""
+        while (end := _END.search(received.decode(errors="ignore"))) is None:
+            # Linux raises OSError if the process has ended.
+            received += os.read(self._output, 1 << 16)
+        text = received.decode().removesuffix(end[0])
+        return text.replace("\r\n", "\n"), int(end[1])
+
+    def close(self) -> None:
+        assert self._process.stdin is not None
+        self._process.stdin.close()
+        assert self._process.wait() == 0
+        os.close(self._output)
+
+
+@pytest.fixture(scope="session")
+def _usual_terminal() -> Iterator[_Terminal]:
+    terminal = _Terminal({})
+    yield terminal
+    terminal.close()
+
+
 @pytest.fixture
-def shown() -> Pages:
+def shown(_usual_terminal: _Terminal) -> Pages:
     """Show a command: ``pages, code = shown("bound", "1", widths=[60, 80])``.
 
     Computed once, the tables are shown at each of the widths; what a command says without tables
-    (errors, help) is shown at the first. After the pages comes what was said last.
+    (errors, help) is shown at the first. After the pages comes what was said last. Commands are run
+    in one process, except in another environment.
     """
-    return _shown
 
+    def show(
+        *words: str,
+        widths: list[int],
+        environment: dict[str, str] | None = None,
+        styled: bool = False,
+    ) -> tuple[list[str], int]:
+        terminal = _Terminal(environment) if environment else _usual_terminal
+        text, code = terminal.run(words, widths)
+        if environment:
+            terminal.close()
+        return (text if styled else _STYLE.sub("", text)).split("\f\n"), code
 
-def _shown(
-    *words: str, widths: list[int], environment: dict[str, str] | None = None, styled: bool = False
-) -> tuple[list[str], int]:
-    main, terminal = os.openpty()
-    settings = {k: v for k, v in os.environ.items() if k not in ("COLUMNS", "LINES", "NO_COLOR")}
-    settings |= {"TERM": "xterm-256color", "PYTHONUTF8": "1"} | (environment or {})
-    script = [sys.executable, "-c", _SCRIPT, ",".join(map(str, widths)), *words]
-    with subprocess.Popen(
-        script, stdin=subprocess.DEVNULL, stdout=terminal, stderr=terminal, env=settings
-    ) as process:
-        os.close(terminal)
-        text = _everything(main)
-        code = process.wait()
-    os.close(main)
-    return (text if styled else _STYLE.sub("", text)).split("\f\n"), code
-
-
-def _everything(terminal: int) -> str:
-    received = b""
-    while True:
-        try:
-            block = os.read(terminal, 1 << 16)
-        except OSError:  # so does Linux say that the other end is closed
-            break
-        if not block:
-            break
-        received += block
-    return received.decode().replace("\r\n", "\n")
+    return show
