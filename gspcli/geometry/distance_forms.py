@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from functools import cache
 from itertools import product
 
@@ -28,7 +27,10 @@ class Measures:
     Attributes
     ----------
     forms
-        All forms, shape (count, 4, 8): `heights`, `squares`, `axial`, `normals`, and N T.
+        All forms, shape (count, 4, 8). N times the heights over planes and the moments of two
+        lines; N times the squared distances of points but for ``4 f.f``, first for spheres and then
+        for cylinders; for each cylinder N times the height along its axis; N times the three
+        components of the vector product of the directions of two lines; and N T.
     skew
         Which of the heights are moments of two lines.
     flat, curved
@@ -49,45 +51,9 @@ class Measures:
     basis: Array | None
     signs: Array
 
-    @property
-    def heights(self) -> Array:
-        """N times the heights over planes and the moments of two lines, shape (k, 4, 8)."""
-        return self.forms[: len(self.flat)]
 
-    @property
-    def squares(self) -> Array:
-        """N times the squared distances of points but for ``4 f.f``, shape (m, 4, 8).
-
-        Those of the spheres come first, then those of the cylinders.
-        """
-        return self.forms[len(self.flat) :][: len(self.curved)]
-
-    @property
-    def axial(self) -> Array:
-        """For each cylinder N times the height along its axis, shape (m - spheres, 4, 8)."""
-        return self.forms[len(self.flat) + len(self.curved) :][: len(self.curved) - self.spheres]
-
-    @property
-    def normals(self) -> Array:
-        """N times the vector product of the directions of two lines, shape (l, 3, 4, 8)."""
-        return self.forms[-3 - 3 * len(self.skew) : -3].reshape(-1, 3, 4, 8)
-
-    @property
-    def positions(self) -> int:
-        """In how many points the surfaces meet in general, for all sides (Proposition 6.7)."""
-        return len(self.signs) << len(self.curved) - max(self.spheres - 1, 0)
-
-
-def measures(arrangement: Arrangement, parallel: Collection[int] = ()) -> Measures:
-    """Return the forms of the distances of an arrangement.
-
-    Parameters
-    ----------
-    arrangement
-        The geometry.
-    parallel
-        Line-line distances whose lines are parallel at the rotations in question.
-    """
+def measures(arrangement: Arrangement) -> Measures:
+    """Return the forms of the distances of an arrangement."""
     indices = arrangement.distances.tolist()
     heights: list[tuple[int, _Vector]] = []
     spheres: list[tuple[int, _Vector]] = []
@@ -109,11 +75,7 @@ def measures(arrangement: Arrangement, parallel: Collection[int] = ()) -> Measur
         elif kind is DLP:
             cylinders.append((j, _square(y, x)))
             axial.append(_platform_height(y, x, u))
-        elif i in parallel and given.values[i] == 0:
-            # One line on the other: two planes, not the cylinder of radius zero about them.
-            across = np.linalg.svd([v])[2][1:].tolist()
-            heights += [(j, _base_height(y, x, normal)) for normal in across]
-        elif kind is DPL or i in parallel:
+        elif kind is DPL:
             cylinders.append((j, _square(y, x)))
             axial.append(_base_height(y, x, v))
         elif kind is DLL:

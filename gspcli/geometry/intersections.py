@@ -3,8 +3,7 @@
 A plane is a vector p of length 4, its equation ``p . z = 0``; a quadric is a symmetric matrix Q of
 order 4, its equation ``z^T Q z = 0``. By Bezout's theorem n quadrics and 3 - n planes meet in 2^n
 points counted with multiplicity, or in infinitely many. The native kernel finds them for many
-systems at a time, and says where its answer is not to be trusted; those systems are for
-`gspcli.geometry.quadric_intersections`, which expects everything.
+systems at a time, and says where its answer is not to be trusted.
 """
 
 from __future__ import annotations

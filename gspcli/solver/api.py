@@ -112,8 +112,13 @@ def solve(
     return SolveResult(instance, arrangement, poses, seed)
 
 
-def _in_closed_form(instance: Instance, arrangement: Arrangement, *, certify: bool) -> PoseSet:
-    """Return the poses of a platform with three angles, proved as far as doubles prove them."""
+def _in_closed_form(
+    instance: Instance, arrangement: Arrangement, *, certify: bool
+) -> PoseSet | None:
+    """Return the poses of a platform with three angles, proved as far as doubles prove them.
+
+    None if it is not in general position.
+    """
     from gspcli.solver.closed_form import solve_closed_form
 
     if not certify:
@@ -377,7 +382,7 @@ def _closed_form_blocks(
     solved = solve_closed_forms(arrangement, rows)
     for begin in range(0, len(rows), _BLOCK):
         part = list(islice(solved, _BLOCK))
-        general = {k: poses for k, poses in enumerate(part) if _is_general(poses, certify=False)}
+        general = {k: poses for k, poses in enumerate(part) if poses is not None}
         given = rows[begin : begin + len(part)]
         proved = prove_closed_forms(proofs, arrangement, given, part) if proofs else None
         if proved is None:

@@ -30,7 +30,7 @@ def prove_closed_forms(
     proofs: ValueProofs,
     arrangement: Arrangement,
     rows: Array | None,
-    found: Sequence[PoseSet],
+    found: Sequence[PoseSet | None],
 ) -> tuple[Index, ProvedPoses] | None:
     """Return what is proved of sets of poses, and which these are.
 
@@ -41,15 +41,15 @@ def prove_closed_forms(
     rows
         The sets of values, shape (b, 6); None for the one of the instance.
     found
-        The poses of each. Those of sets that have not as many as the type are left out.
+        The poses of each. Sets that have not as many as the type are left out.
     """
     values = arrangement.values[None] if rows is None else rows
     choices = side_choices(arrangement.with_values(np.ones_like(values[0])))
     chosen, points = [], []
     for k, (row, poses) in enumerate(zip(values, found, strict=True)):
         given = arrangement.with_values(row)
-        index = _by_sides(given, choices, poses)
-        if index is None:
+        index = None if poses is None else _by_sides(given, choices, poses)
+        if poses is None or index is None:
             continue
         pure = np.concatenate((np.zeros((len(poses.T), 1)), poses.T), axis=1)
         e = poses.quaternions
@@ -80,8 +80,8 @@ def proved_general_form(proofs: ValueProofs, arrangement: Arrangement) -> PoseSe
 
 
 def proved_closed_form(
-    proofs: ValueProofs | None, arrangement: Arrangement, poses: PoseSet
-) -> PoseSet:
+    proofs: ValueProofs | None, arrangement: Arrangement, poses: PoseSet | None
+) -> PoseSet | None:
     """Return as many poses as the type has, all proved; the poses as they are if they are not."""
     proved = prove_closed_forms(proofs, arrangement, None, [poses]) if proofs else None
     if proved is None or not proved[1].complete[0]:
@@ -104,11 +104,7 @@ def block_of(poses: ProvedPoses, rows: Index) -> Block:
 
 def _by_sides(given: Arrangement, choices: Array, poses: PoseSet) -> Index | None:
     """Return the poses of each choice of sides, shape (k, m); None if they are not as many."""
-    if (
-        any(_is_zero(given))
-        or len(poses.R) != poses.account.expected
-        or (poses.multiplicity > 1).any()
-    ):
+    if any(_is_zero(given)):
         return None
     if len(choices) == 1:
         return np.arange(len(poses.R))[None]

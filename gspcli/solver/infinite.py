@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 
-from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.certification import decide
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.pursuit import Pursuit
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.quaternions import Field
 from gspcli.geometry.residuals import residuals
-from gspcli.solver.closed_form import solve_closed_form
 from gspcli.solver.pose_set import Motion, PoseSet
 from gspcli.solver.proof import Proof
-from gspcli.solver.tracking import poses_by_paths
+from gspcli.solver.self_motion import local_motion
+from gspcli.solver.tracking import poses_by_paths, poses_of
 
 #: Samples of a motion meet the constraints up to this part of their size.
 _ON_MOTION = 1e-8
+#: So many poses are tried as places near real ones.
+_TRIED = 16
 
 
 def solve_infinite(
@@ -44,23 +47,20 @@ def solve_infinite(
     proof
         What proves the set of poses to be infinite; None if only that of the equations is.
     """
-    answers = [_cleaned(arrangement, poses_by_paths(arrangement, list(pursuits)))]
-    if len(arrangement.angles) == MAX_ANGLES:
-        # The closed form sees real motions where paths see complex ones.
-        answers.insert(0, _cleaned(arrangement, solve_closed_form(arrangement)))
-    best = max(answers, key=lambda x: (any(motion.real for motion in x.motions), len(x.motions)))
+    best = _cleaned(arrangement, poses_by_paths(arrangement, list(pursuits)))
     best = best.decided(decide(instance, best.R, best.T)) if len(best.R) else best
+    motions = _with_real_motion(arrangement, best.motions, pursuits)
     if best.motions:
         best = _isolated(best)
         # Without a proof the count may mean parallel lines: the samples are evidence.
-        return replace(best, proof=proof)
-    if proof is not None:
-        # No sample was found, but paths must end on the set: those that are lost or seemed to
-        # end at infinity.
+        return replace(best, motions=motions, proof=proof)
+    if motions or proof is not None:
+        # No path has ended at a sample, but some must end on the set: those that are lost or seemed
+        # to end at infinity.
         best = _isolated(best)
         rest = best.account.expected - best.account.found
         reduced = replace(_lost(best.account), on_curves=rest, lost=0)
-        return replace(best, account=reduced, proof=proof)
+        return replace(best, motions=motions, account=reduced, proof=proof)
     # Whether there are poses beside those with parallel lines, nobody knows.
     return replace(best, account=_lost(best.account))
 
@@ -87,6 +87,34 @@ def along_points(
         proof=proof,
         problem=None,
     )
+
+
+def _with_real_motion(
+    arrangement: Arrangement, motions: tuple[Motion, ...], pursuits: Sequence[Pursuit]
+) -> tuple[Motion, ...]:
+    """Return motions with a real one, even if no path has ended at one of its poses.
+
+    Real poses are sought near those of the other motions, and near the ends of paths.
+    """
+    if any(motion.real for motion in motions):
+        return motions
+    for R, T in islice(_places(arrangement, motions, pursuits), _TRIED):
+        near = local_motion(arrangement, R, T)
+        if near is not None and near.real and _holds(arrangement, near):
+            return (near, *motions)
+    return motions
+
+
+def _places(
+    arrangement: Arrangement, motions: Sequence[Motion], pursuits: Sequence[Pursuit]
+) -> Iterator[tuple[Field, Field]]:
+    for motion in motions[: _TRIED // 2]:
+        yield motion.R[0], motion.T[0]
+    for pursuit in pursuits:
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            R, T = poses_of(arrangement, pursuit.first().points)
+        finite = np.isfinite(R).all(axis=(1, 2)) & np.isfinite(T).all(axis=1)
+        yield from zip(R[finite], T[finite], strict=True)
 
 
 def _isolated(poses: PoseSet) -> PoseSet:

@@ -169,6 +169,8 @@ class _System:
             errors, rows = self.equations(R, T)
             if np.abs(errors).max() < _CONVERGED:
                 return R, T
+            if not (np.isfinite(errors).all() and np.isfinite(rows).all()):
+                return None
             left, values, right = np.linalg.svd(rows)
             rank = max(1, min(6 - kernel, int((values > _KERNEL * values[0]).sum())))
             inner = (left[:, :rank].conj().T @ -errors) / values[:rank]

@@ -96,7 +96,7 @@ def poses_by_paths(arrangement: Arrangement, pursuits: list[Pursuit]) -> PoseSet
     points = np.concatenate([representatives for representatives, _ in settled])
     real = np.concatenate([real for _, real in settled])
     multiplicity = np.concatenate([result.multiplicity for result in results])
-    R, T = _poses(arrangement, points)
+    R, T = poses_of(arrangement, points)
     spurious, undecided = judge_parallel_lines(arrangement, R, T, multiplicity > 1)
     quaternions = canonical_sign(unit_quaternion(points[:, :4]))
     polished, T = polish_parallel_lines(arrangement, R, T, multiplicity == 1)
@@ -163,7 +163,7 @@ def proved_by_paths(
     return all_proved(proofs, arrangement, points, Frames.of(arrangement), one_by_one=one_by_one)
 
 
-def _poses(arrangement: Arrangement, points: Field) -> tuple[Field, Field]:
+def poses_of(arrangement: Arrangement, points: Field) -> tuple[Field, Field]:
     """Return poses in the frames of the arrangement from Study points, shape (n, 8)."""
     R, T = pose_from_study(points[:, :4], points[:, 4:])
     return R, arrangement.restored(R, T)
@@ -175,7 +175,7 @@ def _motions(
     """Return the motions, and how many paths end on sets that are none (parallel lines)."""
     motions, beside = [], 0
     for curve in (curve for result in results for curve in result.curves):
-        R, T = _poses(arrangement, made_real(curve.motion) if curve.real else curve.motion)
+        R, T = poses_of(arrangement, made_real(curve.motion) if curve.real else curve.motion)
         spurious, _ = judge_parallel_lines(arrangement, R, T, np.ones(len(R), dtype=np.bool_))
         # The distances of parallel lines hold all along a motion or almost nowhere.
         if spurious.any():

@@ -18,6 +18,7 @@ from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.residuals import residuals
 from gspcli.solver.closed_form import solve_closed_form
+from gspcli.solver.study_systems import side_choices
 from gspcli.solver.tracking import solve_by_tracking
 
 
@@ -54,38 +55,31 @@ def lattice_platform(seed: int, angles: int = 3) -> tuple[Arrangement, np.ndarra
     return replace(arrangement, values=values), R, T
 
 
-@pytest.mark.parametrize("block", range(6))
-def test_special_positions_are_never_answered_wrongly(block):
-    """Every path is accounted for, and a pose known to exist is found or said to be missing."""
-    outcomes = {"complete": 0, "infinite": 0, "incomplete": 0}
-    for seed in range(50 * block, 50 * block + 50):
+def test_the_closed_form_answers_completely_or_not_at_all():
+    """Where it answers, there are as many poses as the type has, the known one among them."""
+    answered = 0
+    for seed in range(300):
         arrangement, R, T = lattice_platform(seed)
         poses = solve_closed_form(arrangement)
-        found = int(poses.multiplicity.sum())
-        assert found == poses.account.found
-        if poses.real.any():
-            real = residuals(arrangement, poses.R[poses.real].real, poses.T[poses.real].real)
-            # A double pose is only known to the square root of the precision.
-            assert real.max() < 1e-6
-        for motion in poses.motions:
-            if motion.real:
-                assert residuals(arrangement, motion.R, motion.T).max() < 1e-5
-        outcomes[poses.account.verdict] += 1
-        if poses.account.verdict == "complete":
-            assert len(poses.R) > 0
-            distance = np.abs(poses.R - R).max(axis=(1, 2)) + np.abs(poses.T - T).max(axis=1)
-            assert distance.min() < 1e-6
-    assert outcomes["incomplete"] <= 2
-    assert outcomes["complete"] > 25
+        if poses is None:
+            continue
+        answered += 1
+        assert poses.account.verdict == "complete"
+        assert len(poses.R) == poses.account.expected
+        real = residuals(arrangement, poses.R[poses.real].real, poses.T[poses.real].real)
+        assert real.max() < 1e-8
+        distance = np.abs(poses.R - R).max(axis=(1, 2)) + np.abs(poses.T - T).max(axis=1)
+        assert distance.min() < 1e-8
+    assert 10 < answered < 150
 
 
 @pytest.mark.parametrize("angles", [0, 1, 2, 3])
 @pytest.mark.parametrize("block", range(3))
 def test_paths_end_the_same_whatever_the_way(angles, block):
     """Most of these have double poses, ends at infinity or lines that are parallel."""
-    for seed in range(8 * block, 8 * block + 8):
+    for seed in range(8 * block, 8 * block + 5):
         arrangement, R, T = lattice_platform(seed, angles)
-        if generic_count(arrangement) > 128:
+        if path_count(arrangement) > 128:
             continue
         one, other = (solve_by_tracking(arrangement, seed=way) for way in (1, 2))
         assert one.account.lost == other.account.lost == 0
@@ -99,5 +93,6 @@ def test_paths_end_the_same_whatever_the_way(angles, block):
             assert distance.min() < 1e-6
 
 
-def generic_count(arrangement: Arrangement) -> int:
-    return generic_counts(GspType.of(arrangement.kinds)).one_sided
+def path_count(arrangement: Arrangement) -> int:
+    counts = generic_counts(GspType.of(arrangement.kinds))
+    return counts.one_sided * len(side_choices(arrangement))

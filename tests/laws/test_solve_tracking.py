@@ -44,6 +44,7 @@ def test_closed_form_and_path_tracking_agree(number, seed):
     instance, _ = random_instance(type_by_number(number), np.random.default_rng(seed))
     arrangement = Arrangement.of(instance)
     closed = solve_closed_form(arrangement)
+    assert closed is not None
     tracked = solve_by_tracking(arrangement, seed=seed)
     assert closed.account.expected == tracked.account.expected
     assert closed.real.sum() == tracked.real.sum()

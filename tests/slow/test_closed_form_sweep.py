@@ -33,6 +33,7 @@ def platform(k: int) -> Arrangement:
 def test_every_random_platform_has_all_its_poses(block):
     for k in range(PER_BLOCK * block, PER_BLOCK * (block + 1)):
         poses = solve_closed_form(platform(k))
+        assert poses is not None, k
         assert len(poses.R) == poses.account.found == poses.account.expected, k
 
 
@@ -41,6 +42,7 @@ def test_path_tracking_finds_the_same_poses(block):
     for k in np.random.default_rng(block).integers(BLOCKS * PER_BLOCK, size=50).tolist():
         arrangement = platform(k)
         closed = solve_closed_form(arrangement)
+        assert closed is not None, k
         tracked = solve_by_tracking(arrangement, seed=k)
         assert closed.real.sum() == tracked.real.sum(), k
         distance = pose_set_distance(

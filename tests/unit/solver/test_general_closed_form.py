@@ -1,4 +1,4 @@
-"""The closed form of platforms in general position: as what expects everything finds them."""
+"""The closed form of one platform at once: as the one of many sets of values finds them."""
 
 from itertools import islice
 
@@ -34,7 +34,7 @@ def test_poses_accounts_and_proofs_are_those_of_the_careful_way(type_text):
         arrangement, proofs = Arrangement.of(instance), ValueProofs.of(instance, None)
         quick = proved_general_form(proofs, arrangement)
         careful = proved_closed_form(proofs, arrangement, solve_closed_form(arrangement))
-        if quick is None or careful.proof is None:
+        if quick is None or careful is None or careful.proof is None:
             continue
         compared += 1
         quick, careful = (in_order(poses, arrangement) for poses in (quick, careful))
