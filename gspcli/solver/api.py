@@ -75,6 +75,21 @@ def solve(
     checked(instance)
     seed, jobs = whole(seed, "seed", least=0), whole(jobs, "jobs", least=1)
     arrangement = Arrangement.of(instance)
+    poses = _solved(instance, arrangement, seed, jobs, certify=certify, prove=prove)
+    poses = poses.reordered(stable_order(poses, arrangement.length))
+    return SolveResult(instance, arrangement, poses, seed)
+
+
+def _solved(
+    instance: Instance,
+    arrangement: Arrangement,
+    seed: int,
+    jobs: int,
+    *,
+    certify: bool,
+    prove: bool | None,
+) -> PoseSet:
+    """Return all poses of an instance, in any order."""
     pursuits: list[Pursuit] | None = None
     # Each method is imported when it is needed: start-up is most of the time of one solve.
     if len(arrangement.angles) == MAX_ANGLES:
@@ -108,8 +123,7 @@ def solve(
     if poses is None or not _is_general(poses, certify):
         limit = {True: None, False: 0.0, None: PATIENCE}[prove]
         poses = _special(instance, arrangement, pursuits, seed, jobs, limit)
-    poses = poses.reordered(stable_order(poses, arrangement.length))
-    return SolveResult(instance, arrangement, poses, seed)
+    return poses
 
 
 def _in_closed_form(
@@ -153,17 +167,6 @@ def _proved_shortly(
     return None
 
 
-def _each_tracked(
-    arrangements: Iterable[Arrangement], seed: int, jobs: int
-) -> Iterator[tuple[list[Pursuit], PoseSet | None]]:
-    """Yield the paths of each platform, and their ends if all are distinct simple poses."""
-    from gspcli.solver.tracking import poses_by_paths, pursue_each
-
-    for arrangement, pursuits in pursue_each(arrangements, seed=seed, jobs=jobs):
-        good = _all_regular(pursuits)
-        yield pursuits, poses_by_paths(arrangement, pursuits) if good else None
-
-
 def _all_regular(pursuits: Iterable[Pursuit]) -> bool:
     return all(pursuit.is_regular for pursuit in pursuits)
 
@@ -180,7 +183,9 @@ def _special(
     from gspcli.solver.special import solve_special
 
     if pursuits is None:
-        pursuits, _ = next(_each_tracked([arrangement], seed, jobs))
+        from gspcli.solver.tracking import pursue_each
+
+        _, pursuits = next(pursue_each([arrangement], seed=seed, jobs=jobs))
     poses = solve_special(instance, arrangement, pursuits, seed=seed, limit=limit)
     if limit == 0 or poses.account.verdict != "infinite" or any(m.real for m in poses.motions):
         return poses
@@ -309,32 +314,12 @@ def _solve_rows(
         for k in special.tolist():
             row = rows[begin + k]
             given = instance.with_values({i: Number.of(x) for i, x in enumerate(row.tolist())})
-            others[k] = wrong.get(begin + k) or _carefully(
-                given, arrangement.with_values(row), others.get(k), seed, jobs, certify=certify
+            others[k] = wrong.get(begin + k) or _solved(
+                given, arrangement.with_values(row), seed, jobs, certify=certify, prove=None
             )
         others |= {k - begin: wrong[k] for k in wrong if begin <= k < begin + len(block)}
         yield replace(block, others=others)
         begin += len(block)
-
-
-def _carefully(
-    instance: Instance,
-    arrangement: Arrangement,
-    poses: PoseSet | None,
-    seed: int,
-    jobs: int,
-    *,
-    certify: bool,
-) -> PoseSet:
-    """Return the poses of one of many sets of values, with all the care that they need."""
-    pursuits = None
-    if poses is None:
-        pursuits, poses = next(_each_tracked([arrangement], seed, jobs))
-    if poses is not None and certify:
-        poses = _proved(instance, poses)
-    if poses is None or not _is_general(poses, certify):
-        poses = _special(instance, arrangement, pursuits, seed, jobs, PATIENCE)
-    return poses
 
 
 def _quick_blocks(
@@ -351,14 +336,16 @@ def _quick_blocks(
         yield from _closed_form_blocks(instance, arrangement, rows, certify=certify)
         return
     from gspcli.certification.many_values import ValueProofs
-    from gspcli.solver.one_geometry import solve_rows
+    from gspcli.solver.row_groups import solve_rows
 
     def count() -> ExactCount | None:
         from gspcli.solver.special_geometry import kept_count
 
         return kept_count(instance, seed, PATIENCE)
 
-    proofs = ValueProofs.of(instance, rows)
+    def proofs(group: Array) -> ValueProofs | None:
+        return ValueProofs.of(instance, group)
+
     for size, found in solve_rows(
         arrangement, rows, count=count, proofs=proofs, seed=seed, jobs=jobs
     ):

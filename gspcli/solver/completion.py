@@ -33,7 +33,7 @@ def complete(search: Search, solutions: int, distinct: int, spurious: int | None
     """
     multiple: list[MultiplePose] = []
     candidates = _Candidates(search)
-    for _ in search.steps():
+    for _ in search.steps(simple=solutions == distinct):
         if solutions > distinct and len(search.found) + len(multiple) < distinct:
             multiple = [pose for pose in candidates.poses() if pose.is_pose or spurious is None]
         if len(search.found) + len(multiple) >= distinct:

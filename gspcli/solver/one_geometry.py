@@ -1,4 +1,4 @@
-"""Many platforms that differ in their values only: followed from one of the same geometry.
+"""Platforms that differ in their values only: followed from one of the same geometry.
 
 A system of the geometry with complex values in general position is solved once (`geometry_start`).
 From its solutions lead short paths to those of all real values, on which nothing moves but the
@@ -8,9 +8,8 @@ which nothing is done here then.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import replace
-from itertools import groupby
 from math import ceil, log2
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -38,8 +37,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Fewer sets of values are solved one by one: solving the geometry costs as much as a few of them.
-_LEAST = 4
 #: So many paths are followed together, for the memory of their ends.
 _BATCH_PATHS = 16_384
 #: The spread of the parameters of a start is their standard deviation, but no less than this (in
@@ -66,69 +63,22 @@ class Solved(NamedTuple):
     proof: Proof | None
 
 
-def solve_rows(
-    arrangement: Arrangement,
-    rows: Array,
-    *,
-    count: Callable[[], ExactCount | None],
-    proofs: ValueProofs | None,
-    seed: int,
-    jobs: int = 1,
-) -> Iterator[tuple[int, Solved | None]]:
-    """Yield all poses of one geometry with each of many sets of values, in order.
-
-    Parameters
-    ----------
-    arrangement
-        The geometry and the sides; its own values are not used.
-    rows
-        Sets of values in the units of the instance, shape (b, 6).
-    count
-        Returns the exact count of the geometry, with values in general position, for the sides
-        asked for; None if it is not known. Called only if the geometry seems to have fewer
-        solutions than its type.
-    proofs
-        The equations of the geometry with its values left open; None if the poses cannot be
-        certified, and nothing be solved here.
-    seed
-        Source of the random paths. Another seed gives the same sets of poses.
-    jobs
-        Threads. The result does not depend on them.
-
-    Yields
-    ------
-    How many sets of values come next, and their poses; None if each needs a solution of its
-    own, because the geometry is not worth it (too few sets) or not known well enough.
-    """
-    # A distance of zero has one sign, and may have another equation.
-    zero = [(row == 0).tobytes() for row in rows] if (rows == 0).any() else [b""] * len(rows)
-    geometries = {
-        pattern: _geometry(arrangement, rows[[z == pattern for z in zero]], count, seed, jobs)
-        for pattern in dict.fromkeys(zero)
-        if proofs is not None
-    }
-    begin = 0
-    for pattern, group in groupby(zero):
-        end = begin + len(list(group))
-        geometry = geometries.get(pattern)
-        size = geometry.batch if geometry else end - begin
-        for first in range(begin, end, size):
-            batch = rows[first : min(first + size, end)]
-            found = geometry.solve(batch, proofs, jobs) if geometry and proofs else None
-            yield len(batch), found
-        begin = end
-
-
-def _geometry(
+def geometry_among(
     arrangement: Arrangement,
     rows: Array,
     count: Callable[[], ExactCount | None],
     seed: int,
     jobs: int,
 ) -> Geometry | None:
-    """Return the geometry with its start, or None if that does not pay or is not safe."""
-    if len(rows) < _LEAST:
-        return None
+    """Return a geometry with a start among sets of values; None if that is not safe.
+
+    Parameters
+    ----------
+    arrangement, count, seed, jobs
+        As for `row_groups.solve_rows`.
+    rows
+        Sets of values with the same distances zero, shape (b, 6).
+    """
     given = arrangement.with_values(rows[0])
     length = 2.0 ** ceil(log2(given.length_with(rows)))
     values = _inner_values(given, rows, length, side_choices(given))
@@ -162,7 +112,7 @@ def geometry_about(
     mean, spread
         Of the start's parameters, what the equations are linear in, in that unit, shape (6,).
     count, seed
-        As for `solve_rows`.
+        As for `row_groups.solve_rows`.
     ways
         To the start, which are tried in turn.
     """

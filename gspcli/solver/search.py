@@ -22,9 +22,12 @@ from gspcli.geometry.quaternions import Field, pose_from_study, unit_quaternion
 from gspcli.solver.study_systems import coefficients_of
 
 #: Bits in which all poses are computed by elimination, and the largest number for which that is
-#: worth it: some seconds.
+#: worth it: some seconds; with the fewest bits, where most paths lead to none.
 _ELIMINATION = (512, 1024, 2048)
-_ELIMINABLE = 130
+_ELIMINABLE, _MOST_ELIMINABLE = 130, 200
+#: The first elimination takes as long as so many paths with 64 digits, or as this part of the cube
+#: of all paths.
+_ELIMINATION_PATHS = 8, 1 / 8000
 #: Sets of random paths that are tried, and at most if each of them leads to more poses.
 _ATTEMPTS, _MOST_ATTEMPTS = 3, 8
 #: Poses that agree to this part of their largest entry are not worth locating again.
@@ -72,8 +75,15 @@ class Search:
         self.infinite: list[Isolation] = []
         self.left: PursuedEnds | None = None
 
-    def steps(self) -> Iterator[None]:
-        """Add poses by one means after the other; whoever has enough stops asking."""
+    def steps(self, *, simple: bool = False) -> Iterator[None]:
+        """Add poses by one means after the other; whoever has enough stops asking.
+
+        Parameters
+        ----------
+        simple
+            Whether all poses are to be simple ones. They are found without paths, then, before
+            many paths are followed with the most digits, which takes longer.
+        """
         ends = self.pursuit.first()
         proved = self._add_simple(ends)
         yield
@@ -81,28 +91,48 @@ class Search:
         if unproved.any():
             self._locate(ends.take(unproved))
         yield
-        yield from self._pursue(~proved & ~unproved, attempt=0)
-        for bits in _ELIMINATION if self.pursuit.paths <= _ELIMINABLE else ():
+        left = self._follow_deeply(~proved & ~unproved, 0)
+        yield
+        paths = self.pursuit.paths
+        tried = 0
+        # Where nothing is found at all, paths with more digits hardly find more.
+        few, of_cube = _ELIMINATION_PATHS
+        many = len(left) > (max(few, of_cube * paths**3) if len(self.found) else few)
+        if simple and paths <= _MOST_ELIMINABLE and many:
+            tried = 1
+            self._eliminate(_ELIMINATION[0])
+            yield
+        self._follow_deepest(left, 0)
+        yield
+        for bits in _ELIMINATION[tried:] if paths <= _ELIMINABLE else ():
             self._eliminate(bits)
             yield
+        if not len(self.found) and self.left is not None and not self.left.settled.any():
+            # All poses are farther away than any paths lead.
+            return
         for attempt in range(1, _MOST_ATTEMPTS):
             before = len(self.found)
-            yield from self._pursue(np.ones(self.pursuit.paths, np.bool_), attempt)
+            left = self._follow_deeply(np.ones(paths, np.bool_), attempt)
+            yield
+            self._follow_deepest(left, attempt)
+            yield
             if attempt + 1 >= _ATTEMPTS and len(self.found) == before:
                 break
 
-    def _pursue(self, chosen: NDArray[np.bool_], attempt: int) -> Iterator[None]:
-        """Add the poses at the ends of chosen paths: with 32 digits, and then with 64."""
+    def _follow_deeply(self, chosen: NDArray[np.bool_], attempt: int) -> NDArray[np.intp]:
+        """Add the poses at the ends of chosen paths, with 32 digits; return which led to none."""
         index = np.flatnonzero(chosen)
         ends = self.pursuit.deeply(index, self._target, attempt)
         new = np.zeros(len(index), np.bool_)
         new[ends.settled] = self._locate(ends.take(ends.settled))
-        yield
         # Two paths to one pose: one of them has jumped.
-        ends = self.pursuit.deepest(index[~new], self._target, attempt)
+        return index[~new]
+
+    def _follow_deepest(self, index: NDArray[np.intp], attempt: int) -> None:
+        """Add the poses at the ends of some paths, with 64 digits, and keep those of the others."""
+        ends = self.pursuit.deepest(index, self._target, attempt)
         new = self._locate(ends)
         self.left = ends.take(~new)
-        yield
 
     @cached_property
     def _target(self) -> ExtendedCoefficients:

@@ -18,8 +18,8 @@ from gspcli.geometry.residuals import condition_numbers, residuals
 from gspcli.solver import solve, solve_batch, solve_values
 from gspcli.solver.batch import Block
 from gspcli.solver.generate import random_instance
-from gspcli.solver.one_geometry import solve_rows
 from gspcli.solver.proof import Ground
+from gspcli.solver.row_groups import solve_rows
 from gspcli.solver.tracking import solve_by_tracking
 
 
@@ -143,8 +143,11 @@ def _same(one, other, length: float) -> bool:
 
 def _quickly(instance, values, count, seed):
     """Return what is found from the geometry's own start, None where nothing is."""
-    arrangement, proofs = Arrangement.of(instance), ValueProofs.of(instance, values)
-    found = []
+    arrangement, found = Arrangement.of(instance), []
+
+    def proofs(rows):
+        return ValueProofs.of(instance, rows)
+
     for size, solved in solve_rows(arrangement, values, count=count, proofs=proofs, seed=seed):
         if solved is None:
             found += [None] * size

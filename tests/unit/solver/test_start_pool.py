@@ -30,7 +30,7 @@ def case(name: str = "DPP DPP DPP DPP DPP DPP"):
 
 
 def geometry_of(instance: Instance, rows: np.ndarray) -> one_geometry.Geometry:
-    found = one_geometry._geometry(Arrangement.of(instance), rows, lambda: None, 1, 1)
+    found = one_geometry.geometry_among(Arrangement.of(instance), rows, lambda: None, 1, 1)
     assert found is not None
     return found
 

@@ -1,0 +1,122 @@
+"""Sets of values of other sizes among those of a batch: each is solved as if it were alone."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from matching import pose_set_distance
+
+from gspcli.catalogue.parsing import parse_type
+from gspcli.continuation.pursuit import Pursuit
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.numbers import Number
+from gspcli.solver import row_groups, search, solve, solve_batch
+from gspcli.solver.generate import random_instance
+from gspcli.solver.one_geometry import geometry_among
+
+SETS = 10
+
+
+@cache
+def case(name: str = "DPP DPP DPP DPP DPP DPP"):
+    """Return an instance, and sets of values."""
+    instance, _ = random_instance(parse_type(name), np.random.default_rng(51), one_sided=True)
+    own = np.array([row.value.value for row in instance.constraints])
+    return instance, own * (1 + 0.05 * np.random.default_rng(52).normal(size=(SETS, 6)))
+
+
+def given(instance: Instance, row: np.ndarray) -> Instance:
+    return instance.with_values({i: Number.of(x) for i, x in enumerate(row.tolist())})
+
+
+def times(instance: Instance, row: np.ndarray, factor: float) -> np.ndarray:
+    distances = [constraint.kind.is_distance for constraint in instance.constraints]
+    return np.where(distances, row * factor, row)
+
+
+@pytest.mark.parametrize("factor", [1e6, 1e8, 1e-6, 1e-8])
+def test_a_set_of_another_size_does_not_disturb_the_others(factor):
+    instance, rows = case()
+    mixed = rows.copy()
+    mixed[4] = times(instance, mixed[4], factor)
+    mixed[7] = np.inf
+    batch = solve_batch(instance, mixed)
+    assert batch.proved.tolist() == [k != 7 for k in range(SETS)]
+    assert (batch.number[batch.proved] == 40).all()
+    # Paths from the common start lead to all others.
+    assert set(batch.others) <= {4, 7}
+    single = solve(given(instance, mixed[4]))
+    assert single.poses.proof is not None
+    n, length = batch.number[4], single.arrangement.length
+    assert batch.real[4].sum() == single.counts.real
+    size = max(1.0, np.abs(single.R).max())
+    found = batch.R[4, :n] / size, batch.T[4, :n] / size
+    assert pose_set_distance(found, (single.R / size, single.T / size), length) < 1e-9
+
+
+@pytest.mark.parametrize("name", ["DPP DPP DPP DPP DPP DPP", "DPP DPP DPP DPH DHP ALL"])
+def test_sets_of_several_sizes_have_a_start_each(name, monkeypatch):
+    instance, rows = case(name)
+    factors = np.tile([1.0, 20.0], SETS // 2)
+    mixed = np.array([times(instance, *each) for each in zip(rows, factors, strict=True)])
+    sizes = []
+
+    def counting(arrangement, group, *rest):
+        sizes.append(len(group))
+        return geometry_among(arrangement, group, *rest)
+
+    monkeypatch.setattr(row_groups, "geometry_among", counting)
+    batch = solve_batch(instance, mixed)
+    assert sorted(sizes) == [SETS // 2] * 2
+    assert batch.proved.all()
+    assert not batch.others
+    for factor in (1.0, 20.0):
+        chosen = factors == factor
+        alone = solve_batch(instance, mixed[chosen])
+        np.testing.assert_array_equal(batch.R[chosen], alone.R)
+        np.testing.assert_array_equal(batch.real[chosen], alone.real)
+
+
+def test_a_start_that_proves_something_else_leaves_its_sets_to_others(monkeypatch):
+    instance, rows = case()
+    mixed = np.concatenate((rows[:5], 20 * rows[5:]))
+    known = row_groups.geometry_among
+
+    def unproved(arrangement, group, *rest):
+        geometry = known(arrangement, group, *rest)
+        if np.abs(group).max() > 10:
+            object.__setattr__(geometry, "proof", None)
+        return geometry
+
+    monkeypatch.setattr(row_groups, "geometry_among", unproved)
+    batch = solve_batch(instance, mixed)
+    assert sorted(batch.others) == [5, 6, 7, 8, 9]
+    assert batch.proved.all()
+
+
+def test_poses_nearly_at_infinity_are_not_followed_with_the_most_digits(monkeypatch):
+    instance, rows = case()
+    row = rows[0] * 1e8
+    monkeypatch.setattr(Pursuit, "deepest", None)
+    result = solve(given(instance, row))
+    assert (result.account.verdict, result.account.found) == ("complete", 40)
+    assert result.poses.certified.all()
+
+
+def test_what_no_path_comes_near_is_not_tried_again(monkeypatch):
+    instance, rows = case()
+    monkeypatch.setattr(search, "_ELIMINABLE", 0)
+    monkeypatch.setattr(search, "_MOST_ELIMINABLE", 0)
+    deepest, calls = Pursuit.deepest, []
+
+    def counting(*given):
+        calls.append(given)
+        return deepest(*given)
+
+    monkeypatch.setattr(Pursuit, "deepest", counting)
+    result = solve(given(instance, rows[0] * 1e8))
+    assert (result.account.verdict, result.account.lost) == ("incomplete", 40)
+    assert result.poses.proof is None
+    assert len(calls) == 1
