@@ -2,24 +2,33 @@
 
 The stored start systems are quadrics without a geometry. A reference is a platform: its geometry is
 real, its values are complex numbers of the usual size, so that nothing about it is special.
-Equations are matched with those that they are most like, without which nothing is gained. Where the
-paths lead is proved afterwards; else it is forgotten.
+Equations are matched with those that they are most like, without which nothing is gained; and of
+the frames that the bodies of the reference may have, those are taken in which they are most like.
+Where the paths lead is proved afterwards; else it is forgotten.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cache, lru_cache
+from functools import cache, cached_property, lru_cache
 from itertools import count, permutations
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind, Primitive
+from gspcli.continuation.quadrics import (
+    COEFFICIENTS,
+    ComplexArray,
+    FloatArray,
+    pack,
+    unpack,
+)
 from gspcli.continuation.start import StartSystem, path_count
-from gspcli.continuation.systems import Coefficients, Structure, System
+from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
 from gspcli.continuation.tracker import TrackerOptions
+from gspcli.geometry.quaternions import quaternion_product
 from gspcli.records import dataclass
 from gspcli.solver.study_systems import coefficients_of
 
@@ -46,6 +55,9 @@ _SEEDS = (0, 3, 1)
 _MEAN, _SPREAD = 0.6, (0.2, 0.4)
 #: So many are kept for the process, those used last.
 _KEPT = 64
+#: In so many frames a reference is compared with a platform: four times as many take a twentieth
+#: off the steps, and longer to compare than that saves.
+_FRAMES = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +74,22 @@ class Reference:
 
     start: StartSystem
     scale: float
+
+    @cached_property
+    def turned(self) -> Turned:
+        """The same platform in other frames."""
+        return _turned(self.start.system.coefficients)
+
+
+class Turned(NamedTuple):
+    """A system in K random frames of both bodies, the first of them its own."""
+
+    maps: FloatArray
+    """What takes Study points in these frames to those of the system, orthogonal, (K, 8, 8)."""
+    coefficients: Coefficients
+    """Leading axis (K,)."""
+    aims: ComplexArray
+    """The conjugate first factors, shape (27, 6 K), the frames last."""
 
 
 def reference_start(structure: Structure) -> Reference | None:
@@ -154,8 +182,7 @@ def pursue_near(
     """
     from gspcli.continuation.pursuit import Pursuit, first_attempts
 
-    start = reference.start
-    inner = _matched(start.system, given.in_units(np.array(reference.scale)))
+    start, inner = _nearest(reference, given.in_units(np.array(reference.scale)))
     targets = inner.normalized()
     attempts = first_attempts(start.system, targets, start.points, options=options, jobs=jobs)
     for i, (row, regular) in enumerate(attempts):
@@ -163,34 +190,69 @@ def pursue_near(
         yield Pursuit(start, target, reference.scale, sizes, row, regular, seed, jobs)
 
 
-def _matched(system: System, given: Coefficients) -> Coefficients:
-    """Return the equations of systems (B, ...) as like those of another as they can be.
+def _turned(coefficients: Coefficients) -> Turned:
+    rng = np.random.default_rng(_FRAMES)
+    platform, base = rng.normal(size=(2, _FRAMES, 1, 4))
+    platform[0] = base[0] = (1, 0, 0, 0)
+    platform /= np.linalg.norm(platform, axis=-1, keepdims=True)
+    base /= np.linalg.norm(base, axis=-1, keepdims=True)
+    # Quaternions are multiplied by that of one frame on the left, of the other on the right.
+    turns = quaternion_product(base, quaternion_product(np.eye(4)[None], platform)).swapaxes(1, 2)
+    maps = np.zeros((_FRAMES, 8, 8))
+    maps[:, :4, :4] = maps[:, 4:, 4:] = turns
+    turn = turns[:, None]
 
-    Each takes the place of one of its sort, so that they are alike on the whole; factors are
-    exchanged and multiplied by phases.
+    def moved(quadrics: ComplexArray) -> ComplexArray:
+        a, b, c = unpack(quadrics)
+        back = turn.swapaxes(2, 3)
+        square = np.broadcast_to(c, (_FRAMES, len(c)))
+        return np.asarray(pack(back @ a @ turn, back @ b @ turn, square))
+
+    g, h = moved(coefficients.g), moved(coefficients.h)
+    tau = np.broadcast_to(coefficients.tau, g.shape[:2])
+    aims = g.conj().transpose(2, 1, 0).reshape(COEFFICIENTS, -1)
+    return Turned(maps, Coefficients(g, h, tau), aims)
+
+
+def _nearest(reference: Reference, given: Coefficients) -> tuple[StartSystem, Coefficients]:
+    """Return a reference in frames, and the equations of systems (B, ...), as like as they can be.
+
+    Each equation takes the place of one of its sort, so that they are alike on the whole; factors
+    are exchanged and multiplied by phases.
     """
-    structure, aim = system.structure, system.coefficients.g.conj()
-    factors = np.array(given.take(0).normalized()[:2])
-    likeness = np.abs(factors @ aim.T)
-    sorts = list(zip(structure.spaces, structure.products, strict=True))
-    same = np.array([[a == b for b in sorts] for a in sorts])
-    order = _assigned(np.where(same, likeness.max(axis=0), -1.0))
-    swap = (likeness[1] > likeness[0])[order, np.arange(len(order))]
+    structure, turned = reference.start.system.structure, reference.turned
+    factors = np.concatenate(given.take(0).normalized()[:2])
+    likeness = np.abs(factors @ turned.aims).reshape(2, EQUATIONS, EQUATIONS, -1)
+    orders, chosen = _orders(structure)
+    # Of all orders and frames.
+    sums = chosen @ likeness.max(axis=0).reshape(EQUATIONS**2, -1)
+    best, frame = divmod(int(sums.argmax()), len(turned.maps))
+    order = orders[best]
+    first, second = likeness[:, order, np.arange(EQUATIONS), frame]
+    swap = (second > first)[:, None]
     g, h, tau = (part[:, order] for part in given)
-    g, h = np.where(swap[:, None], h, g), np.where(swap[:, None], g, h)
-    phase = np.einsum("ic,ic->i", g[0], aim)
+    g, h = np.where(swap, h, g), np.where(swap, g, h)
+    system = System(structure, turned.coefficients.take(frame))
+    phase = np.einsum("ic,ic->i", g[0], system.coefficients.g.conj())
     phase /= np.abs(phase)
-    return Coefficients(g, h, tau).scaled(1 / phase, phase)
-
-
-def _assigned(likeness: Array) -> NDArray[np.intp]:
-    """Return which row goes to each column, for the largest sum."""
-    orders = _orders(len(likeness))
-    sums = likeness[orders, np.arange(len(likeness))].sum(axis=1)
-    chosen: NDArray[np.intp] = orders[sums.argmax()]
-    return chosen
+    points = reference.start.points @ turned.maps[frame]
+    return StartSystem(system, points), Coefficients(g, h, tau).scaled(1 / phase, phase)
 
 
 @cache
-def _orders(n: int) -> NDArray[np.intp]:
-    return np.array(list(permutations(range(n))))
+def _orders(structure: Structure) -> tuple[NDArray[np.intp], Array]:
+    """Return the orders (n, 6) in which every equation takes the place of one of its sort.
+
+    And which entries of a matrix they choose: a row by the equation, a column by the place;
+    shape (n, 36).
+    """
+    sorts = list(zip(structure.spaces, structure.products, strict=True))
+    orders = [
+        order
+        for order in permutations(range(EQUATIONS))
+        if all(sorts[i] == sort for i, sort in zip(order, sorts, strict=True))
+    ]
+    chosen = np.zeros((len(orders), EQUATIONS, EQUATIONS))
+    for one, order in zip(chosen, orders, strict=True):
+        one[order, range(EQUATIONS)] = 1
+    return np.array(orders), chosen.reshape(len(orders), -1)
