@@ -28,6 +28,7 @@ def track(
     waypoint: float,
     nearest: float,
     max_steps: int,
+    late_steps: int,
     digits: int,
     short_series: bool,
     jobs: int,

@@ -101,7 +101,8 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
                 Matrix more_tau, Points points, Matrices low_points,
                 nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu> left,
                 double predictor_tolerance, double contraction, double arrival, double radius_fraction, double min_step,
-                double waypoint, double nearest, int max_steps, int digits, bool short_series,
+                double waypoint, double nearest, int max_steps, int late_steps, int digits,
+                bool short_series,
                 int jobs, const std::string& build) {
   const std::size_t targets = target_g.shape(0), paths = points.shape(0);
   require(products.shape(0) == kEquations && start_tau.shape(0) == kEquations, "six equations");
@@ -134,7 +135,8 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
                      : short_series ? chosen.track_short
                                     : chosen.track;
   const Options options{predictor_tolerance, contraction, arrival, radius_fraction,
-                        min_step,            waypoint,    nearest, max_steps};
+                        min_step,            waypoint,    nearest, max_steps,
+                        late_steps};
 
   const std::size_t total = targets * paths;
   auto point = std::make_unique<std::complex<double>[]>(total * kVariables);
@@ -376,7 +378,7 @@ NB_MODULE(_kernel, m) {
   m.def("track", &gsp::track, "products"_a, "start_g"_a, "start_h"_a, "start_tau"_a, "target_g"_a,
         "target_h"_a, "target_tau"_a, "more_g"_a, "more_h"_a, "more_tau"_a, "points"_a,
         "low_points"_a, "left"_a, nb::kw_only(), "predictor_tolerance"_a, "contraction"_a, "arrival"_a,
-        "radius_fraction"_a, "min_step"_a, "waypoint"_a, "nearest"_a, "max_steps"_a, "digits"_a,
+        "radius_fraction"_a, "min_step"_a, "waypoint"_a, "nearest"_a, "max_steps"_a, "late_steps"_a, "digits"_a,
         "short_series"_a, "jobs"_a, "build"_a = "",
         "Track every point from the start system to each target; see gspcli.continuation.tracker.");
   m.def("count", &gsp::count, "prime"_a, nb::kw_only(), "seed"_a, "blocks"_a, "hessians"_a,

@@ -5,6 +5,8 @@
 // and, in lanes where the corrections contract as they should, compute the next Taylor series with
 // the second factorization. (With the first one the series inherits a relative error that is
 // proportional to the first correction, and steps are short wherever paths bend.)
+#include <algorithm>
+
 #include "newton.hpp"
 #include "steps.hpp"
 
@@ -72,6 +74,7 @@ struct Lanes : Steps<kOrder> {
   C series[kOrder + 1][N];
   C waypoint[N];
   Mask passed;  // the waypoint
+  std::int32_t last[W];  // of the steps
   int path[W];  // -1: idle
   std::int32_t steps[W];
 };
@@ -237,6 +240,7 @@ class Tracker {
     if (left_ && s.path[l] >= 0) s.start_before_end(l, left_[s.path[l]]);
     s.passed[l] = 0;
     s.steps[l] = 0;
+    s.last[l] = options_.max_steps;
   }
 
   // The start of its path into a lane.
@@ -338,11 +342,12 @@ class Tracker {
         }
         if (options_.waypoint > 0.0 && lane(arrived, l) == waypoint) {
           s.passed[l] = -1;
+          s.last[l] = std::min(s.last[l], s.steps[l] + options_.late_steps);
           for (int i = 0; i < N; ++i) put(s.waypoint[i], l, lane(z[i], l));
         }
       }
       const bool stuck =
-          !(lane(ahead, l) > options_.min_step) || s.steps[l] >= options_.max_steps;
+          !(lane(ahead, l) > options_.min_step) || s.steps[l] >= s.last[l];
       if (!stuck && !near[l]) continue;
       if (s.passed[l])
         finish(l, kSingular, s.waypoint, options_.waypoint);

@@ -52,6 +52,7 @@ struct Options {
   double waypoint;             // 1 - t at which paths that cannot reach t = 1 are handed back
   double nearest;              // 1 - t below which a path that cannot step to t = 1 counts as such
   int max_steps;
+  int late_steps;  // beyond the waypoint
 };
 
 enum Status : std::uint8_t { kRegular = 0, kSingular = 1, kFailed = 2 };

@@ -53,6 +53,8 @@ class TrackerOptions:
     regular solutions as near as 1e-6 are told apart only if this is small."""
     max_steps: int = 1000
     """Accepted and rejected steps after which a path fails."""
+    late_steps: int = 60
+    """Steps beyond the waypoint after which a path needs the endgame."""
     digits: int = 16
     """Digits to compute with: 16, or 32 or 64, ten and a hundred times slower. Start systems and
     start points stay doubles, taken as exact; of a target 64 digits may be given."""
@@ -63,9 +65,15 @@ class TrackerOptions:
 DEFAULT = TrackerOptions()
 #: No computer has a use for more.
 MOST_THREADS = 256
-CAREFUL = TrackerOptions(predictor_tolerance=1e-6, contraction=0.02, radius_fraction=0.4)
+CAREFUL = TrackerOptions(
+    predictor_tolerance=1e-6, contraction=0.02, radius_fraction=0.4, late_steps=1000
+)
 PARANOID = TrackerOptions(
-    predictor_tolerance=1e-8, contraction=0.01, radius_fraction=0.2, max_steps=10_000
+    predictor_tolerance=1e-8,
+    contraction=0.01,
+    radius_fraction=0.2,
+    max_steps=10_000,
+    late_steps=10_000,
 )
 EXTENDED = replace(CAREFUL, digits=32)
 #: As near to the target as 32 digits can tell, for ends that are judged in more digits still.
@@ -177,6 +185,7 @@ def track(
             waypoint=options.waypoint,
             nearest=options.nearest,
             max_steps=options.max_steps,
+            late_steps=options.late_steps,
             digits=options.digits,
             short_series=options.short_series,
             jobs=helpful(jobs, len(arrays[3]) * len(points)),

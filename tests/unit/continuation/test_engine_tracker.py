@@ -89,6 +89,14 @@ def test_too_few_steps_fail(homotopy):
     assert (results.left > 0).all()
 
 
+def test_long_ways_beyond_the_waypoint_are_left_to_the_endgame(homotopy):
+    early = TrackerOptions(waypoint=0.5)
+    assert (track(*homotopy, options=early).status == PathStatus.REGULAR).all()
+    hasty = track(*homotopy, options=TrackerOptions(waypoint=0.5, late_steps=1))
+    assert (hasty.status == PathStatus.SINGULAR).mean() > 0.5
+    assert (hasty.left[hasty.status == PathStatus.SINGULAR] == 0.5).all()
+
+
 def test_paths_that_are_followed_in_two_parts_end_where_they_do_in_one(homotopy):
     start, targets, points = homotopy
     target = targets.take(slice(1))
