@@ -49,7 +49,8 @@ class Term(NamedTuple):
 
 ONE = Term(1, Fraction(0), Fraction(0), 0)
 Sum = Mapping[Term, Fraction]
-_WHOLE: Sum = {ONE: Fraction(1)}
+#: The denominator of elements that need none.
+WHOLE: Sum = {ONE: Fraction(1)}
 
 
 def _square_root(n: int) -> int | None:
@@ -120,7 +121,7 @@ class Element:
     @classmethod
     def of(cls, value: Fraction | int) -> Element:
         """Return the element of a rational number."""
-        return cls({ONE: Fraction(value)} if value else {}, _WHOLE)
+        return cls({ONE: Fraction(value)} if value else {}, WHOLE)
 
     @property
     def is_zero(self) -> bool:
@@ -132,7 +133,7 @@ class Element:
         """The rational number that it is as a sum of terms, if it is one."""
         if not self.numerator:
             return Fraction(0)
-        if self.denominator is _WHOLE and len(self.numerator) == 1:
+        if self.denominator is WHOLE and len(self.numerator) == 1:
             # Usual, and without hashes of terms.
             [(term, factor)] = self.numerator.items()
             if term is ONE:

@@ -23,7 +23,7 @@ from functools import cached_property
 
 from flint import fmpz, nmod
 
-from gspcli.certification.counting.elements import Element, NoElementError, Sum, Term
+from gspcli.certification.counting.elements import ONE, WHOLE, Element, NoElementError, Sum, Term
 
 #: Bits of the primes by which counts are established, and of those that are tried before.
 LARGE, SMALL = 61, 30
@@ -63,10 +63,12 @@ class Requirements:
     """
 
     def __init__(self, elements: Iterable[Element]) -> None:
-        self.terms: set[Term] = set()
-        self.denominators: set[int] = set()
+        self.terms: set[Term] = {ONE}
+        self.denominators: set[int] = {1}
         for element in elements:
             for part in (element.numerator, element.denominator):
+                if part is WHOLE:
+                    continue
                 self.terms |= part.keys()
                 self.denominators |= {factor.denominator for factor in part.values()}
         self.transcendental = any(term.pi for term in self.terms)
@@ -187,7 +189,13 @@ class Homomorphism:
         ZeroDivisionError
             If its denominator is zero modulo the prime.
         """
-        return self._sum(element.numerator) / self._sum(element.denominator)
+        numerator = element.numerator
+        if element.denominator is WHOLE and len(numerator) == 1:
+            # Usual, and without hashes of terms.
+            [(term, factor)] = numerator.items()
+            if term is ONE:
+                return self.rational(factor)
+        return self._sum(numerator) / self._sum(element.denominator)
 
     def _sum(self, terms: Sum) -> nmod:
         total = nmod(0, self.prime)
