@@ -18,8 +18,8 @@ from those that are solved (`gspcli.geometry.constraint_polynomials`,
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
-from itertools import product
+from functools import cache, cached_property
+from itertools import chain, product
 
 import numpy as np
 from flint import acb, acb_mat, arb, arb_mat, fmpz_mat
@@ -85,8 +85,11 @@ class BallSystem:
         count = len(rows)
         self._coefficients = acb_mat(arb_mat(rows))
         hessians = arb_mat(rows) * arb_mat(_hessians())
-        self._hessians = acb_mat(arb_mat(8 * count, 8, hessians.entries()))
-        self._moduli = floats_above(hessians.entries()).reshape(count, 8, 8)
+        entries = hessians.entries()
+        self._entries = [entries[64 * k : 64 * (k + 1)] for k in range(count)]
+        self._hessians = acb_mat(arb_mat(8 * count, 8, entries))
+        self._moduli = floats_above(entries).reshape(count, 8, 8)
+        self._single: dict[tuple[int, ...], acb_mat | None] = {}
 
     @property
     def is_finite(self) -> bool:
@@ -185,6 +188,10 @@ class BallSystem:
             Shapes (7, 1) and (7, 8).
         """
         column = acb_mat(8, 1, list(point))
+        single = self._single_quadrics(tuple(sides))
+        if single is not None:
+            jacobian = acb_mat(7, 8, (single * column).entries())
+            return acb_mat(7, 1, self._values(column, jacobian)), jacobian
         gradients = self._gradients(column)
         quadrics = self._values(column, gradients)
         # The chain rule: derivatives of the equations by the values of the quadrics.
@@ -203,6 +210,25 @@ class BallSystem:
                 outer[row][index] -= 2 * quadrics[index]
         return acb_mat(7, 1, values), acb_mat(outer) * gradients
 
+    def _single_quadrics(self, sides: tuple[int, ...]) -> acb_mat | None:
+        """Return the Hessian matrices, (56, 8), if each equation is a quadric alone, else None."""
+        if sides not in self._single:
+            chosen = [each[side] for each, side in zip(self.equations, sides, strict=True)]
+            entries = chain.from_iterable(
+                self._entries[k] for k in (1, *(equation.main for equation in chosen))
+            )
+            self._single[sides] = (
+                None
+                if any(equation.squares for equation in chosen)
+                else acb_mat(arb_mat(56, 8, list(entries)))
+            )
+        return self._single[sides]
+
+    @cached_property
+    def _second(self) -> NDArray[np.float64]:
+        """Bounds of the sum of the moduli of the second derivatives of each quadric."""
+        return np.asarray(self._moduli.sum(axis=(1, 2)))
+
     def curvatures(self, moduli: NDArray[np.float64]) -> NDArray[np.float64]:
         """Bound the sum of the moduli of all second derivatives of each equation, on any side.
 
@@ -216,7 +242,13 @@ class BallSystem:
         NDArray[np.float64]
             Upper bounds, shape (..., 7), rounded outward.
         """
-        second = self._moduli.sum(axis=(1, 2))
+        second = self._second
+        if not any(equation.squares for equations in self.equations for equation in equations):
+            shape = moduli.shape[:-1]
+            bounds = [np.full(shape, second[1])]
+            mains = ([equation.main for equation in equations] for equations in self.equations)
+            bounds += [np.full(shape, second[main].max()) for main in mains]
+            return np.asarray(np.stack(bounds, axis=-1) * OUTWARD)
         first = moduli @ self._moduli.sum(axis=1).T
         gradients = (moduli @ self._moduli.reshape(-1, 8).T).reshape(*first.shape, 8)
         value = (gradients * moduli[..., None, :]).sum(axis=-1) / 2

@@ -63,6 +63,7 @@ class Collection:
         self.real = np.zeros(0, np.bool_)
         self._deviations = np.zeros(0)
         self._located: list[Located | None] = []
+        self._paired: set[int] = set()
 
     def __len__(self) -> int:
         """Return how many different solutions are proved."""
@@ -105,8 +106,14 @@ class Collection:
 
     def add_conjugates(self) -> int:
         """Add the conjugates of located poses: the equations are real. Return how many are new."""
-        located = [pose for pose in self._located if pose is not None and not pose.real]
-        return self.add([pose.conjugate for pose in located])
+        before = len(self)
+        for k, pose in enumerate(self._located[:before]):
+            if pose is None or pose.real or k in self._paired:
+                continue
+            self._paired.add(k)
+            if self._add(pose.conjugate):
+                self._paired.add(len(self) - 1)
+        return len(self) - before
 
     def _add(self, pose: Located) -> bool:
         scale = pose.scale

@@ -29,6 +29,7 @@ from gspcli.records import dataclass
 
 #: Largest radius of a uniqueness ball. Coordinates of e are at most about one.
 REACH = 1 / 8
+_IDENTITY = acb_mat(7, 7, 1)
 #: Newton steps at one precision; a simple zero in reach needs fewer.
 STEPS = 10
 
@@ -153,12 +154,12 @@ def _newton(
     system: BallSystem, centre: list[acb], patch: int, sides: tuple[int, ...]
 ) -> _Newton | None:
     values, full = system.at(centre, sides)
-    rows = full.tolist()
-    for row in rows:
-        del row[patch]
-    jacobian = acb_mat(rows)
+    entries = full.entries()
+    del entries[patch::8]
+    jacobian = acb_mat(7, 7, entries)
     try:
-        inverse = jacobian.mid().inv().mid()
+        # Any matrix will do.
+        inverse = jacobian.solve(_IDENTITY, algorithm="approx").mid()
     except ZeroDivisionError:
         return None
     step = (inverse * values).entries()
@@ -170,11 +171,12 @@ def _newton(
 def _prove(
     system: BallSystem, newton: _Newton, patch: int, sides: tuple[int, ...]
 ) -> Isolation | None:
-    # A number stands for that multiple of the identity.
-    defect = newton.inverse * newton.jacobian - 1
+    defect = (newton.inverse * newton.jacobian).entries()
+    for k in range(7):
+        defect[8 * k] -= 1
     # Of a matrix that is nearly singular not even the sum may be a float.
     with np.errstate(over="ignore"):
-        a = float(floats_above(defect.entries()).reshape(7, 7).sum(axis=1).max() * OUTWARD)
+        a = float(floats_above(defect).reshape(7, 7).sum(axis=1).max() * OUTWARD)
     if not a < 1:
         return None
     # Of points too far away for floats nothing is proved.

@@ -17,7 +17,13 @@ from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Unit
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point, vector
 
-MIXED = ["DPP DPL DLP DPH DHP DLL", "DPL DPL DLL ALL ALH AHH", "DLP DLL DHP DPP AHL AHH"]
+SINGLE = "DPP DPH DHP DPP ALL ALH"
+MIXED = [
+    SINGLE,
+    "DPP DPL DLP DPH DHP DLL",
+    "DPL DPL DLL ALL ALH AHH",
+    "DLP DLL DHP DPP AHL AHH",
+]
 
 
 def exact(known) -> PoseBall:
