@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import fields
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import fields, replace
 from itertools import groupby, islice
 
 import numpy as np
@@ -41,6 +41,10 @@ _SETTLED = 1e-3
 _CONVERGED = 1e-20
 #: From so near to the target on doubles may not tell paths from each other, and 32 digits not.
 _NEAR, _NEARBY = 1e-3, 1e-8
+#: Steps within which most paths arrive that do not end at infinity, from near the target on.
+_FEW_STEPS = 12
+#: So often a few steps of Newton's method are taken from the ends in doubles.
+_ROUNDS = 3
 _BATCH = 256
 _BATCH_PATHS = 65_536
 
@@ -79,6 +83,17 @@ class PursuedEnds:
             self.settled[index],
             self.digits,
         )
+
+
+def joined_ends(parts: Sequence[PursuedEnds]) -> PursuedEnds:
+    """Return ends of several parts, computed with as many digits, in one."""
+    return PursuedEnds(
+        np.concatenate([part.points for part in parts]),
+        np.concatenate([part.low for part in parts]),
+        np.concatenate([part.simple for part in parts]),
+        np.concatenate([part.settled for part in parts]),
+        parts[0].digits,
+    )
 
 
 class Pursuit:
@@ -155,7 +170,7 @@ class Pursuit:
 
     def deeply(
         self, index: NDArray[np.intp], target: ExtendedCoefficients, attempt: int = 0
-    ) -> PursuedEnds:
+    ) -> Iterator[tuple[NDArray[np.intp], PursuedEnds]]:
         """Follow some paths with 32 digits up to the target itself, from where doubles may err.
 
         Parameters
@@ -166,16 +181,19 @@ class Pursuit:
             The equations (`balanced`).
         attempt
             Another number leads the same start points along other paths.
+
+        Yields
+        ------
+        Which of these paths have arrived after few steps, and their ends; then the same of the
+        others, arrived or not. Most paths to infinity never do.
         """
         origin = random_start(self._start, self.seed, attempt)
         points, left = self._near(origin, target, index)
-        high, more = target
-        results = track(origin, high, points, more=more, left=left, options=DEEP, jobs=self._jobs)
-        return self._ends(results, DEEP.digits)
+        yield from self._in_parts(origin, target, points, None, left, DEEP)
 
     def deepest(
         self, index: NDArray[np.intp], target: ExtendedCoefficients, attempt: int = 0
-    ) -> PursuedEnds:
+    ) -> Iterator[tuple[NDArray[np.intp], PursuedEnds]]:
         """Follow some paths with 64 digits, from where 32 may err; as `deeply`."""
         origin = random_start(self._start, self.seed, attempt)
         points, left = self._near(origin, target, index)
@@ -183,18 +201,77 @@ class Pursuit:
         # Of the shorter way less is left.
         rest = (left - _NEARBY) / (1 - _NEARBY)
         there = track(origin, nearby, points, left=rest, options=EXTENDED, jobs=self._jobs)
-        high, more = target
         # From there, so that the last part of the way is not too short for the exponents of series.
-        results = track(
-            nearby,
-            high,
-            there.points[0],
-            more=more,
-            low=there.low[0],
-            options=DEEPEST,
-            jobs=self._jobs,
+        yield from self._in_parts(
+            nearby, target, there.points[0], there.low[0], np.ones(len(points)), DEEPEST
         )
-        return self._ends(results, DEEPEST.digits)
+
+    def _in_parts(
+        self,
+        origin: System,
+        target: ExtendedCoefficients,
+        points: ComplexArray,
+        low: ComplexArray | None,
+        left: FloatArray,
+        options: TrackerOptions,
+    ) -> Iterator[tuple[NDArray[np.intp], PursuedEnds]]:
+        """Yield which paths arrive after few steps, and their ends, then the same of the others.
+
+        Parameters
+        ----------
+        origin, points, low, left, options
+            As for `track`.
+        target
+            The equations (`balanced`).
+        """
+        rest, limit = np.arange(len(points)), _FEW_STEPS
+        while True:
+            results = track(
+                origin,
+                target.high,
+                points,
+                more=target.more,
+                low=low,
+                left=left,
+                options=replace(options, max_steps=min(limit, options.max_steps)),
+                jobs=self._jobs,
+            )
+            ends = self._ends(results, options.digits)
+            arrived = results.status[0] == PathStatus.REGULAR
+            if limit >= options.max_steps or arrived.all():
+                yield rest, ends
+                return
+            yield rest[arrived], ends.take(arrived)
+            # Where they were stopped they go on.
+            rest, limit = rest[~arrived], options.max_steps
+            points, low, left = (
+                x[0, ~arrived] for x in (results.points, results.low, results.left)
+            )
+
+    def converged(
+        self, ends: PursuedEnds, target: ExtendedCoefficients
+    ) -> tuple[NDArray[np.intp], PursuedEnds]:
+        """Return to which ends Newton's method with 32 digits converges, and to what.
+
+        Parameters
+        ----------
+        ends
+            Of any paths, in doubles.
+        target
+            The equations (`balanced`).
+        """
+        points, low = ends.points.copy(), None
+        points[:, 4:] /= self.scale
+        rest, found = np.arange(len(points)), []
+        for _ in range(_ROUNDS):
+            if not len(rest):
+                break
+            results = self._improve(points, low, target, EXTENDED)
+            there = (results.correction[0] >= 0) & (results.correction[0] < _CONVERGED)
+            found.append((rest[there], self._ends(results, EXTENDED.digits).take(there)))
+            rest, points, low = rest[~there], results.points[0, ~there], results.low[0, ~there]
+        index = np.concatenate([np.zeros(0, np.intp), *(part for part, _ in found)])
+        return index, joined_ends([part for _, part in found]) if found else ends.take(index)
 
     def improved(self, ends: PursuedEnds, target: ExtendedCoefficients) -> PursuedEnds:
         """Return ends after Newton's method with 64 digits, those as they were where it errs.
@@ -206,20 +283,10 @@ class Pursuit:
         target
             The equations (`balanced`).
         """
-        origin = random_start(self._start, self.seed, 0)
         points, low = ends.points.copy(), ends.low.copy()
         for part in (points, low):
             part[..., 4:] /= self.scale
-        results = track(
-            origin,
-            target.high,
-            points,
-            more=target.more,
-            low=low if low.shape[1] else None,
-            left=np.zeros(len(points)),
-            options=DEEPEST,
-            jobs=self._jobs,
-        )
+        results = self._improve(points, low if low.shape[1] else None, target, DEEPEST)
         found = self._ends(results, DEEPEST.digits)
         converged = (results.correction[0] < _CONVERGED)[:, None]
         before = np.zeros_like(found.low)
@@ -230,6 +297,25 @@ class Pursuit:
             ends.simple,
             ends.settled,
             DEEPEST.digits,
+        )
+
+    def _improve(
+        self,
+        points: ComplexArray,
+        low: ComplexArray | None,
+        target: ExtendedCoefficients,
+        options: TrackerOptions,
+    ) -> PathResults:
+        """Return where a few steps of Newton's method lead."""
+        return track(
+            random_start(self._start, self.seed, 0),
+            target.high,
+            points,
+            more=target.more,
+            low=low,
+            left=np.zeros(len(points)),
+            options=options,
+            jobs=self._jobs,
         )
 
     def _near(

@@ -91,6 +91,7 @@ def _solved(
 ) -> PoseSet:
     """Return all poses of an instance, in any order."""
     pursuits: list[Pursuit] | None = None
+    proofs: ValueProofs | None = None
     # Each method is imported when it is needed: start-up is most of the time of one solve.
     if len(arrangement.angles) == MAX_ANGLES:
         poses: PoseSet | None = _in_closed_form(instance, arrangement, certify=certify)
@@ -122,7 +123,7 @@ def _solved(
         poses = _proved(instance, poses)
     if poses is None or not _is_general(poses, certify):
         limit = {True: None, False: 0.0, None: PATIENCE}[prove]
-        poses = _special(instance, arrangement, pursuits, seed, jobs, limit)
+        poses = _special(instance, arrangement, pursuits, seed, jobs, limit, proofs)
     return poses
 
 
@@ -178,6 +179,7 @@ def _special(
     seed: int,
     jobs: int,
     limit: float | None,
+    proofs: ValueProofs | None = None,
 ) -> PoseSet:
     """Return the poses of a platform that is not in general position."""
     from gspcli.solver.special import solve_special
@@ -186,7 +188,7 @@ def _special(
         from gspcli.solver.tracking import pursue_each
 
         _, pursuits = next(pursue_each([arrangement], seed=seed, jobs=jobs))
-    poses = solve_special(instance, arrangement, pursuits, seed=seed, limit=limit)
+    poses = solve_special(instance, arrangement, pursuits, proofs, seed=seed, limit=limit)
     if limit == 0 or poses.account.verdict != "infinite" or any(m.real for m in poses.motions):
         return poses
     from gspcli.solver.real_statements import lone_real_poses

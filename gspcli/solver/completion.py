@@ -33,10 +33,13 @@ def complete(search: Search, solutions: int, distinct: int, spurious: int | None
     """
     multiple: list[MultiplePose] = []
     candidates = _Candidates(search)
-    for _ in search.steps(simple=solutions == distinct):
-        if solutions > distinct and len(search.found) + len(multiple) < distinct:
+    search.simple = solutions == distinct
+    while len(search.found) + len(multiple) < distinct:
+        if solutions > distinct:
             multiple = [pose for pose in candidates.poses() if pose.is_pose or spurious is None]
-        if len(search.found) + len(multiple) >= distinct:
+            if len(search.found) + len(multiple) >= distinct:
+                break
+        if next(search.steps, None) is None:
             break
     numbers = _multiplicities(search.found, multiple, solutions, distinct)
     known = list(zip(multiple, numbers, strict=True)) if numbers else []

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
+from enum import IntEnum
 from functools import cached_property
 
 import numpy as np
@@ -15,7 +16,7 @@ from gspcli.certification.isolation import Isolation
 from gspcli.certification.locating import FIRST_PRECISION, AtInfinity, Located, Locator
 from gspcli.certification.normalized import many_digits, normalized
 from gspcli.certification.partners import is_alone, partner
-from gspcli.continuation.pursuit import PursuedEnds, Pursuit
+from gspcli.continuation.pursuit import PursuedEnds, Pursuit, joined_ends
 from gspcli.continuation.systems import Coefficients, ExtendedCoefficients
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import Field, pose_from_study, unit_quaternion
@@ -34,6 +35,17 @@ _ATTEMPTS, _MOST_ATTEMPTS = 3, 8
 _KNOWN = 1e-13
 #: Points with smaller imaginary parts may be real.
 _NEARLY_REAL = 1e-6
+
+
+class Effort(IntEnum):
+    """What comes next."""
+
+    LITTLE = 0
+    """What takes about as long as following the paths in doubles did."""
+    SOME = 1
+    """The long rest of some ways, with 32 and with 64 digits."""
+    MUCH = 2
+    """Each path has been followed as far as all digits lead: what does not use them."""
 
 
 class Search:
@@ -58,6 +70,12 @@ class Search:
         The simple solutions at infinity that were met, all different.
     left
         The ends, with 64 digits, of paths that have led to none of these.
+    simple
+        Whether all poses are to be simple ones. They are found without paths, then, before many
+        paths are followed with the most digits, which takes longer.
+    steps
+        Adds poses by one means after the other, and yields the `Effort` of the next;
+        whoever has enough stops asking.
     """
 
     def __init__(
@@ -74,65 +92,74 @@ class Search:
         self.found = Collection(locator, sides)
         self.infinite: list[Isolation] = []
         self.left: PursuedEnds | None = None
+        self.simple = False
+        self._shared: list[Located] = []
+        self.steps = self._steps()
 
-    def steps(self, *, simple: bool = False) -> Iterator[None]:
-        """Add poses by one means after the other; whoever has enough stops asking.
-
-        Parameters
-        ----------
-        simple
-            Whether all poses are to be simple ones. They are found without paths, then, before
-            many paths are followed with the most digits, which takes longer.
-        """
+    def _steps(self) -> Iterator[Effort]:
         ends = self.pursuit.first()
         proved = self._add_simple(ends)
-        yield
+        yield Effort.LITTLE
         unproved = ends.simple & ~proved
         if unproved.any():
             self._locate(ends.take(unproved))
-        yield
-        left = self._follow_deeply(~proved & ~unproved, 0)
-        yield
+            yield Effort.LITTLE
+        astray = np.flatnonzero(~proved & ~unproved)
+        near, better = self.pursuit.converged(ends.take(astray), self._target)
+        found = near[self._locate(better)]
+        yield Effort.LITTLE
+        left = yield from self._follow_deeply(np.delete(astray, found), Effort.SOME, 0)
+        if len(found):
+            # Those of Newton's method may be the poses of other paths.
+            yield from self._follow_deeply(astray[found], Effort.SOME, 0)
+        if self._shared:
+            self._add_partners()
+            yield Effort.SOME
         paths = self.pursuit.paths
         tried = 0
         # Where nothing is found at all, paths with more digits hardly find more.
         few, of_cube = _ELIMINATION_PATHS
         many = len(left) > (max(few, of_cube * paths**3) if len(self.found) else few)
-        if simple and paths <= _MOST_ELIMINABLE and many:
+        if self.simple and paths <= _MOST_ELIMINABLE and many:
             tried = 1
             self._eliminate(_ELIMINATION[0])
-            yield
-        self._follow_deepest(left, 0)
-        yield
+            yield Effort.SOME
+        yield from self._follow_deepest(left, Effort.SOME, 0)
         for bits in _ELIMINATION[tried:] if paths <= _ELIMINABLE else ():
             self._eliminate(bits)
-            yield
+            yield Effort.MUCH
         if not len(self.found) and self.left is not None and not self.left.settled.any():
             # All poses are farther away than any paths lead.
             return
         for attempt in range(1, _MOST_ATTEMPTS):
             before = len(self.found)
-            left = self._follow_deeply(np.ones(paths, np.bool_), attempt)
-            yield
-            self._follow_deepest(left, attempt)
-            yield
+            left = yield from self._follow_deeply(np.arange(paths), Effort.MUCH, attempt)
+            yield from self._follow_deepest(left, Effort.MUCH, attempt)
             if attempt + 1 >= _ATTEMPTS and len(self.found) == before:
                 break
 
-    def _follow_deeply(self, chosen: NDArray[np.bool_], attempt: int) -> NDArray[np.intp]:
-        """Add the poses at the ends of chosen paths, with 32 digits; return which led to none."""
-        index = np.flatnonzero(chosen)
-        ends = self.pursuit.deeply(index, self._target, attempt)
+    def _follow_deeply(
+        self, index: NDArray[np.intp], effort: Effort, attempt: int
+    ) -> Generator[Effort, None, NDArray[np.intp]]:
+        """Add the poses at the ends of some paths, with 32 digits; return which led to none."""
         new = np.zeros(len(index), np.bool_)
-        new[ends.settled] = self._locate(ends.take(ends.settled))
+        for which, ends in self.pursuit.deeply(index, self._target, attempt):
+            new[which[ends.settled]] = self._locate(ends.take(ends.settled))
+            yield effort
         # Two paths to one pose: one of them has jumped.
         return index[~new]
 
-    def _follow_deepest(self, index: NDArray[np.intp], attempt: int) -> None:
+    def _follow_deepest(
+        self, index: NDArray[np.intp], effort: Effort, attempt: int
+    ) -> Iterator[Effort]:
         """Add the poses at the ends of some paths, with 64 digits, and keep those of the others."""
-        ends = self.pursuit.deepest(index, self._target, attempt)
-        new = self._locate(ends)
-        self.left = ends.take(~new)
+        left = []
+        for _, ends in self.pursuit.deepest(index, self._target, attempt):
+            left.append(ends.take(~self._locate(ends)))
+            yield effort
+        self._add_partners()
+        self.left = joined_ends(left)
+        yield Effort.MUCH
 
     @cached_property
     def _target(self) -> ExtendedCoefficients:
@@ -157,6 +184,8 @@ class Search:
 
     def _locate(self, ends: PursuedEnds) -> NDArray[np.bool_]:
         """Add the poses near ends, and their conjugates; return which ends have led to new ones."""
+        if not len(ends.points):
+            return np.zeros(0, np.bool_)
         new = ~self._is_known(ends)
         index = np.flatnonzero(new)
         # One of each pair of conjugates is enough.
@@ -179,10 +208,20 @@ class Search:
         """Add what a path has led to; return whether that is new."""
         if self.found.add([end]):
             return True
-        if not isinstance(end, Located) or is_alone(end):
-            return False
-        # Two paths to one pose may be those to two that are side by side.
-        return self.found.add([partner(self.locator, end)]) == 1
+        if isinstance(end, Located) and not is_alone(end):
+            # Two paths to one pose may be those to two that are side by side.
+            self._shared.append(end)
+        return False
+
+    def _add_partners(self) -> None:
+        """Add the second of two poses side by side where two paths have led to the first."""
+        tried: list[Located] = []
+        for pose in self._shared:
+            if not any(same(pose.isolation, other.isolation) for other in tried):
+                tried.append(pose)
+                self.found.add([partner(self.locator, pose)])
+        self._shared.clear()
+        self.found.add_conjugates()
 
     def _eliminate(self, bits: int) -> None:
         """Add the poses that eigenvectors give, paths or not."""

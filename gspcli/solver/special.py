@@ -15,6 +15,7 @@ from gspcli.certification.counting import (
 )
 from gspcli.certification.frames import Frames
 from gspcli.certification.locating import Locator
+from gspcli.certification.many_values import ValueProofs
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.pursuit import Pursuit
 from gspcli.geometry.arrangement import Arrangement
@@ -25,6 +26,7 @@ from gspcli.solver.pose_set import PoseSet, joined
 from gspcli.solver.poses_in_parts import complete_parts
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.search import Search
+from gspcli.solver.special_geometry import has_kept_count, kept_count, poses_of_geometry
 from gspcli.solver.study_systems import side_choices
 from gspcli.solver.tracking import pursue_each
 from gspcli.solver.uncounted import FEW, without_count
@@ -37,6 +39,7 @@ def solve_special(
     instance: Instance,
     arrangement: Arrangement,
     pursuits: Sequence[Pursuit],
+    proofs: ValueProofs | None = None,
     *,
     seed: int,
     limit: float | None,
@@ -49,21 +52,28 @@ def solve_special(
         The platform, exactly and in floating point.
     pursuits
         The paths to its poses, for each choice of sides.
+    proofs
+        The platform as equations that doubles can prove, if there are such.
     seed
         Source of the random prime of the count.
     limit
         Work that the exact count may take (`certification.counting`), None for no limit;
         if it is zero, nothing is counted.
     """
-    count = None
-    if limit != 0:
-        astray = any(_many_astray(pursuit) for pursuit in pursuits)
-        count = exact_count(instance, seed=seed, limit=limit, suspect=astray)
     locator = Locator(instance, Frames.of(arrangement))
     searches = [
         Search(arrangement, locator, pursuit, sides)
         for pursuit, sides in zip(pursuits, _equations(arrangement), strict=True)
     ]
+    count = None
+    if limit != 0:
+        geometry = kept_count(instance, seed, limit) if has_kept_count(arrangement) else None
+        if geometry is not None:
+            poses = poses_of_geometry(arrangement, proofs, searches, geometry)
+            if poses is not None:
+                return poses
+        astray = any(_many_astray(pursuit) for pursuit in pursuits)
+        count = exact_count(instance, seed=seed, limit=limit, suspect=astray)
     if count is None:
         return _uncounted(instance, searches, seed, limit)
 

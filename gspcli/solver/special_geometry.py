@@ -7,15 +7,19 @@ geometry do not. The start and the geometry's count are kept for the process.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from itertools import count
 from math import ceil, log2
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gspcli.catalogue.kinds import Kind
+from gspcli.certification.frames import Frames
 from gspcli.certification.many_values import ValueProofs
+from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
@@ -23,7 +27,10 @@ from gspcli.geometry.primitives import Geometry as Primitive
 from gspcli.solver.direct import all_proved, is_reducible
 from gspcli.solver.geometry_start import Way
 from gspcli.solver.one_geometry import geometry_about
-from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.pose_set import PoseSet, joined
+from gspcli.solver.proof import Ground, Proof
+from gspcli.solver.search import Effort, Search
+from gspcli.solver.uncounted import without_count
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
@@ -44,6 +51,8 @@ def proved_by_geometry(
 ) -> PoseSet | None:
     """Return as many poses as the geometry has, all proved; None if paths do not lead to them.
 
+    The first platform of a geometry is worth a start of its own only if that is quickly found.
+
     Parameters
     ----------
     instance, proofs, arrangement
@@ -53,8 +62,9 @@ def proved_by_geometry(
     limit
         Work that the count may take.
     """
-    if not is_reducible(arrangement) or not arrangement.values[arrangement.distances].all():
+    if not has_kept_count(arrangement):
         return None
+    is_known = next(_visits(_rows(instance))) > 0
     square = [kind.is_distance and not kind.has_sides for kind in arrangement.kinds]
     values = arrangement.values[None]
     geometry = geometry_about(
@@ -65,7 +75,7 @@ def proved_by_geometry(
         count=lambda: kept_count(instance, seed, limit),
         seed=seed,
         # What needs more care costs less without a start.
-        ways=(Way.FLAT, Way.QUICK),
+        ways=(Way.FLAT, Way.QUICK) if is_known else (Way.FLAT,),
     )
     if geometry is None or geometry.proof is None:
         return None
@@ -75,14 +85,70 @@ def proved_by_geometry(
     return poses and replace(poses, account=geometry.account, proof=geometry.proof)
 
 
-def kept_count(instance: Instance, seed: int, limit: float) -> ExactCount | None:
+def poses_of_geometry(
+    arrangement: Arrangement,
+    proofs: ValueProofs | None,
+    searches: Sequence[Search],
+    count: ExactCount,
+) -> PoseSet | None:
+    """Return as many poses as the geometry has, all proved; None if they take long to find.
+
+    Parameters
+    ----------
+    arrangement, proofs
+        The platform in floating point, and its equations.
+    searches
+        For each choice of sides, all of which are alike.
+    count
+        That of the geometry.
+    """
+    if not count.solutions or not count.has_lone_lines:
+        return None
+    most = count.solutions // len(searches)
+    ends = [search.pursuit.distinct_simple() for search in searches]
+    if proofs and all(len(points) == most for points in ends):
+        poses = all_proved(proofs, arrangement, np.stack(ends), Frames.of(arrangement))
+        if poses is not None:
+            expected = sum(search.pursuit.paths for search in searches)
+            account = PathAccount(
+                expected=expected,
+                found=count.solutions,
+                at_infinity=expected - count.solutions,
+                basis=Basis.COUNT,
+            )
+            return replace(poses, account=account, proof=_proof(count))
+    poses = joined([without_count(search, most, Effort.LITTLE) for search in searches])
+    if poses.certified.sum() != count.solutions:
+        return None
+    return replace(poses, proof=poses.proof_by_type or _proof(count))
+
+
+def _proof(count: ExactCount) -> Proof:
+    return Proof(Ground.GEOMETRY, count.error)
+
+
+def has_kept_count(arrangement: Arrangement) -> bool:
+    """Return whether the count of a geometry is worth keeping, and its values are general."""
+    return is_reducible(arrangement) and bool(arrangement.values[arrangement.distances].all())
+
+
+def kept_count(instance: Instance, seed: int, limit: float | None) -> ExactCount | None:
     """Return the count of an instance's geometry, kept for the process; None if it is not known."""
-    rows = tuple((row.kind, row.platform, row.base, row.side) for row in instance.constraints)
-    return _count(rows, seed, limit)
+    return _count(_rows(instance), seed, limit)
+
+
+def _rows(instance: Instance) -> tuple[Row, ...]:
+    return tuple((row.kind, row.platform, row.base, row.side) for row in instance.constraints)
 
 
 @lru_cache(maxsize=_KEPT)
-def _count(rows: tuple[Row, ...], seed: int, limit: float) -> ExactCount | None:
+def _visits(rows: tuple[Row, ...]) -> Iterator[int]:
+    """Return what counts how often platforms of a geometry are solved."""
+    return count()
+
+
+@lru_cache(maxsize=_KEPT)
+def _count(rows: tuple[Row, ...], seed: int, limit: float | None) -> ExactCount | None:
     from gspcli.certification.counting import geometry_count
 
     given = tuple(

@@ -38,6 +38,19 @@ def test_nearly_special_platforms_are_what_they_are(group: str, load_tool: Calla
         assert found[0].proof != "none"
 
 
+def test_paths_whose_ends_newtons_method_confuses_are_followed(load_tool, monkeypatch) -> None:
+    # From where one of them is in doubles it leads to the pose of another.
+    def eliminated(*_: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr("gspcli.solver.search.Search._eliminate", eliminated)
+    made = load_tool("special_platforms")
+    [platform] = [x for x in made.platforms(["angles"]) if x.id == "angles/5/1e-10"]
+    found = solve(platform.instance)
+    assert found.verdict == "complete"
+    assert len(found.R) == found.certified.sum() == 128
+
+
 def test_nothing_said_depends_on_the_seed(load_tool: Callable) -> None:
     made = load_tool("special_platforms")
     judge = load_tool("special_answers")

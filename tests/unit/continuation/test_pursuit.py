@@ -56,3 +56,31 @@ def test_what_newtons_method_does_not_settle_stays(pursuit, target):
     same = pursuit.improved(wrong, target)
     assert np.isnan(same.points).all()
     assert not same.low.any()
+
+
+def test_newtons_method_with_32_digits_says_where_it_converges(pursuit, target):
+    ends = pursuit.first().take(np.arange(6))
+    shaken = ends.points * (1 + 1e-6 * np.random.default_rng(3).random(8))
+    shaken[4] = np.nan
+    index, better = pursuit.converged(replace(ends, points=shaken), target)
+    assert sorted(index.tolist()) == [0, 1, 2, 3, 5]
+    assert better.digits == 32
+    units = [x / np.linalg.norm(x, axis=1)[:, None] for x in (better.points, ends.points[index])]
+    overlap = np.abs((units[0] * units[1].conj()).sum(axis=1))
+    assert overlap.min() > 1 - 1e-12
+    none, nothing = pursuit.converged(ends.take(np.zeros(6, np.bool_)), target)
+    assert len(none) == len(nothing.points) == 0
+
+
+@pytest.mark.parametrize("few", [1, 12])
+def test_paths_that_arrive_early_come_first_and_each_once(pursuit, target, few, monkeypatch):
+    monkeypatch.setattr("gspcli.continuation.pursuit._FEW_STEPS", few)
+    index = np.arange(8)
+    parts = list(pursuit.deeply(index, target))
+    assert len(parts) == (1 if few > 1 else 2)
+    assert sorted(np.concatenate([which for which, _ in parts]).tolist()) == index.tolist()
+    first = pursuit.first().points[:8]
+    for which, ends in parts:
+        assert ends.settled.all()
+        units = [x / np.linalg.norm(x, axis=1)[:, None] for x in (ends.points, first[which])]
+        assert np.abs((units[0] * units[1].conj()).sum(axis=1)).min(initial=1) > 1 - 1e-12
