@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 
 _LONGEST = 40
 
@@ -36,5 +35,13 @@ def nearest(word: str, known: Iterable[str]) -> str | None:
     spellings: dict[str, str] = {}
     for candidate in known:
         spellings.setdefault(candidate.lower(), candidate)
-    near = get_close_matches(word.lower(), list(spellings), n=1)
+    near = similar(word.lower(), spellings, 1)
     return spellings[near[0]] if near else None
+
+
+def similar(word: str, known: Iterable[str], most: int, *, cutoff: float = 0.6) -> list[str]:
+    """Return the known words that are spelt most like a word, the nearest first."""
+    # Imported for mistakes only: they are rare, and start-up counts for every command.
+    from difflib import get_close_matches
+
+    return get_close_matches(word, list(known), n=most, cutoff=cutoff)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from difflib import get_close_matches
 from typing import NoReturn
 
 from gspcli.catalogue.aliases import find_alias
@@ -18,6 +17,7 @@ from gspcli.catalogue.types import (
     type_by_number,
 )
 from gspcli.errors import TypeNameError
+from gspcli.wording import similar
 
 _CLASSES_BY_ID = {platform_class.id: platform_class for platform_class in CLASSES}
 _SEPARATORS = re.compile(r"[\s,;+]+")
@@ -81,7 +81,7 @@ def _unknown_kind(text: str) -> NoReturn:
     if len(name) == 3 and name[0] in "DA" and all(letter in "PLH" for letter in name[1:]):
         what, kinds = ("distance", DISTANCE_KINDS) if name[0] == "D" else ("angle", ANGLE_KINDS)
         message += f": there is no {what} of this pair, only {_names(kinds)}"
-    elif near := get_close_matches(name, [*names, *(n[1:] for n in names)], n=3, cutoff=0.5):
+    elif near := similar(name, [*names, *(n[1:] for n in names)], 3, cutoff=0.5):
         message += f": did you mean {' or '.join(dict.fromkeys(near))}?"
     elif swapped in names:
         message += f": did you mean {swapped}?"

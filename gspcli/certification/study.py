@@ -86,12 +86,9 @@ def forms_of_pose(R: Sequence[Sequence[Any]], T: Sequence[Any]) -> list[Any]:
 def form_hessians() -> NDArray[np.float64]:
     """Return the Hessian matrices of all forms, integers, shape (27, 8, 8)."""
     units = np.eye(8, dtype=int)
-    single = np.array([forms(list(unit)) for unit in units])
-    result = np.empty((COUNT, 8, 8))
-    for j in range(8):
-        for k in range(8):
-            both = np.array(forms(list(units[j] + units[k])))
-            result[:, j, k] = both - single[j] - single[k]
+    single = np.array(forms(list(units)))
+    both = np.array(forms(list(units[:, :, None] + units[:, None, :])))
+    result: NDArray[np.float64] = (both - single[:, :, None] - single[:, None, :]).astype(float)
     result.setflags(write=False)
     return result
 

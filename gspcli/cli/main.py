@@ -13,6 +13,7 @@ from gspcli import __version__
 from gspcli.cli.colour import coloured
 from gspcli.cli.sentences import SENTENCES
 from gspcli.errors import INTERRUPTED, GspError
+from gspcli.wording import similar
 
 _TYPES = "What types are"
 _PLATFORM = "One platform"
@@ -101,10 +102,8 @@ class CommandGroup(click.Group):
 
 def _unknown_command(name: str) -> str:
     """Return what to say of a word that is no command."""
-    from difflib import get_close_matches
-
     message = f"there is no command {name!r}"
-    if near := get_close_matches(name.lower(), COMMANDS, n=2, cutoff=0.6):
+    if near := similar(name.lower(), COMMANDS, 2):
         return f"{message}: did you mean {' or '.join(near)}?"
     if name.lower().endswith((".yaml", ".yml")) or name.startswith("@"):
         return f"{message}: did you mean gsp solve {name}?"

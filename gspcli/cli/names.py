@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +12,7 @@ from gspcli.catalogue.parsing import parse_name
 from gspcli.catalogue.types import Family, GspType
 from gspcli.errors import GspError, TypeNameError
 from gspcli.resources import instance_files
+from gspcli.wording import similar
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
@@ -50,7 +50,7 @@ def shipped_file(name: str) -> Path:
     """
     files = instance_files()
     if name not in files:
-        near = get_close_matches(name.lower(), files, n=1)
+        near = similar(name.lower(), files, 1)
         hint = f"did you mean {near[0]}? " if near else ""
         message = f"found no example or platform {name!r}: {hint}`gsp example` lists them"
         raise GspError(message)

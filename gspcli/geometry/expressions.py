@@ -18,14 +18,13 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from difflib import get_close_matches
 from fractions import Fraction
 from typing import Generic, TypeVar
 
 from gspcli.geometry.evaluation import FUNCTIONS, LARGEST, SMALLEST, Expression
 from gspcli.geometry.separation import multiple_of_pi
 from gspcli.geometry.signs import sign_of
-from gspcli.wording import shown
+from gspcli.wording import shown, similar
 
 #: A tree of some class.
 Tree = TypeVar("Tree", bound=Expression)
@@ -195,7 +194,7 @@ class _Parser(Generic[Tree]):
         known = ["pi", *FUNCTIONS, *_OF_DEGREES]
         if name not in known:
             self.position -= 1
-            near = get_close_matches(name.lower(), known, n=1)
+            near = similar(name.lower(), known, 1)
             hint = f"did you mean {near[0]}?" if near else None
             raise self._unexpected(f"a number, {', '.join(known[:-1])} or {known[-1]}", hint)
         if not self._take("("):
