@@ -71,7 +71,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@octahedral-3-3 --vary 1=1:2:5",
         "@octahedral-3-3 --vary 1=1:2:3 --vary 2=1:2:3",
         "@octahedral-3-3 --vary 1=1:2:5 --folds",
-        "@platform-6-6 --vary 1=2.2:2.4:3 --vary 4=1.6:1.8:3 --folds --jobs 1",
+        "@platform-6-6 --vary 1=2.2:2.4:2 --vary 4=1.6:1.8:2 --folds --jobs 1",
         "@platform-6-6 --vary 1=2.4:2.6:3 --quantity clearance",
         "@platform-6-6 --over x=-2:2:5 --over y=-2:2:5 --pose 0,0,0.5,1,0.2,0.1,0",
         "@platform-6-6 --over x=-2:2:5 --over y=-2:2:5 --pose 0,0,0.5,1,0.2,0.1,0 --folds",
