@@ -114,9 +114,7 @@ def _solved(
             regular = _all_regular(pursuits)
             # Proving all poses is cheaper than counting them because a few paths went wrong.
             if proofs and (certify or not regular):
-                poses = tracking.proved_by_paths(
-                    proofs, arrangement, pursuits, one_by_one=certify and regular
-                )
+                poses = tracking.proved_by_paths(proofs, arrangement, pursuits, one_by_one=certify)
             if poses is None and regular:
                 poses = tracking.poses_by_paths(arrangement, pursuits)
     if poses is not None and certify and len(poses.R) and poses.proof is None:
@@ -161,8 +159,7 @@ def _proved_shortly(
     from gspcli.solver import tracking
 
     for pursuits in tracking.short_pursuits(arrangement, seed=seed, jobs=jobs):
-        one_by_one = certify and _all_regular(pursuits)
-        poses = tracking.proved_by_paths(proofs, arrangement, pursuits, one_by_one=one_by_one)
+        poses = tracking.proved_by_paths(proofs, arrangement, pursuits, one_by_one=certify)
         if poses is not None:
             return poses
     return None

@@ -157,7 +157,7 @@ def proved_by_paths(
     pursuits
         For each choice of sides.
     one_by_one
-        Whether poses that are not proved with all others are proved one by one.
+        Whether a few poses that are not proved with all others are proved one by one.
     """
     points = np.stack([pursuit.first().points for pursuit in pursuits])
     return all_proved(proofs, arrangement, points, Frames.of(arrangement), one_by_one=one_by_one)
