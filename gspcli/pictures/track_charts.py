@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gspcli.pictures.charts import PALETTE
 from gspcli.pictures.figures import SOFT, styled, written_drawing
 
 if TYPE_CHECKING:
     from gspcli.motion import Track
+
+#: So many digits of the largest coordinate are drawn: the last bits are not those of another run.
+_DIGITS = 6
 
 
 def track_chart(track: Track, fmt: str) -> bytes:
@@ -32,9 +35,10 @@ def track_chart(track: Track, fmt: str) -> bytes:
             left.annotate(str(k + 1), (track.t[0], column[0]), ha="right", fontsize=7)
         left.set(xlabel="t", ylabel="values", title="values of the constraints")
         strokes = ("-", "--", ":", "-.")
+        places = _rounded(track.T)
         for m, mode in enumerate(track.modes.tolist()):
             for k, name in enumerate("xyz"):
-                column = track.T[m, :, k]
+                column = places[m, :, k]
                 stroke = strokes[m % len(strokes)]
                 right.plot(track.t, column, stroke, color=PALETTE[k], linewidth=1.2)
                 ends = [0, -1]
@@ -45,3 +49,11 @@ def track_chart(track: Track, fmt: str) -> bytes:
         right.margins(x=0.14)
         right.set(xlabel="t", ylabel=f"x, y, z ({units.length})", title="positions of the modes")
         return written_drawing(figure, fmt)
+
+
+def _rounded(places: Any) -> Any:
+    """Return coordinates, or NaN, to the digits that are drawn."""
+    import numpy as np
+
+    unit = 10.0 ** np.ceil(np.log10(np.nanmax(np.abs(places), initial=1e-300)))
+    return np.round(places / unit, _DIGITS) * unit
