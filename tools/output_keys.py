@@ -244,6 +244,7 @@ KEYS: dict[str, str] = {
     "distinct": "certified ones that are proved pairwise different",
     "outcome": "certified, or why not",
     "claimed_real": "whether the list says that it is real; null if it says nothing",
+    "claimed_sides": "on which sides of planes the list says that it is, by constraint",
     "same_as": "number of an earlier pose that is the same solution",
     "unresolved": "numbers of poses not proved different from this one",
     "residual_bound": "proved bound of the residual of the pose as given",

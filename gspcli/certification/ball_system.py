@@ -120,7 +120,7 @@ class BallSystem:
         value = given.value * norm(u or v)
         return tuple(
             BallEquation(self._add({**height, study.NORM: height[study.NORM] - sign * value}))
-            for sign in _SIGNS[given.side]
+            for sign in (_SIGNS[given.side] if not given.is_zero else (1,))
         )
 
     def _distance_of_lines(self, given: Statement) -> BallEquation:
@@ -136,7 +136,9 @@ class BallSystem:
         self.forms.append(form)
         return len(self.forms) - 1
 
-    def sides_near(self, point: Sequence[acb], pose: PoseBall) -> list[tuple[int, ...]]:
+    def sides_near(
+        self, point: Sequence[acb], pose: PoseBall, said: Sequence[int]
+    ) -> list[tuple[int, ...]]:
         """Return for each constraint the index of the side whose equation is nearer to zero.
 
         All combinations are returned, the likeliest first, where that is not clear.
@@ -146,12 +148,22 @@ class BallSystem:
         point, pose
             A Study point and the pose that it is. Far away either may have lost the digits that
             tell the sides: the one with the larger quotient of the two distances has kept more.
+        said
+            For each constraint 1 or -1 for the likelier side where that is not clear, or 0.
         """
         if all(len(sides) == 1 for sides in self.equations):
             return [(0,) * len(self.equations)]
         column = acb_mat(8, 1, list(point))
         places = (self._values(column, self._gradients(column)), self._quadrics(pose))
-        return list(product(*(_nearer(sides, places) for sides in self.equations)))
+        each = zip(self.equations, said, strict=True)
+        return list(product(*(_nearer(sides, places, sign) for sides, sign in each)))
+
+    def signs(self, sides: Sequence[int]) -> tuple[int, ...]:
+        """Return the signs of the heights that equations mean, 0 where there are no sides."""
+        return tuple(
+            _SIGNS[given.side][side] if given.kind.has_sides and not given.is_zero else 0
+            for given, side in zip(self.statements, sides, strict=True)
+        )
 
     def excludes(self, pose: PoseBall) -> bool:
         """Whether it is proved that no pose in these balls meets all constraints."""
@@ -267,7 +279,9 @@ class BallSystem:
         return np.asarray(np.stack(bounds, axis=-1) * OUTWARD)
 
 
-def _nearer(sides: Sequence[BallEquation], places: Sequence[Sequence[acb]]) -> tuple[int, ...]:
+def _nearer(
+    sides: Sequence[BallEquation], places: Sequence[Sequence[acb]], said: int
+) -> tuple[int, ...]:
     """Return which equations are near zero, by the values that tell them apart best."""
     if len(sides) == 1:
         return (0,)
@@ -278,7 +292,9 @@ def _nearer(sides: Sequence[BallEquation], places: Sequence[Sequence[acb]]) -> t
     ]
     a, b = max(pairs, key=_contrast)
     order = (0, 1) if a <= b else (1, 0)
-    return order[:1] if _contrast((a, b)) > _CLEAR else order
+    if _contrast((a, b)) > _CLEAR:
+        return order[:1]
+    return {1: (0, 1), -1: (1, 0)}.get(said, order)
 
 
 def _contrast(pair: tuple[float, float]) -> float:

@@ -6,7 +6,7 @@ import csv
 import json
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ _COLUMNS = {
     "T": [["tx", "ty", "tz"], ["t1", "t2", "t3"], ["t0", "t1", "t2"], ["x", "y", "z"]],
     "quaternion": [["qw", "qx", "qy", "qz"], ["q0", "q1", "q2", "q3"], ["e0", "e1", "e2", "e3"]],
 }
+_NUMBERS = tuple("123456")
+_SIGNS = {"positive": 1, "negative": -1}
 _IMAGINARY = "_imag"
 _EXPECTED = "R (3x3) or quaternion (4 numbers, scalar first), and T (3 numbers)"
 
@@ -36,11 +38,15 @@ class Candidates:
         Complex, shapes (n, 3, 3) and (n, 3).
     claimed_real
         For each pose what the list says about it, None if it says nothing.
+    claimed_sides
+        For each pose and constraint the side of its plane that the list says: 1 or -1, or 0 if it
+        says nothing; shape (n, 6).
     """
 
     R: NDArray[np.complex128]
     T: NDArray[np.complex128]
     claimed_real: tuple[bool | None, ...]
+    claimed_sides: NDArray[np.int64]
 
 
 def read_candidates(text: str, name: str) -> Candidates:
@@ -48,9 +54,11 @@ def read_candidates(text: str, name: str) -> Candidates:
 
     JSON is a list of poses or an object with one under ``solutions``. A pose is an object with
     ``R`` or ``quaternion`` (scalar first, of any length) and ``T``, and for a non-real one
-    ``R_imag`` and ``T_imag``; or a list of 12 numbers (R by rows, T) or of 7 (quaternion, T). CSV
-    has columns r11 ... r33 or qw qx qy qz, and tx ty tz, in any order and among others, with
-    imaginary parts in r11_imag and so on; or no heading and 12 or 7 numbers a line.
+    ``R_imag`` and ``T_imag``; it may say whether it is ``real``, and on which ``sides`` of planes,
+    such as ``{"1": "positive"}`` (in CSV ``1:positive 2:negative``). Or it is a list of 12 numbers
+    (R by rows, T) or of 7 (quaternion, T). CSV has columns r11 ... r33 or qw qx qy qz, and tx ty
+    tz, in any order and among others, with imaginary parts in r11_imag and so on; or no heading
+    and 12 or 7 numbers a line.
 
     Parameters
     ----------
@@ -78,9 +86,10 @@ def read_candidates(text: str, name: str) -> Candidates:
     if problems:
         raise SpecError(problems)
     return Candidates(
-        np.array([R for R, _, _ in poses], dtype=complex).reshape(-1, 3, 3),
-        np.array([T for _, T, _ in poses], dtype=complex).reshape(-1, 3),
-        tuple(claim for _, _, claim in poses),
+        np.array([pose.R for pose in poses], dtype=complex).reshape(-1, 3, 3),
+        np.array([pose.T for pose in poses], dtype=complex).reshape(-1, 3),
+        tuple(pose.claimed_real for pose in poses),
+        np.array([pose.claimed_sides for pose in poses], dtype=int).reshape(-1, 6),
     )
 
 
@@ -144,6 +153,8 @@ def _named(heading: Sequence[str], row: Sequence[str]) -> dict[str, Any]:
                     break
     if claim := cells.get("real", ""):
         pose["real"] = {"true": True, "false": False}.get(claim.lower(), claim)
+    if claim := cells.get("sides", ""):
+        pose["sides"] = dict(part.partition(":")[::2] for part in claim.split())
     return pose
 
 
@@ -155,18 +166,22 @@ def _is_number(text: str) -> bool:
     return True
 
 
-Pose = tuple[NDArray[np.complex128], NDArray[np.complex128], bool | None]
+class _Pose(NamedTuple):
+    R: NDArray[np.complex128]
+    T: NDArray[np.complex128]
+    claimed_real: bool | None = None
+    claimed_sides: tuple[int, ...] = (0,) * 6
 
 
-def _pose(entry: object) -> Pose:
+def _pose(entry: object) -> _Pose:
     if isinstance(entry, list):
         if len(entry) not in (7, 12):
             message = f"found {len(entry)} numbers, expected 12 (R by rows, T) or 7 (quaternion, T)"
             raise ValueError(message)
         numbers = _array(entry, (len(entry),), "the list")
         if len(entry) == 7:
-            return _rotation(numbers[:4]), numbers[4:].astype(complex), None
-        return numbers[:9].reshape(3, 3).astype(complex), numbers[9:].astype(complex), None
+            return _Pose(_rotation(numbers[:4]), numbers[4:].astype(complex))
+        return _Pose(numbers[:9].reshape(3, 3).astype(complex), numbers[9:].astype(complex))
     if not isinstance(entry, Mapping):
         found = f"{entry:g}" if isinstance(entry, float) else repr(entry)
         message = f"found {found}, expected a pose: {_EXPECTED}"
@@ -190,7 +205,23 @@ def _pose(entry: object) -> Pose:
     if not (claim is None or isinstance(claim, bool)):
         message = f"real: found {claim!r}, expected true or false, or nothing"
         raise ValueError(message)
-    return R if rotation == "R" else _rotation(R), T, claim
+    sides = _sides(entry.get("sides"))
+    return _Pose(R if rotation == "R" else _rotation(R), T, claim, sides)
+
+
+def _sides(claim: object) -> tuple[int, ...]:
+    """Return the side of each constraint that a list says, as a sign, 0 where it says nothing."""
+    said = {} if claim is None else claim
+    if (
+        not isinstance(said, Mapping)
+        or not all(number in _NUMBERS for number in said)
+        or not all(side in list(_SIGNS) for side in said.values())
+    ):
+        message = (
+            f"sides: found {claim!r}, expected positive or negative by the number of a constraint"
+        )
+        raise ValueError(message)
+    return tuple(_SIGNS.get(said.get(number, ""), 0) for number in _NUMBERS)
 
 
 def _array(value: object, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:

@@ -62,8 +62,9 @@ class Certificate:
         candidate, with the real numbers exactly as they were given, and what the constraints
         state, in the units of the instance.
     sides
-        For real solutions: for each constraint the side on which the point is proved to lie;
-        None where a constraint has no sides, the distance is zero or nothing is proved.
+        For each constraint the side on which the point of a real solution is proved to lie, and
+        that of its equation for another; None where a constraint has no sides, the distance is
+        zero or nothing is proved, and for a solution that may be either.
     same_as
         Index of the first candidate that is proved to approximate the same solution.
     unresolved

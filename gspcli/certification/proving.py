@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -27,13 +28,24 @@ from gspcli.geometry.instance import Instance, Side
 FIRST_PRECISION = 64
 
 
+_SIDES = {1: Side.POSITIVE, -1: Side.NEGATIVE}
+
+
 class _Candidate:
     """A candidate on its way through the precisions."""
 
-    def __init__(self, point: NDArray[np.complex128], patch: int, given: PoseBall) -> None:
+    def __init__(
+        self,
+        point: NDArray[np.complex128],
+        patch: int,
+        given: PoseBall,
+        said: tuple[int, ...],
+    ) -> None:
         self.start = self.point = [acb(x) for x in point.tolist()]
         self.patch = patch
         self.given = given
+        #: The side of each plane that the candidate is said to be on, as signs, or 0.
+        self.said = said
         # Entries of complex rotations may be large, and are then only known relatively.
         self.size = max(1.0, float_above(largest(given.entries)))
         self.sides: list[tuple[int, ...]] = []
@@ -50,8 +62,8 @@ class _Candidate:
         tolerance *= self.size
         self.precision = system.precision
         if not self.sides:
-            self.sides = system.sides_near(self.point, self.given)
-        found = self._nearest(system)
+            self.sides = system.sides_near(self.point, self.given, self.said)
+        found = self._nearest(system, tolerance)
         if found is None:
             # With too few digits Newton's method leaves even a good start.
             self.point = self.start
@@ -74,8 +86,11 @@ class _Candidate:
             self.point = list(result.centre) if not nearest > tolerance else self.start
             self.outcome = Outcome.TOO_FAR
 
-    def _nearest(self, system: BallSystem) -> tuple[Isolation, PoseBall] | None:
-        """Return the nearest solution that is proved, of those on sides that it may be on."""
+    def _nearest(self, system: BallSystem, tolerance: float) -> tuple[Isolation, PoseBall] | None:
+        """Return the nearest solution that is proved, of those on sides that it may be on.
+
+        Where one is within the tolerance on the sides that it is said to be on, it is meant.
+        """
         results = [refine_point(system, self.point, self.patch, sides) for sides in self.sides]
         proved = [
             (result, pose)
@@ -84,7 +99,17 @@ class _Candidate:
         ]
         if len(proved) < 2:
             return proved[0] if proved else None
-        return min(proved, key=lambda one: float_above(one[1].deviation(self.given)[1]))
+        deviations = [float_above(pose.deviation(self.given)[1]) for _, pose in proved]
+        elsewhere = [
+            deviation > tolerance or not self._is_said(system, result)
+            for deviation, (result, _) in zip(deviations, proved, strict=True)
+        ]
+        return min(zip(elsewhere, deviations, proved, strict=True), key=itemgetter(0, 1))[2]
+
+    def _is_said(self, system: BallSystem, isolation: Isolation) -> bool:
+        """Whether a solution is on the sides that the candidate is said to be on."""
+        each = zip(system.signs(isolation.sides), self.said, strict=True)
+        return all(sign * said >= 0 for sign, said in each)
 
     def _judge(self, system: BallSystem, real: bool | None) -> tuple[Outcome, bool]:
         """Return the outcome of a solution nearby, and whether something is still open."""
@@ -116,10 +141,19 @@ class _Candidate:
             isolation.uniqueness,
             self.deviation,
             float_above(residual(measure(system, self.given))) if stated else None,
-            tuple(_side(m) for m in self.measurements) if stated else None,
+            self._proved_sides(system, isolation),
             isolation=isolation,
             **relations,
         )
+
+    def _proved_sides(
+        self, system: BallSystem, isolation: Isolation
+    ) -> tuple[Side | None, ...] | None:
+        if isolation.real:
+            return tuple(_side(m) for m in self.measurements) if self.measurements else None
+        if isolation.real is None:
+            return None
+        return tuple(_SIDES.get(sign) for sign in system.signs(isolation.sides))
 
 
 def _side(measurement: Measurement) -> Side | None:
@@ -143,11 +177,21 @@ def _array(values: ArrayLike, where: str, shape: tuple[int, ...]) -> NDArray[np.
     return array.reshape(-1, *shape)
 
 
+def _signs(sides: ArrayLike | None, poses: int) -> list[tuple[int, ...]]:
+    """Return the signs of the heights of each pose, 0 where nothing is said."""
+    signs = np.zeros((poses, 6), int) if sides is None else np.asarray(sides)
+    if signs.shape != (poses, 6) or not np.isin(signs, (-1, 0, 1)).all():
+        message = f"found shape {signs.shape}, expected ({poses}, 6) of 1, -1 or 0"
+        raise ArgumentError(message, "sides")
+    return [tuple(row) for row in signs.astype(int).tolist()]
+
+
 def certify_equations(
     instance: Instance,
     R: ArrayLike,
     T: ArrayLike,
     *,
+    sides: ArrayLike | None = None,
     tolerance: float = TOLERANCE,
     max_precision: int = MAX_PRECISION,
 ) -> Certificates:
@@ -173,8 +217,10 @@ def certify_equations(
     with np.errstate(all="ignore"):
         points, patches = study.study_points(rotations, places.reshape(-1, 3))
     candidates = [
-        _Candidate(point, int(patch), pose)
-        for point, patch, pose in zip(points, patches, given, strict=True)
+        _Candidate(point, int(patch), pose, said)
+        for point, patch, pose, said in zip(
+            points, patches, given, _signs(sides, len(given)), strict=True
+        )
     ]
     for candidate in candidates:
         if not all(entry.is_finite() for entry in [*candidate.point, *candidate.given.entries]):

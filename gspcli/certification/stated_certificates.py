@@ -28,6 +28,7 @@ def certify(
     R: ArrayLike,
     T: ArrayLike,
     *,
+    sides: ArrayLike | None = None,
     tolerance: float = TOLERANCE,
     max_precision: int = MAX_PRECISION,
 ) -> Certificates:
@@ -46,6 +47,10 @@ def certify(
         Rotations, real or complex, shape (n, 3, 3).
     T
         Translations in length units, real or complex, shape (n, 3).
+    sides
+        For each pose and constraint 1 or -1 for the side of its plane that is meant, 0 where
+        nothing is said, shape (n, 6). Two poses whose doubles are the same may be on both sides of
+        a plane; where the pose itself tells the side this is not believed.
     tolerance
         Largest difference of a candidate from its solution in any entry of R, and of T divided by
         `Certificates.scale`; relative to the largest of them if that exceeds one. If the
@@ -66,7 +71,7 @@ def certify(
         certified.
     """
     proof = partial(certify_equations, tolerance=tolerance, max_precision=max_precision)
-    found = proof(instance, R, T)
+    found = proof(instance, R, T, sides=sides)
     singular = np.array([item.outcome in _SINGULAR for item in found], bool)
     if DLL not in (row.kind for row in instance.constraints) or not singular.any():
         return found

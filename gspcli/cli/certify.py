@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -18,6 +19,7 @@ from gspcli.errors import CheckFailed, IncompleteError
 if TYPE_CHECKING:
     from gspcli.certification import Certificate, Certificates
 
+_SIDES = {1: "positive", -1: "negative"}
 _COLUMNS = (
     Column("number", "no.", align="right", essential=True),
     Column("outcome", essential=True),
@@ -104,10 +106,21 @@ def command(
     solutions = []
     with working("certifying"):
         proved = certify(
-            instance, given.R, given.T, tolerance=tolerance, max_precision=max_precision
+            instance,
+            given.R,
+            given.T,
+            sides=given.claimed_sides,
+            tolerance=tolerance,
+            max_precision=max_precision,
         )
-        for number, (item, claim) in enumerate(zip(proved, given.claimed_real, strict=True), 1):
-            entry = {"number": number, **_facts(item), "claimed_real": claim}
+        claims = zip(given.claimed_real, given.claimed_sides.tolist(), strict=True)
+        for number, (item, (real, said)) in enumerate(zip(proved, claims, strict=True), 1):
+            entry = {
+                "number": number,
+                **_facts(item),
+                "claimed_real": real,
+                "claimed_sides": _by_number([_SIDES.get(sign) for sign in said]),
+            }
             if digits is not None and item.certified:
                 entry["refined"] = refined(instance, item, digits)
             solutions.append(entry)
@@ -130,7 +143,6 @@ def command(
 
 
 def _facts(item: Certificate) -> dict[str, Any]:
-    sides = [side.value if side else None for side in item.sides or ()]
     return {
         "certified": item.certified,
         "outcome": item.outcome.value,
@@ -139,11 +151,15 @@ def _facts(item: Certificate) -> dict[str, Any]:
         "unresolved": [index + 1 for index in item.unresolved],
         "residual_bound": item.residual_bound,
         "deviation": item.deviation,
-        "sides": {str(k): side for k, side in enumerate(sides, 1) if side},
+        "sides": _by_number([side and side.value for side in item.sides or ()]),
         "precision": item.precision,
         "error": item.error,
         "uniqueness": item.uniqueness,
     }
+
+
+def _by_number(sides: Iterable[str | None]) -> dict[str, str]:
+    return {str(k): side for k, side in enumerate(sides, 1) if side}
 
 
 def _tables(
@@ -178,6 +194,8 @@ def _conclude(solutions: list[dict[str, Any]], proved: Certificates) -> None:
             open_["not decided whether it is real"] += 1
         elif claim is not None and claim is not item.real:
             wrong["said to be real and is not" if claim else "said not to be real and is"] += 1
+        if any(entry["sides"].get(k, side) != side for k, side in entry["claimed_sides"].items()):
+            wrong["said to be on the other side of a plane"] += 1
         if item.same_as is not None:
             wrong["the same solution as an earlier one"] += 1
         if item.unresolved:

@@ -240,9 +240,12 @@ def _refined(result: SolveResult, shown: Shown, digits: int) -> list[dict[str, A
     indices = list(shown.indices)
     if not indices:
         return []
+    proved = certify(
+        result.instance, result.R[indices], result.T[indices], sides=result.sides[indices]
+    )
     return [
         refined(result.instance, certificate, digits) if certificate.certified else None
-        for certificate in certify(result.instance, result.R[indices], result.T[indices])
+        for certificate in proved
     ]
 
 

@@ -147,7 +147,7 @@ def _candidates(
     else:
         message = f"{name}: found the unknowns {' '.join(names)}, expected those of `gsp export`"
         raise _unreadable(message)
-    return Candidates(R, T, (real,) * len(R))
+    return Candidates(R, T, (real,) * len(R), np.zeros((len(R), 6), int))
 
 
 def _first_of_pairs(points: Points) -> list[int]:

@@ -86,7 +86,7 @@ def proved_closed_form(
     proved = prove_closed_forms(proofs, arrangement, None, [poses]) if proofs else None
     if proved is None or not proved[1].complete[0]:
         return poses
-    return block_of(*proved[::-1]).pose_set(0)
+    return block_of(*proved[::-1]).pose_set(0).on_sides(side_choices(arrangement))
 
 
 def block_of(poses: ProvedPoses, rows: Index) -> Block:

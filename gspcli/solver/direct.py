@@ -109,7 +109,8 @@ def all_proved(
 
     A few that are not proved with all others are proved one by one, if that is asked for.
     """
-    found = proofs.decide_own(side_choices(arrangement), points, frames)
+    choices = side_choices(arrangement)
+    found = proofs.decide_own(choices, points, frames)
     count = found.certified.size
     if one_by_one and 0 < count - found.certified.sum() <= max(2, _FEW * count):
         from gspcli.certification.remaining import with_remaining
@@ -127,4 +128,4 @@ def all_proved(
         motions=(),
         account=PathAccount(expected=count, found=count),
         proof=Proof(Ground.TYPE),
-    )
+    ).on_sides(choices)

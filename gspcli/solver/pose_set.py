@@ -66,6 +66,9 @@ class PoseSet:
         Which of them are proved to exist, to be simple, and to be real or not, shape (n,).
     multiplicity
         How many paths end at each, shape (n,).
+    signs
+        The choice of sides (`side_choices`) in whose equations each pose was found, shape (n, 6);
+        None if only the pose tells.
     motions
         Sets of poses that are not isolated, as far as they were found.
     account
@@ -90,6 +93,7 @@ class PoseSet:
     account: PathAccount
     proof: Proof | None = None
     exact_count: int | None = None
+    signs: NDArray[np.float64] | None = None
     problem: str | None = None
 
     @property
@@ -149,6 +153,10 @@ class PoseSet:
         real = np.where(certified, decisions.real, self.real)
         return replace(self, certified=certified, real=real)
 
+    def on_sides(self, choices: NDArray[np.float64]) -> PoseSet:
+        """Return the poses, found in equal parts for some choices of sides, shape (k, 6)."""
+        return replace(self, signs=np.repeat(choices, len(self.R) // len(choices), axis=0))
+
     def reordered(self, order: NDArray[np.intp] | NDArray[np.bool_]) -> PoseSet:
         """Return the poses in another order, or some of them."""
         return replace(
@@ -159,11 +167,13 @@ class PoseSet:
             real=self.real[order],
             certified=self.certified[order],
             multiplicity=self.multiplicity[order],
+            signs=None if self.signs is None else self.signs[order],
         )
 
 
 def joined(parts: Sequence[PoseSet]) -> PoseSet:
     """Return the poses of several systems together, without a proof."""
+    signs = [part.signs for part in parts if part.signs is not None]
     return PoseSet(
         quaternions=np.concatenate([part.quaternions for part in parts]),
         R=np.concatenate([part.R for part in parts]),
@@ -172,5 +182,6 @@ def joined(parts: Sequence[PoseSet]) -> PoseSet:
         certified=np.concatenate([part.certified for part in parts]),
         multiplicity=np.concatenate([part.multiplicity for part in parts]),
         motions=tuple(motion for part in parts for motion in part.motions),
+        signs=np.concatenate(signs) if len(signs) == len(parts) else None,
         account=sum((part.account for part in parts), PathAccount(expected=0)),
     )

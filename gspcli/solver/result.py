@@ -189,12 +189,21 @@ class SolveResult:
         return condition_numbers(self.arrangement, self.R, self.T)
 
     @cached_property
+    def sides(self) -> NDArray[np.int64]:
+        """On which side of each plane: 1, -1, or 0 if that is not known, shape (n, 6)."""
+        sides = known_sides(self.arrangement, self.R, self.T)
+        if self.poses.signs is None:
+            return sides
+        proved = self.arrangement.sided & (self.arrangement.targets != 0)
+        return np.where((sides == 0) & proved, self.poses.signs, sides).astype(int)
+
+    @cached_property
     def solutions(self) -> tuple[Solution, ...]:
         """The poses one by one."""
         quaternions = self.quaternions
-        sides = known_sides(self.arrangement, self.R, self.T)
+        sides = self.sides
         names = {1: Side.POSITIVE.value, -1: Side.NEGATIVE.value}
-        limits = self._limits(sides)
+        limits = self._limits()
         return tuple(
             Solution(
                 real=bool(self.real[k]),
@@ -211,12 +220,12 @@ class SolveResult:
             for k in range(len(self.R))
         )
 
-    def _limits(self, sides: NDArray[np.int64]) -> dict[int, tuple[LeftLimit, ...]]:
+    def _limits(self) -> dict[int, tuple[LeftLimit, ...]]:
         """Return the limits that real poses do not keep, by their indices, if there are any."""
         if not has_limits(self.instance):
             return {}
         real = np.flatnonzero(self.real)
-        values = self.arrangement.values * np.where(sides[real] < 0, -1.0, 1.0)
+        values = self.arrangement.values * np.where(self.sides[real] < 0, -1.0, 1.0)
         found = left_limits(self.instance, values, self.R[real].real, self.T[real].real)
         return dict(zip(real.tolist(), found, strict=True))
 

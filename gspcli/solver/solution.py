@@ -51,7 +51,7 @@ class Solution:
         Condition number of the pose (`gspcli.geometry.residuals.condition_numbers`).
     sides
         For each DPH and DHP constraint, by its number from 1: ``positive`` or ``negative``.
-        Without those at a height whose sign doubles cannot tell.
+        Without those at a height of zero, or whose sign neither doubles nor a proof tells.
     limits
         The ranges and cones that the pose does not keep; None if it is not real, or the instance
         has none.

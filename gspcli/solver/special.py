@@ -75,7 +75,7 @@ def solve_special(
         astray = any(_many_astray(pursuit) for pursuit in pursuits)
         count = exact_count(instance, seed=seed, limit=limit, suspect=astray)
     if count is None:
-        return _uncounted(instance, searches, seed, limit)
+        return _uncounted(instance, arrangement, searches, seed, limit)
 
     def solve_points(same: Instance) -> PoseSet:
         arrangement = Arrangement.of(same)
@@ -86,13 +86,16 @@ def solve_special(
     if infinite and (moving := _moving_with_parallel_lines(instance, count)) is not None:
         samples = solve_points(moving).motions
         return along_points(instance, arrangement, samples, _infinite(instance, count))
+    choices = side_choices(arrangement)
     parts = [
-        _with_parallel_lines(instance, side, search, solve_points)
-        if side.parallel
-        else complete_parts(instance, side, search, solve_points)
-        if side.parts
-        else _counted(search, side)
-        for search, side in zip(searches, count.sides, strict=True)
+        (
+            _with_parallel_lines(instance, side, search, solve_points)
+            if side.parallel
+            else complete_parts(instance, side, search, solve_points)
+            if side.parts
+            else _counted(search, side)
+        ).on_sides(choices[k : k + 1])
+        for k, (search, side) in enumerate(zip(searches, count.sides, strict=True))
         if not infinite
     ]
     # A set without a sample of it may have real poses that are alone, such as lines that coincide.
@@ -169,19 +172,35 @@ def _among(paths: int, account: PathAccount) -> PathAccount:
 
 
 def _uncounted(
-    instance: Instance, searches: Sequence[Search], seed: int, limit: float | None
+    instance: Instance,
+    arrangement: Arrangement,
+    searches: Sequence[Search],
+    seed: int,
+    limit: float | None,
 ) -> PoseSet:
     """Return the poses of a platform that could not be counted exactly, by its geometry's count."""
     count = geometry_count(instance, seed=seed, limit=limit) if limit != 0 else None
     if count is None or not count.solutions or not count.has_lone_lines:
         # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md), and a
         # geometry that has no pose for most values has infinitely many for others.
-        return _proved(joined([without_count(search, None) for search in searches]), None)
+        return _proved(_joined_without_count(arrangement, searches, None), None)
     # All choices of sides are alike.
     most = count.solutions // len(searches)
-    poses = joined([without_count(search, most) for search in searches])
+    poses = _joined_without_count(arrangement, searches, most)
     proof = _by_geometry(poses, count)
     return _proved(poses, None) if proof is None else replace(poses, proof=proof)
+
+
+def _joined_without_count(
+    arrangement: Arrangement, searches: Sequence[Search], most: int | None
+) -> PoseSet:
+    choices = side_choices(arrangement)[:, None]
+    return joined(
+        [
+            without_count(search, most).on_sides(choice)
+            for search, choice in zip(searches, choices, strict=True)
+        ]
+    )
 
 
 def _by_geometry(poses: PoseSet, count: ExactCount | None) -> Proof | None:

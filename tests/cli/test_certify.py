@@ -120,6 +120,35 @@ def test_a_solution_said_to_be_real_is_not(gsp: Callable, files: Files) -> None:
     )
 
 
+def test_two_poses_on_both_sides_of_a_plane_that_doubles_do_not_tell_apart(
+    gsp: Callable, files: Files
+) -> None:
+    spec = SPEC.replace("value: 4", "value: 1e-17")
+    found = gsp("solve", files([], spec)[0], "--all", "--format", "json")
+    solutions = json.loads(found.out)["solutions"]
+    assert [entry["sides"]["5"] for entry in solutions] == ["positive", "negative"] * (
+        len(solutions) // 2
+    )
+    assert solutions[0]["T"] == pytest.approx(solutions[1]["T"], abs=1e-16)
+    assert gsp("certify", *files({"solutions": solutions}, spec)).code == 0
+    csv = gsp("solve", files([], spec)[0], "--format", "csv").out
+    assert gsp("certify", *files(csv, spec)).code == 0
+    solutions[0]["sides"]["5"] = "negative"
+    spoilt = gsp("certify", *files({"solutions": solutions}, spec))
+    assert spoilt.code == 1
+    assert "the same solution as an earlier one" in spoilt.err
+
+
+def test_the_other_side_of_a_plane_is_wrong(gsp: Callable, files: Files) -> None:
+    right = pose(3, 4, 12, sides={"4": "positive", "5": "positive"})
+    assert gsp("certify", *files([right])).code == 0
+    run = gsp("certify", *files([pose(3, 4, 12, sides={"5": "negative"})]))
+    assert (run.code, run.err) == (
+        1,
+        "error: some poses are wrong\n1 of 1: said to be on the other side of a plane\n",
+    )
+
+
 def test_a_double_solution_cannot_be_certified(gsp: Callable, files: Files) -> None:
     run = gsp("certify", *files([pose(3, 4, 0)], SPEC.replace("value: 13", "value: 5")))
     assert run.code == 4

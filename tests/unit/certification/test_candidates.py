@@ -58,6 +58,21 @@ def test_imaginary_parts_and_claims() -> None:
     assert poses.claimed_real == (True,)
 
 
+def test_sides() -> None:
+    entry = {"R": R.tolist(), "T": T, "sides": {"2": "negative", "5": "positive"}}
+    poses = read_candidates(json.dumps([entry, [*E, *T]]), "poses")
+    assert poses.claimed_sides.tolist() == [[0, -1, 0, 0, 1, 0], [0] * 6]
+    text = f"{','.join(NAMES)},sides\n{line(NUMBERS)},2:negative 5:positive\n{line(NUMBERS)},\n"
+    poses = read_candidates(text, "poses")
+    assert poses.claimed_sides.tolist() == [[0, -1, 0, 0, 1, 0], [0] * 6]
+
+
+@pytest.mark.parametrize("sides", ["up", [1], {"7": "positive"}, {"1": "both"}, {"1": [1]}])
+def test_bad_sides_are_mistakes(sides: object) -> None:
+    with pytest.raises(SpecError, match="expected positive or negative by the number"):
+        read_candidates(json.dumps([{"R": R.tolist(), "T": T, "sides": sides}]), "poses")
+
+
 @pytest.mark.parametrize("text", ["", "[]", '{"solutions": []}', "# nothing\n"])
 def test_an_empty_list_is_a_mistake(text: str) -> None:
     with pytest.raises(SpecError, match="poses: found no poses, expected at least one: R"):
