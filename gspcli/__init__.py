@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from gspcli.catalogue.mechanism import mechanism
     from gspcli.catalogue.parsing import parse_class, parse_kind, parse_kind_set, parse_type
     from gspcli.catalogue.types import Family, GspType, all_types
-    from gspcli.certification import certify
     from gspcli.errors import ArgumentError, GspError, SpecError
     from gspcli.geometry.building import angle, distance, hexapod, instance
     from gspcli.geometry.instance import Constraint, Instance, Units
@@ -33,6 +32,7 @@ if TYPE_CHECKING:
     from gspcli.motion import measure, track
     from gspcli.pictures.notebook import notebook_view
     from gspcli.solver import solve, solve_batch, solve_values
+    from gspcli.solver.certifying import certify
     from gspcli.spec import dump, dumps, load, loads, read, set_values
 
 __version__ = "0.1.0"
@@ -55,7 +55,7 @@ _HOMES = {
     "Units": "gspcli.geometry.instance",
     "all_types": "gspcli.catalogue.types",
     "angle": "gspcli.geometry.building",
-    "certify": "gspcli.certification",
+    "certify": "gspcli.solver.certifying",
     "coincident_types": "gspcli.catalogue.coincidence",
     "constraint_facts": "gspcli.catalogue.constraints",
     "distance": "gspcli.geometry.building",

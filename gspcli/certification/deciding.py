@@ -88,15 +88,15 @@ def _by_balls(instance: Instance, rotations: Complex, translations: Complex) -> 
 
 
 def nearly_parallel(instance: Instance, R: Complex) -> NDArray[np.bool_]:
-    """Return at which poses the lines of a DLL are nearly parallel, shape (n,).
+    """Return at which poses the lines of which DLL are nearly parallel, shape (n, 6).
 
     There its equation holds whatever their distance, so that the constraint is to be measured.
     """
-    nearly = np.zeros(len(R), bool)
-    for constraint in instance.constraints:
+    nearly = np.zeros((len(R), len(instance.constraints)), bool)
+    for k, constraint in enumerate(instance.constraints):
         line, other = constraint.platform, constraint.base
         if constraint.kind is DLL and isinstance(line, Line) and isinstance(other, Line):
             normal = np.cross(R @ line.unit, other.unit)
             sizes = 1 + np.abs(R).max(axis=(1, 2)) ** 2
-            nearly |= np.abs((normal**2).sum(axis=1)) <= _PARALLEL * sizes
+            nearly[:, k] = np.abs((normal**2).sum(axis=1)) <= _PARALLEL * sizes
     return nearly

@@ -20,7 +20,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.residuals import sides_of
 
 #: What solutions that are not isolated are called.
-_SINGULAR = (Outcome.NOT_ISOLATED, Outcome.NOT_AS_STATED)
+SINGULAR = (Outcome.NOT_ISOLATED, Outcome.NOT_AS_STATED)
 
 
 def certify(
@@ -72,12 +72,12 @@ def certify(
     """
     proof = partial(certify_equations, tolerance=tolerance, max_precision=max_precision)
     found = proof(instance, R, T, sides=sides)
-    singular = np.array([item.outcome in _SINGULAR for item in found], bool)
+    singular = np.array([item.outcome in SINGULAR for item in found], bool)
     if DLL not in (row.kind for row in instance.constraints) or not singular.any():
         return found
     rotations = np.asarray(R, complex).reshape(-1, 3, 3)
     translations = np.asarray(T, complex).reshape(-1, 3)
-    chosen = np.flatnonzero(singular & nearly_parallel(instance, rotations))
+    chosen = np.flatnonzero(singular & nearly_parallel(instance, rotations).any(axis=1))
     items = list(found)
     for signs, places in _by_sides(instance, rotations, translations, chosen).items():
         same = with_points_for_lines(instance.on_sides(signs))

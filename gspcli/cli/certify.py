@@ -96,8 +96,9 @@ def command(
     if spec == result == "-":
         message = "SPEC and RESULT cannot both be standard input"
         raise click.UsageError(message)
-    from gspcli.certification import certify, read_candidates
+    from gspcli.certification import read_candidates
     from gspcli.export.answers import read_answer
+    from gspcli.solver.certifying import certify
     from gspcli.spec import set_values
 
     instance = set_values(load_instance(spec), settings)

@@ -55,7 +55,7 @@ def clearances(
     """
     R, T = np.asarray(R, float), np.asarray(T, float)
     # The distance of parallel lines jumps when they tilt.
-    parallel = nearly_parallel(instance, R.astype(complex))
+    parallel = nearly_parallel(instance, R.astype(complex)).any(axis=1)
     if parallel.any():
         proved = np.zeros(len(R))
         if not parallel.all():

@@ -30,8 +30,7 @@ def along_parallel_lines(instance: Instance, rows: Array, R: Array) -> Instance:
     """
     lines = np.array([row.kind is DLL for row in instance.constraints])
     still = (np.ptp(rows[:, ~lines], axis=0) == 0).all()
-    if not (
-        lines.any() and still and len(R) and nearly_parallel(instance, R.astype(complex)).all()
-    ):
+    parallel = nearly_parallel(instance, R.astype(complex)).any(axis=1)
+    if not (lines.any() and still and len(R) and parallel.all()):
         return instance
     return with_points_for_lines(instance) or instance

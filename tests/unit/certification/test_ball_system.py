@@ -63,7 +63,9 @@ def test_an_exact_solution_solves_the_equations_of_its_kind(
         with ctx.workprec(200):
             system = BallSystem(platform.instance, 200)
             point = study_point(platform, system.scale)
-            values, _ = system.at(point, system.sides_near(point, pose_of_point(point))[0])
+            values, _ = system.at(
+                point, system.sides_near(point, pose_of_point(point), (0,) * 6)[0]
+            )
             assert all(value.contains(0) for value in values.entries())
             assert max(float_above(value) for value in values.entries()) < 1e-40
             assert not system.excludes(scaled(exact(platform), system.scale))

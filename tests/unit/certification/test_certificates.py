@@ -160,7 +160,7 @@ def complex_solutions(instance: Instance, starts: int, seed: int) -> list[list[c
             point[0] = 1
             centre = [acb(x) for x in point.tolist()]
             result = refine_point(
-                system, centre, 0, system.sides_near(centre, pose_of_point(centre))[0]
+                system, centre, 0, system.sides_near(centre, pose_of_point(centre), (0,) * 6)[0]
             )
             if isinstance(result, Isolation):
                 # The proof may succeed before Newton's method has converged.

@@ -118,7 +118,7 @@ def test_what_is_proved_is_proved_in_balls_too(names: str, known: Callable) -> N
             system = BallSystem(platform.instance, 128)
             points, patches = study_points(pose[0][None], pose[1][None] / system.scale)
             point = [acb(x) for x in points[0].tolist()]
-            sides = system.sides_near(point, pose_of_floats(*pose, system.scale))[0]
+            sides = system.sides_near(point, pose_of_floats(*pose, system.scale), (0,) * 6)[0]
             proof = refine_point(system, point, int(patches[0]), sides)
             assert isinstance(proof, Isolation)
             assert proof.real == bool(found.real[0]) != bool(found.complex[0])
