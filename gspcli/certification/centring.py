@@ -13,6 +13,9 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Vector, vector
@@ -20,6 +23,8 @@ from gspcli.records import dataclass
 
 if TYPE_CHECKING:
     from flint import acb, arb
+
+Complex = NDArray[np.complex128]
 
 #: Frames are moved if an origin is farther than so many sizes of the platform.
 FAR = 8
@@ -115,6 +120,26 @@ class Centring:
     def back(self, R: Sequence[Sequence[acb]], T: Sequence[acb]) -> list[acb]:
         """Return the translation in the frames of the instance of a pose in these."""
         return self._shifted(R, T, -1)
+
+    def doubles_back(self, R: Complex, T: Complex) -> Complex:
+        """Return translations in the frames of the instance, each correctly rounded.
+
+        Parameters
+        ----------
+        R, T
+            Poses in these frames, shapes (n, 3, 3) and (n, 3).
+        """
+        from flint import acb, ctx
+
+        def balls(values: Complex) -> list[acb]:
+            return [acb(x) for x in values.tolist()]
+
+        with ctx.workprec(_EXACT):
+            moved = [
+                [complex(x.mid()) for x in self.back(list(map(balls, rotation)), balls(place))]
+                for rotation, place in zip(R, T, strict=True)
+            ]
+        return np.array(moved, complex).reshape(-1, 3)
 
     def _shifted(self, R: Sequence[Sequence[acb]], T: Sequence[acb], sign: int) -> list[acb]:
         if self.is_none:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import MAX_ANGLES
+from gspcli.certification.centring import Centring
 from gspcli.defaults import PATIENCE, SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
@@ -75,6 +76,11 @@ def solve(
     checked(instance)
     seed, jobs = whole(seed, "seed", least=0), whole(jobs, "jobs", least=1)
     arrangement = Arrangement.of(instance)
+    centring = Centring.of(instance)
+    if not centring.is_none:
+        # Far from the bodies doubles have few digits left for what is asked.
+        near = solve(centring.applied(instance), seed=seed, jobs=jobs, certify=certify, prove=prove)
+        return SolveResult(instance, arrangement, near.poses.taken_back(centring), seed)
     poses = _solved(instance, arrangement, seed, jobs, certify=certify, prove=prove)
     poses = poses.reordered(stable_order(poses, arrangement.length))
     return SolveResult(instance, arrangement, poses, seed)

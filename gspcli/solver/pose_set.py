@@ -15,6 +15,7 @@ from gspcli.records import dataclass
 from gspcli.solver.proof import Ground, Proof
 
 if TYPE_CHECKING:
+    from gspcli.certification.centring import Centring
     from gspcli.certification.deciding import Decisions
 
 Complex = NDArray[np.complex128]
@@ -157,6 +158,15 @@ class PoseSet:
         """Return the poses, found in equal parts for some choices of sides, shape (k, 6)."""
         return replace(self, signs=np.repeat(choices, len(self.R) // len(choices), axis=0))
 
+    def taken_back(self, centring: Centring) -> PoseSet:
+        """Return poses that were found near the bodies in the frames of the instance."""
+
+        def moved(motion: Motion) -> Motion:
+            return replace(motion, T=_like(motion.T, centring.doubles_back(motion.R, motion.T)))
+
+        T = centring.doubles_back(self.R, self.T)
+        return replace(self, T=T, motions=tuple(map(moved, self.motions)))
+
     def reordered(self, order: NDArray[np.intp] | NDArray[np.bool_]) -> PoseSet:
         """Return the poses in another order, or some of them."""
         return replace(
@@ -169,6 +179,11 @@ class PoseSet:
             multiplicity=self.multiplicity[order],
             signs=None if self.signs is None else self.signs[order],
         )
+
+
+def _like(given: Field, found: Complex) -> Field:
+    """Return real numbers where real ones were given."""
+    return found if np.iscomplexobj(given) else found.real
 
 
 def joined(parts: Sequence[PoseSet]) -> PoseSet:

@@ -15,9 +15,36 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import vector
 from gspcli.resources import data_path
 from gspcli.solver import solve
-from gspcli.spec import load
+from gspcli.spec import load, loads
 
 OFFSETS = np.array([1.0, -2.0, 0.5])
+DEPENDENT = """
+gsp: 1
+units: {length: unit, angle: rad}
+platform:
+  P1: {point: [-0.692, -0.041, 0.935]}
+  P2: {point: [-0.464, 0.141, 0.491]}
+  P3: {point: [-0.705, 0.87, 0.5]}
+  L1: {line: {point: [-0.497, -0.048, 0.107], direction: [-1, 2, -2]}}
+  L2: {line: {point: [-0.004, 0.154, 0.004], direction: [-6, -7, -6]}}
+  L3: {line: {point: [0.912, -0.262, -0.051], direction: [-9, 8, 12]}}
+base:
+  H1: {plane: {point: [40000001.62, -80000001.038, 39999998.674], normal: [-30/7, -15/7, -10/7]}}
+  H2: {plane: {point: [39999998.06, -79999998.476, 39999999.374], normal: [-10/7, 30/7, -15/7]}}
+  H3: {plane: {point: [40000001.972, -79999998.654, 40000000.962], normal:
+    [-6918483563837526/700000012761595, -1140338156873919/140000002552319,
+    -1560548107473218/700000012761595]}}
+  L1: {line: {point: [39999999.972, -80000000.788, 40000001.946], direction: [9, -12, -8]}}
+  L2: {line: {point: [39999999.822, -80000001.804, 39999999.086], direction: [-3, -2, -6]}}
+  L3: {line: {point: [39999999.734, -80000001.582, 40000001.31], direction: [8, -4, -1]}}
+constraints:
+  - {distance: [P1, H1], value: 66029/35000, side: positive}
+  - {distance: [P2, H2], value: 101263/35000, side: negative}
+  - {distance: [P3, H3], value: 1832354874012542569/455000008295036750, side: positive}
+  - {angle: [L1, L1], value: acos(-5/21)}
+  - {angle: [L2, L2], value: acos(-162/539)}
+  - {angle: [L3, L3], value: acos(-118/1071)}
+"""
 
 
 def shifted(instance: Instance, platform: float, base: float) -> Instance:
@@ -85,3 +112,25 @@ def test_nothing_is_moved_without_need(dietmaier: tuple) -> None:
     assert Centring.of(instance).is_none
     assert Centring.of(instance).applied(instance) is instance
     assert not Centring.of(shifted(instance, 0, 100)).is_none
+
+
+def test_poses_of_a_nearly_dependent_platform_far_away_are_as_good_as_nearby() -> None:
+    # The planes' normals are dependent up to 1e-4: what doubles of 10^8 have lost, 10^-8, is
+    # 10^4 times as large in T, and more than the tolerance.
+    far = loads(DEPENDENT)
+    solved = solve(far)
+    assert (solved.verdict, int(solved.certified.sum())) == ("complete", 8)
+    proved = certify(far, solved.R, solved.T)
+    assert (proved.certified, proved.distinct) == (8, 8)
+    assert max(item.deviation for item in proved) < 1e-6
+
+
+@pytest.mark.parametrize("offsets", [(0.0, 1e7), (1e6, 0.0), (1e6, 1e7)])
+def test_poses_far_away_are_those_nearby(offsets: tuple[float, float], dietmaier: tuple) -> None:
+    far = shifted(dietmaier[0], *offsets)
+    solved = solve(far)
+    assert solved.instance is far
+    assert (solved.verdict, int(solved.certified.sum())) == ("complete", 40)
+    proved = certify(far, solved.R, solved.T)
+    assert proved.real == 40
+    assert max(item.deviation for item in proved) < 1e-8
