@@ -9,6 +9,8 @@ namespace {
 
 // Corrections as long as this are rounding.
 constexpr double kRounding = 1e-12;
+// Below this correction the next one is lost in rounding.
+constexpr double kSettled = 1e-8;
 
 template <int M, bool has_h, class Moving>
 class ShiftTracker {
@@ -180,7 +182,8 @@ class ShiftTracker {
     return chosen;
   }
 
-  // A last step of Newton's method, and the Study points, of as many ends as there are lanes.
+  // The last steps of Newton's method, and the Study points, of as many ends as there are lanes.
+  // Long steps of the path leave errors of which a single one is too few.
   void refine(int begin) {
     C z[D], change[D], study[N];
     for (int l = 0; l < W; ++l) {
@@ -188,10 +191,15 @@ class ShiftTracker {
       for (int i = 0; i < D; ++i) put(z[i], l, ends_.point[p * D + i]);
       w.moving.arrive(l, target_of(path));
     }
-    w.linearize(z);
-    w.factorize();
-    w.solve(w.f, change);
-    for (int i = 0; i < D; ++i) z[i] = z[i] - change[i];
+    for (int left = 2, again = 1; left && again; --left) {
+      w.linearize(z);
+      w.factorize();
+      w.solve(w.f, change);
+      const V size = length(change, weigh(z));
+      for (int i = 0; i < D; ++i) z[i] = z[i] - change[i];
+      again = 0;
+      for (int l = 0; l < W; ++l) again |= lane(size, l) > kSettled;
+    }
     normalize(z);
     w.measure(z);
     to_study(w, study);

@@ -13,7 +13,7 @@ from gspcli.continuation.shifts import QUICK, VALUE_STEPS, Shifts
 from gspcli.continuation.tracker import PathStatus
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
-from gspcli.solver import one_geometry, solve_values
+from gspcli.solver import one_geometry, solve_batch, solve_values
 from gspcli.solver.generate import random_instance
 from gspcli.solver.start_pool import StartPool
 
@@ -117,6 +117,16 @@ def test_what_long_steps_lose_is_found_by_short_ones(monkeypatch):
     assert found.poses.complete.all()
     assert len(tolerances) == 2
     assert tolerances[1] < tolerances[0]
+
+
+def test_long_steps_end_as_near_to_the_poses_as_short_ones():
+    instance, rows, geometry = case()
+    batch = solve_batch(instance, rows)
+    lengths = np.array([geometry.given.length_with(row) for row in rows])
+    size = np.maximum(1, np.abs(batch.R).max(axis=(2, 3)))
+    size += np.abs(batch.T).max(axis=2) / lengths[:, None]
+    # Relative to what the largest numbers in the equations are.
+    assert np.nanmax(batch.residuals / lengths[:, None] / size**2) < 1e-11
 
 
 def test_threads_and_pools_give_the_same_poses():
