@@ -9,8 +9,9 @@ namespace {
 
 // Corrections as long as this are rounding.
 constexpr double kRounding = 1e-12;
-// Below this correction the next one is lost in rounding.
+// Below this correction the next one is lost in rounding, but next to double ends.
 constexpr double kSettled = 1e-8;
+constexpr int kLastSteps = 4;
 
 template <int M, bool has_h, class Moving>
 class ShiftTracker {
@@ -191,7 +192,7 @@ class ShiftTracker {
       for (int i = 0; i < D; ++i) put(z[i], l, ends_.point[p * D + i]);
       w.moving.arrive(l, target_of(path));
     }
-    for (int left = 2, again = 1; left && again; --left) {
+    for (int left = kLastSteps, again = 1; left && again; --left) {
       w.linearize(z);
       w.factorize();
       w.solve(w.f, change);
