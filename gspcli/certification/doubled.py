@@ -104,6 +104,13 @@ def two_product(a: Array, b: Array) -> tuple[Array, Array]:
     return product, rest
 
 
+def two_sum(a: Array, b: Array) -> tuple[Array, Array]:
+    """Return sums, and what rounding leaves of them (D. E. Knuth)."""
+    total = a + b
+    part = total - a
+    return total, (a - (total - part)) + (b - part)
+
+
 def _split(x: Array) -> tuple[Array, Array]:
     """Return the halves of numbers, each of which has 26 bits."""
     split = x * (2.0**27 + 1)

@@ -299,7 +299,17 @@ def _blocks(
         rows[list(wrong)] = right[0] if len(right) else np.nan
     if len(wrong) == len(rows):
         return iter([Block.of(list(wrong.values()))] if wrong else [])
-    return _solve_rows(instance, rows, wrong, seed, jobs, certify=certify)
+    centring = Centring.of(instance, _distances(instance, rows))
+    near = centring.applied(instance)
+    blocks = _solve_rows(near, rows, wrong, seed, jobs, certify=certify)
+    return blocks if centring.is_none else (block.taken_back(centring) for block in blocks)
+
+
+def _distances(instance: Instance, rows: Array) -> list[float]:
+    """Return those of the set of values whose largest distance is the smallest."""
+    distances = [i for i, c in enumerate(instance.constraints) if c.kind.is_distance]
+    lengths = np.abs(rows[:, distances])
+    return list(lengths[lengths.max(axis=1).argmin()])
 
 
 def _solve_rows(

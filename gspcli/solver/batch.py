@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.certification.centring import Centring
 from gspcli.continuation.paths import PathAccount
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.residuals import condition_numbers, proved_residuals, residuals
@@ -89,6 +90,11 @@ class Block:
 
     def __iter__(self) -> Iterator[PoseSet]:
         return map(self.pose_set, range(len(self)))
+
+    def taken_back(self, centring: Centring) -> Block:
+        """Return poses that were found near the bodies in the frames of the instance."""
+        others = {k: poses.taken_back(centring) for k, poses in self.others.items()}
+        return replace(self, T=centring.doubles_back(self.R, self.T), others=others)
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import vector
 from gspcli.resources import data_path
-from gspcli.solver import solve
+from gspcli.solver import solve, solve_batch
 from gspcli.spec import load, loads
 
 OFFSETS = np.array([1.0, -2.0, 0.5])
@@ -134,3 +134,41 @@ def test_poses_far_away_are_those_nearby(offsets: tuple[float, float], dietmaier
     proved = certify(far, solved.R, solved.T)
     assert proved.real == 40
     assert max(item.deviation for item in proved) < 1e-8
+
+
+@pytest.mark.parametrize("offsets", [(0.0, 1e7), (1e6, 0.0), (1e6, 1e7)])
+def test_poses_of_batches_far_away_are_those_nearby(
+    offsets: tuple[float, float], dietmaier: tuple
+) -> None:
+    instance, _, _ = dietmaier
+    far = shifted(instance, *offsets)
+    values = np.array([c.value.value for c in instance.constraints])
+    rows = np.vstack((values * np.linspace(1, 1.01, 5)[:, None], np.full(6, -1.0)))
+    found = solve_batch(far, rows)
+    assert found.number.tolist() == [40] * 5 + [0]
+    assert found.proved[:5].all()
+    given = {i: Number.of(x) for i, x in enumerate(rows[3].tolist())}
+    proved = certify(far.with_values(given), found.R[3], found.T[3])
+    assert proved.distinct == 40
+    assert max(item.deviation for item in proved) < 1e-8
+
+
+def test_translations_taken_back_are_next_to_the_exact_ones() -> None:
+    random = np.random.default_rng(7)
+    R, T = (random.normal(size=(20, *shape, 2)) @ [1, 1j] for shape in ((3, 3), (3,)))
+    origins = [[Fraction(x) for x in row] for row in (1e7 * random.normal(size=(2, 3))).tolist()]
+    centring = Centring(*map(tuple, origins))
+    # What cancels, too: the first is that of the origin of the platform.
+    T[0] = (R[0] @ [*map(float, origins[0])]) - [*map(float, origins[1])]
+    found = centring.doubles_back(R, T)
+    for k in range(20):
+        for part in ("real", "imag"):
+            rotation, place = (
+                [*map(Fraction, getattr(x, part).ravel().tolist())] for x in (R[k], T[k])
+            )
+            for i in range(3):
+                row = rotation[3 * i : 3 * i + 3]
+                exact = place[i] - sum(r * p for r, p in zip(row, origins[0], strict=True))
+                exact += origins[1][i] if part == "real" else 0
+                error = abs(Fraction(float(getattr(found[k, i], part))) - exact)
+                assert error <= abs(exact) * Fraction(1, 2**53) + Fraction(1, 2**70)
