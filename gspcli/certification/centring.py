@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     from flint import acb, arb
 
 Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+#: Real or complex.
+Floats = NDArray[Any]
 
 #: Frames are moved if an origin is farther than so many sizes of the platform.
 FAR = 8
@@ -87,7 +88,7 @@ class Centring:
         if distances is None:
             distances = [abs(c.value.value) for c in instance.constraints if c.kind.is_distance]
         if _reach(instance) <= FAR * max(distances):
-            return cls(_NOWHERE, _NOWHERE)
+            return cls.none()
         middles, extents = [], []
         for body in ("platform", "base"):
             points = [getattr(c, body).position for c in instance.constraints]
@@ -121,6 +122,11 @@ class Centring:
 
         return replace(instance, constraints=tuple(map(moved, instance.constraints)))
 
+    @classmethod
+    def none(cls) -> Centring:
+        """Return the origins of the frames of the instance."""
+        return cls(_NOWHERE, _NOWHERE)
+
     def translation(self, R: Sequence[Sequence[acb]], T: Sequence[acb]) -> list[acb]:
         """Return the translation of a pose in these frames, lengths in those of the instance.
 
@@ -132,7 +138,7 @@ class Centring:
         """Return the translation in the frames of the instance of a pose in these."""
         return self._shifted(R, T, -1)
 
-    def doubles_back(self, R: Complex, T: Complex) -> Complex:
+    def doubles_back(self, R: Floats, T: Floats) -> Floats:
         """Return translations in the frames of the instance, next to the exact ones.
 
         As good as if computed with twice the digits and then rounded (T. Ogita, S. M. Rump and
@@ -141,15 +147,24 @@ class Centring:
         Parameters
         ----------
         R, T
-            Poses in these frames, shapes (..., 3, 3) and (..., 3).
+            Poses in these frames, real or complex, shapes (..., 3, 3) and (..., 3).
         """
-        # Origins are doubles.
-        platform, base = (np.array(part, float) for part in (self.platform, self.base))
+        return self._doubles(R, T, -1)
 
-        def back(rotations: Array, places: Array, base: Array) -> Array:
+    def doubles(self, R: Floats, T: Floats) -> Floats:
+        """Return translations in these frames of poses in those of the instance, as above."""
+        return self._doubles(R, T, 1)
+
+    def _doubles(self, R: Floats, T: Floats, sign: int) -> Floats:
+        if self.is_none:
+            return T
+        # Origins are doubles.
+        platform, base = (sign * np.array(part, float) for part in (self.platform, self.base))
+
+        def moved(rotations: Array, places: Array, base: Array) -> Array:
             with np.errstate(all="ignore"):
-                products, rest = two_product(rotations, -platform)
-                total, low = two_sum(places, base)
+                products, rest = two_product(rotations, platform)
+                total, low = two_sum(places, -base)
                 low = low + rest.sum(axis=-1)
                 for k in range(3):
                     total, lost = two_sum(total, products[..., k])
@@ -157,7 +172,9 @@ class Centring:
             found: Array = total + low
             return found
 
-        return back(R.real, T.real, base) + 1j * back(R.imag, T.imag, np.zeros(3))
+        if not np.iscomplexobj(T):
+            return moved(R, T, base)
+        return moved(R.real, T.real, base) + 1j * moved(R.imag, T.imag, np.zeros(3))
 
     def _shifted(self, R: Sequence[Sequence[acb]], T: Sequence[acb], sign: int) -> list[acb]:
         if self.is_none:

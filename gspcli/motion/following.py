@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gspcli import _kernel
 from gspcli.catalogue.kinds import DLL
+from gspcli.certification.centring import Centring
 from gspcli.certification.moving import Law, MovingEquations, Shape, moving_equations
 from gspcli.certification.taylor import MovingSystem
 from gspcli.continuation.tracker import helpful
@@ -97,20 +98,22 @@ class Branches:
 
 
 class StudyUnits:
-    """Study points with lengths in units of a scale."""
+    """Study points with lengths in units of a scale, in frames near the bodies."""
 
-    def __init__(self, scale: float) -> None:
+    def __init__(self, scale: float, centring: Centring) -> None:
         self.scale = scale
+        self.centring = centring
 
     def points(self, R: Array, T: Array) -> Array:
         """Return Study points of norm one of poses, shape (..., 8)."""
-        points = np.concatenate(study_from_pose(R, T / self.scale), axis=-1)
+        places = self.centring.doubles(R, T)
+        points = np.concatenate(study_from_pose(R, places / self.scale), axis=-1)
         return np.ascontiguousarray(points / np.linalg.norm(points, axis=-1, keepdims=True))
 
     def poses(self, points: Array) -> tuple[Array, Array]:
         """Return the poses (R, T) of Study points, ``(..., 8) -> (..., 3, 3), (..., 3)``."""
         R, T = pose_from_study(points[..., :4], points[..., 4:])
-        return R, T * self.scale
+        return R, self.centring.doubles_back(R, T * self.scale)
 
 
 def apart(instance: Instance) -> Instance:
@@ -132,16 +135,21 @@ class MovingPlatform(StudyUnits):
     Parameters
     ----------
     instance
-        The geometry and units. Its values are not used, except that a DLL of value zero stays so.
+        The geometry and units. Its values are not used, except that a DLL of value zero stays so,
+        and that they tell the size of the platform.
+    centring
+        Where the frames of the equations begin: near the bodies, if None is given.
     """
 
     #: No coordinates move.
     chosen: tuple[Coordinate, ...] = ()
 
-    def __init__(self, instance: Instance) -> None:
+    def __init__(self, instance: Instance, centring: Centring | None = None) -> None:
         self.instance = instance
-        self.equations: MovingEquations = moving_equations(instance)
-        super().__init__(self.equations.scale)
+        centring = centring or Centring.of(instance)
+        self._near = centring.applied(instance)
+        self.equations: MovingEquations = moving_equations(self._near)
+        super().__init__(self.equations.scale, centring)
         self._angles = np.isin(self.equations.laws, (Law.COSINE, Law.SINE))
         radian = instance.units.angle.in_radians
         self._units = np.where(self._angles, radian, 1 / self.equations.scale)
@@ -149,7 +157,7 @@ class MovingPlatform(StudyUnits):
     @cached_property
     def system(self) -> MovingSystem:
         """The same in ball arithmetic."""
-        return MovingSystem(self.instance, ())
+        return MovingSystem(self._near, ())
 
     def instance_at(self, row: Array) -> Instance:
         """Return the instance; its values are not used."""

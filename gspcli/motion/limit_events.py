@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.certification.centring import Centring
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range
 from gspcli.motion.cone_limits import ConeProofs, Stretch
@@ -127,7 +128,9 @@ def _between_rows(track: Track) -> list[LimitEvent]:
     for step in (1, -1):
         proofs = ConeProofs(track.followed, track.coordinates, rows[::step])
         modes = np.flatnonzero(born == (step < 0)).tolist()
-        points = StudyUnits(proofs.system.scale).points(track.R[modes], track.T[modes])
+        points = StudyUnits(proofs.system.scale, Centring.none()).points(
+            track.R[modes], track.T[modes]
+        )
         for m, stretches in zip(modes, proofs.stretches(points[:, ::step]), strict=True):
             found += _events(track, m, stretches if step > 0 else _turned(stretches, len(rows)))
     return found

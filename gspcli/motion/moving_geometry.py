@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.certification.centring import Centring
 from gspcli.certification.taylor import MovingSystem
 from gspcli.geometry.coordinates import Coordinate, moved
 from gspcli.geometry.instance import Instance
@@ -39,7 +40,7 @@ class MovingGeometry(StudyUnits):
         self.instance = instance
         self.chosen = tuple(chosen)
         self.system = MovingSystem(instance, chosen)
-        super().__init__(self.system.scale)
+        super().__init__(self.system.scale, Centring.none())
 
     def internal(self, rows: Array) -> Array:
         """Return rows as they are."""

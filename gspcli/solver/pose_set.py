@@ -162,7 +162,7 @@ class PoseSet:
         """Return poses that were found near the bodies in the frames of the instance."""
 
         def moved(motion: Motion) -> Motion:
-            return replace(motion, T=_like(motion.T, centring.doubles_back(motion.R, motion.T)))
+            return replace(motion, T=centring.doubles_back(motion.R, motion.T))
 
         T = centring.doubles_back(self.R, self.T)
         return replace(self, T=T, motions=tuple(map(moved, self.motions)))
@@ -179,11 +179,6 @@ class PoseSet:
             multiplicity=self.multiplicity[order],
             signs=None if self.signs is None else self.signs[order],
         )
-
-
-def _like(given: Field, found: Complex) -> Field:
-    """Return real numbers where real ones were given."""
-    return found if np.iscomplexobj(given) else found.real
 
 
 def joined(parts: Sequence[PoseSet]) -> PoseSet:

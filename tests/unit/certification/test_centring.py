@@ -13,6 +13,7 @@ from gspcli.certification.centring import Centring
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import vector
+from gspcli.motion.trajectories import track
 from gspcli.resources import data_path
 from gspcli.solver import solve, solve_batch
 from gspcli.spec import load, loads
@@ -172,3 +173,22 @@ def test_translations_taken_back_are_next_to_the_exact_ones() -> None:
                 exact += origins[1][i] if part == "real" else 0
                 error = abs(Fraction(float(getattr(found[k, i], part))) - exact)
                 assert error <= abs(exact) * Fraction(1, 2**53) + Fraction(1, 2**70)
+
+
+def test_modes_far_away_are_those_nearby(dietmaier: tuple) -> None:
+    instance, _, _ = dietmaier
+    values = np.array([c.value.value for c in instance.constraints])
+    rows = values * np.linspace(1, 1.01, 3)[:, None]
+    here, there = track(instance, rows), track(shifted(instance, 1e5, 1e6), rows)
+    assert there.certified
+    assert np.array_equal(here.modes, there.modes)
+    folds = [(event.kind, event.mode, event.partner) for event in here.events]
+    assert folds == [(event.kind, event.mode, event.partner) for event in there.events]
+    assert folds
+    for first, second in zip(here.events, there.events, strict=True):
+        assert first.low <= second.high
+        assert second.low <= first.high
+        assert np.allclose(first.R, second.R, atol=1e-9)
+    assert np.allclose(here.R, there.R, atol=1e-9, equal_nan=True)
+    back = there.T + 1e5 * there.R @ OFFSETS - 1e6 * OFFSETS
+    assert np.allclose(here.T, back, atol=1e-8, equal_nan=True)
