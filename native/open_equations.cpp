@@ -111,9 +111,14 @@ Form mutual_moment(const Primitives& p) {
 
 class Writer {
  public:
-  Writer(const double* tables, double tiny, OpenEquations& out)
-      : tables_(tables), tiny_(tiny), out_(out) {
+  Writer(const double* tables, double tiny, OpenEquations& out) : tiny_(tiny), out_(out) {
     out_.quadrics = 0;
+    Term* end = terms_;
+    for (int i = 0; i < kEntries; ++i) {
+      for (int k = 0; k < kStudyForms; ++k)
+        if (tables[k * kEntries + i] != 0.0) *end++ = {k, tables[k * kEntries + i]};
+      end_[i] = static_cast<int>(end - terms_);
+    }
   }
 
   // A quadric; of the main one of an equation (-1: none) N is bounded apart.
@@ -124,13 +129,12 @@ class Writer {
       out_.norm_bound[equation] = bound[kNorm];
       bound[kNorm] = 0.0;
     }
-    const int size = kVariables * kVariables, start = out_.quadrics * size;
-    for (int i = 0; i < size; ++i) {
+    const int start = out_.quadrics * kEntries;
+    for (int i = 0, t = 0; i < kEntries; ++i) {
       Doubled entry;
       double moduli = 0.0;
-      for (int k = 0; k < kStudyForms; ++k) {
-        const double c = tables_[k * size + i];
-        if (c == 0.0) continue;
+      for (; t < end_[i]; ++t) {
+        const auto [k, c] = terms_[t];
         entry = entry + c * form.of[k];
         moduli += std::fabs(c) * bound[k];
       }
@@ -156,7 +160,16 @@ class Writer {
   }
 
  private:
-  const double* tables_;
+  static constexpr int kEntries = kVariables * kVariables;
+  // Part of an entry of a Hessian matrix: so many times a form.
+  struct Term {
+    int form;
+    double factor;
+  };
+
+  // Few are not zero; those of each entry, one after the other, and where they end.
+  Term terms_[kStudyForms * kEntries];
+  int end_[kEntries];
   double tiny_;
   OpenEquations& out_;
 };
