@@ -4,6 +4,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 def centres(points: NDArray[np.float64], *, far: float) -> tuple[NDArray[np.float64], float]: ...
+def order(
+    real: NDArray[np.bool_],
+    quaternions: NDArray[np.complex128],
+    translations: NDArray[np.complex128],
+    *,
+    unit: float,
+) -> NDArray[np.int64]: ...
 def quotients(ratios: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def track(
     products: NDArray[np.bool_],

@@ -24,6 +24,7 @@
 #include "homotopy.hpp"
 #include "shifts_module.hpp"
 #include "intersection.hpp"
+#include "ordering_module.hpp"
 #include "proofs_module.hpp"
 #include "reach_module.hpp"
 #include "surfaces.hpp"
@@ -388,6 +389,7 @@ NB_MODULE(_kernel, m) {
         "moment_relations"_a = true, "build"_a = "",
         "Count solutions modulo a prime; see gspcli.certification.counting.residue_counts.");
   gsp::bind_bodies(m);
+  gsp::bind_ordering(m);
   gsp::bind_reach(m);
   gsp::bind_tubes(m, [](const std::string& name) { return gsp::build_named(name).follow; });
   gsp::bind_proofs(m, [](const std::string& name) { return gsp::build_named(name).prove; });

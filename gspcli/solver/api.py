@@ -22,7 +22,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.solver.arguments import problems_of, value_rows, whole
 from gspcli.solver.batch import Block, PoseBatch, joined
 from gspcli.solver.pose_set import PoseSet
-from gspcli.solver.result import SolveResult, stable_order
+from gspcli.solver.result import SolveResult
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
@@ -82,8 +82,7 @@ def solve(
         near = solve(centring.applied(instance), seed=seed, jobs=jobs, certify=certify, prove=prove)
         return SolveResult(instance, arrangement, near.poses.taken_back(centring), seed)
     poses = _solved(instance, arrangement, seed, jobs, certify=certify, prove=prove)
-    poses = poses.reordered(stable_order(poses, arrangement.length))
-    return SolveResult(instance, arrangement, poses, seed)
+    return SolveResult(instance, arrangement, poses.in_order(arrangement.length), seed)
 
 
 def _solved(

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.paths import PathAccount
+from gspcli.geometry.ordering import stable_order
 from gspcli.geometry.quaternions import Field, quaternion_from_rotation
 from gspcli.records import dataclass
 from gspcli.solver.proof import Ground, Proof
@@ -167,7 +168,11 @@ class PoseSet:
         T = centring.doubles_back(self.R, self.T)
         return replace(self, T=T, motions=tuple(map(moved, self.motions)))
 
-    def reordered(self, order: NDArray[np.intp] | NDArray[np.bool_]) -> PoseSet:
+    def in_order(self, length: float) -> PoseSet:
+        """Return the poses in the order of `stable_order`, with this typical length."""
+        return self.reordered(stable_order(self.real, self.quaternions, self.T, length))
+
+    def reordered(self, order: NDArray[np.integer] | NDArray[np.bool_]) -> PoseSet:
         """Return the poses in another order, or some of them."""
         return replace(
             self,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -39,10 +38,8 @@ SCHEMA = "gsp.solve/1"
 class SolveResult:
     """All poses of an instance.
 
-    The order of the poses does not depend on how they were found: real ones first, then by
-    the quaternion (its first component that is not zero positive), then by the translation,
-    each component in turn, rounded to nine decimals (translations in powers of ten of the
-    typical length), real parts before imaginary parts.
+    The order of the poses does not depend on how they were found (`stable_order`); the first
+    component of their quaternions that is not zero is positive.
 
     Attributes
     ----------
@@ -106,9 +103,7 @@ class SolveResult:
     @property
     def lone(self) -> SolveResult:
         """The same platform with the real poses that are isolated among the real ones only."""
-        lone = self.poses.lone
-        order = stable_order(lone, self.arrangement.length)
-        return replace(self, poses=lone.reordered(order))
+        return replace(self, poses=self.poses.lone.in_order(self.arrangement.length))
 
     @property
     def drawn(self) -> SolveResult:
@@ -303,19 +298,3 @@ def _motion_json(motion: Motion) -> dict[str, Any]:
     if not motion.real:
         document |= {"R_imag": motion.R.imag.tolist(), "T_imag": motion.T.imag.tolist()}
     return document
-
-
-def stable_order(poses: PoseSet, length: float) -> Any:
-    """Return the permutation that puts poses into the order of `SolveResult`, shape (n,).
-
-    Parameters
-    ----------
-    poses
-        The poses.
-    length
-        The typical length of the arrangement.
-    """
-    unit = 10.0 ** math.floor(math.log10(length))
-    pose = np.concatenate((poses.quaternions, poses.T * (1 / unit)), axis=1)
-    keys = np.concatenate((~poses.real[:, None], pose.real, pose.imag), axis=1).round(9)
-    return np.lexsort(keys.T[::-1])

@@ -13,7 +13,6 @@ from gspcli.geometry.numbers import Number
 from gspcli.resources import data_path
 from gspcli.solver.closed_form import solve_closed_form
 from gspcli.solver.closed_form_proofs import proved_closed_form, proved_general_form
-from gspcli.solver.result import stable_order
 
 TYPES = (
     "DPL DPL DLP 3ALL",
@@ -21,10 +20,6 @@ TYPES = (
     "DPH DPL DPP ALL ALH AHH",
     "DPP DPP DPP 3AHH",
 )
-
-
-def in_order(poses, arrangement):
-    return poses.reordered(stable_order(poses, arrangement.length))
 
 
 @pytest.mark.parametrize("type_text", TYPES)
@@ -37,7 +32,7 @@ def test_poses_accounts_and_proofs_are_those_of_the_careful_way(type_text):
         if quick is None or careful is None or careful.proof is None:
             continue
         compared += 1
-        quick, careful = (in_order(poses, arrangement) for poses in (quick, careful))
+        quick, careful = (poses.in_order(arrangement.length) for poses in (quick, careful))
         assert (quick.account, quick.proof) == (careful.account, careful.proof)
         assert len(quick.R) == instance.expected
         np.testing.assert_array_equal(quick.real, careful.real)
