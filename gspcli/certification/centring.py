@@ -53,8 +53,7 @@ def length_scale(instance: Instance, distances: Iterable[float] | None = None) -
 
 def _reach(instance: Instance) -> float:
     """Return the largest coordinate of a point, without its sign."""
-    bodies = [body for row in instance.constraints for body in (row.platform, row.base)]
-    coordinates = [number.value for body in bodies for number in body.position]
+    coordinates = instance.coordinates
     return max(max(coordinates), -min(coordinates))
 
 

@@ -10,7 +10,7 @@ from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, Kind
 from gspcli.certification.balls import ball, power_of_two
 from gspcli.certification.centring import length_scale
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
-from gspcli.geometry.primitives import Line, Plane, Point, Vector
+from gspcli.geometry.primitives import Line, Plane, Point
 from gspcli.records import dataclass
 
 
@@ -95,6 +95,5 @@ def _statement(constraint: Constraint, scale: arb, degree: arb) -> Statement:
 def _direction(geometry: Point | Line | Plane) -> list[arb]:
     if isinstance(geometry, Point):
         return []
-    vector: Vector = geometry.direction if isinstance(geometry, Line) else geometry.normal
-    factor = power_of_two(max(abs(number.value) for number in vector))
-    return [ball(number) / factor for number in vector]
+    factor = power_of_two(max(abs(number.value) for number in geometry.vector))
+    return [ball(number) / factor for number in geometry.vector]

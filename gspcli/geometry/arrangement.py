@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli import _kernel
-from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, Kind
+from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, Kind, Primitive
 from gspcli.geometry.instance import Instance, Side
-from gspcli.geometry.primitives import Geometry, Point
+from gspcli.geometry.primitives import Point, unit_vectors
 from gspcli.geometry.quaternions import Field, apply
 from gspcli.records import dataclass
 
@@ -79,6 +79,8 @@ class _Layout(NamedTuple):
     angles: Index
     sided: NDArray[np.bool_]
     """Which constraints have sides, shape (n,)."""
+    directed: NDArray[np.bool_]
+    """Which primitives of the platform and of the base are no points, shape (2, n)."""
     cosine: NDArray[np.bool_]
     """Of which angles the cosine is the value of ``R u . v``, up to sign."""
     sign: Array
@@ -88,10 +90,12 @@ class _Layout(NamedTuple):
 @cache
 def _layout(kinds: tuple[Kind, ...]) -> _Layout:
     angles = [_ANGLES[kind] for kind in kinds if not kind.is_distance]
+    parts = [*[kind.platform for kind in kinds], *[kind.base for kind in kinds]]
     layout = _Layout(
         distances=np.array([i for i, kind in enumerate(kinds) if kind.is_distance], int),
         angles=np.array([i for i, kind in enumerate(kinds) if not kind.is_distance], int),
         sided=np.array([kind.has_sides for kind in kinds], bool),
+        directed=np.array([part is not Primitive.POINT for part in parts], bool).reshape(2, -1),
         cosine=np.array([is_cosine for is_cosine, _ in angles], bool),
         sign=np.array([sign for _, sign in angles], float),
     )
@@ -124,12 +128,18 @@ class Arrangement(Bodies):
     def of(cls, instance: Instance) -> Arrangement:
         """Return the numbers of an instance."""
         rows = instance.constraints
+        kinds = tuple([row.kind for row in rows])
+        points = np.array(instance.coordinates).reshape(2, -1, 3)
+        directions = np.zeros_like(points)
+        given = [body.vector for body in instance.primitives if not isinstance(body, Point)]
+        if given:
+            directions[_layout(kinds).directed] = unit_vectors(given)
         return cls(
-            kinds=tuple(row.kind for row in rows),
-            y=np.array([row.platform.point for row in rows]),
-            x=np.array([row.base.point for row in rows]),
-            u=np.array([_direction(row.platform) for row in rows]),
-            v=np.array([_direction(row.base) for row in rows]),
+            kinds=kinds,
+            y=points[0],
+            x=points[1],
+            u=directions[0],
+            v=directions[1],
             values=np.array([row.value.value for row in rows]),
             sides=np.array([_SIGNS[row.side] for row in rows]),
             in_radians=instance.units.angle.in_radians,
@@ -237,7 +247,3 @@ class Arrangement(Bodies):
         """Return translations of `in_units_of` (`normalized` if None) in the given frames."""
         unit = self.length if length is None else length
         return unit * T + self.base_centre - apply(R, self.platform_centre)
-
-
-def _direction(geometry: Geometry) -> Array | tuple[float, ...]:
-    return (0.0, 0.0, 0.0) if isinstance(geometry, Point) else geometry.unit

@@ -136,6 +136,17 @@ class Instance:
         return GspType.of(constraint.kind for constraint in self.constraints)
 
     @cached_property
+    def primitives(self) -> tuple[Geometry, ...]:
+        """The primitives in the order of the constraints, those of the platform first."""
+        rows = self.constraints
+        return (*[row.platform for row in rows], *[row.base for row in rows])
+
+    @cached_property
+    def coordinates(self) -> list[float]:
+        """The coordinates of a point of each of them, one after the other, in length units."""
+        return [number.value for body in self.primitives for number in body.position]
+
+    @cached_property
     def side_choices(self) -> int:
         """In how many ways the sides left open can be chosen; a distance of zero has one."""
         left_open = sum(

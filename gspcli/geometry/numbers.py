@@ -102,12 +102,16 @@ class Number:
                 raise ArgumentError(str(error)) from None
         return cls("rational", (_fraction(value),))
 
-    @cached_property
+    @property
     def fraction(self) -> Fraction | None:
         """The number as a fraction if its tree has only rational operations, else None."""
         if self.operation == "rational":
             value: Fraction = self.arguments[0]
             return value
+        return self._reduced
+
+    @cached_property
+    def _reduced(self) -> Fraction | None:
         parts = [argument.fraction for argument in self.arguments]
         if self.operation not in RATIONAL_OPERATIONS or None in parts:
             return None
@@ -120,7 +124,7 @@ class Number:
 
         Zero only for zero, as far as that is known (`gspcli.geometry.signs`).
         """
-        exact = self.arguments[0] if self.operation == "rational" else self.fraction
+        exact = self.fraction
         if exact is not None:
             return rounded_ratio(exact.numerator, exact.denominator)
         return nearest(self)

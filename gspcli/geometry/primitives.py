@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import Primitive
 from gspcli.errors import ArgumentError
 from gspcli.geometry.numbers import Number, Real
+from gspcli.geometry.quaternions import dot
 from gspcli.records import dataclass
 from gspcli.wording import shown
 
@@ -75,11 +76,16 @@ def as_array(exact: Vector) -> Array:
     return np.array([number.value for number in exact])
 
 
-def _unit(exact: Vector) -> Array:
-    direction = as_array(exact)
+def unit_vectors(exact: Sequence[Vector]) -> Array:
+    """Return the unit vectors along vectors, shape (n, 3)."""
+    vectors = np.array([[number.value for number in one] for one in exact])
     # Scaled first, so that the norm of a tiny or huge vector neither under- nor overflows.
-    direction /= np.max(np.abs(direction))
-    return np.asarray(direction / np.linalg.norm(direction))
+    vectors /= np.abs(vectors).max(axis=1, keepdims=True)
+    return np.asarray(vectors / np.sqrt(dot(vectors, vectors))[:, None])
+
+
+def _unit(exact: Vector) -> Array:
+    return np.asarray(unit_vectors([exact])[0])
 
 
 @dataclass(frozen=True, init=False)
@@ -204,6 +210,11 @@ class Line:
         """A point on the line, shape (3,), in length units."""
         return as_array(self.position)
 
+    @property
+    def vector(self) -> Vector:
+        """The direction."""
+        return self.direction
+
     @cached_property
     def unit(self) -> Array:
         """The unit direction, shape (3,)."""
@@ -234,6 +245,11 @@ class Plane:
     def point(self) -> Array:
         """A point in the plane, shape (3,), in length units."""
         return as_array(self.position)
+
+    @property
+    def vector(self) -> Vector:
+        """The normal."""
+        return self.normal
 
     @cached_property
     def unit(self) -> Array:

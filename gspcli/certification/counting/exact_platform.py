@@ -148,7 +148,7 @@ def _elements(vector: Vector) -> tuple[Element, ...]:
 def _direction(geometry: Point | Line | Plane) -> tuple[Element, ...]:
     if isinstance(geometry, Point):
         return ()
-    return _elements(geometry.direction if isinstance(geometry, Line) else geometry.normal)
+    return _elements(geometry.vector)
 
 
 def _square(vector: tuple[Element, ...]) -> Element:
