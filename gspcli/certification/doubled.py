@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -91,8 +92,9 @@ def doubled(numbers: Sequence[Number]) -> Array:
 
 def quotients(ratios: Sequence[tuple[int, int]]) -> Array:
     """Return `Doubled.of_ratio` of quotients p / q, q > 0, as columns, shape (3, n)."""
-    if max(map(max, ratios)) <= _INTEGERS and min(ratios)[0] >= -_INTEGERS:
-        return _kernel.quotients(np.array(ratios, float))
+    integers = list(chain.from_iterable(ratios))
+    if max(integers) <= _INTEGERS and min(integers) >= -_INTEGERS:
+        return _kernel.quotients(np.array(integers, float).reshape(-1, 2))
     return np.array([Doubled.of_ratio(*ratio) for ratio in ratios]).T
 
 

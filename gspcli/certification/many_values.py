@@ -9,7 +9,6 @@ square, itself or its cosine. Values are doubles here, meant exactly, or those o
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -42,10 +41,11 @@ from gspcli.certification.study import form_hessians
 from gspcli.defaults import TOLERANCE
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Line, Point
+from gspcli.geometry.primitives import Point
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+Index = NDArray[np.intp]
 
 #: What a constraint is to the kernel (native/open_equations.hpp).
 _MEASURES = {DPP: 0, DPH: 1, DHP: 2, DPL: 3, DLP: 4, DLL: 5, **dict.fromkeys(ANGLE_KINDS, 6)}
@@ -101,11 +101,11 @@ class ValueProofs:
     def __init__(self, instance: Instance, rows: Array | None) -> None:
         self.instance = instance
         given = instance.constraints
-        self.kinds = tuple(row.kind for row in given)
+        self.kinds = tuple([row.kind for row in given])
         distances = [i for i, kind in enumerate(self.kinds) if kind.is_distance]
         largest = None if rows is None else np.abs(rows[:, distances]).max(axis=0).tolist()
         self.scale = length_scale(instance, largest)
-        numbers = _numbers(given)
+        numbers = _numbers(instance, self.kinds)
         # Exact: a power of two.
         numbers[:, :, :2] /= self.scale
         found = _kernel.open(
@@ -183,7 +183,7 @@ class ValueProofs:
         """Return what the kernel wants of the values of the instance, shape (k, 6, 6)."""
         rows = self.instance.constraints
         exact = [row.value.fraction if row.kind.is_distance else None for row in rows]
-        signed = [row.kind in (DPH, DHP) for row in rows]
+        signed = [row.kind.has_sides for row in rows]
         unit = 1 / self.scale
         ratios = [
             (0, 1)
@@ -195,22 +195,22 @@ class ValueProofs:
         ]
         # Exact: powers of two.
         factors = [unit if heights else unit**2 for heights in signed]
-        high, low, size = (quotients(ratios) * factors).tolist()
+        found = quotients(ratios) * factors
+        turning = np.zeros((2, len(rows)))
         for i, row in enumerate(rows):
             if exact[i] is None:
-                high[i], low[i], size[i] = self._irrational(row)
-        distances, lower = zip(*(self._turning(row) for row in rows), strict=True)
-        bounds = [x + TINY / CONVERSION for x in size]
-        gaps = [x * ERROR * OUTWARD for x in size]
-        columns = np.array([[high, bounds, distances, low, gaps, lower]] * len(choices))
+                found[:, i] = self._irrational(row)
+            if row.kind is DLL:
+                turning[:, i] = self._turning(row)
+        high, low, size = found
+        bounds, gaps = size + TINY / CONVERSION, size * ERROR * OUTWARD
+        columns = np.array([(high, bounds, turning[0], low, gaps, turning[1])] * len(choices))
         if any(signed):
             columns[:, [0, 3]] *= np.where(signed, choices, 1.0)[:, None]
         return columns
 
     def _turning(self, row: Constraint) -> tuple[float, float]:
-        """Return the distance that a quadric is multiplied by, zero where there is none."""
-        if row.kind is not DLL:
-            return 0.0, 0.0
+        """Return the distance that the quadric of the cosine of two lines is multiplied by."""
         high, low, size = Doubled.of(row.value).scaled(1 / self.scale)
         # The kernel takes for granted that it is as exact as that.
         return abs(high), (low if high > 0 else -low) if abs(high) == size else math.nan
@@ -275,37 +275,35 @@ class ValueProofs:
         )
 
 
-def _numbers(rows: Sequence[Constraint]) -> Array:
+def _numbers(instance: Instance, kinds: tuple[Kind, ...]) -> Array:
     """Return the points and the directions of both primitives as `doubled`, (3, 6, 4, 3)."""
     numbers: list[Number] = []
     factors: list[float] = []
-    for row in rows:
-        for body in (row.platform, row.base):
-            numbers += body.position
-            factors.append(1.0)
-            if not isinstance(body, Point):
-                towards = body.direction if isinstance(body, Line) else body.normal
-                numbers += towards
-                # So that its length is near one, exactly.
-                largest = max(abs(number.value) for number in towards)
-                factors.append(2.0 ** (1 - math.frexp(largest)[1]))
-    found = np.zeros((3, len(rows), 4, 3))
-    places = _places(tuple(row.kind for row in rows))
-    found[:, *places] = doubled(numbers).reshape(3, -1, 3) * np.array(factors)[:, None]
+    for body in instance.primitives:
+        numbers += body.position
+        factors.append(1.0)
+        if not isinstance(body, Point):
+            numbers += body.vector
+            # So that its length is near one, exactly.
+            largest = max([abs(number.value) for number in body.vector])
+            factors.append(2.0 ** (1 - math.frexp(largest)[1]))
+    found = np.zeros((3, len(kinds), 4, 3))
+    constraints, vectors = _places(kinds)
+    found[:, constraints, vectors] = doubled(numbers).reshape(3, -1, 3) * np.array(factors)[:, None]
     return found
 
 
 @cache
-def _places(kinds: tuple[Kind, ...]) -> tuple[list[int], list[int]]:
-    """Return where the vectors of primitives stand: constraints, and which of their four."""
+def _places(kinds: tuple[Kind, ...]) -> tuple[Index, Index]:
+    """Return where the vectors of `Instance.primitives` stand: constraints, which of their four."""
     places = [
         (i, j)
-        for i, kind in enumerate(kinds)
-        for k, body in enumerate((kind.platform, kind.base))
+        for k, bodies in enumerate(([x.platform for x in kinds], [x.base for x in kinds]))
+        for i, body in enumerate(bodies)
         for j in ((k,) if body is Primitive.POINT else (k, 2 + k))
     ]
-    constraints, vectors = zip(*places, strict=True)
-    return list(constraints), list(vectors)
+    constraints, vectors = np.array(places).T
+    return constraints, vectors
 
 
 @cache
