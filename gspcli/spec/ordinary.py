@@ -36,8 +36,10 @@ _LONGEST_KEY = 60
 
 def read_ordinary(text: str, file: str) -> Value | None:
     """Return the located content of a text, or None unless it has the ordinary form."""
-    text = text.removeprefix("\ufeff")
-    if len(text) > MAX_BYTES or not text.replace("\n", "").isprintable():
+    if len(text) > MAX_BYTES:
+        return None
+    text = text.removeprefix("\ufeff").replace("\r\n", "\n")
+    if not text.replace("\n", "").isprintable():
         return None
     if "\n---" in text or "\n..." in text:
         return None

@@ -31,9 +31,10 @@ def located(value: Value) -> Any:
     return where, str(value)
 
 
+@pytest.mark.parametrize("ending", ["\n", "\r\n"])
 @pytest.mark.parametrize("name", FILES)
-def test_places_are_the_same(name):
-    text = FILES[name].read_text(encoding="utf-8")
+def test_places_are_the_same(name, ending):
+    text = FILES[name].read_text(encoding="utf-8").replace("\n", ending)
     quick = read_ordinary(text, name)
     assert quick is not None
     assert located(quick) == located(parse(text, name, []))
@@ -76,14 +77,16 @@ OTHERS = [
     "- - a",
     "{a: b}",
     " a: b",
-    "a: b\r\nc: d",
+    "a: b\rc: d",
 ]
 
 
-def test_every_ordinary_form_is_read():
-    quick, problems = read_ordinary(ORDINARY, "file"), []
+@pytest.mark.parametrize("ending", ["\n", "\r\n"])
+def test_every_ordinary_form_is_read(ending):
+    text, problems = ORDINARY.replace("\n", ending), []
+    quick = read_ordinary(text, "file")
     assert quick is not None
-    assert located(quick) == located(parse(ORDINARY, "file", problems))
+    assert located(quick) == located(parse(text, "file", problems))
     assert not problems
 
 
