@@ -16,6 +16,7 @@ numbers, and are rounded outward at the end, as in `BallSystem.curvatures`.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -82,7 +83,7 @@ def prove(
     chosen = equations.sides(points) if sides is None else np.tile(sides, (len(points), 1))
     improved, error = np.empty_like(points), np.full(len(points), np.nan)
     proved = np.zeros(len(points), np.uint8)
-    for one in np.unique(chosen, axis=0):
+    for one in sorted(set(map(tuple, chosen.tolist()))):
         alike = (chosen == one).all(axis=1)
         found = _kernel.prove(
             equations.hessians[None],
@@ -126,10 +127,10 @@ class Doubles:
             [values[:, [e.main for e in sides]].argmin(axis=1) for sides in self.equations], axis=1
         )
 
-    def table(self, sides: NDArray[np.int64]) -> NDArray[np.int32]:
+    def table(self, sides: Sequence[int]) -> NDArray[np.int32]:
         """Return the quadrics of each equation for the kernel, shape (6, 3); -1 for none."""
         rows = np.full((len(self.equations), 3), -1, np.int32)
-        for row, equations, side in zip(rows, self.equations, sides.tolist(), strict=True):
+        for row, equations, side in zip(rows, self.equations, sides, strict=True):
             equation = equations[side]
             row[0] = equation.main
             row[1 : 1 + len(equation.squares)] = equation.squares

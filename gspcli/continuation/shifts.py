@@ -95,7 +95,7 @@ class Shifts:
         if solved is None:
             return None
         pivots, combinations = solved
-        free = np.setdiff1d(np.arange(quantities.shape[1]), pivots)
+        free = np.delete(np.arange(quantities.shape[1]), pivots)
         slopes = (combinations @ quantities)[:, free]
         slopes[len(pivots) :] = 0
         if len(free) > _MOST_FREE:

@@ -116,7 +116,7 @@ def _solved(
     What has no start, or not one that proves the same as the others do, is left incomplete.
     """
     whole: Solved | None = None
-    for size in np.unique(sizes).tolist():
+    for size in sorted(set(sizes.tolist())):
         if size not in starts:
             continue
         geometry, equations = starts[size]
