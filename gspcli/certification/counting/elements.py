@@ -68,14 +68,18 @@ def collected(pairs: Iterable[tuple[Term, Fraction]]) -> dict[Term, Fraction]:
             if turn >= HALF:
                 turn, factor = turn - HALF, -factor
             term = Term(given.radicand, turn, given.radians, given.pi)
-        if term not in result and term.radicand != 1:
+        known = result.get(term)
+        if known is None and term.radicand != 1:
             for other in result:
                 root = _square_root(other.radicand * term.radicand)
                 if root is not None and other[1:] == term[1:]:
                     term, factor = other, factor * Fraction(root, other.radicand)
+                    known = result[other]
                     break
-        result[term] = result.get(term, Fraction(0)) + factor
-    return {term: factor for term, factor in result.items() if factor != 0}
+        result[term] = factor if known is None else known + factor
+    if all(factor.numerator for factor in result.values()):
+        return result
+    return {term: factor for term, factor in result.items() if factor}
 
 
 def _scaled(terms: Sum, factor: Fraction) -> dict[Term, Fraction]:
@@ -89,7 +93,11 @@ def _root(n: int) -> tuple[int, int]:
 
 
 def _times(a: Sum, b: Sum) -> Sum:
-    # Most factors are rational numbers.
+    # Most denominators are one, and most factors rational numbers.
+    if a is WHOLE:
+        return b
+    if b is WHOLE:
+        return a
     for one, other in ((a, b), (b, a)):
         if len(one) == 1:
             [(term, factor)] = one.items()
@@ -182,6 +190,9 @@ class Element:
             raise NoElementError(message)
         if len(other.numerator) == 1:
             [(term, factor)] = other.numerator.items()
+            if term is ONE:
+                inverse_times = _scaled(self.numerator, 1 / factor)
+                return Element(_times(inverse_times, other.denominator), self.denominator)
             inverse = Term(term.radicand, -term.turn, -term.radians, -term.pi)
             one_over = collected([(inverse, 1 / (factor * term.radicand))])
             return Element(
@@ -208,5 +219,5 @@ class Element:
         radicand, root = _root(value.numerator * value.denominator)
         return Element(
             {ONE._replace(radicand=radicand): Fraction(root, value.denominator)},
-            {ONE: Fraction(1)},
+            WHOLE,
         )

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 
 from flint import fmpq
 
 from gspcli.catalogue.kinds import DLL, DLP, DPL
-from gspcli.certification.counting.elements import ONE, Element, Sum
+from gspcli.certification.counting.elements import ONE, WHOLE, Element, Term
 from gspcli.certification.counting.exact_platform import ExactConstraint, evaluated
 from gspcli.certification.counting.motion_equations import (
     MotionEquation,
@@ -30,12 +30,14 @@ def _log_above(value: Fraction | int) -> float:
     return float(max(bits, 0))
 
 
-def _sum_height(terms: Sum) -> float:
-    denominator = math.lcm(*(factor.denominator for factor in terms.values()))
-    size = sum(
-        (abs(factor) * (math.isqrt(term.radicand) + 1) for term, factor in terms.items()),
-        Fraction(0),
-    )
+def _sum_height(terms: Iterable[tuple[Term, Fraction]]) -> float:
+    """Return a bound of the height of some terms, and so of their sums, with 1."""
+    parts = [
+        (abs(factor.numerator) * (math.isqrt(term.radicand) + 1), factor.denominator)
+        for term, factor in terms
+    ]
+    denominator = math.lcm(*(q for _, q in parts))
+    size = Fraction(sum(p * (denominator // q) for p, q in parts), denominator)
     return _log_above(denominator) + _log_above(size)
 
 
@@ -48,21 +50,18 @@ def height(element: Element) -> float:
     fraction = element.fraction
     if fraction is not None:
         return _log_above(fraction.denominator) + _log_above(fraction)
-    return _sum_height(element.numerator) + _sum_height(element.denominator)
+    return _sum_height(element.numerator.items()) + _sum_height(element.denominator.items())
 
 
 def _vector_height(vector: Sequence[Element]) -> float:
     """Return a bound of the height of some numbers with 1."""
-    if any(x.denominator.keys() != {ONE} for x in vector):
+    if any(x.denominator is not WHOLE and x.denominator.keys() != {ONE} for x in vector):
         return sum(height(x) for x in vector)
-    factors = [
-        (factor / x.denominator[ONE], math.isqrt(term.radicand) + 1)
+    return _sum_height(
+        (term, factor if x.denominator is WHOLE else factor / x.denominator[ONE])
         for x in vector
         for term, factor in x.numerator.items()
-    ]
-    denominator = math.lcm(*(factor.denominator for factor, _ in factors))
-    size = sum((abs(factor) * root for factor, root in factors), Fraction(0))
-    return _log_above(denominator) + _log_above(size)
+    )
 
 
 def equation_height(constraints: Sequence[ExactConstraint]) -> float:

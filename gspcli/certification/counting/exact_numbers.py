@@ -11,6 +11,7 @@ from fractions import Fraction
 from gspcli.certification.counting.elements import (
     HALF,
     ONE,
+    WHOLE,
     Element,
     NoElementError,
     Term,
@@ -21,8 +22,9 @@ from gspcli.geometry.numbers import Number
 from gspcli.records import dataclass
 
 _ZERO, _UNIT = Element.of(0), Element.of(1)
-_PI = Element({ONE._replace(pi=1): Fraction(1)}, {ONE: Fraction(1)})
-_I = Element({ONE._replace(turn=Fraction(1, 4)): Fraction(1)}, {ONE: Fraction(1)})
+_PI_TERM = ONE._replace(pi=1)
+_PI = Element({_PI_TERM: Fraction(1)}, WHOLE)
+_I = Element({ONE._replace(turn=Fraction(1, 4)): Fraction(1)}, WHOLE)
 
 
 def element(number: Number) -> Element:
@@ -87,11 +89,9 @@ def squared(number: Number) -> Element:
 
 _ARCS = ("acos", "asin", "atan")
 _QUARTER = Fraction(1, 4)
-#: The squares of the cosines of the multiples of 30 and 45 degrees, by parts of a turn.
-_SQUARED_COSINES = {
-    Fraction(part, 24): Fraction(fourths, 4)
-    for part, fourths in {0: 4, 2: 3, 3: 2, 4: 1, 6: 0, 8: 1, 9: 2, 10: 3, 12: 4}.items()
-}
+#: Four times the squares of the cosines of the multiples of 30 and 45 degrees, by 24ths of a turn.
+_SQUARED_COSINES = {0: 4, 2: 3, 3: 2, 4: 1, 6: 0, 8: 1, 9: 2, 10: 3, 12: 4}
+_NONE = Fraction(0)
 
 
 @dataclass(frozen=True)
@@ -173,16 +173,17 @@ class Angle:
 
     def _turn_and_radians(self) -> tuple[Fraction, Fraction]:
         """Return q and r of the constant part ``2 pi q + r``."""
-        pi = ONE._replace(pi=1)
+        numerator, denominator = self.constant.numerator, self.constant.denominator
+        if denominator is WHOLE and len(numerator) == 1 and _PI_TERM in numerator:
+            # Usual.
+            return numerator[_PI_TERM] / 2, _NONE
         radians = self.constant.fraction
         if radians is not None:
             return Fraction(0), radians
-        if self.constant.numerator.keys() <= {ONE, pi} and self.constant.denominator.keys() == {
-            ONE
-        }:
-            unit, zero = self.constant.denominator[ONE], Fraction(0)
-            turn = self.constant.numerator.get(pi, zero) / unit / 2
-            return turn, self.constant.numerator.get(ONE, zero) / unit
+        if numerator.keys() <= {ONE, _PI_TERM} and denominator.keys() == {ONE}:
+            unit = denominator[ONE]
+            turn = numerator.get(_PI_TERM, _NONE) / unit / 2
+            return turn, numerator.get(ONE, _NONE) / unit
         message = "an angle that is not rational in degrees or radians"
         raise NoElementError(message)
 
@@ -190,7 +191,7 @@ class Angle:
         """Return ``exp(i x)`` and ``exp(-i x)``."""
         turn, radians = self._turn_and_radians()
         results = [
-            Element(collected([(Term(1, s * turn, s * radians, 0), Fraction(1))]), _UNIT.numerator)
+            Element(collected([(Term(1, s * turn, s * radians, 0), Fraction(1))]), WHOLE)
             for s in (1, -1)
         ]
         for arc, coefficient in self.arcs:
@@ -220,12 +221,22 @@ def _arc_exponentials(arc: Number) -> tuple[Element, Element]:
 
 def _cosine(turn: Fraction, radians: Fraction) -> Element:
     """Return the cosine of a part of a turn and some radians."""
-    turn = turn if radians else abs((turn + HALF) % 1 - HALF)
-    if not radians and turn in _SQUARED_COSINES:
-        square = Element.of(_SQUARED_COSINES[turn])
-        return square.sqrt() if turn < _QUARTER else -square.sqrt()
-    terms = [(Term(1, sign * turn, sign * radians, 0), HALF) for sign in (1, -1)]
-    return Element(collected(terms), _UNIT.numerator)
+    if radians:
+        terms = [(Term(1, sign * turn, sign * radians, 0), HALF) for sign in (1, -1)]
+        return Element(collected(terms), WHOLE)
+    whole = turn.denominator
+    part = turn.numerator % whole
+    part = min(part, whole - part)
+    twentyfourths, rest = divmod(24 * part, whole)
+    if not rest and twentyfourths in _SQUARED_COSINES:
+        square = Element.of(Fraction(_SQUARED_COSINES[twentyfourths], 4))
+        return square.sqrt() if twentyfourths < 6 else -square.sqrt()
+    # exp(-2 pi i q) is minus exp(2 pi i (1/2 - q)).
+    terms_of_both = {
+        Term(1, Fraction(part, whole), _NONE, 0): HALF,
+        Term(1, Fraction(whole - 2 * part, 2 * whole), _NONE, 0): -HALF,
+    }
+    return Element(terms_of_both, WHOLE)
 
 
 def in_radians(angle: Number, unit: AngleUnit) -> Angle:

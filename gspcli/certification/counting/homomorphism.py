@@ -195,6 +195,8 @@ class Homomorphism:
             [(term, factor)] = numerator.items()
             if term is ONE:
                 return self.rational(factor)
+        if element.denominator is WHOLE:
+            return self._sum(numerator)
         return self._sum(numerator) / self._sum(element.denominator)
 
     def _sum(self, terms: Sum) -> nmod:
@@ -210,14 +212,16 @@ class Homomorphism:
             while rest % n == 0:
                 value, rest = value * self._root(n), rest // n
         if term.turn:
-            value *= nmod(self._root_of_unity, self.prime) ** int(
-                term.turn * self._requirements.order
-            )
+            value *= self._of_unity(term.turn)
         if term.radians:
             value *= self._power(self._circle, int(term.radians / self._requirements.radian))
         if term.pi:
             value *= self._power(self._pi, term.pi)
         return value
+
+    def _of_unity(self, turn: Fraction) -> nmod:
+        exponent = turn.numerator * (self._requirements.order // turn.denominator)
+        return self._power(self._root_of_unity, exponent)
 
     def _power(self, base: int, exponent: int) -> nmod:
         return nmod(pow(base, exponent, self.prime), self.prime)
