@@ -56,7 +56,9 @@ class Accumulator {
   bool is_untouched(int column) const { return sums_[column] == 0; }
   // The residue in a column, which is kept reduced.
   Residue at(int column) {
-    const Residue value = field_.reduce(sums_[column]);
+    const Sum sum = sums_[column];
+    if (sum < field_.prime) return static_cast<Residue>(sum);
+    const Residue value = field_.reduce(sum);
     sums_[column] = value;
     return value;
   }
@@ -201,10 +203,13 @@ class Echelon {
     work_ += length;
   }
   Row taken(int from, Residue factor) {
-    Row row(columns() - from);
-    for (int column = from; column < columns(); ++column)
-      row[column - from] = field_.multiply(accumulator.at(column), factor);
-    while (row.back() == 0) row.pop_back();
+    int end = columns();
+    while (accumulator.at(end - 1) == 0) --end;
+    Row row(end - from);
+    for (int column = from; column < end; ++column) {
+      const Residue value = accumulator.at(column);
+      row[column - from] = value == 0 || factor == 1 ? value : field_.multiply(value, factor);
+    }
     return row;
   }
 

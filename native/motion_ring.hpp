@@ -6,9 +6,9 @@
 // of two coordinates is a quartic form, reduced modulo e.f by its leading term e0 f0.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -78,7 +78,7 @@ class MotionRing {
   }
 
  private:
-  using QuarticForm = std::map<Monomial, Residue>;
+  static constexpr int kQuartics = 330;  // monomials of degree four in eight variables
 
   int count() const { return static_cast<int>(coordinates_.size()); }
   int pair(int i, int j) const { return i >= j ? i * (i + 1) / 2 + j : pair(j, i); }
@@ -244,15 +244,33 @@ class MotionRing {
     return form;
   }
 
-  void add_quartic(QuarticForm& quartic, Monomial m, Residue value) const {
-    if (exponent(m, 0) > 0 && exponent(m, 4) > 0) {
-      const Monomial rest = m - variable(0) - variable(4);
-      for (int i = 1; i < 4; ++i)
-        add_quartic(quartic, rest + variable(i) + variable(i + 4), field_.negative(value));
+  // A quartic form by the numbers of its monomials, and which of them were touched.
+  struct QuarticForm {
+    std::vector<Residue> sums = std::vector<Residue>(kQuartics, 0);
+    std::vector<int> touched;
+  };
+
+  // The number of z_a z_b z_c z_d.
+  static int quartic_number(std::array<int, 4> z) {
+    std::sort(z.begin(), z.end());
+    return z[0] + z[1] * (z[1] + 1) / 2 + z[2] * (z[2] + 1) * (z[2] + 2) / 6 +
+           z[3] * (z[3] + 1) * (z[3] + 2) * (z[3] + 3) / 24;
+  }
+
+  void add_quartic(QuarticForm& quartic, const std::array<int, 4>& z, Residue value) const {
+    const auto e0 = std::find(z.begin(), z.end(), 0), f0 = std::find(z.begin(), z.end(), 4);
+    if (e0 != z.end() && f0 != z.end()) {
+      for (int i = 1; i < 4; ++i) {
+        std::array<int, 4> other = z;
+        other[e0 - z.begin()] = i;
+        other[f0 - z.begin()] = i + 4;
+        add_quartic(quartic, other, field_.negative(value));
+      }
       return;
     }
-    Residue& at = quartic[m];
-    at = field_.add(at, value);
+    const int number = quartic_number(z);
+    quartic.sums[number] = field_.add(quartic.sums[number], value);
+    quartic.touched.push_back(number);
   }
 
   std::vector<Quadric> relations() const {
@@ -262,7 +280,7 @@ class MotionRing {
     std::vector<Form> forms;
     for (const int k : coordinates_) forms.push_back(form_of(k));
     // Rows: the quartic monomials; columns: the products, whose dependences are the relations.
-    std::map<Monomial, std::vector<std::pair<int, Residue>>> rows;
+    std::vector<std::vector<std::pair<int, Residue>>> rows(kQuartics);
     std::vector<int> column_of(pairs()), pair_at;
     const auto weight = [&](int i) {
       return coordinates_[i] < 10 ? 0 : coordinates_[i] == 16 ? 2 : 1;
@@ -274,18 +292,22 @@ class MotionRing {
             column_of[pair(i, j)] = static_cast<int>(pair_at.size());
             pair_at.push_back(pair(i, j));
           }
+    QuarticForm quartic;
     for (int i = 0; i < used; ++i)
       for (int j = 0; j <= i; ++j) {
-        QuarticForm quartic;
         for (const auto& [a, x] : forms[i])
           for (const auto& [b, y] : forms[j])
-            add_quartic(quartic, variable(a[0]) + variable(a[1]) + variable(b[0]) + variable(b[1]),
-                        field_.multiply(x, y));
-        for (const auto& [m, value] : quartic)
-          if (value != 0) rows[m].emplace_back(column_of[pair(i, j)], value);
+            add_quartic(quartic, {a[0], a[1], b[0], b[1]}, field_.multiply(x, y));
+        for (const int number : quartic.touched) {
+          Residue& value = quartic.sums[number];
+          if (value != 0) rows[number].emplace_back(column_of[pair(i, j)], value);
+          value = 0;
+        }
+        quartic.touched.clear();
       }
     Echelon<F> products(field_, products_used);
-    for (const auto& [m, row] : rows) {
+    for (const auto& row : rows) {
+      if (row.empty()) continue;
       products.accumulator.clear();
       for (const auto& [column, value] : row) products.accumulator.set(column, value);
       products.push();

@@ -23,15 +23,21 @@ struct ResidueOperations {
   }
   Residue negative(Residue a) const { return a == 0 ? 0 : self().prime - a; }
   Residue subtract(Residue a, Residue b) const { return add(a, negative(b)); }
-  Residue power(Residue a, std::uint64_t exponent) const {
-    Residue result = 1;
-    for (; exponent != 0; exponent >>= 1) {
-      if (exponent & 1) result = self().multiply(result, a);
-      a = self().multiply(a, a);
+  // By Euclid's algorithm: what is left is a times its coefficient, modulo p.
+  Residue inverse(Residue a) const {
+    if (a <= 1) return a;
+    std::uint64_t left = a, next = self().prime;
+    std::int64_t coefficient = 1, following = 0;
+    while (left != 1) {
+      const std::uint64_t quotient = next / left;
+      const std::uint64_t rest = next - quotient * left;
+      const std::int64_t other = following - static_cast<std::int64_t>(quotient) * coefficient;
+      next = left, left = rest;
+      following = coefficient, coefficient = other;
     }
-    return result;
+    return static_cast<Residue>(coefficient < 0 ? coefficient + static_cast<std::int64_t>(self().prime)
+                                                : coefficient);
   }
-  Residue inverse(Residue a) const { return power(a, self().prime - 2); }
 };
 
 // Modulo an odd prime p below 2^30. A sum stays below 8 p^2 < 2^63, so eight products may be
