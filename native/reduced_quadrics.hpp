@@ -6,6 +6,7 @@
 #include <complex>
 #include <utility>
 
+#include "products.hpp"
 #include "shifts.hpp"
 
 namespace gsp {
@@ -93,11 +94,11 @@ class ReducedQuadrics {
   void eliminate(int from, int column) {
     for (int k = 0; k < kColumns; ++k) std::swap(row[pivots][k], row[from][k]);
     const Number scale = 1.0 / row[pivots][column];
-    for (Number& x : row[pivots]) x *= scale;
+    for (Number& x : row[pivots]) x = product(scale, x);
     for (int i = 0; i < kEquations; ++i) {
       if (i == pivots) continue;
       const Number factor = row[i][column];
-      for (int k = 0; k < kColumns; ++k) row[i][k] -= factor * row[pivots][k];
+      for (int k = 0; k < kColumns; ++k) row[i][k] -= product(factor, row[pivots][k]);
       row[i][column] = 0.0;
     }
     pivot[pivots] = column;

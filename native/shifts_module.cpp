@@ -148,10 +148,11 @@ void place(const Numbers* z, const ShiftGeometry& geometry, Complex* out) {
   const Numbers *e = z, *f = z + 4;
   double size = 0.0;
   for (int i = 0; i < 4; ++i) size += std::norm(e[i]);
-  const auto outer = [&](int i, int j) { return e[i] * f[j] - e[j] * f[i]; };
-  const Numbers quantity[kQuantities] = {
-      outer(0, 1), outer(0, 2), outer(0, 3), outer(2, 3), outer(3, 1), outer(1, 2),
-      f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + f[3] * f[3]};
+  const auto outer = [&](int i, int j) { return product(e[i], f[j]) - product(e[j], f[i]); };
+  Numbers square = 0.0;
+  for (int i = 0; i < 4; ++i) square += product(f[i], f[i]);
+  const Numbers quantity[kQuantities] = {outer(0, 1), outer(0, 2), outer(0, 3), outer(2, 3),
+                                         outer(3, 1), outer(1, 2), square};
   const auto put = [](const Numbers& x) { return Complex{x.real(), x.imag()}; };
   for (int i = 0; i < 4; ++i) out[i] = put(e[i] / std::sqrt(size));
   for (int l = 0; l < geometry.scalars; ++l) out[4 + l] = put(quantity[geometry.free[l]] / size);

@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <vector>
 
+#include "products.hpp"
+
 namespace gsp {
 namespace {
 
 using Number = std::complex<double>;
-
-// Without the checks for infinity of the standard product, which make it slow.
-Number product(const Number& a, const Number& b) {
-  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
-}
 
 // A basis of the f with e.f = 0, as columns: in the coordinates of the forms if there are any. Else
 // it is orthogonal in the Hermitian sense, so that it stays sound where N vanishes: it comes from
