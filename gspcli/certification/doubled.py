@@ -58,11 +58,10 @@ class Doubled(NamedTuple):
 
         with ctx.workprec(_PRECISION):
             ball = compute()
-        if ball.rel_accuracy_bits() < _KNOWN:
-            # A difference of almost equal numbers.
-            with ctx.workprec(8 * _PRECISION):
-                ball = compute()
-        with ctx.workprec(_PRECISION):
+            if ball.rel_accuracy_bits() < _KNOWN:
+                # A difference of almost equal numbers.
+                with ctx.workprec(8 * _PRECISION):
+                    ball = compute()
             high = float(ball)
             low = float(ball - high)
             error = float((ball - high - low).abs_upper()) * OUTWARD

@@ -96,16 +96,14 @@ def general_ends(arrangement: Arrangement) -> Complex | None:
     (turned,) = rotations(angle_forms(given.u[angles], given.v[angles], cosines)[None])
     if turned is None:
         return None
-    places = _places(shapes, given.values[given.distances][None], [turned])
-    if not places.good.all():
+    e = turned.e
+    T, good = _translations(shapes, given.values[given.distances][None], [len(e)], turned)
+    if not good.all():
         return None
-    e, T = places.quaternions, places.T
-    paired = ~turned.real
-    e, T = np.concatenate((e, e[paired].conj())), np.concatenate((T, T[paired].conj()))
     ends = np.empty((*T.shape[:2], 8), complex)
     ends[..., :4] = e[:, None]
     ends[..., 4:] = T @ (e @ _HALVED_PRODUCT).reshape(-1, 3, 4)
-    return ends.reshape(-1, 8)
+    return np.concatenate((ends, ends[~turned.real].conj())).reshape(-1, 8)
 
 
 def _solve_batch(arrangement: Arrangement, values: Array) -> Iterator[PoseSet | None]:
@@ -121,7 +119,15 @@ def _solve_batch(arrangement: Arrangement, values: Array) -> Iterator[PoseSet | 
         yield from (None for _ in turned)
         return
     general = [rotation for rotation in turned if rotation is not None]
-    places = _places(shapes, distances[known], general)
+    together = Rotations(
+        np.concatenate([rotation.e for rotation in general]),
+        np.concatenate([rotation.real for rotation in general]),
+        np.concatenate([rotation.errors for rotation in general]),
+    )
+    counts = [len(rotation.e) for rotation in general]
+    found = _translations(shapes, distances[known], counts, together)
+    e = together.e
+    places = _Places(unit_quaternion(e), rotation_from_quaternion(e), *found)
     end = 0
     for rotation in turned:
         begin, end = end, end + (0 if rotation is None else len(rotation.e))
@@ -170,16 +176,26 @@ class _Places(NamedTuple):
         return _Places(self.quaternions[k], self.R[k], self.T[k], self.good[k])
 
 
-def _places(shapes: Measures, distances: Array, turned: list[Rotations]) -> _Places:
-    """Return the quick solutions for the rotations of each set of values, one after the other."""
-    e = np.concatenate([rotation.e for rotation in turned])
-    real = np.concatenate([rotation.real for rotation in turned])
-    accuracy = np.concatenate([rotation.errors for rotation in turned])
-    distances = np.repeat(distances, [len(rotation.e) for rotation in turned], axis=0)
-    given = surfaces(shapes, e, distances)
-    X, errors, ok = generic_positions(given, accuracy + _EPS, real)
+def _translations(
+    shapes: Measures, distances: Array, counts: list[int], turned: Rotations
+) -> tuple[Complex, NDArray[np.bool_]]:
+    """Return the translations at rotations, (f, s p, 3), and which rotations are solved, (f,).
+
+    Parameters
+    ----------
+    shapes
+        What the distances measure.
+    distances
+        Of each set of values, shape (b, 3).
+    counts
+        How many of the rotations are of each set.
+    turned
+        The f rotations, those of one set after those of the other.
+    """
+    given = surfaces(shapes, turned.e, np.repeat(distances, counts, axis=0))
+    X, errors, ok = generic_positions(given, turned.errors + _EPS, turned.real)
     finite = certainly_not_zero(X[..., 0], errors)
     good = (ok & finite.all(axis=2)).all(axis=1) & (given.skewness > _NEARLY_PARALLEL)
     t = X[..., 1:] * (1 / np.where(finite, X[..., 0], 1))[..., None]
-    T: Complex = t.reshape(len(e), t.shape[1] * t.shape[2], 3) @ np.swapaxes(given.frame, -1, -2)
-    return _Places(unit_quaternion(e), rotation_from_quaternion(e), T, good)
+    T: Complex = t.reshape(len(t), t.shape[1] * t.shape[2], 3) @ np.swapaxes(given.frame, -1, -2)
+    return T, good
