@@ -69,6 +69,10 @@ class Structure:
 
     def canonical(self) -> Structure:
         """Return the same structure with its equations in canonical order."""
+        return self._canonical
+
+    @cached_property
+    def _canonical(self) -> Structure:
         return Structure(
             "".join(self.spaces[i] for i in self.order),
             tuple(self.products[i] for i in self.order),

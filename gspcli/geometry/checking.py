@@ -30,8 +30,8 @@ def checked(instance: Instance) -> Instance:
         if wrong:
             message = f"found {row.value}, {wrong}"
             raise ArgumentError(message, f"constraints[{index}].value")
-        low, high = row.limits or (row.value, row.value)
-        if low.value > high.value:
+        if row.limits and row.limits[0].value > row.limits[1].value:
+            low, high = row.limits
             message = f"found {low} above {high}, expected (low, high)"
             raise ArgumentError(message, f"constraints[{index}].range")
         if row.side is not Side.BOTH and not row.kind.has_sides:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,10 +72,10 @@ def proved_general_form(proofs: ValueProofs, arrangement: Arrangement) -> PoseSe
     if len(choices) > 1 or any(zero):
         return None
     ends = general_ends(arrangement)
-    poses = None
-    if ends is not None:
-        poses = all_proved(proofs, arrangement, ends[None], Frames.of(arrangement))
-    return poses and replace(poses, account=replace(poses.account, basis=Basis.COUNT))
+    if ends is None:
+        return None
+    frames = Frames.of(arrangement)
+    return all_proved(proofs, arrangement, ends[None], frames, basis=Basis.COUNT)
 
 
 def proved_closed_form(

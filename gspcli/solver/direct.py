@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DPH, DPP
 from gspcli.certification.frames import Frames
 from gspcli.certification.many_values import ValueProofs
-from gspcli.continuation.paths import PathAccount
+from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.shifts import FROM_START, LONG_STEPS, ends_from_start, followed_again
 from gspcli.continuation.start import StartSystem, start_system
 from gspcli.continuation.tracker import TrackerOptions
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
-from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.pose_set import PoseSet, on_sides
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.reference_start import reference_start
 from gspcli.solver.study_systems import coefficients_at, side_choices
@@ -104,10 +104,12 @@ def all_proved(
     frames: Frames,
     *,
     one_by_one: bool = False,
+    basis: Basis = Basis.PATHS,
 ) -> PoseSet | None:
     """Return the poses at ends of paths (sides, paths, 8) in some frames if all are proved.
 
-    A few that are not proved with all others are proved one by one, if that is asked for.
+    A few that are not proved with all others are proved one by one, if that is asked for. The
+    account rests on the paths unless something else is said.
     """
     choices = side_choices(arrangement)
     found = proofs.decide_own(choices, points, frames)
@@ -126,6 +128,7 @@ def all_proved(
         certified=found.certified[0],
         multiplicity=np.ones(count, np.int64),
         motions=(),
-        account=PathAccount(expected=count, found=count),
+        account=PathAccount(expected=count, found=count, basis=basis),
         proof=Proof(Ground.TYPE),
-    ).on_sides(choices)
+        signs=on_sides(choices, count),
+    )

@@ -157,7 +157,7 @@ class PoseSet:
 
     def on_sides(self, choices: NDArray[np.float64]) -> PoseSet:
         """Return the poses, found in equal parts for some choices of sides, shape (k, 6)."""
-        return replace(self, signs=np.repeat(choices, len(self.R) // len(choices), axis=0))
+        return replace(self, signs=on_sides(choices, len(self.R)))
 
     def taken_back(self, centring: Centring) -> PoseSet:
         """Return poses that were found near the bodies in the frames of the instance."""
@@ -184,6 +184,11 @@ class PoseSet:
             multiplicity=self.multiplicity[order],
             signs=None if self.signs is None else self.signs[order],
         )
+
+
+def on_sides(choices: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+    """Return the choice of sides (of k, shape (k, 6)) of each of n poses in equal parts, (n, 6)."""
+    return np.repeat(choices, count // len(choices), axis=0)
 
 
 def joined(parts: Sequence[PoseSet]) -> PoseSet:
