@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import groupby, islice
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,12 +92,10 @@ def general_ends(arrangement: Arrangement) -> Complex | None:
     given = arrangement.normalized
     angles, shapes = given.angles, measures(given)
     cosines = arrangement.cosines(arrangement.values)
-    (turned,) = rotations(angle_forms(given.u[angles], given.v[angles], cosines)[None])
-    if turned is None:
-        return None
+    turned = rotations(angle_forms(given.u[angles], given.v[angles], cosines)[None])
     e = turned.e
-    T, good = _translations(shapes, given.values[given.distances][None], [len(e)], turned)
-    if not good.all():
+    T, good = _translations(shapes, given.values[given.distances][None], turned)
+    if not (len(e) and good.all()):
         return None
     ends = np.empty((*T.shape[:2], 8), complex)
     ends[..., :4] = e[:, None]
@@ -114,38 +111,40 @@ def _solve_batch(arrangement: Arrangement, values: Array) -> Iterator[PoseSet | 
     angles = given.angles
     shapes = measures(given)
     turned = rotations(angle_forms(given.u[angles], given.v[angles], given.cosines(values)))
-    known = [k for k, rotation in enumerate(turned) if rotation is not None]
-    if not known:
-        yield from (None for _ in turned)
-        return
-    general = [rotation for rotation in turned if rotation is not None]
-    together = Rotations(
-        np.concatenate([rotation.e for rotation in general]),
-        np.concatenate([rotation.real for rotation in general]),
-        np.concatenate([rotation.errors for rotation in general]),
-    )
-    counts = [len(rotation.e) for rotation in general]
-    found = _translations(shapes, distances[known], counts, together)
-    e = together.e
-    places = _Places(unit_quaternion(e), rotation_from_quaternion(e), *found)
+    e, real = turned.e, turned.real
+    q, R = unit_quaternion(e), rotation_from_quaternion(e)
+    T, good = _translations(shapes, distances, turned)
     end = 0
-    for rotation in turned:
-        begin, end = end, end + (0 if rotation is None else len(rotation.e))
-        here = places.of(slice(begin, end))
-        if rotation is None or not here.good.all():
-            yield None
+    for count in turned.counts.tolist():
+        begin, end = end, end + count
+        here = slice(begin, end)
+        if count and good[here].all():
+            yield _poses(arrangement, q[here], R[here], T[here], real[here], length)
         else:
-            yield _poses(arrangement, here, rotation, length)
+            yield None
 
 
 def _poses(
-    arrangement: Arrangement, places: _Places, rotation: Rotations, length: float
+    arrangement: Arrangement,
+    q: Complex,
+    R: Complex,
+    T: Complex,
+    real: NDArray[np.bool_],
+    length: float,
 ) -> PoseSet:
-    """Return the poses at the rotations, and their conjugates at those that are not real."""
-    index = np.arange(len(places.T)).repeat(places.T.shape[1])
-    q, R, T = places.quaternions[index], places.R[index], places.T.reshape(-1, 3)
-    real = rotation.real[index] & ~T.imag.any(axis=1)
-    paired = ~rotation.real[index]
+    """Return the poses at rotations, and their conjugates at those that are not real.
+
+    Parameters
+    ----------
+    arrangement, length
+        The platform, and the unit of length of the translations.
+    q, R, T, real
+        Quaternions with ``e.e = 1``, rotations, the translations at each, and which rotations are
+        real: (f, 4), (f, 3, 3), (f, s p, 3), (f,).
+    """
+    index = np.arange(len(T)).repeat(T.shape[1])
+    q, R, T, paired = q[index], R[index], T.reshape(-1, 3), ~real[index]
+    real = real[index] & ~T.imag.any(axis=1)
     q, R, T = (np.concatenate((part, part[paired].conj())) for part in (q, R, T))
     number = len(R)
     return PoseSet(
@@ -160,24 +159,8 @@ def _poses(
     )
 
 
-class _Places(NamedTuple):
-    """Where the platform is at some rotations, as far as their surfaces are in general position.
-
-    Quaternions with ``e.e = 1``, rotations, translations, and which rotations have been solved:
-    (f, 4), (f, 3, 3), (f, s p, 3), (f,).
-    """
-
-    quaternions: Complex
-    R: Complex
-    T: Complex
-    good: NDArray[np.bool_]
-
-    def of(self, k: slice) -> _Places:
-        return _Places(self.quaternions[k], self.R[k], self.T[k], self.good[k])
-
-
 def _translations(
-    shapes: Measures, distances: Array, counts: list[int], turned: Rotations
+    shapes: Measures, distances: Array, turned: Rotations
 ) -> tuple[Complex, NDArray[np.bool_]]:
     """Return the translations at rotations, (f, s p, 3), and which rotations are solved, (f,).
 
@@ -187,12 +170,10 @@ def _translations(
         What the distances measure.
     distances
         Of each set of values, shape (b, 3).
-    counts
-        How many of the rotations are of each set.
     turned
-        The f rotations, those of one set after those of the other.
+        The f rotations.
     """
-    given = surfaces(shapes, turned.e, np.repeat(distances, counts, axis=0))
+    given = surfaces(shapes, turned.e, np.repeat(distances, turned.counts, axis=0))
     X, errors, ok = generic_positions(given, turned.errors + _EPS, turned.real)
     finite = certainly_not_zero(X[..., 0], errors)
     good = (ok & finite.all(axis=2)).all(axis=1) & (given.skewness > _NEARLY_PARALLEL)

@@ -24,7 +24,7 @@ _EPS = float(np.finfo(float).eps)
 
 @dataclass(frozen=True, eq=False)
 class Rotations:
-    """The eight simple solutions of three angle constraints.
+    """The eight simple solutions of each three angle constraints, one set after the other.
 
     Attributes
     ----------
@@ -35,11 +35,15 @@ class Rotations:
         Which of them are real, shape (f,).
     errors
         Their estimated errors, shape (f,).
+    counts
+        How many of these are of each set, shape (b,); none where the quadrics do not certainly
+        meet in eight simple finite points.
     """
 
     e: Complex
     real: NDArray[np.bool_]
     errors: Array
+    counts: NDArray[np.intp]
 
 
 def angle_forms(u: Array, v: Array, cosines: Array) -> Array:
@@ -47,18 +51,13 @@ def angle_forms(u: Array, v: Array, cosines: Array) -> Array:
     return np.asarray(rotated_forms(u, v) - cosines[..., None, None] * np.eye(4))
 
 
-def rotations(forms: Array) -> list[Rotations | None]:
+def rotations(forms: Array) -> Rotations:
     """Return, for each three quadrics of angles, all rotations.
 
     Parameters
     ----------
     forms
         From `angle_forms`, shape (b, 3, 4, 4).
-
-    Returns
-    -------
-    list
-        None where the quadrics do not certainly meet in eight simple finite points.
     """
     count = len(forms)
     points, distances, solved = generic_points(
@@ -68,12 +67,7 @@ def rotations(forms: Array) -> list[Rotations | None]:
     norm = np.abs(dot(e, e))
     known = certainly_not_zero(norm, errors) & (errors < _ACCURACY * norm)
     ok = solved[:, 0] & known.all(axis=1)
-    return [_without_conjugates(e[k], errors[k]) if ok[k] else None for k in range(count)]
-
-
-def _without_conjugates(e: Complex, errors: Array) -> Rotations:
-    """Return eight points, one of each pair of conjugates."""
-    imaginary = (e.imag != 0).any(axis=1)
+    real = (e.imag == 0).all(axis=2)
     # Conjugates come one directly after the other.
-    chosen = ~imaginary | (imaginary.cumsum() % 2 == 1)
-    return Rotations(e[chosen], ~imaginary[chosen], errors[chosen])
+    chosen = (real | ((~real).cumsum(axis=1) % 2 == 1)) & ok[:, None]
+    return Rotations(e[chosen], real[chosen], errors[chosen], chosen.sum(axis=1))
