@@ -16,7 +16,7 @@ from gspcli.catalogue.kinds import DLL, Kind
 from gspcli.continuation.pursuit import Pursuit, pursue
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.shifts import Shifts
-from gspcli.continuation.systems import System
+from gspcli.continuation.systems import EQUATIONS, System
 from gspcli.records import dataclass
 from gspcli.solver.flat_start import ends_from_flat
 from gspcli.solver.start_pool import StartPool
@@ -36,6 +36,7 @@ class Way(Enum):
     """How the solutions of a start are found."""
 
     FLAT = "by short paths from a solved platform that is as flat; there may be others"
+    SOLVED = "by short paths from a solved platform of the geometry; there may be others"
     QUICK = "by paths from the stored start, simple ends only; there may be others"
     CAREFUL = "by all of these, followed to their ends; None unless all finite ones are simple"
 
@@ -62,6 +63,22 @@ class GeometryStart:
     pool: StartPool | None
 
 
+@dataclass(frozen=True, eq=False)
+class SolvedSystem:
+    """A solved platform of the geometry.
+
+    Attributes
+    ----------
+    parameters
+        What the equations are linear in, shape (6,).
+    points
+        Its Study points, shape (n, 8).
+    """
+
+    parameters: Array
+    points: ComplexArray
+
+
 @lru_cache(maxsize=_KEPT)
 def geometry_start(
     kinds: tuple[Kind, ...],
@@ -71,6 +88,7 @@ def geometry_start(
     seed: int,
     *,
     way: Way,
+    solved: SolvedSystem | None = None,
 ) -> GeometryStart | None:
     """Return the start of a geometry with the finite solutions that paths lead to.
 
@@ -84,6 +102,8 @@ def geometry_start(
         Source of random numbers.
     way
         How they are found.
+    solved
+        From where, if that is from a solved platform.
     """
     rng = np.random.default_rng([seed, len(kinds)])
     turns = rng.choice([-1.0, 1.0], len(kinds)) * rng.uniform(*_SPREAD, len(kinds))
@@ -93,9 +113,15 @@ def geometry_start(
     y, x, u, v = np.frombuffer(geometry).reshape(4, len(kinds), 3)
     structure, coefficients = coefficients_of(kinds, y, x, u, v, values[None])
     system = System(structure, coefficients.take(0)).canonical()
+    shifts = None
+    if not structure.is_product.any() and DLL not in kinds:
+        _, plain = coefficients_of(kinds, y, x, u, v, np.zeros((1, len(kinds))))
+        shifts = Shifts.of(plain.g[0].real)
     solutions: ComplexArray | None
     if way is Way.FLAT:
         solutions = ends_from_flat(kinds, y, x, system)
+    elif way is Way.SOLVED:
+        solutions = _ends_from_solved(shifts, solved, parameters)
     else:
         pursuit = next(pursue([system], seed=seed))
         solutions = _all_finite(pursuit) if way is Way.CAREFUL else pursuit.distinct_simple()
@@ -104,14 +130,22 @@ def geometry_start(
     balanced, scale = system.coefficients.balanced()
     points = solutions.copy()
     points[:, 4:] /= scale
-    pool = None
-    if not structure.is_product.any() and DLL not in kinds:
-        _, plain = coefficients_of(kinds, y, x, u, v, np.zeros((1, len(kinds))))
-        shifts = Shifts.of(plain.g[0].real)
-        if shifts is not None:
-            placed = shifts.points(solutions[None])
-            pool = StartPool(shifts, parameters[None], placed, np.ones(len(kinds)))
+    pool = None if shifts is None else _pool(shifts, parameters, solutions)
     return GeometryStart(System(system.structure, balanced), points, scale, pool)
+
+
+def _pool(shifts: Shifts, parameters: ComplexArray, points: ComplexArray) -> StartPool:
+    return StartPool(shifts, parameters[None], shifts.points(points[None]), np.ones(EQUATIONS))
+
+
+def _ends_from_solved(
+    shifts: Shifts | None, solved: SolvedSystem | None, parameters: ComplexArray
+) -> ComplexArray | None:
+    """Return where all poses of a solved platform lead; None if some are lost or meet."""
+    if shifts is None or solved is None:
+        return None
+    real = _pool(shifts, solved.parameters.astype(complex), solved.points)
+    return real.solutions_at(parameters)
 
 
 def _all_finite(pursuit: Pursuit) -> ComplexArray | None:

@@ -26,8 +26,10 @@ from gspcli.continuation.start import path_count
 from gspcli.continuation.systems import Coefficients
 from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.quaternions import apply, study_from_pose
 from gspcli.records import dataclass
-from gspcli.solver.geometry_start import GeometryStart, Way, geometry_start
+from gspcli.solver.geometry_start import GeometryStart, SolvedSystem, Way, geometry_start
+from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.start_pool import StartPool
 from gspcli.solver.study_systems import coefficients_of, side_choices
@@ -102,6 +104,7 @@ def geometry_about(
     count: Callable[[], ExactCount | None],
     seed: int,
     ways: Iterable[Way],
+    solved: SolvedSystem | None = None,
 ) -> Geometry | None:
     """Return a geometry with a start about some parameters; None if that is not safe.
 
@@ -115,12 +118,14 @@ def geometry_about(
         As for `row_groups.solve_rows`.
     ways
         To the start, which are tried in turn.
+    solved
+        A platform of the geometry for `Way.SOLVED`, in that unit.
     """
     inner, choices = given.in_units_of(length), side_choices(given)
     geometry = np.array([inner.y, inner.x, inner.u, inner.v]).tobytes()
     about = (given.kinds, geometry, tuple(mean.tolist()), tuple(spread.tolist()), seed)
     for way in ways:
-        start = geometry_start(*about, way=way)
+        start = geometry_start(*about, way=way, solved=solved if way is Way.SOLVED else None)
         if start is None:
             continue
         expected = path_count(start.system.structure) * len(choices)
@@ -134,6 +139,16 @@ def geometry_about(
             proof = Proof(Ground.GEOMETRY, counted.error) if counted.has_lone_lines else None
         return Geometry(given, inner, length, choices, start, start.pool, expected, proof)
     return None
+
+
+def solved_system(given: Arrangement, length: float, poses: PoseSet) -> SolvedSystem:
+    """Return a solved platform in a unit of length, of several choices of sides the first."""
+    choices = side_choices(given)
+    values = _inner_values(given, given.values[None], length, choices)[0, 0]
+    chosen = slice(None) if poses.signs is None else (poses.signs == choices[0]).all(axis=1)
+    R = poses.R[chosen]
+    T = (poses.T[chosen] - given.base_centre + apply(R, given.platform_centre)) / length
+    return SolvedSystem(_squared(given, values), np.concatenate(study_from_pose(R, T), axis=-1))
 
 
 def _inner_values(given: Arrangement, rows: Array, length: float, choices: Array) -> Array:

@@ -26,7 +26,12 @@ from gspcli.solver.pose_set import PoseSet, joined
 from gspcli.solver.poses_in_parts import complete_parts
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.search import Search
-from gspcli.solver.special_geometry import has_kept_count, kept_count, poses_of_geometry
+from gspcli.solver.special_geometry import (
+    has_kept_count,
+    keep_solved,
+    kept_count,
+    poses_of_geometry,
+)
 from gspcli.solver.study_systems import side_choices
 from gspcli.solver.tracking import pursue_each
 from gspcli.solver.uncounted import FEW, without_count
@@ -71,6 +76,7 @@ def solve_special(
         if geometry is not None:
             poses = poses_of_geometry(arrangement, proofs, searches, geometry)
             if poses is not None:
+                keep_solved(instance, arrangement, poses)
                 return poses
         astray = any(_many_astray(pursuit) for pursuit in pursuits)
         count = exact_count(instance, seed=seed, limit=limit, suspect=astray)

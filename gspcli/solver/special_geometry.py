@@ -7,7 +7,7 @@ geometry do not. The start and the geometry's count are kept for the process.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from itertools import count
@@ -25,8 +25,8 @@ from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Unit
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry as Primitive
 from gspcli.solver.direct import all_proved, is_reducible
-from gspcli.solver.geometry_start import Way
-from gspcli.solver.one_geometry import geometry_about
+from gspcli.solver.geometry_start import SolvedSystem, Way
+from gspcli.solver.one_geometry import geometry_about, solved_system
 from gspcli.solver.pose_set import PoseSet, joined
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.search import Effort, Search
@@ -64,18 +64,21 @@ def proved_by_geometry(
     """
     if not has_kept_count(arrangement):
         return None
-    is_known = next(_visits(_rows(instance))) > 0
+    visits = _visits(_rows(instance))
+    is_known = next(visits.count) > 0
+    length = 2.0 ** ceil(log2(arrangement.length_with(arrangement.values[None])))
     square = [kind.is_distance and not kind.has_sides for kind in arrangement.kinds]
     values = arrangement.values[None]
     geometry = geometry_about(
         arrangement,
-        2.0 ** ceil(log2(arrangement.length_with(values))),
+        length,
         np.where(square, _SQUARE, 0.0),
         np.full(len(square), _SPREAD),
         count=lambda: kept_count(instance, seed, limit),
         seed=seed,
         # What needs more care costs less without a start.
-        ways=(Way.FLAT, Way.QUICK) if is_known else (Way.FLAT,),
+        ways=(Way.FLAT, Way.SOLVED, Way.QUICK) if is_known else (Way.FLAT,),
+        solved=visits.solved_system(length) if is_known else None,
     )
     if geometry is None or geometry.proof is None:
         return None
@@ -141,10 +144,32 @@ def _rows(instance: Instance) -> tuple[Row, ...]:
     return tuple((row.kind, row.platform, row.base, row.side) for row in instance.constraints)
 
 
+class _Visits:
+    """How often platforms of a geometry were solved, and the first whose poses were all proved."""
+
+    def __init__(self) -> None:
+        self.count = count()
+        self.first: tuple[Arrangement, PoseSet] | None = None
+        self._systems: dict[float, SolvedSystem] = {}
+
+    def solved_system(self, length: float) -> SolvedSystem | None:
+        """Return the first in a unit of length, always the same object."""
+        if self.first is not None and length not in self._systems:
+            arrangement, poses = self.first
+            self._systems[length] = solved_system(arrangement, length, poses)
+        return self._systems.get(length)
+
+
 @lru_cache(maxsize=_KEPT)
-def _visits(rows: tuple[Row, ...]) -> Iterator[int]:
-    """Return what counts how often platforms of a geometry are solved."""
-    return count()
+def _visits(rows: tuple[Row, ...]) -> _Visits:
+    return _Visits()
+
+
+def keep_solved(instance: Instance, arrangement: Arrangement, poses: PoseSet) -> None:
+    """Keep all poses of a platform of a special geometry: its start is made from them."""
+    visits = _visits(_rows(instance))
+    if visits.first is None:
+        visits.first = arrangement, poses
 
 
 @lru_cache(maxsize=_KEPT)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.quadrics import ComplexArray
-from gspcli.continuation.shifts import QUICK, ShiftEnds, Shifts
+from gspcli.continuation.shifts import QUICK, SHORT_STEPS, ShiftEnds, Shifts
 from gspcli.continuation.tracker import PathStatus, TrackerOptions
 from gspcli.records import dataclass
 
@@ -75,6 +75,14 @@ class StartPool:
         # What is no end must not pass for one.
         ends.study[ends.status != PathStatus.REGULAR] = np.nan
         return ends.study
+
+    def solutions_at(self, parameters: ComplexArray) -> ComplexArray | None:
+        """Return the Study points (n, 8) to which all of the first member lead.
+
+        None if a path to these parameters (6,), complex numbers, is lost, or two of them meet.
+        """
+        ends = self._follow(parameters[None], np.zeros(1, np.int32), SHORT_STEPS, 1)
+        return ends.study[0] if _all_different(ends)[0] else None
 
     def _follow(
         self, parameters: ComplexArray, start: NDArray[np.int32], options: TrackerOptions, jobs: int

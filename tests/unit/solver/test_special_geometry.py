@@ -65,8 +65,8 @@ def test_a_start_that_lacks_a_solution_proves_nothing(monkeypatch):
     instance = platform("examples", "octahedral-3-3")
     known = solve(instance)
 
-    def lacking(*about, way):
-        start = geometry_start(*about, way=way)
+    def lacking(*about, **how):
+        start = geometry_start(*about, **how)
         if start is None:
             return None
         pool = replace(start.pool, points=start.pool.points[:, 1:])
@@ -84,9 +84,9 @@ def test_a_start_that_lacks_a_solution_proves_nothing(monkeypatch):
 def test_the_first_of_a_geometry_needs_neither_a_start_nor_an_exact_count(name, monkeypatch):
     ways = []
 
-    def seen(*about, way):
+    def seen(*about, way, solved):
         ways.append(way)
-        return geometry_start(*about, way=way)
+        return geometry_start(*about, way=way, solved=solved)
 
     def counted(*_, **__):
         raise AssertionError
@@ -97,9 +97,44 @@ def test_the_first_of_a_geometry_needs_neither_a_start_nor_an_exact_count(name, 
     first = solve(platform("platforms", name))
     assert set(ways) == {Way.FLAT}
     second = solve(platform("platforms", name))
-    assert Way.QUICK in ways
+    assert Way.SOLVED in ways
+    assert Way.QUICK not in ways
     assert first.proof == second.proof
     assert len(first.R) == len(second.R) == SPECIAL["platforms", name]
+
+
+@pytest.mark.parametrize("name", ["linuxcnc-hexapod", "sdss-primary"])
+def test_a_start_from_a_solved_platform_has_the_solutions_of_any_other(name, monkeypatch):
+    starts = {}
+
+    def each(*about, way, solved):
+        start = geometry_start(*about, way=way, solved=solved)
+        if way is Way.SOLVED:
+            starts.update({way: start, Way.CAREFUL: geometry_start(*about, way=Way.CAREFUL)})
+        return start
+
+    special_geometry._visits.cache_clear()
+    monkeypatch.setattr("gspcli.solver.one_geometry.geometry_start", each)
+    for _ in range(2):
+        solve(platform("platforms", name))
+    found, known = (start.points for start in (starts[Way.SOLVED], starts[Way.CAREFUL]))
+    found, known = (x / np.linalg.norm(x, axis=1, keepdims=True) for x in (found, known))
+    # The points are the same up to factors: each has one of the other at a cosine of one.
+    near = np.abs(found.conj() @ known.T) > 1 - 1e-9
+    assert len(found) == len(known)
+    assert near.sum(axis=0).tolist() == near.sum(axis=1).tolist() == [1] * len(known)
+
+
+def test_poses_of_which_two_are_the_same_are_no_start():
+    instance = platform("examples", "octahedral-3-3")
+    special_geometry._visits.cache_clear()
+    known = solve(instance)
+    [visits] = [special_geometry._visits(special_geometry._rows(instance))]
+    arrangement, poses = visits.first
+    # Two paths from one pose meet.
+    visits.first = arrangement, poses.reordered(np.array([0, 0, *range(2, len(poses.R))]))
+    assert solve(instance).proof == known.proof
+    assert len(solve(instance).R) == len(known.R)
 
 
 def test_nearly_special_platforms_are_proved_by_their_geometry_too(monkeypatch):
