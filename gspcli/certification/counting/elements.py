@@ -129,7 +129,8 @@ class Element:
     @classmethod
     def of(cls, value: Fraction | int) -> Element:
         """Return the element of a rational number."""
-        return cls({ONE: Fraction(value)} if value else {}, WHOLE)
+        factor = value if type(value) is Fraction else Fraction(value)
+        return cls({ONE: factor} if factor.numerator else {}, WHOLE)
 
     @property
     def is_zero(self) -> bool:

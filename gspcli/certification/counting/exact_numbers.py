@@ -121,6 +121,9 @@ class Angle:
         arguments = number.arguments
         if number.fraction is not None:
             return cls(Element.of(number.fraction))
+        factor = _factor_of_pi(number)
+        if factor is not None:
+            return cls(Element({_PI_TERM: factor} if factor else {}, WHOLE))
         match number.operation:
             case "+":
                 return cls.of(arguments[0]) + cls.of(arguments[1])
@@ -204,6 +207,30 @@ class Angle:
                 for k in (0, 1):
                     results[k] *= pair[k if times > 0 else 1 - k]
         return results[0], results[1]
+
+
+def _factor_of_pi(number: Number) -> Fraction | None:
+    """Return the factor of pi in a product or quotient of it and fractions, else None.
+
+    Degrees are usually written so, and that is quicker than sums of terms.
+    """
+    arguments = number.arguments
+    match number.operation:
+        case "pi":
+            return Fraction(1)
+        case "neg":
+            factor = _factor_of_pi(arguments[0])
+            return None if factor is None else -factor
+        case "*" if arguments[0].fraction is not None:
+            factor = _factor_of_pi(arguments[1])
+            return None if factor is None else arguments[0].fraction * factor
+        case "*" | "/" if arguments[1].fraction:
+            factor = _factor_of_pi(arguments[0])
+            if factor is None:
+                return None
+            other: Fraction = arguments[1].fraction
+            return factor * other if number.operation == "*" else factor / other
+    return None
 
 
 def _arc_exponentials(arc: Number) -> tuple[Element, Element]:
