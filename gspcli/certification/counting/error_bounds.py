@@ -81,7 +81,9 @@ class MinorBits:
 
         For each degree e up to it and each d below one minor, of the columns of degree above d.
         """
-        return sum(self._rows(e) - self._rows(d) for e in self._degrees(reach) for d in range(e))
+        degrees = self._degrees(reach)
+        rows = [self._rows(e) for e in range(degrees.stop)]
+        return sum(rows[e] - rows[d] for e in degrees for d in range(e))
 
     def infinite(self, reach: int) -> float:
         """Return the bits for infinitely many solutions: all leading minors of each degree."""
