@@ -11,7 +11,9 @@ from gspcli.geometry.instance import Side
 from gspcli.geometry.limits import joint_cones, tilts
 from gspcli.geometry.numbers import Number
 from gspcli.motion import measure, track
+from gspcli.motion.following import FollowOptions
 from gspcli.motion.limit_events import _crossings, limit_events
+from gspcli.motion.trajectories import track_from
 from tests.support.limited import limited, one_leg, study
 
 
@@ -37,16 +39,16 @@ def sideways(count=6):
 def test_where_cones_are_left_is_proved():
     machine = study(base_angle=5)
     R, T, values = sideways()
-    path = track(machine, values, t=np.arange(6), near=(R[0], T[0]))
+    path = track_from(machine, values, R[:1], T[:1])
     cones = [event for event in limit_events(path) if event.kind == "cone"]
     assert len(cones) == 6
     assert all(event.leaves and event.body == "base" and event.proved for event in cones)
     assert all(0 < event.high - event.low < 1e-8 for event in cones)
     # At these times the tilt is five degrees.
     for event in cones:
-        row = int(event.low)
-        at = values[row] + (event.low - row) * (values[row + 1] - values[row])
-        there = track(machine, np.stack((values[row], at)), near=(R[row], T[row]))
+        row = int(event.low) - 1
+        at = values[row] + (event.low - 1 - row) * (values[row + 1] - values[row])
+        there = track_from(machine, np.stack((values[row], at)), R[[row]], T[[row]])
         joint = [
             k
             for k, one in enumerate(joint_cones(machine))
@@ -57,12 +59,13 @@ def test_where_cones_are_left_is_proved():
 
 def test_cones_that_are_kept_all_along_leave_no_event():
     R, T, values = sideways()
-    assert limit_events(track(study(), values, near=(R[0], T[0]))) == []
+    assert limit_events(track_from(study(), values, R[:1], T[:1])) == []
 
 
 def test_without_proof_cones_are_looked_at_where_the_rows_are():
     R, T, values = sideways()
-    path = track(study(base_angle=5), values, t=np.arange(6), near=(R[0], T[0]), certify=False)
+    unproved = FollowOptions(certify=False)
+    path = track_from(study(base_angle=5), values, R[:1], T[:1], options=unproved)
     cones = limit_events(path)
     assert len(cones) == 6
     assert all(event.high - event.low == 1 and not event.proved for event in cones)
@@ -78,9 +81,9 @@ def test_a_cone_that_is_left_between_two_rows_that_keep_it_is_seen():
     T = np.array([[-15.0, 0, 60], [15, 0, 60]])
     R = np.broadcast_to(np.eye(3), (2, 3, 3))
     values = measure(machine, R, T)
-    at_rows = track(machine, values, near=(R[0], T[0]), certify=False)
-    assert limit_events(at_rows) == []
-    events = limit_events(track(machine, values, near=(R[0], T[0])))
+    unproved = FollowOptions(certify=False)
+    assert limit_events(track_from(machine, values, R[:1], T[:1], options=unproved)) == []
+    events = limit_events(track_from(machine, values, R[:1], T[:1]))
     assert [(event.constraint, event.leaves) for event in events] == [(0, True), (0, False)]
     assert all(1 < event.low < event.high < 2 for event in events)
 

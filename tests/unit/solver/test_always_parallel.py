@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,7 @@ def _spec(*changes: tuple[str, str]) -> Instance:
     return loads("\n".join(kept))
 
 
+@cache
 def _planar_counts() -> tuple[int, int]:
     """Count the poses of the plate in its plane: turned, or turned over; complex and real."""
     c, s, x, y = sp.symbols("c s x y")
