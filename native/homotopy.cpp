@@ -123,6 +123,49 @@ Wide gathered(const std::complex<double>* Side::* field, int at, const Side& tar
   return sum;
 }
 
+// Parts of quadrics of norm 1 that are no larger are rounding.
+constexpr double kRounding = 1e-14;
+
+// Row i of one end of a RealHomotopy: the quadrics and the value; false if it is none.
+bool real_parts(bool product, const Side& side, int i, std::complex<double>* a,
+                std::complex<double>* b, double& value) {
+  constexpr int kSquares[4] = {0, 4, 7, 9};  // whose sum is N
+  std::complex<double> g[kFeatures], h[kFeatures];
+  to_features(side.g + i * kCoefficients, g);
+  const double rounding = kRounding * size_of(g);
+  double rest = 0.0;
+  value = 0.0;
+  if (product) {
+    to_features(side.h + i * kCoefficients, h);
+    for (int k = 0; k < kFeatures; ++k) {
+      rest = std::max(rest, std::abs(h[k] - std::conj(g[k])));
+      a[k] = 0.5 * (g[k].real() + h[k].real());
+      b[k] = 0.5 * (g[k].imag() - h[k].imag());
+    }
+  } else {
+    for (const int k : kSquares) value += 0.25 * g[k].imag();
+    for (const int k : kSquares) g[k] -= std::complex<double>(0.0, value);
+    for (int k = 0; k < kFeatures; ++k) {
+      rest = std::max(rest, std::abs(g[k].imag()));
+      a[k] = g[k].real();
+      b[k] = 0.0;
+    }
+  }
+  return rest <= rounding;
+}
+
+void set_line(const std::complex<double>* from, const std::complex<double>* to, RealLine& q) {
+  const double noise_from = kNoise * size_of(from), noise_to = kNoise * size_of(to);
+  std::complex<double> used[kFeatures];
+  for (int k = 0; k < kFeatures; ++k) {
+    const double x = std::abs(from[k]) < noise_from ? 0.0 : from[k].real();
+    const double y = std::abs(to[k]) < noise_to ? 0.0 : to[k].real();
+    q.start[k] = x, q.change[k] = y - x;
+    used[k] = std::abs(x) + std::abs(y);
+  }
+  q.groups = groups(used);
+}
+
 void split(const Wide& x, Complex& first, Complex* more, int stride) {
   first = x[0];
   for (int k = 0; k < kMore; ++k) more[k * stride] = x[k + 1];
@@ -163,6 +206,23 @@ void make_homotopy(const bool* products, const Side& start, const Side& target, 
     H.tau_start[i] = plain(begin);
     split(change, H.tau_change[i], &H.tau_more[0][i], kEquations);
   }
+}
+
+bool make_real_homotopy(const bool* products, const Side& start, const Side& target, RealHomotopy& H) {
+  for (int i = 0; i < kEquations; ++i) {
+    std::complex<double> a[2][kFeatures], b[2][kFeatures];
+    double value[2];
+    if (!real_parts(products[i], start, i, a[0], b[0], value[0]) ||
+        !real_parts(products[i], target, i, a[1], b[1], value[1]))
+      return false;
+    set_line(a[0], a[1], H.quadric[i]);
+    set_line(b[0], b[1], H.quadric[i + kEquations]);
+    H.product[i] = products[i];
+    H.value_start[i] = value[0], H.value_change[i] = value[1] - value[0];
+    H.tau_start[i] = plain(start.tau[i]);
+    H.tau_change[i] = plain(target.tau[i] - start.tau[i]);
+  }
+  return true;
 }
 
 }  // namespace gsp

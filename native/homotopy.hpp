@@ -22,4 +22,7 @@ struct Side {
 void make_homotopy(const bool* products, const Side& start, const Side& target, const Side* more,
                    Homotopy& H);
 
+// The same if it is real as a RealHomotopy is, at both ends up to rounding; returns whether it is.
+bool make_real_homotopy(const bool* products, const Side& start, const Side& target, RealHomotopy& H);
+
 }  // namespace gsp

@@ -102,6 +102,14 @@ INLINE void add_product(C& s, const Complex& a, const C& b) {
   s.im += a.re * b.im;
   s.im += a.im * b.re;
 }
+INLINE void add_product(C& s, const V& a, const C& b) {
+  s.re += a * b.re;
+  s.im += a * b.im;
+}
+INLINE void subtract_product(C& s, const V& a, const C& b) {
+  s.re -= a * b.re;
+  s.im -= a * b.im;
+}
 INLINE void subtract_product(C& s, const C& a, const C& b) {
   s.re -= a.re * b.re;
   s.re += a.im * b.im;
@@ -115,6 +123,19 @@ INLINE void add_conjugate_product(C& s, const C& a, const C& b) {
   s.im += a.re * b.im;
   s.im -= a.im * b.re;
 }
+// A sum of products, its four parts apart lest each waits for the one before.
+struct Sum {
+  V same_re, same_im, mixed, mixed_too;
+  INLINE void add(const C& a, const C& b) {
+    same_re += a.re * b.re;
+    same_im += a.im * b.im;
+    mixed += a.re * b.im;
+    mixed_too += a.im * b.re;
+  }
+  // Of a b, and of conj(a) b.
+  INLINE C total() const { return {same_re - same_im, mixed + mixed_too}; }
+  INLINE C conjugate_total() const { return {same_re + same_im, mixed - mixed_too}; }
+};
 INLINE V square(const C& a) { return a.re * a.re + a.im * a.im; }
 INLINE V minimum(const V& a, const V& b) { return select(a < b, a, b); }
 INLINE V maximum(const V& a, const V& b) { return select(a > b, a, b); }

@@ -50,6 +50,7 @@ struct Build {
   Track* track_extended;
   Track* track_fourfold;
   Track* track_short;
+  TrackReal* track_real;
   Intersect* intersect;
   Count* count;
   Follow* follow;
@@ -60,16 +61,16 @@ struct Build {
 
 constexpr Build kPortable{
     "portable",     track_portable,     track_portable_extended, track_portable_fourfold,
-    track_portable_short, intersect_portable, count_portable,    follow_portable,
-    prove_portable, decide_portable,    track_shifts_portable};
+    track_portable_short, track_portable_real, intersect_portable, count_portable,
+    follow_portable, prove_portable, decide_portable, track_shifts_portable};
 #if defined(GSP_X86)
 constexpr Build kAvx2{
     "avx2",           track_avx2, track_avx2_extended, track_avx2_fourfold, track_avx2_short,
-    intersect_avx2,   count_avx2, follow_avx2,         prove_avx2,          decide_avx2,
+    track_avx2_real, intersect_avx2,   count_avx2, follow_avx2,         prove_avx2,          decide_avx2,
     track_shifts_avx2};
 constexpr Build kAvx512{
     "avx512",           track_avx512, track_avx512_extended, track_avx512_fourfold,
-    track_avx512_short, intersect_avx512, count_avx512,      follow_avx512,
+    track_avx512_short, track_avx512_real, intersect_avx512, count_avx512,      follow_avx512,
     prove_avx512,       decide_avx512,    track_shifts_avx512};
 
 bool has_avx2() { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
@@ -160,6 +161,8 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
     std::atomic<std::size_t> next{0};
     const auto work = [&] {
       auto homotopy = std::make_unique<Homotopy>();
+      auto real_homotopy = std::make_unique<RealHomotopy>();
+      bool real = false;
       std::size_t prepared = targets;
       for (std::size_t i = next++; i < pieces; i = next++) {
         const std::size_t b = i / pieces_each, begin = (i % pieces_each) * length;
@@ -173,22 +176,31 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
           };
           Side more[kMore];
           for (std::size_t k = 0; k < more_parts; ++k) more[k] = end(more_g, more_h, more_tau, k);
-          make_homotopy(products.data(), {start_g.data(), start_h.data(), start_tau.data()},
-                        end(target_g, target_h, target_tau, b), more_parts ? more : nullptr,
-                        *homotopy);
+          const Side from{start_g.data(), start_h.data(), start_tau.data()},
+              to = end(target_g, target_h, target_tau, b);
+          real = run == chosen.track_short &&
+                 make_real_homotopy(products.data(), from, to, *real_homotopy);
+          if (!real)
+            make_homotopy(products.data(), from, to, more_parts ? more : nullptr, *homotopy);
           prepared = b;
         }
         const std::size_t at = b * paths + begin;
-        run(*homotopy, options, static_cast<int>(count),
-            reinterpret_cast<const Complex*>(points.data() + begin * kVariables),
-            low_points.shape(0) == 0
-                ? nullptr
-                : reinterpret_cast<const Complex*>(low_points.data() + begin * kMore * kVariables),
-            left.shape(0) == 0 ? nullptr : left.data() + begin,
-            {reinterpret_cast<Complex*>(point.get() + at * kVariables),
-             extended ? reinterpret_cast<Complex*>(low.get() + at * kMore * kVariables) : nullptr,
-             remaining.get() + at, status.get() + at, steps.get() + at, condition.get() + at,
-             curvature.get() + at, residual.get() + at, correction.get() + at});
+        const auto follow = [&](auto* way, const auto& equations) {
+          way(equations, options, static_cast<int>(count),
+              reinterpret_cast<const Complex*>(points.data() + begin * kVariables),
+              low_points.shape(0) == 0 ? nullptr
+                                       : reinterpret_cast<const Complex*>(low_points.data() +
+                                                                          begin * kMore * kVariables),
+              left.shape(0) == 0 ? nullptr : left.data() + begin,
+              {reinterpret_cast<Complex*>(point.get() + at * kVariables),
+               extended ? reinterpret_cast<Complex*>(low.get() + at * kMore * kVariables) : nullptr,
+               remaining.get() + at, status.get() + at, steps.get() + at, condition.get() + at,
+               curvature.get() + at, residual.get() + at, correction.get() + at});
+        };
+        if (real)
+          follow(chosen.track_real, *real_homotopy);
+        else
+          follow(run, *homotopy);
       }
     };
     share(jobs, pieces, work);

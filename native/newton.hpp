@@ -33,12 +33,21 @@ struct Workspace {
   V magnitude[kRows];     // of the terms that cancel in the values
   C factor[kQuadrics][N]; // gradients of the factors of products
   C f[kRows];             // values
+  Hessian hessian[kQuadrics];  // at t, where `go` went
+  C tau[kEquations];
+  V value[kEquations];    // imaginary parts of quadrics that are real but for a multiple of N
   D unit[2];              // of e and of f
   // Series of the factors and of N, for products.
   C g[kEquations][kOrder + 1], h[kEquations][kOrder + 1], n[kOrder + 1];
 };
 
 constexpr bool kUnits = GSP_PARTS > 2;
+
+// s += i a b
+INLINE void add_times_i(C& s, const V& a, const C& b) {
+  s.re -= a * b.im;
+  s.im += a * b.re;
+}
 
 INLINE void set_units(Workspace& w, const C* z) {
   if constexpr (kUnits) {
@@ -70,34 +79,60 @@ INLINE C study(const C* z) {
   return s;
 }
 
-// Values and Jacobian matrix at (z, t).
-void linearize(const Homotopy& H, Workspace& w, const C* z, const V& t) {
+// The equations at t.
+void go(const Equations& H, Workspace& w, const V& t) {
+  for (int i = 0; i < kEquations; ++i) {
+    hessian(H.quadric[i], t, w.hessian[i]);
+    if (H.product[i]) {
+      hessian(H.quadric[i + kEquations], t, w.hessian[i + kEquations]);
+      w.tau[i] = tau(H, i, t);
+    } else if constexpr (kReal) {
+      w.value[i] = value_at(H, i, t);
+    }
+  }
+}
+
+// The product of two factors: (A + iB) (A - iB) if A and B are what is known.
+INLINE C product_of(const C& g, const C& h) { return kReal ? g * g + h * h : g * h; }
+
+// Values and Jacobian matrix at z.
+void linearize(const Equations& H, Workspace& w, const C* z) {
   set_units(w, z);
+  C n{};
+  for (int j = 0; j < 4; ++j) add_product(n, z[j], z[j]);
+  w.n[0] = n;
   w.f[0] = study(z);
   w.magnitude[0] = splat(1.0);
   for (int i = 0; i < N; ++i) w.row[0][i] = z[(i + 4) % N];
   for (int i = 0; i < kEquations; ++i) {
     C* row = w.row[i + 1];
     if (!H.product[i]) {
-      w.f[i + 1] = gradient(H.quadric[i], z, t, row);
+      C g = gradient(H.quadric[i].groups, w.hessian[i], z, row);
+      if constexpr (kReal) {
+        add_times_i(g, w.value[i], n);
+        const V twice = w.value[i] + w.value[i];
+        for (int j = 0; j < 4; ++j) add_times_i(row[j], twice, z[j]);
+      }
+      w.f[i + 1] = g;
       w.magnitude[i + 1] = splat(1.0);
       continue;
     }
     C *dg = w.factor[i], *dh = w.factor[i + kEquations];
-    const C g = gradient(H.quadric[i], z, t, dg);
-    const C h = gradient(H.quadric[i + kEquations], z, t, dh);
-    C n{};
-    for (int j = 0; j < 4; ++j) add_product(n, z[j], z[j]);
-    const C tau_n = line(H.tau_start, H.tau_change, H.tau_more, i, t) * n;
+    const C g = gradient(H.quadric[i].groups, w.hessian[i], z, dg);
+    const C h = gradient(H.quadric[i + kEquations].groups, w.hessian[i + kEquations], z, dh);
+    const C tau_n = w.tau[i] * n;
     w.g[i][0] = g;
     w.h[i][0] = h;
-    w.n[0] = n;
-    w.f[i + 1] = g * h - tau_n * n;
-    w.magnitude[i + 1] = root(square(g) + square(h) + square(tau_n));
+    w.f[i + 1] = product_of(g, h) - tau_n * n;
+    const V factors = square(g) + square(h);
+    w.magnitude[i + 1] = root((kReal ? factors + factors : factors) + square(tau_n));
+    const C by_g = kReal ? g + g : h, by_h = kReal ? h + h : g;
+    const C by_n = splat(4.0) * tau_n;
     for (int j = 0; j < N; ++j) {
-      row[j] = g * dh[j];
-      add_product(row[j], h, dg[j]);
-      if (j < 4) row[j] = row[j] - splat(4.0) * (tau_n * z[j]);
+      C s = by_g * dg[j];
+      add_product(s, by_h, dh[j]);
+      if (j < 4) subtract_product(s, by_n, z[j]);
+      row[j] = s;
     }
   }
 }
@@ -114,8 +149,9 @@ void factorize(Workspace& w) {
     for (int k = 0; k < N; ++k) q[k] = scale * q[k];
     for (int i = j + 1; i < kRows; ++i) {
       C* r = w.row[i];
-      C s{};
-      for (int k = 0; k < N; ++k) add_conjugate_product(s, q[k], r[k]);
+      Sum sum{};
+      for (int k = 0; k < N; ++k) sum.add(q[k], r[k]);
+      const C s = sum.conjugate_total();
       for (int k = 0; k < N; ++k) subtract_product(r[k], s, q[k]);
       w.lower[i][j] = s;
     }
@@ -135,8 +171,9 @@ void substitute(const Workspace& w, C* b) {
 void solve(const Workspace& w, C* b, C* x) {
   substitute(w, b);
   for (int k = 0; k < N; ++k) {
-    C s{};
-    for (int j = 0; j < kRows; ++j) add_conjugate_product(s, w.row[j][k], b[j]);
+    Sum sum{};
+    for (int j = 0; j < kRows; ++j) sum.add(w.row[j][k], b[j]);
+    const C s = sum.conjugate_total();
     x[k] = kUnits ? by(w.unit[k / 4], s) : s;
   }
 }

@@ -13,44 +13,65 @@
 namespace gsp {
 namespace {
 
+// Of order k in the product of two series.
+INLINE C coefficient(const C* a, const C* b, int k) {
+  C s{};
+  if (a == b) {
+    for (int j = 0; 2 * j < k; ++j) add_product(s, a[j], a[k - j]);
+    s = s + s;
+    if (k % 2 == 0) add_product(s, a[k / 2], a[k / 2]);
+    return s;
+  }
+  for (int j = 0; j <= k; ++j) add_product(s, a[j], b[k - j]);
+  return s;
+}
+
 // The Taylor series of the paths through series[0] at t, with the factorization that linearize()
 // and factorize() have left.
-void expand(const Homotopy& H, Workspace& w, const V& t, C (*series)[N]) {
+void expand(const Equations& H, Workspace& w, const V& t, C (*series)[N]) {
   Pairs pairs;
   C phi[kFeatures], before[kFeatures], mixed[kFeatures], b[kRows];
-  clear(pairs);
-  add_square(pairs, series[0]);
+  take_square<true>(pairs, series[0]);
   features(pairs, before);
-  bool any_product = false;
+  bool any_product = kReal;
   for (int i = 0; i < kEquations; ++i) any_product |= H.product[i];
+  C square_before = w.n[0] * w.n[0];  // the coefficient of N^2 before
   for (int k = 1; k <= kOrder; ++k) {
-    clear(pairs);
-    for (int i = 1; 2 * i < k; ++i) add_both(pairs, series[i], series[k - i]);
-    if (k % 2 == 0) add_square(pairs, series[k / 2]);
-    features(pairs, phi);
-    for (int i = 0; i < kFeatures; ++i) {
-      mixed[i].re = t * phi[i].re + before[i].re;
-      mixed[i].im = t * phi[i].im + before[i].im;
-    }
+    const bool bent = k > 1;  // with terms that are not linear
     b[0] = C{};
-    for (int i = 0; i < 4; ++i) b[0] = b[0] - pairs.ef[i][i];
-    if (any_product) w.n[k] = norm_form(pairs);
+    if (bent) {
+      take_between(pairs, series, k);
+      features(pairs, phi);
+      for (int i = 0; i < kFeatures; ++i) {
+        mixed[i].re = t * phi[i].re + before[i].re;
+        mixed[i].im = t * phi[i].im + before[i].im;
+      }
+      for (int i = 0; i < 4; ++i) b[0] = b[0] - pairs.ef[i][i];
+    }
+    const auto given = [&](const Line& q) {
+      return bent ? value(q, phi, mixed) : change(q, before);
+    };
+    C square_now{};
+    if (any_product) {
+      w.n[k] = bent ? norm_form(pairs) : C{};
+      square_now = coefficient(w.n, w.n, k);
+    }
     for (int i = 0; i < kEquations; ++i) {
-      const C g = value(H.quadric[i], phi, mixed);
+      C g = given(H.quadric[i]);
       if (!H.product[i]) {
+        if constexpr (kReal) {
+          add_times_i(g, w.value[i], w.n[k]);
+          add_times_i(g, value_change(H, i), w.n[k - 1]);
+        }
         b[i + 1] = C{} - g;
         continue;
       }
       w.g[i][k] = g;
-      w.h[i][k] = value(H.quadric[i + kEquations], phi, mixed);
-      C s{}, n{}, m{};
-      for (int j = 0; j <= k; ++j) {
-        add_product(s, w.g[i][j], w.h[i][k - j]);
-        add_product(n, w.n[j], w.n[k - j]);
-        if (j < k) add_product(m, w.n[j], w.n[k - 1 - j]);
-      }
-      b[i + 1] = line(H.tau_start, H.tau_change, H.tau_more, i, t) * n - s;
-      add_product(b[i + 1], change_of(H.tau_change, H.tau_more, i), m);
+      w.h[i][k] = given(H.quadric[i + kEquations]);
+      const C s = kReal ? coefficient(w.g[i], w.g[i], k) + coefficient(w.h[i], w.h[i], k)
+                        : coefficient(w.g[i], w.h[i], k);
+      b[i + 1] = w.tau[i] * square_now - s;
+      add_product(b[i + 1], tau_change(H, i), square_before);
     }
     C* x = series[k];
     solve(w, b, x);
@@ -63,8 +84,14 @@ void expand(const Homotopy& H, Workspace& w, const V& t, C (*series)[N]) {
         add_product(w.h[i][k], w.factor[i + kEquations][j], x[j]);
       }
     }
-    add_both(pairs, series[0], x);
-    w.n[k] = norm_form(pairs);
+    if (bent)
+      take_both<false>(pairs, series[0], x);
+    else
+      take_both<true>(pairs, series[0], x);
+    if (any_product) {
+      w.n[k] = norm_form(pairs);
+      square_before = coefficient(w.n, w.n, k);
+    }
     features(pairs, before);
   }
 }
@@ -136,7 +163,7 @@ constexpr int kRefinements = 4;
 constexpr double kSettled = 250.0 * kEpsilon;
 
 // Newton's method at t = 1, for as many end points as there are lanes.
-void refine(const Homotopy& H, Workspace& w, int count, const int* index, const Results& out) {
+void refine(const Equations& H, Workspace& w, int count, const int* index, const Results& out) {
   C z[N];
   for (int i = 0; i < N; ++i)
     for (int l = 0; l < W; ++l) {
@@ -144,13 +171,13 @@ void refine(const Homotopy& H, Workspace& w, int count, const int* index, const 
       put(z[i], l, out.point[k]);
       if (out.low) put_all(z[i], l, 1.0, out.point[k], out.low + p * kMore * N + i);
     }
-  const V one = splat(1.0);
+  go(H, w, splat(1.0));
   V last = splat(1.0);
   // A lane that has converged stays as it is, whatever the others need.
   bool going = true;
   for (int k = 0; k < kRefinements && going; ++k) {
     C dz[N], moved[N];
-    linearize(H, w, z, one);
+    linearize(H, w, z);
     factorize(w);
     solve(w, w.f, dz);
     for (int i = 0; i < N; ++i) moved[i] = z[i] - dz[i];
@@ -161,7 +188,7 @@ void refine(const Homotopy& H, Workspace& w, int count, const int* index, const 
     going = false;
     for (int l = 0; l < W; ++l) going |= !(lane(last, l) < kSettled);
   }
-  linearize(H, w, z, one);
+  linearize(H, w, z);
   factorize(w);
   // Frobenius norms of the inverse of L, with the equations divided by their magnitude and as they
   // are.
@@ -197,7 +224,7 @@ void refine(const Homotopy& H, Workspace& w, int count, const int* index, const 
 
 class Tracker {
  public:
-  Tracker(const Homotopy& homotopy, const Options& options, int paths, const Complex* points,
+  Tracker(const Equations& homotopy, const Options& options, int paths, const Complex* points,
           const Complex* low, const double* left, const Results& out)
       : H(homotopy),
         options_(options),
@@ -274,11 +301,12 @@ class Tracker {
   // Two steps of Newton's method at s.next: their lengths, and that of what rounding causes.
   INLINE void correct(C* z, V& n1, V& n2, V& noise) {
     C first[N], second[N];
-    linearize(H, w, z, s.next);
+    go(H, w, s.next);
+    linearize(H, w, z);
     factorize(w);
     solve(w, w.f, first);
     for (int i = 0; i < N; ++i) z[i] = z[i] - first[i];
-    linearize(H, w, z, s.next);
+    linearize(H, w, z);
     factorize(w);
     solve(w, w.f, second);
     for (int i = 0; i < N; ++i) z[i] = z[i] - second[i];
@@ -367,7 +395,7 @@ class Tracker {
     }
   }
 
-  const Homotopy& H;
+  const Equations& H;
   const Options& options_;
   const int paths_;
   const Complex* const points_;
@@ -381,7 +409,7 @@ class Tracker {
 
 }  // namespace
 
-void GSP_TRACK(const Homotopy& homotopy, const Options& options, int paths, const Complex* points,
+void GSP_TRACK(const Equations& homotopy, const Options& options, int paths, const Complex* points,
                const Complex* low, const double* left, const Results& results) {
   Tracker(homotopy, options, paths, points, low, left, results).run();
 }

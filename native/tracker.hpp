@@ -43,6 +43,22 @@ struct Homotopy {
   Complex tau_more[kMore][kEquations];
 };
 
+// The same where all quadrics are real but for their values and how two factors make a product:
+// A_i + i value N = 0, or (A_i + iB_i) (A_i - iB_i) = tau N^2. Quadric 6 + i is B_i.
+struct RealLine {
+  unsigned groups;
+  double start[kFeatures];
+  double change[kFeatures];
+};
+struct RealHomotopy {
+  bool product[kEquations];
+  RealLine quadric[kQuadrics];
+  double value_start[kEquations];
+  double value_change[kEquations];
+  Complex tau_start[kEquations];
+  Complex tau_change[kEquations];
+};
+
 struct Options {
   double predictor_tolerance;  // aimed length of the first Newton correction (points have norm 1)
   double contraction;          // largest ratio of second to first Newton correction
@@ -82,5 +98,8 @@ Track track_portable_fourfold, track_avx2_fourfold, track_avx512_fourfold;
 
 // The same in double precision with series of fewer terms, for paths that are short.
 Track track_portable_short, track_avx2_short, track_avx512_short;
+using TrackReal = void(const RealHomotopy&, const Options&, int paths, const Complex* points,
+                       const Complex* low, const double* left, const Results&);
+TrackReal track_portable_real, track_avx2_real, track_avx512_real;
 
 }  // namespace gsp

@@ -1,7 +1,9 @@
 """Solved platforms with complex values, one a structure, from which paths to others are short.
 
 The stored start systems are quadrics without a geometry. A reference is a platform: its geometry is
-real, its values are complex numbers of the usual size, so that nothing about it is special.
+real, its values are complex numbers of the usual size, so that nothing about it is special. Of the
+distances of two lines only the squares on the right are complex: so both factors stay conjugate on
+the way to a real platform, and all quadrics real but for values, which the kernel makes use of.
 Equations are matched with those that they are most like, without which nothing is gained; and of
 the frames that the bodies of the reference may have, those are taken in which they are most like.
 Where the paths lead is proved afterwards; else it is forgotten.
@@ -159,7 +161,11 @@ def complex_platform(
     turns = rng.choice([-1.0, 1.0], len(kinds)) * rng.uniform(*_SPREAD, len(kinds))
     parameters = np.where(square, _MEAN, 0.0) + 1j * turns
     values = np.where(square, np.sqrt(parameters), parameters)
+    # The factors of distances of lines have the distance in them. They are to be conjugate.
+    lines = np.array([kind is DLL for kind in kinds])
+    values[lines] = np.sqrt(_MEAN)
     structure, coefficients = coefficients_of(kinds, y / length, x / length, u, v, values[None])
+    coefficients.tau[:, lines] = parameters[lines]
     return System(structure, coefficients.take(0)).canonical()
 
 
@@ -222,7 +228,10 @@ def _nearest(reference: Reference, given: Coefficients) -> tuple[StartSystem, Co
     """
     structure, turned = reference.start.system.structure, reference.turned
     factors = np.concatenate(given.take(0).normalized()[:2])
-    likeness = np.abs(factors @ turned.aims).reshape(2, EQUATIONS, EQUATIONS, -1)
+    products = factors @ turned.aims
+    free = _with_phases(structure)
+    products = np.where(np.tile(free, 2)[:, None], products, products.real)
+    likeness = np.abs(products).reshape(2, EQUATIONS, EQUATIONS, -1)
     orders, chosen = _orders(structure)
     # Of all orders and frames.
     sums = chosen @ likeness.max(axis=0).reshape(EQUATIONS**2, -1)
@@ -234,9 +243,23 @@ def _nearest(reference: Reference, given: Coefficients) -> tuple[StartSystem, Co
     g, h = np.where(swap, h, g), np.where(swap, g, h)
     system = System(structure, turned.coefficients.take(frame))
     phase = np.einsum("ic,ic->i", g[0], system.coefficients.g.conj())
+    phase = np.where(free, phase, phase.real)
     phase /= np.abs(phase)
     points = reference.start.points @ turned.maps[frame]
     return StartSystem(system, points), Coefficients(g, h, tau).scaled(1 / phase, phase)
+
+
+@cache
+def _with_phases(structure: Structure) -> NDArray[np.bool_]:
+    """Return which equations are multiplied by phases, shape (6,); others by signs, to stay real.
+
+    Products, whose factors stay conjugate; and the distances to three planes of one body, whose
+    normals would else be linearly dependent somewhere on the way for every other platform: there
+    poses go to infinity whatever the values are.
+    """
+    sorts = list(zip(structure.spaces, structure.products, strict=True))
+    three = [sort for sort in (("p", False), ("q", False)) if sorts.count(sort) == 3]
+    return np.array([sort[1] or sort in three for sort in sorts])
 
 
 @cache
