@@ -29,11 +29,10 @@ from gspcli.solver.geometry_start import SolvedSystem, Way
 from gspcli.solver.one_geometry import geometry_about, solved_system
 from gspcli.solver.pose_set import PoseSet, joined
 from gspcli.solver.proof import Ground, Proof
-from gspcli.solver.search import Effort, Search
-from gspcli.solver.uncounted import without_count
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
+    from gspcli.solver.search import Search
 
 #: Squares of distances, in typical lengths, are about this; what has a sign is about zero.
 _SQUARE = 0.5
@@ -120,6 +119,9 @@ def poses_of_geometry(
                 basis=Basis.COUNT,
             )
             return replace(poses, account=account, proof=_proof(count))
+    from gspcli.solver.search import Effort
+    from gspcli.solver.uncounted import without_count
+
     poses = joined([without_count(search, most, Effort.LITTLE) for search in searches])
     if poses.certified.sum() != count.solutions:
         return None
