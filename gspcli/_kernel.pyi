@@ -164,6 +164,21 @@ def prove(
     jobs: int = 1,
     build: str = "",
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64], NDArray[np.uint8]]: ...
+def prove_digits(
+    numbers: NDArray[np.uint64],
+    table: NDArray[np.float64],
+    points: NDArray[np.complex128],
+    *,
+    error: float,
+    unit: float,
+    origins: NDArray[np.float64],
+) -> tuple[
+    NDArray[np.complex128],
+    NDArray[np.complex128],
+    NDArray[np.complex128],
+    NDArray[np.complex128],
+    NDArray[np.uint8],
+]: ...
 
 REGULAR: int
 NEGATIVE: int

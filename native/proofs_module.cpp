@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "bindings.hpp"
+#include "digits.hpp"
 #include "threads.hpp"
 
 using namespace nanobind::literals;
@@ -64,6 +65,37 @@ nb::tuple prove(Array<double, 4> hessians, Array<double, 4> moduli,
                         owned(std::move(proved), {systems, count}));
 }
 
+nb::tuple prove_digits(Array<std::uint64_t, 3> numbers, Array<double, 3> table,
+                       Array<std::complex<double>, 3> points, double error, double unit,
+                       Array<double, 2> origins) {
+  const std::size_t forms = table.shape(0), count = points.shape(0), parts = points.shape(1);
+  const std::size_t eight = kVariables, rows = kEquations + 1;
+  require(table.shape(1) == eight && table.shape(2) == eight, "table must have shape (k, 8, 8)");
+  require(numbers.shape(0) == rows && numbers.shape(1) == forms && numbers.shape(2) == kDigitWords,
+          "numbers must have shape (7, k, 7)");
+  require(points.shape(2) == eight, "points must have shape (n, parts, 8)");
+  require(origins.shape(0) == 2 && origins.shape(1) == 3, "origins must have shape (2, 3)");
+  auto R = std::make_unique<std::complex<double>[]>(count * 9);
+  auto T = std::make_unique<std::complex<double>[]>(count * 3);
+  auto quaternion = std::make_unique<std::complex<double>[]>(count * 4);
+  auto norm = std::make_unique<std::complex<double>[]>(count);
+  auto proved = std::make_unique<std::uint8_t[]>(count);
+  const auto plain = [](std::unique_ptr<std::complex<double>[]>& array) {
+    return reinterpret_cast<Complex*>(array.get());
+  };
+  {
+    nb::gil_scoped_release release;
+    prove_with_digits({static_cast<int>(forms), table.data(), numbers.data(), error, unit,
+                       origins.data(), origins.data() + 3},
+                      static_cast<int>(count), static_cast<int>(parts),
+                      reinterpret_cast<const Complex*>(points.data()),
+                      {plain(R), plain(T), plain(quaternion), plain(norm), proved.get()});
+  }
+  return nb::make_tuple(owned(std::move(R), {count, 3, 3}), owned(std::move(T), {count, 3}),
+                        owned(std::move(quaternion), {count, 4}), owned(std::move(norm), {count}),
+                        owned(std::move(proved), {count}));
+}
+
 }  // namespace
 
 void bind_proofs(nb::module_& m, Prove* (*choose_prove)(const std::string& build)) {
@@ -71,6 +103,10 @@ void bind_proofs(nb::module_& m, Prove* (*choose_prove)(const std::string& build
   m.def("prove", &prove, "hessians"_a, "moduli"_a, "equations"_a, "points"_a, "patches"_a,
         nb::kw_only(), "jobs"_a = 1, "build"_a = "",
         "Prove that single solutions are near points; see gspcli.certification.many_values.");
+  m.def("prove_digits", &prove_digits, "numbers"_a, "table"_a, "points"_a, nb::kw_only(),
+        "error"_a, "unit"_a, "origins"_a,
+        "Prove that single solutions of quadrics are near points, with 86 digits; see "
+        "gspcli.certification.digit_proofs.");
 }
 
 }  // namespace gsp

@@ -2,28 +2,10 @@
 #include "residuals.hpp"
 
 #include "lanes.hpp"
+#include "pair.hpp"
 
 namespace gsp {
 namespace {
-
-// hi + lo += a b, for numbers of 32 digits; a double-double number each.
-struct Pair {
-  double hi, lo;
-};
-
-Pair sum(const Pair& a, const Pair& b) {
-  const double s = a.hi + b.hi, v = s - a.hi;
-  const double e = (a.hi - (s - v)) + (b.hi - v) + (a.lo + b.lo);
-  const double hi = s + e;
-  return {hi, e - (hi - s)};
-}
-
-Pair product(const Pair& a, const Pair& b) {
-  const double p = a.hi * b.hi;
-  const double e = __builtin_fma(a.hi, b.hi, -p) + (a.hi * b.lo + a.lo * b.hi);
-  const double hi = p + e;
-  return {hi, e - (hi - p)};
-}
 
 // The Hessian matrices for one set of values.
 void insert(const FineGeometry& g, const FineValues& given, double* hessian, double* low) {

@@ -81,15 +81,32 @@ class BallSystem:
         self.forms: list[Form] = [{study.NORM: arb(1)}, {study.STUDY: arb(1)}]
         #: For each constraint its equation, or those of its positive and its negative side.
         self.equations = tuple(self._equations(statement) for statement in self.statements)
-        rows = [[form.get(k, arb(0)) for k in range(study.COUNT)] for form in self.forms]
-        count = len(rows)
-        self._coefficients = acb_mat(arb_mat(rows))
-        hessians = arb_mat(rows) * arb_mat(_hessians())
-        entries = hessians.entries()
-        self._entries = [entries[64 * k : 64 * (k + 1)] for k in range(count)]
-        self._hessians = acb_mat(arb_mat(8 * count, 8, entries))
-        self._moduli = floats_above(entries).reshape(count, 8, 8)
         self._single: dict[tuple[int, ...], acb_mat | None] = {}
+
+    @cached_property
+    def _rows(self) -> arb_mat:
+        """The coefficients of the quadrics in all forms, a quadric a row."""
+        return arb_mat([[form.get(k, arb(0)) for k in range(study.COUNT)] for form in self.forms])
+
+    @cached_property
+    def _coefficients(self) -> acb_mat:
+        return acb_mat(self._rows)
+
+    @cached_property
+    def _entries(self) -> list[list[arb]]:
+        """The entries of the Hessian matrix of each quadric."""
+        entries = (self._rows * arb_mat(_hessians())).entries()
+        return [entries[64 * k : 64 * (k + 1)] for k in range(len(self.forms))]
+
+    @cached_property
+    def _hessians(self) -> acb_mat:
+        """The Hessian matrices below each other."""
+        return acb_mat(arb_mat(8 * len(self.forms), 8, list(chain(*self._entries))))
+
+    @cached_property
+    def _moduli(self) -> NDArray[np.float64]:
+        """Bounds of the moduli of the entries of the Hessian matrices, shape (k, 8, 8)."""
+        return floats_above(chain(*self._entries)).reshape(-1, 8, 8)
 
     @property
     def is_finite(self) -> bool:

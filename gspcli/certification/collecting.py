@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import cached_property, partial
 
 import numpy as np
-from flint import ctx
+from flint import acb, ctx
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.certification import study
+from gspcli.certification.digit_proofs import DigitProofs
 from gspcli.certification.distinct import all_different, first_of_each, same
 from gspcli.certification.floating import prove
 from gspcli.certification.locating import (
@@ -24,6 +26,8 @@ from gspcli.geometry.quaternions import Field, cross, dot
 
 Complex = NDArray[np.complex128]
 Array = NDArray[np.float64]
+#: Returns a point from which a pose can be located.
+Start = Callable[[], list[acb]]
 
 #: Poses for which doubles prove only a larger bound of the error, relative to the largest entry of
 #: R and T, are located with more digits. Bounds are a thousand times the errors and more.
@@ -63,6 +67,8 @@ class Collection:
         self.real = np.zeros(0, np.bool_)
         self._deviations = np.zeros(0)
         self._located: list[Located | None] = []
+        #: Points to locate poses from that are known to more digits than those of doubles.
+        self._starts: dict[int, Start] = {}
         self._paired: set[int] = set()
 
     def __len__(self) -> int:
@@ -100,6 +106,27 @@ class Collection:
         self._located = [None] * len(real)
         return np.asarray(proved)
 
+    def add_with_digits(self, points: Complex, low: Complex | None) -> NDArray[np.bool_]:
+        """Add the poses near points that 86 digits prove; return near which.
+
+        Only poses that doubles tell from all others are added: of the rest nothing is said.
+
+        Parameters
+        ----------
+        points, low
+            As for `Locator.locate`.
+        """
+        new = np.zeros(len(points), np.bool_)
+        if len(points) and self._digit_proofs is not None:
+            found = self._digit_proofs.prove(points, low)
+            for k in np.flatnonzero(found.proved).tolist():
+                rest = points[k, None][:0] if low is None else low[k]
+                start = partial(self._start, points[k], rest)
+                new[k] = self._add_doubles(
+                    found.R[k], found.T[k], found.quaternions[k], bool(found.real[k]), start
+                )
+        return new
+
     def add(self, poses: Iterable[Located | AtInfinity | None]) -> int:
         """Add those located poses that are proved to be new; return how many."""
         return sum(self._add(pose) for pose in poses if isinstance(pose, Located))
@@ -108,39 +135,86 @@ class Collection:
         """Add the conjugates of located poses: the equations are real. Return how many are new."""
         before = len(self)
         for k, pose in enumerate(self._located[:before]):
-            if pose is None or pose.real or k in self._paired:
+            start = self._starts.get(k)
+            if (pose is None and start is None) or self.real[k] or k in self._paired:
                 continue
             self._paired.add(k)
-            if self._add(pose.conjugate):
+            if self._add_conjugate(k, start):
                 self._paired.add(len(self) - 1)
         return len(self) - before
 
+    @cached_property
+    def _digit_proofs(self) -> DigitProofs | None:
+        return DigitProofs.of(self.locator, self.sides)
+
+    def _start(self, point: Complex, low: Complex) -> list[acb]:
+        with ctx.workprec(LAST_PRECISION):
+            return self.locator.in_frames(point, low)
+
+    def _add_doubles(
+        self, R: Complex, T: Complex, quaternion: Complex, real: bool, start: Start
+    ) -> bool:
+        """Add a pose proved with more digits, rounded to doubles, if these tell it from all."""
+        near, deviation = self._near(R, T)
+        if len(near):
+            return False
+        # So far from it may a ball of it be, rounded likewise.
+        self._append(R, T, quaternion, real, 2 * deviation, None)
+        self._starts[len(self) - 1] = start
+        return True
+
+    def _add_conjugate(self, k: int, start: Start | None) -> bool:
+        if start is not None:
+            R, T, quaternion = (x[k].conj() for x in (self.R, self.T, self.quaternions))
+            if self._add_doubles(R, T, quaternion, False, _conjugates(start)):
+                return True
+        pose = self._exactly(k)
+        return pose is not None and self._add(pose.conjugate)
+
+    def _near(self, R: Complex, T: Complex) -> tuple[NDArray[np.intp], float]:
+        """Return which poses doubles do not tell from a located one, and how far that is off."""
+        scale = self.locator.scale
+        here = _entries(R[None], T[None] / scale)
+        deviation = float(_ROUNDED * np.abs(here).max(initial=1))
+        gaps = np.abs(_entries(self.R, self.T / scale) - here).max(axis=1, initial=0)
+        return np.flatnonzero(gaps <= 2 * (self._deviations + deviation)), deviation
+
+    def _append(
+        self,
+        R: Complex,
+        T: Complex,
+        quaternion: Complex,
+        real: bool,
+        deviation: float,
+        located: Located | None,
+    ) -> None:
+        self.R = np.concatenate([self.R, R[None]])
+        self.T = np.concatenate([self.T, T[None]])
+        self.quaternions = np.concatenate([self.quaternions, quaternion[None]])
+        self.real = np.append(self.real, real)
+        self._deviations = np.append(self._deviations, deviation)
+        self._located.append(located)
+
     def _add(self, pose: Located) -> bool:
-        scale = pose.scale
-        deviation = _ROUNDED * np.abs(_entries(pose.R[None], pose.T[None] / scale)).max(initial=1)
-        gaps = np.abs(
-            _entries(self.R, self.T / scale) - _entries(pose.R[None], pose.T[None] / scale)
-        ).max(axis=1, initial=0)
-        for k in np.flatnonzero(gaps <= 2 * (self._deviations + deviation)).tolist():
+        near, deviation = self._near(pose.R, pose.T)
+        for k in near.tolist():
             other = self._exactly(k)
             if other is None or not _different(other, pose):
                 return False
-        self.R = np.concatenate([self.R, pose.R[None]])
-        self.T = np.concatenate([self.T, pose.T[None]])
-        self.quaternions = np.concatenate([self.quaternions, pose.quaternion[None]])
-        self.real = np.append(self.real, pose.real)
-        self._deviations = np.append(self._deviations, deviation)
-        self._located.append(pose)
+        self._append(pose.R, pose.T, pose.quaternion, pose.real, deviation, pose)
         return True
 
     def _exactly(self, k: int) -> Located | None:
         """Return a pose with all its digits, if they can be had."""
         if self._located[k] is None:
             scale = self.locator.scale
-            points, _ = study.study_points(self.R[k][None], self.T[k][None] / scale)
-            with ctx.workprec(LAST_PRECISION):
-                start = self.locator.exactly(points[0])
-            found = self.locator.locate_exactly(start, self.sides)
+            if k in self._starts:
+                start, bits = self._starts[k](), 4 * FIRST_PRECISION
+            else:
+                points, _ = study.study_points(self.R[k][None], self.T[k][None] / scale)
+                with ctx.workprec(LAST_PRECISION):
+                    start, bits = self.locator.exactly(points[0]), FIRST_PRECISION
+            found = self.locator.locate_exactly(start, self.sides, bits)
             if isinstance(found, Located) and self._is_near(k, found):
                 self._located[k] = found
         return self._located[k]
@@ -151,6 +225,10 @@ class Collection:
         gap = np.abs(_entries(self.R[k][None], self.T[k][None] / pose.scale) - here).max()
         error = _ROUNDED * np.abs(here).max(initial=1)
         return bool(gap + error <= self._deviations[k])
+
+
+def _conjugates(start: Start) -> Start:
+    return lambda: [x.conjugate() for x in start()]
 
 
 def _different(first: Located, second: Located) -> bool:

@@ -191,10 +191,10 @@ class Search:
         # One of each pair of conjugates is enough.
         source = index[_sources(ends.points[index])]
         sought = index[source == index]
-        near = self.pursuit.improved(ends.take(sought), self._target)
-        bits = FIRST_PRECISION * near.digits // 16
-        located = self.locator.locate(near.points, near.low, self.sides, bits)
-        new[sought] = [self._adds(end) for end in located]
+        quickly = self.found.add_with_digits(ends.points[sought], ends.low[sought])
+        new[sought[quickly]] = True
+        located = self._located(ends.take(sought[~quickly]))
+        new[sought[~quickly]] = [self._adds(end) for end in located]
         new[index] = new[source]
         self.found.add_conjugates()
         for end in located:
@@ -203,6 +203,14 @@ class Search:
                 if not any(same(isolation, other) for other in self.infinite):
                     self.infinite.append(isolation)
         return new
+
+    def _located(self, ends: PursuedEnds) -> list[Located | AtInfinity | None]:
+        """Return what is proved near ends in balls, None where nothing is."""
+        if not len(ends.points):
+            return []
+        near = self.pursuit.improved(ends, self._target)
+        bits = FIRST_PRECISION * near.digits // 16
+        return self.locator.locate(near.points, near.low, self.sides, bits)
 
     def _adds(self, end: Located | AtInfinity | None) -> bool:
         """Add what a path has led to; return whether that is new."""

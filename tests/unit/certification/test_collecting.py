@@ -93,3 +93,24 @@ def test_conjugates_of_complex_poses_are_poses(tangent):
     assert collection.add_conjugates() == 1
     assert collection.add_conjugates() == 0
     np.testing.assert_allclose(collection.T[1], collection.T[0].conj(), rtol=0, atol=0)
+
+
+@pytest.mark.parametrize("digits", [8, 30])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_what_more_digits_prove_is_added_where_doubles_tell_it_from_the_rest(tangent, digits, sign):
+    gap = (2 * sign * 10.0**-digits + 0j) ** 0.5
+    points = np.array([point(np.eye(3), [1, 0, 0])] * 2)
+    low = np.array(
+        [[[0, 0, 0, 0, *point(np.eye(3), [0, 0, way])[4:] * gap]] for way in (0.9, -0.9)]
+    )
+    collection = Collection(Locator(tangent(1 + sign * Fraction(1, 10**digits)), OWN), SIDES)
+    apart = digits == 8
+    assert collection.add_with_digits(points, low).tolist() == [True, apart]
+    assert len(collection) == 1 + apart
+    assert collection.add_conjugates() == (not apart and sign < 0)
+    # In balls nothing is new that was there, and what was too near is.
+    again = collection.locator.locate(points, low, SIDES)
+    assert collection.add(again) == (not apart and sign > 0)
+    assert len(collection) == 2
+    assert collection.add_with_digits(points, low).tolist() == [False, False]
+    assert collection.real.tolist() == [sign > 0] * 2
