@@ -113,16 +113,18 @@ def geometry_start(
     y, x, u, v = np.frombuffer(geometry).reshape(4, len(kinds), 3)
     structure, coefficients = coefficients_of(kinds, y, x, u, v, values[None])
     system = System(structure, coefficients.take(0)).canonical()
+    solutions: ComplexArray | None = None
+    if way is Way.FLAT:
+        solutions = ends_from_flat(kinds, y, x, system)
+        if solutions is None:
+            return None
     shifts = None
     if not structure.is_product.any() and DLL not in kinds:
         _, plain = coefficients_of(kinds, y, x, u, v, np.zeros((1, len(kinds))))
         shifts = Shifts.of(plain.g[0].real)
-    solutions: ComplexArray | None
-    if way is Way.FLAT:
-        solutions = ends_from_flat(kinds, y, x, system)
-    elif way is Way.SOLVED:
+    if way is Way.SOLVED:
         solutions = _ends_from_solved(shifts, solved, parameters)
-    else:
+    elif way is not Way.FLAT:
         pursuit = next(pursue([system], seed=seed))
         solutions = _all_finite(pursuit) if way is Way.CAREFUL else pursuit.distinct_simple()
     if solutions is None or not len(solutions):
