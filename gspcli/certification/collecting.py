@@ -70,6 +70,8 @@ class Collection:
         #: Points to locate poses from that are known to more digits than those of doubles.
         self._starts: dict[int, Start] = {}
         self._paired: set[int] = set()
+        #: Poses whose conjugates doubles do not tell from others.
+        self._close: list[int] = []
 
     def __len__(self) -> int:
         """Return how many different solutions are proved."""
@@ -132,14 +134,33 @@ class Collection:
         return sum(self._add(pose) for pose in poses if isinstance(pose, Located))
 
     def add_conjugates(self) -> int:
-        """Add the conjugates of located poses: the equations are real. Return how many are new."""
+        """Add the conjugates of poses located or proved with more digits: equations are real.
+
+        Only those that doubles tell from all others are added, and how many is returned; for the
+        others see `add_close_conjugates`.
+        """
         before = len(self)
-        for k, pose in enumerate(self._located[:before]):
-            start = self._starts.get(k)
+        for k in range(before):
+            pose, start = self._located[k], self._starts.get(k)
             if (pose is None and start is None) or self.real[k] or k in self._paired:
                 continue
             self._paired.add(k)
-            if self._add_conjugate(k, start):
+            if self._add_conjugate(k, pose, start):
+                self._paired.add(len(self) - 1)
+            else:
+                self._close.append(k)
+        return len(self) - before
+
+    def add_close_conjugates(self) -> int:
+        """Add those conjugates that only balls tell from the rest; return how many are new.
+
+        Most are none: both poses of a pair are in the collection. To prove it takes long.
+        """
+        close, self._close = self._close, []
+        before = len(self)
+        for k in close:
+            pose = self._exactly(k)
+            if pose is not None and self._add(pose.conjugate):
                 self._paired.add(len(self) - 1)
         return len(self) - before
 
@@ -163,13 +184,14 @@ class Collection:
         self._starts[len(self) - 1] = start
         return True
 
-    def _add_conjugate(self, k: int, start: Start | None) -> bool:
+    def _add_conjugate(self, k: int, pose: Located | None, start: Start | None) -> bool:
         if start is not None:
             R, T, quaternion = (x[k].conj() for x in (self.R, self.T, self.quaternions))
-            if self._add_doubles(R, T, quaternion, False, _conjugates(start)):
-                return True
-        pose = self._exactly(k)
-        return pose is not None and self._add(pose.conjugate)
+            return self._add_doubles(R, T, quaternion, False, _conjugates(start))
+        assert pose is not None
+        return not len(self._near(self.R[k].conj(), self.T[k].conj())[0]) and self._add(
+            pose.conjugate
+        )
 
     def _near(self, R: Complex, T: Complex) -> tuple[NDArray[np.intp], float]:
         """Return which poses doubles do not tell from a located one, and how far that is off."""

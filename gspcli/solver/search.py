@@ -103,11 +103,11 @@ class Search:
         unproved = ends.simple & ~proved
         if unproved.any():
             self._locate(ends.take(unproved))
-            yield Effort.LITTLE
+            yield from self._compared(Effort.LITTLE)
         astray = np.flatnonzero(~proved & ~unproved)
         near, better = self.pursuit.converged(ends.take(astray), self._target)
         found = near[self._locate(better)]
-        yield Effort.LITTLE
+        yield from self._compared(Effort.LITTLE)
         left = yield from self._follow_deeply(np.delete(astray, found), Effort.SOME, 0)
         if len(found):
             # Those of Newton's method may be the poses of other paths.
@@ -146,6 +146,7 @@ class Search:
         for which, ends in self.pursuit.deeply(index, self._target, attempt):
             new[which[ends.settled]] = self._locate(ends.take(ends.settled))
             yield effort
+        yield from self._compared(effort)
         # Two paths to one pose: one of them has jumped.
         return index[~new]
 
@@ -173,6 +174,12 @@ class Search:
             order = list(structure.order)
             given = Coefficients(*(x[0, order] for x in coefficients))
             return ExtendedCoefficients.of(self.pursuit.balanced(given))
+
+    def _compared(self, effort: Effort) -> Iterator[Effort]:
+        """Yield, and where that was not enough add conjugates that only balls tell from others."""
+        yield effort
+        if self.found.add_close_conjugates():
+            yield effort
 
     def _add_simple(self, ends: PursuedEnds) -> NDArray[np.bool_]:
         """Add the ends that floating point can prove; return which."""
@@ -230,6 +237,7 @@ class Search:
                 self.found.add([partner(self.locator, pose)])
         self._shared.clear()
         self.found.add_conjugates()
+        self.found.add_close_conjugates()
 
     def _eliminate(self, bits: int) -> None:
         """Add the poses that eigenvectors give, paths or not."""
@@ -239,6 +247,7 @@ class Search:
                 start = self.locator.point_of_pose(pose.R, pose.T, bits)
                 self.found.add([self.locator.locate_exactly(start, self.sides, bits // 2)])
         self.found.add_conjugates()
+        self.found.add_close_conjugates()
 
     def _is_on_sides(self, signs: tuple[int, ...]) -> bool:
         """Whether signs of the distances mean the equations of this search."""

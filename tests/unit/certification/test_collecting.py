@@ -95,6 +95,21 @@ def test_conjugates_of_complex_poses_are_poses(tangent):
     np.testing.assert_allclose(collection.T[1], collection.T[0].conj(), rtol=0, atol=0)
 
 
+def test_conjugates_that_doubles_cannot_tell_apart_are_compared_in_balls(tangent):
+    instance = tangent(1 - Fraction(1, 10**40))
+    for ways, new in (((1,), 1), ((1, -1), 0)):
+        collection = Collection(Locator(instance, OWN), SIDES)
+        high = np.array([point(np.eye(3), [1, 0, 0])] * len(ways))
+        low = np.array(
+            [[[0, 0, 0, 0, *point(np.eye(3), [0, 0, way * 1.4e-20j])[4:]]] for way in ways]
+        )
+        assert collection.add(collection.locator.locate(high, low, SIDES)) == len(ways)
+        assert collection.add_conjugates() == 0
+        assert collection.add_close_conjugates() == new
+        assert collection.add_close_conjugates() == 0
+        assert len(collection) == 2
+
+
 @pytest.mark.parametrize("digits", [8, 30])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_what_more_digits_prove_is_added_where_doubles_tell_it_from_the_rest(tangent, digits, sign):
@@ -107,7 +122,9 @@ def test_what_more_digits_prove_is_added_where_doubles_tell_it_from_the_rest(tan
     apart = digits == 8
     assert collection.add_with_digits(points, low).tolist() == [True, apart]
     assert len(collection) == 1 + apart
-    assert collection.add_conjugates() == (not apart and sign < 0)
+    assert collection.add_conjugates() == 0
+    assert collection.add_close_conjugates() == (not apart and sign < 0)
+    assert collection.add_close_conjugates() == 0
     # In balls nothing is new that was there, and what was too near is.
     again = collection.locator.locate(points, low, SIDES)
     assert collection.add(again) == (not apart and sign > 0)
