@@ -20,7 +20,7 @@ from gspcli.continuation.systems import EQUATIONS, System
 from gspcli.records import dataclass
 from gspcli.solver.flat_start import ends_from_flat
 from gspcli.solver.start_pool import StartPool
-from gspcli.solver.study_systems import coefficients_of
+from gspcli.solver.study_systems import coefficients_of, complex_system
 
 Array = NDArray[np.float64]
 
@@ -108,11 +108,9 @@ def geometry_start(
     rng = np.random.default_rng([seed, len(kinds)])
     turns = rng.choice([-1.0, 1.0], len(kinds)) * rng.uniform(*_SPREAD, len(kinds))
     parameters = np.where(np.array(spread) == 0, 0.0, np.array(mean) + 1j * turns * spread)
-    square = [kind.is_distance and not kind.has_sides for kind in kinds]
-    values = np.where(square, np.sqrt(parameters), parameters)
     y, x, u, v = np.frombuffer(geometry).reshape(4, len(kinds), 3)
-    structure, coefficients = coefficients_of(kinds, y, x, u, v, values[None])
-    system = System(structure, coefficients.take(0)).canonical()
+    system = complex_system(kinds, y, x, u, v, parameters)
+    structure = system.structure
     solutions: ComplexArray | None = None
     if way is Way.FLAT:
         solutions = ends_from_flat(kinds, y, x, system)

@@ -1,9 +1,8 @@
 """Solved platforms with complex values, one a structure, from which paths to others are short.
 
 The stored start systems are quadrics without a geometry. A reference is a platform: its geometry is
-real, its values are complex numbers of the usual size, so that nothing about it is special. Of the
-distances of two lines only the squares on the right are complex: so both factors stay conjugate on
-the way to a real platform, and all quadrics real but for values, which the kernel makes use of.
+real, its values are complex numbers of the usual size, so that nothing about it is special. On the
+way to a real platform quadrics stay real but for values, which the kernel makes use of.
 Equations are matched with those that they are most like, without which nothing is gained; and of
 the frames that the bodies of the reference may have, those are taken in which they are most like.
 Where the paths lead is proved afterwards; else it is forgotten.
@@ -32,7 +31,7 @@ from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, Syst
 from gspcli.continuation.tracker import TrackerOptions
 from gspcli.geometry.quaternions import quaternion_product
 from gspcli.records import dataclass
-from gspcli.solver.study_systems import coefficients_of
+from gspcli.solver.study_systems import complex_system
 
 if TYPE_CHECKING:
     from gspcli.continuation.pursuit import Pursuit
@@ -160,13 +159,7 @@ def complex_platform(
     square = np.array([kind.is_distance and not kind.has_sides for kind in kinds])
     turns = rng.choice([-1.0, 1.0], len(kinds)) * rng.uniform(*_SPREAD, len(kinds))
     parameters = np.where(square, _MEAN, 0.0) + 1j * turns
-    values = np.where(square, np.sqrt(parameters), parameters)
-    # The factors of distances of lines have the distance in them. They are to be conjugate.
-    lines = np.array([kind is DLL for kind in kinds])
-    values[lines] = np.sqrt(_MEAN)
-    structure, coefficients = coefficients_of(kinds, y / length, x / length, u, v, values[None])
-    coefficients.tau[:, lines] = parameters[lines]
-    return System(structure, coefficients.take(0)).canonical()
+    return complex_system(kinds, y / length, x / length, u, v, parameters)
 
 
 def pursue_near(

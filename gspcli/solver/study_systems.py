@@ -83,6 +83,30 @@ def systems_of(
         yield System.of(structure, *rest)
 
 
+def complex_system(
+    kinds: Sequence[Kind], y: Array, x: Array, u: Array, v: Array, parameters: Complex
+) -> System:
+    """Return a system of a platform with complex values, in canonical order.
+
+    Of the distance of two lines, which its factors have in them, only the square on the right is
+    complex: so factors are conjugate, and stay so on the way to a real platform.
+
+    Parameters
+    ----------
+    kinds, y, x, u, v
+        As for `coefficients_of`, shape (6, 3).
+    parameters
+        What the equations are linear in: squares of distances without sides, shape (6,).
+    """
+    square = [kind.is_distance and not kind.has_sides for kind in kinds]
+    lines = [kind is DLL for kind in kinds]
+    values = np.where(square, np.sqrt(parameters), parameters)
+    values = np.where(lines, np.abs(values), values)
+    structure, coefficients = coefficients_of(kinds, y, x, u, v, values[None])
+    coefficients.tau[:, lines] = parameters[lines]
+    return System(structure, coefficients.take(0)).canonical()
+
+
 def coefficients_of(
     kinds: Sequence[Kind], y: Array, x: Array, u: Array, v: Array, values: Scalars
 ) -> tuple[Structure, Coefficients]:
