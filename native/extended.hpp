@@ -13,6 +13,14 @@ namespace {
 
 struct Extended {
   D hi, lo;
+  Extended() = default;
+  INLINE Extended(const D& a, const D& b) : hi(a), lo(b) {}
+  // Vector by vector, as C in lanes.hpp.
+  INLINE Extended(const Extended& o) : hi(o.hi), lo(o.lo) {}
+  INLINE Extended& operator=(const Extended& o) {
+    hi = o.hi, lo = o.lo;
+    return *this;
+  }
 };
 
 // hi + lo, if |a| >= |b|.

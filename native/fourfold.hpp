@@ -16,6 +16,14 @@ namespace {
 
 struct Fourfold {
   D part[4];
+  Fourfold() = default;
+  INLINE Fourfold(const D& a, const D& b, const D& c, const D& d) : part{a, b, c, d} {}
+  // Vector by vector, as C in lanes.hpp.
+  INLINE Fourfold(const Fourfold& o) : part{o.part[0], o.part[1], o.part[2], o.part[3]} {}
+  INLINE Fourfold& operator=(const Fourfold& o) {
+    for (int k = 0; k < 4; ++k) part[k] = o.part[k];
+    return *this;
+  }
 };
 
 // Makes the parts overlap by no bits, as far as two passes do.
@@ -31,13 +39,13 @@ INLINE Fourfold renormalized(D a, D b, D c, D d) {
   Extended s = exact_sum(b, c);
   b = s.hi, c = s.lo;
   s = exact_sum(c, d);
-  return {{a, b, s.hi, s.lo}};
+  return {a, b, s.hi, s.lo};
 }
 
-INLINE Fourfold fourfold(const D& x) { return {{x, D{}, D{}, D{}}}; }
+INLINE Fourfold fourfold(const D& x) { return {x, D{}, D{}, D{}}; }
 
 INLINE Fourfold operator-(const Fourfold& a) {
-  return {{-a.part[0], -a.part[1], -a.part[2], -a.part[3]}};
+  return {-a.part[0], -a.part[1], -a.part[2], -a.part[3]};
 }
 
 // a plus b.
@@ -155,8 +163,8 @@ INLINE Mask operator>(const Fourfold& a, double b) { return fourfold(D{} + b) < 
 INLINE Mask operator>=(const Fourfold& a, double b) { return fourfold(D{} + b) <= a; }
 
 INLINE Fourfold select(const Mask& m, const Fourfold& a, const Fourfold& b) {
-  return {{m ? a.part[0] : b.part[0], m ? a.part[1] : b.part[1], m ? a.part[2] : b.part[2],
-           m ? a.part[3] : b.part[3]}};
+  return {m ? a.part[0] : b.part[0], m ? a.part[1] : b.part[1], m ? a.part[2] : b.part[2],
+          m ? a.part[3] : b.part[3]};
 }
 
 // Sets one of the four doubles in all lanes.

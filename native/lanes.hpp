@@ -63,6 +63,15 @@ INLINE void put(V& x, int l, double value) { x[l] = value; }
 
 struct C {
   V re, im;
+  C() = default;
+  INLINE C(const V& a, const V& b) : re(a), im(b) {}
+  // Vector by vector: compilers copy plain structures by 16 bytes, and a processor that loads a whole
+  // vector of what was stored in pieces waits until they have left its store buffer.
+  INLINE C(const C& o) : re(o.re), im(o.im) {}
+  INLINE C& operator=(const C& o) {
+    re = o.re, im = o.im;
+    return *this;
+  }
 };
 
 INLINE Complex lane(const C& x, int l) { return {lane(x.re, l), lane(x.im, l)}; }

@@ -2,8 +2,8 @@
 //
 // Points are in C^8 of norm 1. The Jacobian matrix J has seven rows with J z = 0 on solutions, so
 // least-norm solutions of J dz = b are orthogonal to z: the row conj(z).dz = 0 of a moving patch is
-// there without being written. J = L Q with L lower triangular and orthonormal rows of Q, by
-// modified Gram-Schmidt, which needs no pivoting and so no branches between lanes.
+// there without being written. J = L R with L lower triangular, one on its diagonal, and orthogonal
+// rows of R, by modified Gram-Schmidt, which needs no pivoting and so no branches between lanes.
 //
 // With 64 digits lengths are measured in units of e and of f at the point:
 // poses far away are near each other in C^8, where e nearly vanishes, but not in these.
@@ -27,9 +27,9 @@ constexpr double kLeastSquare = 1e-280;
 
 // What one lane-wide step works with.
 struct Workspace {
-  C row[kRows][N];        // of the Jacobian matrix, then of Q; row 0 is that of e.f
+  C row[kRows][N];        // of the Jacobian matrix, then of R; row 0 is that of e.f
   C lower[kRows][kRows];  // L below its diagonal
-  V inverse[kRows];       // of L's diagonal
+  V inverse[kRows];       // of the squares of the lengths of R's rows
   V magnitude[kRows];     // of the terms that cancel in the values
   C factor[kQuadrics][N]; // gradients of the factors of products
   C f[kRows];             // values
@@ -137,21 +137,21 @@ void linearize(const Equations& H, Workspace& w, const C* z) {
   }
 }
 
-// J = L Q, columns of J in their units; the rows of J become those of Q.
+// J = L R, columns of J in their units; the rows of J become those of R.
 void factorize(Workspace& w) {
   if constexpr (kUnits)
     for (int i = 0; i < kRows; ++i)
       for (int j = 0; j < N; ++j) w.row[i][j] = by(w.unit[j / 4], w.row[i][j]);
   for (int j = 0; j < kRows; ++j) {
-    C* q = w.row[j];
-    const V scale = 1.0 / norm(q);
-    w.inverse[j] = scale;
-    for (int k = 0; k < N; ++k) q[k] = scale * q[k];
+    const C* q = w.row[j];
+    V size = square(q[0]);
+    for (int k = 1; k < N; ++k) size += square(q[k]);
+    w.inverse[j] = 1.0 / size;
     for (int i = j + 1; i < kRows; ++i) {
       C* r = w.row[i];
       Sum sum{};
       for (int k = 0; k < N; ++k) sum.add(q[k], r[k]);
-      const C s = sum.conjugate_total();
+      const C s = w.inverse[j] * sum.conjugate_total();
       for (int k = 0; k < N; ++k) subtract_product(r[k], s, q[k]);
       w.lower[i][j] = s;
     }
@@ -160,16 +160,17 @@ void factorize(Workspace& w) {
 
 // b becomes L^-1 b.
 void substitute(const Workspace& w, C* b) {
-  for (int i = 0; i < kRows; ++i) {
+  for (int i = 1; i < kRows; ++i) {
     C s = b[i];
     for (int j = 0; j < i; ++j) subtract_product(s, w.lower[i][j], b[j]);
-    b[i] = w.inverse[i] * s;
+    b[i] = s;
   }
 }
 
-// The solution of J x = b of the least norm in the units; b becomes L^-1 b.
+// The solution of J x = b of the least norm in the units; b is used up.
 void solve(const Workspace& w, C* b, C* x) {
   substitute(w, b);
+  for (int j = 0; j < kRows; ++j) b[j] = w.inverse[j] * b[j];
   for (int k = 0; k < N; ++k) {
     Sum sum{};
     for (int j = 0; j < kRows; ++j) sum.add(w.row[j][k], b[j]);
@@ -189,8 +190,8 @@ V rounding(const Workspace& w) {
     b[i] = {kPhase[i][0] * size, kPhase[i][1] * size};
   }
   substitute(w, b);
-  V s = square(b[0]);
-  for (int i = 1; i < kRows; ++i) s += square(b[i]);
+  V s = w.inverse[0] * square(b[0]);
+  for (int i = 1; i < kRows; ++i) s += w.inverse[i] * square(b[i]);
   return root(s);
 }
 

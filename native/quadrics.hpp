@@ -6,7 +6,7 @@
 
 #include <type_traits>
 
-#include "lanes.hpp"
+#include "forms.hpp"
 
 namespace gsp {
 namespace {
@@ -16,21 +16,10 @@ struct Pairs {
   C ee[10], ef[4][4], ff;
 };
 
-// A product, alone or added to s.
-template <bool alone>
-INLINE void take_product(C& s, const C& a, const C& b) {
-  if constexpr (alone)
-    s = a * b;
-  else
-    add_product(s, a, b);
-}
-
 // The products of x with itself, alone or added to others.
 template <bool alone>
 INLINE void take_square(Pairs& p, const C* x) {
-  int n = 0;
-  for (int i = 0; i < 4; ++i)
-    for (int j = i; j < 4; ++j) take_product<alone>(p.ee[n++], x[i], x[j]);
+  take_square<alone>(p.ee, x);
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j < 4; ++j) take_product<alone>(p.ef[i][j], x[i], x[4 + j]);
   C s = alone ? C{} : p.ff;
@@ -41,16 +30,7 @@ INLINE void take_square(Pairs& p, const C* x) {
 // The products of x with y and of y with x, likewise.
 template <bool alone>
 INLINE void take_both(Pairs& p, const C* x, const C* y) {
-  int n = 0;
-  for (int i = 0; i < 4; ++i) {
-    take_product<alone>(p.ee[n++], x[i] + x[i], y[i]);
-    for (int j = i + 1; j < 4; ++j, ++n) {
-      C s = p.ee[n];
-      take_product<alone>(s, x[i], y[j]);
-      add_product(s, x[j], y[i]);
-      p.ee[n] = s;
-    }
-  }
+  take_both<alone>(p.ee, x, y);
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j < 4; ++j) {
       C s = p.ef[i][j];
@@ -85,8 +65,6 @@ INLINE void features(const Pairs& p, C* phi) {
   for (int i = 1; i < 4; ++i) phi[n++] = p.ef[i][i];
   phi[kOffsetRho] = p.ff;
 }
-
-INLINE C norm_form(const Pairs& p) { return p.ee[0] + p.ee[4] + p.ee[7] + p.ee[9]; }
 
 // Calls f(begin, end) for the ranges of features that a quadric uses.
 template <class F>

@@ -25,7 +25,10 @@ INLINE void add_times_i(C& s, const V& a, const C& b) {
 INLINE C minus(const C& a) { return {-a.re, -a.im}; }
 INLINE V minus(const V& a) { return -a; }
 INLINE double minus(double a) { return -a; }
-INLINE void subtract_times(C& s, double a, const C& b) { add_real(s, -a, b); }
+INLINE void subtract_times(C& s, double a, const C& b) {
+  s.re -= a * b.re;
+  s.im -= a * b.im;
+}
 INLINE void subtract_times(C& s, const V& a, const C& b) {
   s.re -= a * b.re;
   s.im -= a * b.im;
@@ -89,7 +92,7 @@ struct MovingValues {
     add_product(s, change[j], at.n_before);
     if (order == 1) return s;
     add_product(s, v[j], at.n);
-    for (int i = 0; i < kForms; ++i) add_real(s, -geometry.form[j][i], at.pairs[i]);
+    for (int i = 0; i < kForms; ++i) subtract_times(s, geometry.form[j][i], at.pairs[i]);
     return s;
   }
 };
@@ -179,11 +182,11 @@ struct MovingPlatform {
     const ShiftLine& line = *paths.line;
     C s{};
     add_times_i(s, splat(line.value_change[j]), at.n_before);
-    for (int i = 0; i < kForms; ++i) add_real(s, -line.form_change[j][i].re, at.before[i]);
-    for (int l = 0; l < M; ++l) add_real(s, -line.slope_change[j][l].re, at.scalars[l]);
+    for (int i = 0; i < kForms; ++i) subtract_times(s, line.form_change[j][i].re, at.before[i]);
+    for (int l = 0; l < M; ++l) subtract_times(s, line.slope_change[j][l].re, at.scalars[l]);
     if (order == 1) return s;
     add_times_i(s, v[j], at.n);
-    for (int i = 0; i < kForms; ++i) add_real(s, minus(form[j][i]), at.pairs[i]);
+    for (int i = 0; i < kForms; ++i) subtract_times(s, form[j][i], at.pairs[i]);
     return s;
   }
 };

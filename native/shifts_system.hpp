@@ -3,6 +3,7 @@
 // Included by each build of shifts.cpp: all in an anonymous namespace.
 #pragma once
 
+#include "forms.hpp"
 #include "shifts_moving.hpp"
 
 namespace gsp {
@@ -30,8 +31,8 @@ struct Expansion {
   C x[D];                     // where it is expanded
   C q[kQuantities], n;        // values of the quantities and of N there
   C slope[kQuantities][4];    // derivatives of the quantities by e
-  C row[D][D], lower[D][D];   // of the Jacobian matrix, then of its factors
-  V inverse[D];
+  C row[D][D], lower[D][D];   // of the Jacobian matrix, then of its factors R and L
+  V inverse[D];               // of the squares of the lengths of R's rows
 
   // Lane `from` of another becomes lane l.
   INLINE void take(int l, const Expansion& other, int from) {
@@ -103,7 +104,7 @@ struct System : Expansion<4 + M> {
 
   // The derivative of equation i by quantity k, times c, into a column.
   INLINE void add_quantity(int k, int column, const C& c) {
-    if (k == 6) {
+    if (has_h && k == 6) {
       subtract_product(row[4][column], n, c);
       return;
     }
@@ -114,7 +115,7 @@ struct System : Expansion<4 + M> {
   }
   template <class Real>
   INLINE void add_quantity(int k, int column, const Real& c) {
-    if (k == 6) {
+    if (has_h && k == 6) {
       add_real(row[4][column], minus(c), n);
       return;
     }
@@ -151,17 +152,18 @@ struct System : Expansion<4 + M> {
     for (int l = 0; l < M; ++l) add_quantity(geometry.free[l], 4 + l, 1.0);
   }
 
-  // J = L Q by modified Gram-Schmidt; the rows become those of Q.
+  // J = L R by modified Gram-Schmidt, the rows of R orthogonal and the diagonal of L one; the rows
+  // become those of R.
   void factorize() {
     for (int j = 0; j < D; ++j) {
-      C* r = row[j];
+      const C* r = row[j];
       V size = square(r[0]);
       for (int k = 1; k < D; ++k) size += square(r[k]);
-      inverse[j] = 1.0 / root(size);
-      for (int k = 0; k < D; ++k) r[k] = inverse[j] * r[k];
+      inverse[j] = 1.0 / size;
       for (int i = j + 1; i < D; ++i) {
-        C s{};
-        for (int k = 0; k < D; ++k) add_conjugate_product(s, r[k], row[i][k]);
+        Sum sum{};
+        for (int k = 0; k < D; ++k) sum.add(r[k], row[i][k]);
+        const C s = inverse[j] * sum.conjugate_total();
         for (int k = 0; k < D; ++k) subtract_product(row[i][k], s, r[k]);
         lower[i][j] = s;
       }
@@ -173,8 +175,9 @@ struct System : Expansion<4 + M> {
     for (int i = 0; i < D; ++i) {
       C s = given[i];
       for (int j = 0; j < i; ++j) subtract_product(s, lower[i][j], b[j]);
-      b[i] = inverse[i] * s;
+      b[i] = s;
     }
+    for (int i = 0; i < D; ++i) b[i] = inverse[i] * b[i];
     for (int k = 0; k < D; ++k) {
       C s{};
       for (int j = 0; j < D; ++j) add_conjugate_product(s, row[j][k], b[j]);
@@ -184,18 +187,20 @@ struct System : Expansion<4 + M> {
 
   // The Taylor series of the path through x, with the factors of its Jacobian matrix.
   void expand(C (*series)[D]) const {
-    C quantity[kOrder + 1][kQuantities], norm[kOrder + 1], before[kForms] = {};
+    C quantity[kOrder + 1][kQuantities], norm[kOrder + 1], before[kForms], pairs[kForms];
     for (int k = 0; k < kQuantities; ++k) quantity[0][k] = q[k];
     norm[0] = n;
     for (int i = 0; i < D; ++i) series[0][i] = x[i];
-    add_squares(before, x);
+    take_square<true>(before, x);
     for (int k = 1; k <= kOrder; ++k) {
-      C pairs[kForms] = {};
-      for (int i = 1; 2 * i < k; ++i) add_pairs(pairs, series[i], series[k - i]);
-      if (k % 2 == 0) add_squares(pairs, series[k / 2]);
-      norm[k] = pairs[0] + pairs[4] + pairs[7] + pairs[9];
+      norm[k] = C{};
+      if (k > 1) {
+        take_between(pairs, series, k);
+        norm[k] = norm_form(pairs);
+      }
       const Orders at{pairs, before, norm[k], norm[k - 1], series[k - 1] + 4};
-      C b[D] = {};
+      C b[D];
+      for (int i = 0; i < D; ++i) b[i] = C{};
       C* now = quantity[k];
       for (int l = 0; l < M; ++l) now[geometry.free[l]] = C{};
       for (int j = 0; j < kEquations; ++j) {
@@ -207,9 +212,21 @@ struct System : Expansion<4 + M> {
       solve(b, series[k]);
       if (k == kOrder) break;
       complete(series[k], now, norm[k]);
-      add_pairs(pairs, x, series[k]);
-      for (int i = 0; i < kForms; ++i) before[i] = pairs[i];
+      if (k > 1) {
+        take_both<false>(pairs, x, series[k]);
+        for (int i = 0; i < kForms; ++i) before[i] = pairs[i];
+      } else {
+        take_both<true>(before, x, series[k]);
+      }
     }
+  }
+
+  // The sum over i + j = k of the products of terms i and j > 0 of a series, for k > 1.
+  static INLINE void take_between(C* pairs, const C (*series)[D], int k) {
+    if (k == 2) return take_square<true>(pairs, series[1]);
+    take_both<true>(pairs, series[1], series[k - 1]);
+    for (int i = 2; 2 * i < k; ++i) take_both<false>(pairs, series[i], series[k - i]);
+    if (k % 2 == 0) take_square<false>(pairs, series[k / 2]);
   }
 
   // What equations of order k are without the terms that are linear in that order, negative.
@@ -240,20 +257,6 @@ struct System : Expansion<4 + M> {
     }
     for (int l = 0; l < M; ++l) now[geometry.free[l]] = y[4 + l];
     for (int a = 0; a < 4; ++a) add_product(norm, x[a] + x[a], y[a]);
-  }
-
-  static INLINE void add_pairs(C* pairs, const C* a, const C* b) {
-    for (int i = 0, k = 0; i < 4; ++i) {
-      add_product(pairs[k++], a[i] + a[i], b[i]);
-      for (int j = i + 1; j < 4; ++j, ++k) {
-        add_product(pairs[k], a[i], b[j]);
-        add_product(pairs[k], a[j], b[i]);
-      }
-    }
-  }
-  static INLINE void add_squares(C* pairs, const C* a) {
-    for (int i = 0, k = 0; i < 4; ++i)
-      for (int j = i; j < 4; ++j) add_product(pairs[k++], a[i], a[j]);
   }
 };
 

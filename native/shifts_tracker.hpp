@@ -51,6 +51,7 @@ class ShiftTracker {
     s.begin(l);
     if (path_[l] < 0) return 0;
     ++under_way_;
+    loaded_ = true;
     const int target = target_of(path_[l]), k = path_[l] % paths_.paths;
     if (paths_.start[target] != start_) prepare(target);
     w.take(l, at_start_[k / W], k % W);
@@ -151,7 +152,8 @@ class ShiftTracker {
 
   // The series in some lanes, and how far the next step goes in all.
   INLINE void renew(const Mask& chosen) {
-    w.moving.go(s.next);
+    if (loaded_) w.moving.go(s.next);  // else it is there
+    loaded_ = false;
     C series[kOrder + 1][D];
     w.expand(series);
     for (int k = 0; k <= kOrder; ++k)
@@ -217,6 +219,7 @@ class ShiftTracker {
   int upcoming_;
   const int first_, last_;
   int under_way_ = 0;
+  bool loaded_ = false;         // since the equations went where the steps go: another path
   int start_ = -1;              // which is prepared
   Expansion<D>* const at_start_;  // of its paths, W together
   alignas(64) System<M, has_h, Moving> w;

@@ -53,7 +53,7 @@ void expand(const Equations& H, Workspace& w, const V& t, C (*series)[N]) {
     };
     C square_now{};
     if (any_product) {
-      w.n[k] = bent ? norm_form(pairs) : C{};
+      w.n[k] = bent ? norm_form(pairs.ee) : C{};
       square_now = coefficient(w.n, w.n, k);
     }
     for (int i = 0; i < kEquations; ++i) {
@@ -89,7 +89,7 @@ void expand(const Equations& H, Workspace& w, const V& t, C (*series)[N]) {
     else
       take_both<true>(pairs, series[0], x);
     if (any_product) {
-      w.n[k] = norm_form(pairs);
+      w.n[k] = norm_form(pairs.ee);
       square_before = coefficient(w.n, w.n, k);
     }
     features(pairs, before);
@@ -190,18 +190,17 @@ void refine(const Equations& H, Workspace& w, int count, const int* index, const
   }
   linearize(H, w, z);
   factorize(w);
-  // Frobenius norms of the inverse of L, with the equations divided by their magnitude and as they
+  // Frobenius norms of the inverse of J, with the equations divided by their magnitude and as they
   // are.
   V condition = splat(0.0), curvature = splat(0.0);
   for (int c = 0; c < kRows; ++c) {
     C x[kRows];
-    x[c] = {w.inverse[c], splat(0.0)};
-    V column = square(x[c]);
+    x[c] = {splat(1.0), splat(0.0)};
+    V column = w.inverse[c];
     for (int i = c + 1; i < kRows; ++i) {
-      C s{};
-      for (int j = c; j < i; ++j) subtract_product(s, w.lower[i][j], x[j]);
-      x[i] = w.inverse[i] * s;
-      column += square(x[i]);
+      x[i] = C{};
+      for (int j = c; j < i; ++j) subtract_product(x[i], w.lower[i][j], x[j]);
+      column += w.inverse[i] * square(x[i]);
     }
     curvature += column;
     condition += w.magnitude[c] * w.magnitude[c] * column;
