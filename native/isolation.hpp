@@ -92,37 +92,38 @@ INLINE void free_columns(const T* row, const Mask* above, T* out) {
   for (int k = 0; k < kRows; ++k) out[k] = select(above[k], row[k + 1], row[k]);
 }
 
-// An approximate inverse: J = L Q by modified Gram-Schmidt, so J^-1 = Q^H L^-1.
+// An approximate inverse: J = L R by modified Gram-Schmidt, the rows of R orthogonal and the diagonal
+// of L one, so J^-1 = R^H (R R^H)^-1 L^-1.
 void invert(const C (&jacobian)[kRows][kRows], C (&inverse)[kRows][kRows]) {
-  C q[kRows][kRows], lower[kRows][kRows], x[kRows][kRows];
+  C r[kRows][kRows], lower[kRows][kRows], x[kRows][kRows];
   V scale[kRows];
   for (int i = 0; i < kRows; ++i)
-    for (int k = 0; k < kRows; ++k) q[i][k] = jacobian[i][k];
+    for (int k = 0; k < kRows; ++k) r[i][k] = jacobian[i][k];
   for (int j = 0; j < kRows; ++j) {
-    V size = square(q[j][0]);
-    for (int k = 1; k < kRows; ++k) size += square(q[j][k]);
-    scale[j] = 1.0 / root(size);
-    for (int k = 0; k < kRows; ++k) q[j][k] = scale[j] * q[j][k];
+    V size = square(r[j][0]);
+    for (int k = 1; k < kRows; ++k) size += square(r[j][k]);
+    scale[j] = 1.0 / size;
     for (int i = j + 1; i < kRows; ++i) {
-      C s{};
-      for (int k = 0; k < kRows; ++k) add_conjugate_product(s, q[j][k], q[i][k]);
-      for (int k = 0; k < kRows; ++k) subtract_product(q[i][k], s, q[j][k]);
+      Sum sum{};
+      for (int k = 0; k < kRows; ++k) sum.add(r[j][k], r[i][k]);
+      const C s = scale[j] * sum.conjugate_total();
+      for (int k = 0; k < kRows; ++k) subtract_product(r[i][k], s, r[j][k]);
       lower[i][j] = s;
     }
   }
   for (int c = 0; c < kRows; ++c) {
-    x[c][c] = {scale[c], splat(0.0)};
+    x[c][c] = {splat(1.0), splat(0.0)};
     for (int i = c + 1; i < kRows; ++i) {
-      C s{};
-      for (int j = c; j < i; ++j) subtract_product(s, lower[i][j], x[j][c]);
-      x[i][c] = scale[i] * s;
+      x[i][c] = C{};
+      for (int j = c; j < i; ++j) subtract_product(x[i][c], lower[i][j], x[j][c]);
     }
+    for (int i = c; i < kRows; ++i) x[i][c] = scale[i] * x[i][c];
   }
   for (int k = 0; k < kRows; ++k)
     for (int c = 0; c < kRows; ++c) {
-      C s{};
-      for (int j = c; j < kRows; ++j) add_conjugate_product(s, q[j][k], x[j][c]);
-      inverse[k][c] = s;
+      Sum sum{};
+      for (int j = c; j < kRows; ++j) sum.add(r[j][k], x[j][c]);
+      inverse[k][c] = sum.conjugate_total();
     }
 }
 
