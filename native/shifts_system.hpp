@@ -34,12 +34,14 @@ struct Expansion {
   C row[D][D], lower[D][D];   // of the Jacobian matrix, then of its factors R and L
   V inverse[D];               // of the squares of the lengths of R's rows
 
-  // Lane `from` of another becomes lane l.
-  INLINE void take(int l, const Expansion& other, int from) {
-    constexpr int kVectors = sizeof(Expansion) / sizeof(V);
+  // All that is in a lane, as one path keeps it.
+  INLINE void give(int l, double* out) const {
+    const V* const given = reinterpret_cast<const V*>(this);
+    for (std::size_t i = 0; i < sizeof(Expansion) / sizeof(V); ++i) out[i] = lane(given[i], l);
+  }
+  INLINE void take(int l, const double* given) {
     V* const to = reinterpret_cast<V*>(this);
-    const V* const given = reinterpret_cast<const V*>(&other);
-    for (int i = 0; i < kVectors; ++i) put(to[i], l, lane(given[i], from));
+    for (std::size_t i = 0; i < sizeof(Expansion) / sizeof(V); ++i) put(to[i], l, given[i]);
   }
 };
 

@@ -16,13 +16,14 @@ constexpr int kLastSteps = 4;
 template <int M, bool has_h, class Moving>
 class ShiftTracker {
   static constexpr int D = 4 + M, kOrder = Moving::kOrder;
+  static constexpr int kKept = sizeof(Expansion<D>) / sizeof(V);  // of each path at its start
 
  public:
   ShiftTracker(const ShiftGeometry& geometry, const ShiftOptions& options, const ShiftPaths& paths,
              int begin, int end, const ShiftEnds& ends)
       : options_(options), paths_(paths), ends_(ends), upcoming_(begin * paths.paths),
         first_(begin * paths.paths), last_(end * paths.paths),
-        at_start_(new Expansion<D>[(paths.paths + W - 1) / W]), w(geometry, paths) {}
+        at_start_(new double[paths.paths * kKept]), w(geometry, paths) {}
   ~ShiftTracker() { delete[] at_start_; }
   ShiftTracker(const ShiftTracker&) = delete;
   ShiftTracker& operator=(const ShiftTracker&) = delete;
@@ -54,7 +55,7 @@ class ShiftTracker {
     loaded_ = true;
     const int target = target_of(path_[l]), k = path_[l] % paths_.paths;
     if (paths_.start[target] != start_) prepare(target);
-    w.take(l, at_start_[k / W], k % W);
+    w.take(l, at_start_ + k * kKept);
     w.moving.load(l, target);
     return -1;
   }
@@ -74,7 +75,8 @@ class ShiftTracker {
       }
       system.linearize(z);
       system.factorize();
-      at_start_[k / W] = system;
+      for (int l = 0; l < W && k + l < paths_.paths; ++l)
+        system.give(l, at_start_ + (k + l) * kKept);
     }
   }
 
@@ -221,7 +223,7 @@ class ShiftTracker {
   int under_way_ = 0;
   bool loaded_ = false;         // since the equations went where the steps go: another path
   int start_ = -1;              // which is prepared
-  Expansion<D>* const at_start_;  // of its paths, W together
+  double* const at_start_;      // of its paths
   alignas(64) System<M, has_h, Moving> w;
   Steps<kOrder> s;
   C series_[kOrder + 1][D];
