@@ -1,4 +1,4 @@
-"""Speed of what moves, on one core: `OPENBLAS_NUM_THREADS=1 python -m bench.motion [--write]`.
+"""Speed of what moves, on one core: `python -m bench.motion [--write]`.
 
 With ``--write`` the table in docs/motion.md is written anew. Figures are processor time, the least
 of some runs; peers are asked once.

@@ -37,8 +37,6 @@ class Finished:
     trouble: str
 
 
-#: One thread for every library that would take more.
-_ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
 _PATIENCE = 20
 
 
@@ -66,7 +64,7 @@ def run(
             stdin=given,
             stdout=out,
             stderr=err,
-            env=os.environ | _ONE_THREAD | more,
+            env=os.environ | more,
             start_new_session=True,
         )
         seconds = ceil(limit)
