@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
 import sys
 from functools import cache
 from pathlib import Path
@@ -204,3 +206,19 @@ def test_the_plot_has_a_dot_for_each_family() -> None:
     rows = [Cost(f"f{n}", "paths", n, n, 2, "complete", 0.1 * n) for n in (8, 40, 4096)]
     one_less = plot(rows[::2])
     assert plot(rows).count(b"<use") == one_less.count(b"<use") + 1
+
+
+def test_libraries_are_loaded_with_one_thread() -> None:
+    """Else the waiting of the others counts as processor time."""
+    given = {k: v for k, v in os.environ.items() if not k.endswith("_NUM_THREADS")}
+    code = (
+        "import bench, os, sys; assert 'numpy' not in sys.modules; import bench.own;"
+        "import numpy as np; a = np.ones((400, 400));"
+        "a @ a; print(os.environ['OPENBLAS_NUM_THREADS'], len(os.listdir('/proc/self/task')))"
+        if sys.platform == "linux"
+        else "import bench, os; print(os.environ['OPENBLAS_NUM_THREADS'], 1)"
+    )
+    found = subprocess.run(
+        [sys.executable, "-c", code], env=given, capture_output=True, text=True, check=True
+    )
+    assert found.stdout.split() == ["1", "1"]
