@@ -50,6 +50,8 @@ _WITHIN, _BEYOND = 0.9, 1.1
 #: Complex rotations with larger entries are next to isotropic vectors: their doubles do not say
 #: any longer which solution they are.
 _FAR = 1e8
+#: A few roundings.
+_ROUNDINGS = 4 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
@@ -160,10 +162,25 @@ def _all_right(
         agrees = item["real"] == item["claimed_real"] and item["same_as"] is None
         if not item["certified"] or not agrees or item["unresolved"]:
             said = {key: item[key] for key in ("outcome", "real", "same_as", "unresolved")}
-            far = np.abs(solved.R[poses[k]]).max() > _FAR and code == IncompleteError.exit_code
-            verdict = "undecided" if far else "not certified"
+            others = [poses[number - 1] for number in item["unresolved"]]
+            unclear = _is_far(solved, poses[k]) or _are_one_in_doubles(solved, poses[k], others)
+            is_open = unclear and code == IncompleteError.exit_code
+            verdict = "undecided" if is_open else "not certified"
             return [("as printed", verdict, f"pose {k + 1}: {said}, exit {code}")]
     return [("as printed", "right" if code == 0 else "wrong exit code", f"exit {code}")]
+
+
+def _is_far(solved: SolveResult, pose: int) -> bool:
+    return bool(np.abs(solved.R[pose]).max() > _FAR)
+
+
+def _are_one_in_doubles(solved: SolveResult, pose: int, others: Sequence[int]) -> bool:
+    """Whether other poses are nearer to one than its translation can be written in doubles."""
+    length = solved.arrangement.length
+    error = _ROUNDINGS * max(1.0, float(np.abs(solved.T[pose]).max()) / length)
+    turned = np.abs(solved.R[others] - solved.R[pose]).max(initial=0)
+    moved = np.abs(solved.T[others] - solved.T[pose]).max(initial=0) / length
+    return bool(others) and bool(max(turned, moved) < error)
 
 
 def _lists(

@@ -68,7 +68,8 @@ class Certificate:
     same_as
         Index of the first candidate that is proved to approximate the same solution.
     unresolved
-        Indices of the candidates with solutions not proved to be the same nor different.
+        Indices of the candidates with solutions not proved to be the same nor different; or that
+        approximate the same one, but as doubles do not tell it from others so near.
     precision
         Bits of the last attempt.
     isolation

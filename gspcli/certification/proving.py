@@ -28,6 +28,7 @@ from gspcli.geometry.instance import Instance, Side
 FIRST_PRECISION = 64
 
 
+_EPS = float(np.finfo(float).eps)
 _SIDES = {1: Side.POSITIVE, -1: Side.NEGATIVE}
 
 
@@ -40,12 +41,15 @@ class _Candidate:
         patch: int,
         given: PoseBall,
         said: tuple[int, ...],
+        rounding: float,
     ) -> None:
         self.start = self.point = [acb(x) for x in point.tolist()]
         self.patch = patch
         self.given = given
         #: The side of each plane that the candidate is said to be on, as signs, or 0.
         self.said = said
+        #: How far a point is moved by writing its pose in doubles, about, in Study coordinates.
+        self.rounding = rounding
         # Entries of complex rotations may be large, and are then only known relatively.
         self.size = max(1.0, float_above(largest(given.entries)))
         self.sides: list[tuple[int, ...]] = []
@@ -149,6 +153,9 @@ class _Candidate:
     def _proved_sides(
         self, system: BallSystem, isolation: Isolation
     ) -> tuple[Side | None, ...] | None:
+        if self.rounding > isolation.uniqueness and not self._is_said(system, isolation):
+            # The one that is said may be so near that it was rounded to this one.
+            return None
         if isolation.real:
             return tuple(_side(m) for m in self.measurements) if self.measurements else None
         if isolation.real is None:
@@ -214,12 +221,13 @@ def certify_equations(
             for rotation, translation in zip(rotations, translations, strict=True)
         ]
     places = np.array([[complex(x.mid()) for x in pose.translation] for pose in given])
+    rounding = _EPS * np.maximum(1, np.abs(translations).max(axis=1, initial=0) / scale)
     with np.errstate(all="ignore"):
         points, patches = study.study_points(rotations, places.reshape(-1, 3))
     candidates = [
-        _Candidate(point, int(patch), pose, said)
-        for point, patch, pose, said in zip(
-            points, patches, given, _signs(sides, len(given)), strict=True
+        _Candidate(point, int(patch), pose, said, error)
+        for point, patch, pose, said, error in zip(
+            points, patches, given, _signs(sides, len(given)), rounding, strict=True
         )
     ]
     for candidate in candidates:
@@ -230,11 +238,11 @@ def certify_equations(
         with ctx.workprec(precision):
             system = BallSystem(instance, precision)
             _attempt_open(system, candidates, tolerance)
-            unknown, equal = _unknown_and_same(candidates)
+            unknown, equal, rounded = _relations(candidates)
             for index in {k for pair in unknown for k in pair}:
                 candidates[index].is_open = True
             if 2 * precision > max_precision or not any(c.is_open for c in candidates):
-                return _record(system, candidates, unknown, equal)
+                return _record(system, candidates, unknown + rounded, equal)
         precision *= 2
 
 
@@ -257,18 +265,33 @@ def _attempt_open(system: BallSystem, candidates: Sequence[_Candidate], toleranc
 Pairs = list[tuple[int, int]]
 
 
-def _unknown_and_same(candidates: Sequence[_Candidate]) -> tuple[Pairs, Pairs]:
-    """Return the pairs of certified candidates that are not proved different."""
+def _relations(candidates: Sequence[_Candidate]) -> tuple[Pairs, Pairs, Pairs]:
+    """Return the pairs of certified candidates that are not proved different.
+
+    Returns
+    -------
+    unknown, equal, rounded
+        Those of which more digits may tell; those that approximate the same solution; and those
+        that do, but may be meant for two: there may be another one so near that the candidates
+        were rounded by more than that.
+    """
     certified = [k for k, c in enumerate(candidates) if c.outcome is Outcome.CERTIFIED]
     poses = [pose for k in certified if (pose := candidates[k].pose) is not None]
     unknown: Pairs = []
     equal: Pairs = []
+    rounded: Pairs = []
     for i, j in close_pairs(poses):
-        first, second = candidates[certified[i]].isolation, candidates[certified[j]].isolation
+        pair = certified[i], certified[j]
+        first, second = (candidates[k].isolation for k in pair)
         assert first is not None
         assert second is not None
-        (equal if same(first, second) else unknown).append((certified[i], certified[j]))
-    return unknown, equal
+        if not same(first, second):
+            unknown.append(pair)
+        elif max(candidates[k].rounding for k in pair) > max(first.uniqueness, second.uniqueness):
+            rounded.append(pair)
+        else:
+            equal.append(pair)
+    return unknown, equal, rounded
 
 
 def _record(

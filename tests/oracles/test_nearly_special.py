@@ -106,6 +106,16 @@ def test_certify_takes_what_solve_prints_and_nothing_wrong(name: str, load_tool:
     assert [verdict for what, verdict, _ in remarks if what.endswith("as printed")] == ["right"] * 2
 
 
+def test_two_poses_that_doubles_do_not_tell_apart_are_not_called_one(load_tool: Callable) -> None:
+    """With the base 6e7 away T has 8 digits less than two poses 3e-10 apart need."""
+    made, candidates = load_tool("special_platforms"), load_tool("special_candidates")
+    [platform] = [p for p in made.platforms(["zero"]) if p.id == "zero/1/1e-10"]
+    _, remarks = candidates.attacked(platform)
+    assert {verdict for _, verdict, _ in remarks} <= set(candidates.HONEST)
+    [said] = [said for what, _, said in remarks if what == "base far away, as printed"]
+    assert "'same_as': None, 'unresolved': [2]}, exit 4" in said
+
+
 def test_residuals_of_lines_next_to_parallel_are_as_small_as_doubles_allow(
     load_tool: Callable,
 ) -> None:
