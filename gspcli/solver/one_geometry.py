@@ -136,7 +136,7 @@ def geometry_about(
             if counted is None or counted.solutions != found:
                 continue
             # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md).
-            proof = Proof(Ground.GEOMETRY, counted.error) if counted.has_lone_lines else None
+            proof = Proof.modulo(Ground.GEOMETRY, counted.error) if counted.has_lone_lines else None
         return Geometry(given, inner, length, choices, start, start.pool, expected, proof)
     return None
 

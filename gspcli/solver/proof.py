@@ -35,6 +35,11 @@ class Proof:
     by: Ground
     error: float = 0.0
 
+    @classmethod
+    def modulo(cls, by: Ground, error: float) -> Proof | None:
+        """Return a proof by a count modulo a random prime; None if the bound of its error is 1."""
+        return cls(by, error) if error < 1 else None
+
     def to_json(self) -> dict[str, Any]:
         """Return the proof as plain data: `modulo_random_prime` is false or the error bound."""
         return {"by": self.by.value, "modulo_random_prime": self.error or False}

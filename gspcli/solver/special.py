@@ -108,12 +108,13 @@ def solve_special(
     if infinite or any(part.account.on_curves and not part.motions for part in parts):
         return solve_infinite(instance, arrangement, pursuits, _infinite(instance, count))
     poses = _proved(joined(parts), count)
-    if poses.proof is None or poses.proof.error < _DOUBTFUL:
+    exact = poses.proof
+    if poses.account.verdict == "incomplete" or (exact is not None and exact.error < _DOUBTFUL):
         return poses
     # Angles with many decimals leave few primes to count exactly with, but not for the geometry.
     geometry = geometry_count(instance, seed=seed, limit=limit)
-    proof = _by_geometry(poses, geometry)
-    return poses if proof is None else replace(poses, proof=min(proof, poses.proof, key=_error))
+    grounds = [proof for proof in (exact, _by_geometry(poses, geometry)) if proof is not None]
+    return replace(poses, proof=min(grounds, key=_error) if grounds else None)
 
 
 def _many_astray(pursuit: Pursuit) -> bool:
@@ -125,10 +126,10 @@ def _many_astray(pursuit: Pursuit) -> bool:
 def _infinite(instance: Instance, count: ExactCount) -> Proof | None:
     """Return what proves that there are infinitely many poses, as they are stated."""
     if all(row.kind is not DLL for row in instance.constraints):
-        return Proof(Ground.EXACT, count.error)
+        return Proof.modulo(Ground.EXACT, count.error)
     # The equations alone may be infinitely many because lines are parallel.
     errors = [side.infinite_part.error for side in count.sides if side.infinite_part]
-    return Proof(Ground.EXACT, min(errors)) if errors else None
+    return Proof.modulo(Ground.EXACT, min(errors)) if errors else None
 
 
 def _moving_with_parallel_lines(instance: Instance, count: ExactCount) -> Instance | None:
@@ -214,7 +215,7 @@ def _by_geometry(poses: PoseSet, count: ExactCount | None) -> Proof | None:
     if count is None or not count.solutions or not count.has_lone_lines:
         return None
     is_all = poses.certified.sum() == count.solutions < poses.account.expected
-    return Proof(Ground.GEOMETRY, count.error) if is_all else None
+    return Proof.modulo(Ground.GEOMETRY, count.error) if is_all else None
 
 
 def _error(proof: Proof) -> float:
@@ -227,7 +228,7 @@ def _proved(poses: PoseSet, count: ExactCount | None) -> PoseSet:
     if proof is None and count is not None and poses.account.verdict != "incomplete":
         # Multiple poses need the count of the distinct ones, too.
         multiple = (poses.multiplicity > 1).any()
-        proof = Proof(Ground.EXACT, count.distinct_error if multiple else count.error)
+        proof = Proof.modulo(Ground.EXACT, count.distinct_error if multiple else count.error)
     return replace(poses, proof=proof, exact_count=count.solutions if count else None)
 
 

@@ -128,8 +128,8 @@ def poses_of_geometry(
     return replace(poses, proof=poses.proof_by_type or _proof(count))
 
 
-def _proof(count: ExactCount) -> Proof:
-    return Proof(Ground.GEOMETRY, count.error)
+def _proof(count: ExactCount) -> Proof | None:
+    return Proof.modulo(Ground.GEOMETRY, count.error)
 
 
 def has_kept_count(arrangement: Arrangement) -> bool:
