@@ -221,9 +221,9 @@ def certify_equations(
             for rotation, translation in zip(rotations, translations, strict=True)
         ]
     places = np.array([[complex(x.mid()) for x in pose.translation] for pose in given])
-    rounding = _EPS * np.maximum(1, np.abs(translations).max(axis=1, initial=0) / scale)
     with np.errstate(all="ignore"):
         points, patches = study.study_points(rotations, places.reshape(-1, 3))
+        rounding = _EPS * np.maximum(1, np.abs(translations).max(axis=1, initial=0) / scale)
     candidates = [
         _Candidate(point, int(patch), pose, said, error)
         for point, patch, pose, said, error in zip(
