@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.certification.centring import Centring
 from gspcli.defaults import PATIENCE, SEED
@@ -109,17 +108,16 @@ def _solved(
             from gspcli.solver.special_geometry import proved_by_geometry
 
             poses = proved_by_geometry(instance, proofs, arrangement, seed=seed, limit=PATIENCE)
-        # Of mutual moments doubles often leave a few poses to balls.
-        if poses is None and proofs and (certify or DLL not in arrangement.kinds):
-            poses = _proved_shortly(arrangement, proofs, seed, jobs, certify=certify)
+        if poses is None and proofs:
+            poses = _proved_shortly(arrangement, proofs, seed, jobs)
         if poses is None:
             from gspcli.solver import tracking
 
             _, pursuits = next(tracking.pursue_each([arrangement], seed=seed, jobs=jobs))
             regular = _all_regular(pursuits)
             # Proving all poses is cheaper than counting them because a few paths went wrong.
-            if proofs and (certify or not regular):
-                poses = tracking.proved_by_paths(proofs, arrangement, pursuits, one_by_one=certify)
+            if proofs:
+                poses = tracking.proved_by_paths(proofs, arrangement, pursuits)
             if poses is None and regular:
                 poses = tracking.poses_by_paths(arrangement, pursuits)
     if poses is not None and certify and len(poses.R) and poses.proof is None:
@@ -154,8 +152,6 @@ def _proved_shortly(
     proofs: ValueProofs,
     seed: int,
     jobs: int,
-    *,
-    certify: bool,
 ) -> PoseSet | None:
     """Return as many poses as the type has, all proved, by paths of short series.
 
@@ -164,7 +160,7 @@ def _proved_shortly(
     from gspcli.solver import tracking
 
     for pursuits in tracking.short_pursuits(arrangement, seed=seed, jobs=jobs):
-        poses = tracking.proved_by_paths(proofs, arrangement, pursuits, one_by_one=certify)
+        poses = tracking.proved_by_paths(proofs, arrangement, pursuits)
         if poses is not None:
             return poses
     return None

@@ -142,13 +142,11 @@ def short_pursuits(arrangement: Arrangement, *, seed: int, jobs: int) -> Iterato
 
 
 def proved_by_paths(
-    proofs: ValueProofs,
-    arrangement: Arrangement,
-    pursuits: list[Pursuit],
-    *,
-    one_by_one: bool = False,
+    proofs: ValueProofs, arrangement: Arrangement, pursuits: list[Pursuit]
 ) -> PoseSet | None:
     """Return as many poses as the type has, all proved; None if the paths do not lead to them.
+
+    A few that are not proved with all others are proved one by one.
 
     Parameters
     ----------
@@ -156,11 +154,9 @@ def proved_by_paths(
         The platform, exactly and in floating point.
     pursuits
         For each choice of sides.
-    one_by_one
-        Whether a few poses that are not proved with all others are proved one by one.
     """
     points = np.stack([pursuit.first().points for pursuit in pursuits])
-    return all_proved(proofs, arrangement, points, Frames.of(arrangement), one_by_one=one_by_one)
+    return all_proved(proofs, arrangement, points, Frames.of(arrangement), one_by_one=True)
 
 
 def poses_of(arrangement: Arrangement, points: Field) -> tuple[Field, Field]:

@@ -28,6 +28,16 @@ def test_proved_ends_of_short_series_are_the_answer(platform, certify, monkeypat
     assert found.residuals.max() < 1e-8
 
 
+@pytest.mark.parametrize("certify", [True, False])
+def test_mutual_moments_are_proved_too_without_being_asked(certify, monkeypatch):
+    """Paths that are judged by eye take three times as long."""
+    monkeypatch.setattr(tracking, "pursue_each", refused)
+    legs = random_instance(parse_type("4PP PL LL"), np.random.default_rng(5))[0]
+    found = solve(legs, certify=certify)
+    assert found.proof.by is Ground.TYPE
+    assert len(found.R) == found.certified.sum() == found.expected
+
+
 def test_what_is_not_proved_is_followed_again(platform, monkeypatch):
     known = solve(platform)
     short = tracking.short_pursuits
