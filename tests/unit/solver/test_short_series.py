@@ -32,7 +32,7 @@ def test_proved_ends_of_short_series_are_the_answer(platform, certify, monkeypat
 def test_mutual_moments_are_proved_too_without_being_asked(certify, monkeypatch):
     """Paths that are judged by eye take three times as long."""
     monkeypatch.setattr(tracking, "pursue_each", refused)
-    legs = random_instance(parse_type("4PP PL LL"), np.random.default_rng(5))[0]
+    legs = random_instance(parse_type("6D 4PP PL LL"), np.random.default_rng(5))[0]
     found = solve(legs, certify=certify)
     assert found.proof.by is Ground.TYPE
     assert len(found.R) == found.certified.sum() == found.expected
