@@ -85,7 +85,7 @@ def command(
 
     The exit code is 0 if every pose is certified and no two are the same; 1 if one is proved
     wrong, a duplicate, or not what the list says of it; 4 if something could not be decided,
-    as at double solutions.
+    as at double solutions, or where two are nearer to each other than the digits of the list tell.
 
     \b
     Examples:

@@ -95,6 +95,8 @@ def poses_of_geometry(
 ) -> PoseSet | None:
     """Return as many poses as the geometry has, all proved; None if they take long to find.
 
+    None also if its count proves nothing: that of the platform may.
+
     Parameters
     ----------
     arrangement, proofs
@@ -104,7 +106,8 @@ def poses_of_geometry(
     count
         That of the geometry.
     """
-    if not count.solutions or not count.has_lone_lines:
+    counted = Proof.modulo(Ground.GEOMETRY, count.error)
+    if counted is None or not count.solutions or not count.has_lone_lines:
         return None
     most = count.solutions // len(searches)
     ends = [search.pursuit.distinct_simple() for search in searches]
@@ -118,18 +121,14 @@ def poses_of_geometry(
                 at_infinity=expected - count.solutions,
                 basis=Basis.COUNT,
             )
-            return replace(poses, account=account, proof=_proof(count))
+            return replace(poses, account=account, proof=counted)
     from gspcli.solver.search import Effort
     from gspcli.solver.uncounted import without_count
 
     poses = joined([without_count(search, most, Effort.LITTLE) for search in searches])
     if poses.certified.sum() != count.solutions:
         return None
-    return replace(poses, proof=poses.proof_by_type or _proof(count))
-
-
-def _proof(count: ExactCount) -> Proof | None:
-    return Proof.modulo(Ground.GEOMETRY, count.error)
+    return replace(poses, proof=poses.proof_by_type or counted)
 
 
 def has_kept_count(arrangement: Arrangement) -> bool:

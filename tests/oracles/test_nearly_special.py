@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 
+from gspcli.certification import certify
+from gspcli.geometry.instance import Side
 from gspcli.solver import solve
 
 SAMPLE = {
@@ -114,6 +117,25 @@ def test_two_poses_that_doubles_do_not_tell_apart_are_not_called_one(load_tool: 
     assert {verdict for _, verdict, _ in remarks} <= set(candidates.HONEST)
     [said] = [said for what, _, said in remarks if what == "base far away, as printed"]
     assert "'same_as': None, 'unresolved': [2]}, exit 4" in said
+
+
+def test_a_side_that_doubles_do_not_tell_is_not_contradicted(load_tool: Callable) -> None:
+    """T of 3e12 lengths is written to 1e-4; solutions on other sides are 3e-7 apart."""
+    made = load_tool("special_platforms")
+    [platform] = [p for p in made.platforms(["parallels"]) if p.id == "parallels/DHP-1/1e-6"]
+    solved = solve(platform.instance)
+    names = {Side.POSITIVE: 1, Side.NEGATIVE: -1, None: 0}
+    found = certify(platform.instance, solved.R, solved.T, sides=solved.sides)
+    open_ = np.array([item.sides is None for item in found])
+    assert open_.sum() == 4
+    assert (np.abs(solved.T[open_]).max(axis=1) > 1e12).all()
+    told = [[names[side] for side in item.sides] for item in found if item.sides is not None]
+    assert told == solved.sides[~open_].tolist()
+    # What is said otherwise of poses that doubles tell stands against what is proved.
+    wrong = certify(platform.instance, solved.R, solved.T, sides=-solved.sides)
+    near = np.flatnonzero(np.abs(solved.T).max(axis=1) < 1e9)
+    assert len(near) > 100
+    assert all(wrong[i].sides == found[i].sides for i in near)
 
 
 def test_residuals_of_lines_next_to_parallel_are_as_small_as_doubles_allow(

@@ -160,3 +160,16 @@ def given(instance):
     from gspcli.geometry.arrangement import Arrangement
 
     return instance, ValueProofs.of(instance, None), Arrangement.of(instance)
+
+
+def test_a_count_of_the_geometry_that_proves_nothing_is_followed_by_that_of_the_platform(
+    monkeypatch,
+):
+    count = special_geometry.kept_count
+    monkeypatch.setattr(special_geometry, "proved_by_geometry", lambda *_, **__: None)
+    monkeypatch.setattr(
+        "gspcli.solver.special.kept_count", lambda *about: replace(count(*about), error=1.0)
+    )
+    found = solve(platform("examples", "octahedral-3-3"))
+    assert found.proof.by is Ground.EXACT
+    assert len(found.R) == found.certified.sum() == 16
