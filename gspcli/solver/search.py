@@ -43,8 +43,10 @@ class Effort(IntEnum):
     LITTLE = 0
     """What takes about as long as following the paths in doubles did."""
     SOME = 1
-    """The long rest of some ways, with 32 and with 64 digits."""
-    MUCH = 2
+    """The long rest of some ways, with 32 digits."""
+    MORE = 2
+    """The same with 64, or what takes its place."""
+    MUCH = 3
     """Each path has been followed as far as all digits lead: what does not use them."""
 
 
@@ -114,7 +116,7 @@ class Search:
             yield from self._follow_deeply(astray[found], Effort.SOME, 0)
         if self._shared:
             self._add_partners()
-            yield Effort.SOME
+        yield Effort.MORE
         paths = self.pursuit.paths
         tried = 0
         # Where nothing is found at all, paths with more digits hardly find more.
@@ -123,8 +125,8 @@ class Search:
         if self.simple and paths <= _MOST_ELIMINABLE and many:
             tried = 1
             self._eliminate(_ELIMINATION[0])
-            yield Effort.SOME
-        yield from self._follow_deepest(left, Effort.SOME, 0)
+            yield Effort.MORE
+        yield from self._follow_deepest(left, Effort.MORE, 0)
         for bits in _ELIMINATION[tried:] if paths <= _ELIMINABLE else ():
             self._eliminate(bits)
             yield Effort.MUCH

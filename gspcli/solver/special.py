@@ -25,7 +25,7 @@ from gspcli.solver.infinite import along_points, solve_infinite
 from gspcli.solver.pose_set import PoseSet, joined
 from gspcli.solver.poses_in_parts import complete_parts
 from gspcli.solver.proof import Ground, Proof
-from gspcli.solver.search import Search
+from gspcli.solver.search import Effort, Search
 from gspcli.solver.special_geometry import (
     has_kept_count,
     keep_solved,
@@ -36,6 +36,8 @@ from gspcli.solver.study_systems import side_choices
 from gspcli.solver.tracking import pursue_each
 from gspcli.solver.uncounted import FEW, without_count
 
+#: Of more poses than this a count takes longer than to follow one path in `FEW` with 32 digits.
+_LONG = 50
 #: Counts that mislead with a larger probability are worth another one.
 _DOUBTFUL = 1e-9
 
@@ -78,6 +80,9 @@ def solve_special(
             if poses is not None:
                 keep_solved(instance, arrangement, poses)
                 return poses
+        poses = _as_many_as_the_type(arrangement, searches)
+        if poses is not None:
+            return poses
         astray = any(_many_astray(pursuit) for pursuit in pursuits)
         count = exact_count(instance, seed=seed, limit=limit, suspect=astray)
     if count is None:
@@ -119,8 +124,24 @@ def solve_special(
 
 def _many_astray(pursuit: Pursuit) -> bool:
     """Return whether so many paths do not end at simple poses that these may be infinitely many."""
+    return _astray(pursuit) * FEW > pursuit.paths
+
+
+def _astray(pursuit: Pursuit) -> int:
     ends = pursuit.first()
-    return int((~(ends.simple & ends.settled)).sum()) * FEW > pursuit.paths
+    return int((~(ends.simple & ends.settled)).sum())
+
+
+def _as_many_as_the_type(arrangement: Arrangement, searches: Sequence[Search]) -> PoseSet | None:
+    """Return as many proved poses as the type has; None if fewer are found, or a count is quicker.
+
+    Paths that went wrong are followed with 32 digits as long as a count would take longer.
+    """
+    pursuits = [search.pursuit for search in searches]
+    if any(_astray(each) * FEW > each.paths * max(1, each.paths / _LONG) for each in pursuits):
+        return None
+    poses = _joined_without_count(arrangement, searches, None, Effort.SOME)
+    return replace(poses, proof=poses.proof_by_type) if poses.proof_by_type else None
 
 
 def _infinite(instance: Instance, count: ExactCount) -> Proof | None:
@@ -199,12 +220,15 @@ def _uncounted(
 
 
 def _joined_without_count(
-    arrangement: Arrangement, searches: Sequence[Search], most: int | None
+    arrangement: Arrangement,
+    searches: Sequence[Search],
+    most: int | None,
+    effort: Effort = Effort.MUCH,
 ) -> PoseSet:
     choices = side_choices(arrangement)[:, None]
     return joined(
         [
-            without_count(search, most).on_sides(choice)
+            without_count(search, most, effort).on_sides(choice)
             for search, choice in zip(searches, choices, strict=True)
         ]
     )

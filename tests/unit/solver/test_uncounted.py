@@ -4,18 +4,26 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from gspcli import load
 from gspcli.catalogue.kinds import KINDS_BY_NAME
+from gspcli.catalogue.parsing import parse_type
 from gspcli.certification.counting import count_geometry, exact_count
 from gspcli.certification.counting.modular_platform import ModularPlatform
+from gspcli.certification.frames import Frames
+from gspcli.certification.locating import Locator
 from gspcli.defaults import SEED
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point, vector
-from gspcli.solver import solve
+from gspcli.solver import solve, special
+from gspcli.solver.generate import random_instance
 from gspcli.solver.proof import Ground
+from gspcli.solver.search import Search
+from gspcli.solver.tracking import pursue_each
 
 ORIGIN, X, Y, Z = (vector(*v) for v in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
 P = Point(ORIGIN)
@@ -90,3 +98,29 @@ def test_a_geometry_without_poses_for_most_values_proves_nothing(
     monkeypatch.setattr("gspcli.solver.search._ELIMINABLE", 0)
     monkeypatch.setattr("gspcli.solver.special.exact_count", lambda *_, **__: None)
     assert solve(platform).verdict == "incomplete"
+
+
+def test_large_general_platforms_are_not_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Some paths of 2 x 640 go wrong: with 32 digits they lead to what a count would ask for."""
+
+    def refused(*_: object, **__: object) -> None:
+        message = "this is not to be needed"
+        raise AssertionError(message)
+
+    monkeypatch.setattr(special, "exact_count", refused)
+    platform, _ = random_instance(parse_type("6D PP PL PL PL LP HP"), np.random.default_rng(9))
+    result = solve(platform)
+    assert result.proof is not None
+    assert result.proof.by is Ground.TYPE
+    assert len(result.R) == result.certified.sum() == result.expected == 1280
+
+
+def test_many_paths_astray_are_not_followed_before_a_count() -> None:
+    """Half of the paths end elsewhere, as with every special geometry."""
+    axis = one_axis("0.5")
+    arrangement = Arrangement.of(axis)
+    [(_, pursuits)] = pursue_each([arrangement], seed=SEED)
+    locator = Locator(axis, Frames.of(arrangement))
+    searches = [Search(arrangement, locator, pursuit, (0,) * 6) for pursuit in pursuits]
+    assert special._as_many_as_the_type(arrangement, searches) is None
+    assert not any(len(search.found) for search in searches)
