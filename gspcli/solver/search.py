@@ -279,16 +279,19 @@ class Search:
 
 
 def _sources(points: Field) -> NDArray[np.intp]:
-    """Return for each Study point an earlier one whose conjugate it is, else itself, shape (k,)."""
+    """Return for each Study point an earlier one whose conjugate it is, else itself, shape (k,).
+
+    Lost paths may end at no point at all; those are nobody's conjugates.
+    """
     source = np.arange(len(points))
     for i, point in enumerate(points):
         k = np.abs(point[:4]).argmax()
-        unit = point / point[k]
-        size = np.repeat([1.0, np.abs(unit[4:]).max()], 4)
-        if np.abs(unit.imag / size).max() < _NEARLY_REAL:
-            continue
         others = points[:i].conj()
         with np.errstate(divide="ignore", invalid="ignore"):
+            unit = point / point[k]
+            size = np.repeat([1.0, np.abs(unit[4:]).max()], 4)
+            if np.abs(unit.imag / size).max() < _NEARLY_REAL:
+                continue
             gaps = np.abs((others / others[:, k : k + 1] - unit) / size).max(axis=1, initial=0.0)
         same = np.flatnonzero(gaps < _KNOWN)
         if len(same):

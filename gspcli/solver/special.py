@@ -36,8 +36,9 @@ from gspcli.solver.study_systems import side_choices
 from gspcli.solver.tracking import pursue_each
 from gspcli.solver.uncounted import FEW, without_count
 
-#: Of more poses than this a count takes longer than to follow one path in `FEW` with 32 digits.
-_LONG = 50
+#: A count takes longer than to follow this part of the paths with 32 digits, for each path that
+#: there is; and the part of which more are not followed: then the platform is a special one.
+_LONG, _MOST = 1 / 2500, 1 / 5
 #: Counts that mislead with a larger probability are worth another one.
 _DOUBTFUL = 1e-9
 
@@ -138,8 +139,10 @@ def _as_many_as_the_type(arrangement: Arrangement, searches: Sequence[Search]) -
     Paths that went wrong are followed with 32 digits as long as a count would take longer.
     """
     pursuits = [search.pursuit for search in searches]
-    if any(_astray(each) * FEW > each.paths * max(1, each.paths / _LONG) for each in pursuits):
-        return None
+    for each in pursuits:
+        part = min(max(1 / FEW, _LONG * each.paths), _MOST)
+        if not each.paths or _astray(each) > part * each.paths:
+            return None
     poses = _joined_without_count(arrangement, searches, None, Effort.SOME)
     return replace(poses, proof=poses.proof_by_type) if poses.proof_by_type else None
 

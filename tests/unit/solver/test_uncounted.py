@@ -19,7 +19,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point, vector
-from gspcli.solver import solve, special
+from gspcli.solver import search, solve, special
 from gspcli.solver.generate import random_instance
 from gspcli.solver.proof import Ground
 from gspcli.solver.search import Search
@@ -115,12 +115,20 @@ def test_large_general_platforms_are_not_counted(monkeypatch: pytest.MonkeyPatch
     assert len(result.R) == result.certified.sum() == result.expected == 1280
 
 
+@pytest.mark.filterwarnings("error")
+def test_the_end_of_a_lost_path_may_be_no_point() -> None:
+    ends = np.array(
+        [[0j] * 8, [np.nan] * 8, [1, 2j, 3, 4, 5, 6, 7j, 8], [1, -2j, 3, 4, 5, 6, -7j, 8]]
+    )
+    assert search._sources(ends).tolist() == [0, 1, 2, 2]
+
+
 def test_many_paths_astray_are_not_followed_before_a_count() -> None:
     """Half of the paths end elsewhere, as with every special geometry."""
     axis = one_axis("0.5")
     arrangement = Arrangement.of(axis)
     [(_, pursuits)] = pursue_each([arrangement], seed=SEED)
     locator = Locator(axis, Frames.of(arrangement))
-    searches = [Search(arrangement, locator, pursuit, (0,) * 6) for pursuit in pursuits]
-    assert special._as_many_as_the_type(arrangement, searches) is None
-    assert not any(len(search.found) for search in searches)
+    each = [Search(arrangement, locator, pursuit, (0,) * 6) for pursuit in pursuits]
+    assert special._as_many_as_the_type(arrangement, each) is None
+    assert not any(len(one.found) for one in each)
