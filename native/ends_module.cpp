@@ -104,20 +104,20 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> lows, Array<double,
 }
 
 // Numbers (parts, constraints, points and directions, coordinates) as `Doubled`s.
-nb::tuple open(Array<std::int32_t, 1> measures, Array<double, 4> numbers, Array<double, 3> tables,
+nb::tuple open(Array<std::int32_t, 1> relations, Array<double, 4> numbers, Array<double, 3> tables,
                double tiny) {
   const std::size_t parts = 3, vectors = 4, coordinates = 3, eight = kVariables;
-  require(measures.shape(0) == kEquations && numbers.shape(0) == parts &&
+  require(relations.shape(0) == kEquations && numbers.shape(0) == parts &&
               numbers.shape(1) == kEquations && numbers.shape(2) == vectors &&
               numbers.shape(3) == coordinates && tables.shape(0) == kStudyForms &&
               tables.shape(1) == eight && tables.shape(2) == eight,
-          "measures, numbers and tables must have shapes (6,), (3, 6, 4, 3) and (27, 8, 8)");
+          "relations, numbers and tables must have shapes (6,), (3, 6, 4, 3) and (27, 8, 8)");
   Primitives constraints[kEquations];
   for (std::size_t i = 0; i < kEquations; ++i) {
     Primitives& p = constraints[i];
-    require(measures(i) >= 0 && measures(i) <= static_cast<std::int32_t>(Measure::kAngle),
-            "no such measure");
-    p.measure = static_cast<Measure>(measures(i));
+    require(relations(i) >= 0 && relations(i) <= static_cast<std::int32_t>(Relation::kAngle),
+            "no such relation");
+    p.relation = static_cast<Relation>(relations(i));
     Doubled* const vector[] = {p.a, p.b, p.u, p.v};
     for (std::size_t k = 0; k < vectors; ++k)
       for (std::size_t j = 0; j < coordinates; ++j)
@@ -146,7 +146,7 @@ nb::tuple open(Array<std::int32_t, 1> measures, Array<double, 4> numbers, Array<
 
 void bind_ends(nb::module_& m, Decide* (*choose_decide)(const std::string& build)) {
   choose = choose_decide;
-  m.def("open", &open, "measures"_a, "numbers"_a, "tables"_a, nb::kw_only(), "tiny"_a,
+  m.def("open", &open, "relations"_a, "numbers"_a, "tables"_a, nb::kw_only(), "tiny"_a,
         "Write down equations with their values left open; see gspcli.certification.many_values.");
   m.def("decide", &decide, "hessians"_a, "lows"_a, "moduli"_a, "equations"_a, "weights"_a, "turned"_a,
         "values"_a, "points"_a, nb::kw_only(), "unit"_a, "origins"_a, "scale"_a, "tolerance"_a,

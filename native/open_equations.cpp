@@ -176,25 +176,25 @@ class Writer {
 
 void write(const Primitives& p, int equation, Writer& writer) {
   const Doubled one{1.0, 0.0, 1.0};
-  switch (p.measure) {
-    case Measure::kPoints: return writer.put(equation, square_distance(p), -one);
-    case Measure::kBaseHeight: return writer.put(equation, base_height(p), -root(dot(p.v, p.v)));
-    case Measure::kPlatformHeight:
+  switch (p.relation) {
+    case Relation::kPoints: return writer.put(equation, square_distance(p), -one);
+    case Relation::kBaseHeight: return writer.put(equation, base_height(p), -root(dot(p.v, p.v)));
+    case Relation::kPlatformHeight:
       return writer.put(equation, platform_height(p).scaled(-one), -root(dot(p.u, p.u)));
-    case Measure::kBaseLine:
-    case Measure::kPlatformLine: {
-      const bool base = p.measure == Measure::kBaseLine;
+    case Relation::kBaseLine:
+    case Relation::kPlatformLine: {
+      const bool base = p.relation == Relation::kBaseLine;
       const Doubled axis = base ? dot(p.v, p.v) : dot(p.u, p.u);
       writer.put(equation, square_distance(p).scaled(axis), -axis);
       return writer.put_squares(equation, base ? base_height(p) : platform_height(p));
     }
-    case Measure::kLines: {
+    case Relation::kLines: {
       Form cosine;
       cosine.turn(1.0, p.v, p.u);
       writer.put(equation, Form{}, dot(p.u, p.u) * dot(p.v, p.v));
       return writer.put_squares(equation, mutual_moment(p), cosine);
     }
-    case Measure::kAngle: {
+    case Relation::kAngle: {
       Form cosine;
       cosine.turn(1.0, p.v, p.u);
       return writer.put(equation, cosine, -(root(dot(p.u, p.u)) * root(dot(p.v, p.v))));

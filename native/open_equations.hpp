@@ -18,12 +18,12 @@ struct Doubled {
 };
 
 // What a constraint is a distance or an angle of; a height is a distance from a plane.
-enum class Measure : std::int32_t {
+enum class Relation : std::int32_t {
   kPoints, kBaseHeight, kPlatformHeight, kBaseLine, kPlatformLine, kLines, kAngle
 };
 
 struct Primitives {
-  Measure measure;
+  Relation relation;
   Doubled a[3], b[3], u[3], v[3];  // points and directions, of the platform (a, u) and the base
 };
 

@@ -49,7 +49,7 @@ struct MovingValues {
   static constexpr int kOrder = 3;  // of the Taylor series
   const ShiftGeometry& geometry;
   const ShiftPaths& paths;
-  C from[kEquations], change[kEquations], v[kEquations];
+  C from[kEquations]{}, change[kEquations]{}, v[kEquations]{};
 
   INLINE void load(int l, int target) {
     const int start = paths.start[target];
@@ -103,7 +103,7 @@ struct MovingGeometry {
   static constexpr int kOrder = 4;
   const ShiftGeometry& geometry;
   const ShiftPaths& paths;
-  C form[kEquations][kForms], slopes[kEquations][M > 0 ? M : 1];
+  C form[kEquations][kForms]{}, slopes[kEquations][M > 0 ? M : 1]{};
 
   INLINE void load(int, int) {}
   INLINE void go(const V& t) {
@@ -148,8 +148,8 @@ struct MovingPlatform {
   static constexpr int kOrder = 3;
   const ShiftGeometry& geometry;
   const ShiftPaths& paths;
-  V form[kEquations][kForms], slopes[kEquations][M > 0 ? M : 1];
-  V v[kEquations];  // imaginary parts: the real ones are in the forms
+  V form[kEquations][kForms]{}, slopes[kEquations][M > 0 ? M : 1]{};
+  V v[kEquations]{};  // imaginary parts: the real ones are in the forms
 
   INLINE void load(int, int) {}
   INLINE void go(const V& t) {

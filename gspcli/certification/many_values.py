@@ -48,7 +48,7 @@ Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
 
 #: What a constraint is to the kernel (native/open_equations.hpp).
-_MEASURES = {DPP: 0, DPH: 1, DHP: 2, DPL: 3, DLP: 4, DLL: 5, **dict.fromkeys(ANGLE_KINDS, 6)}
+_RELATIONS = {DPP: 0, DPH: 1, DHP: 2, DPL: 3, DLP: 4, DLL: 5, **dict.fromkeys(ANGLE_KINDS, 6)}
 #: A cosine errs by at most `SINE_ERROR`, which is this part of the unit of `converted`.
 _COSINE_ERROR = SINE_ERROR / CONVERSION
 #: What the bits of the kernel say.
@@ -109,7 +109,7 @@ class ValueProofs:
         # Exact: a power of two.
         numbers[:, :, :2] /= self.scale
         found = _kernel.open(
-            _measures(self.kinds), numbers, form_hessians(), tiny=TINY / CONVERSION
+            _relations(self.kinds), numbers, form_hessians(), tiny=TINY / CONVERSION
         )
         self._hessians, self._lows, self._moduli, self._table, self._weights, self._turned = found
 
@@ -307,6 +307,6 @@ def _places(kinds: tuple[Kind, ...]) -> tuple[Index, Index]:
 
 
 @cache
-def _measures(kinds: tuple[Kind, ...]) -> NDArray[np.int32]:
+def _relations(kinds: tuple[Kind, ...]) -> NDArray[np.int32]:
     """Return what constraints are to the kernel, shape (6,)."""
-    return np.array([_MEASURES[kind] for kind in kinds], np.int32)
+    return np.array([_RELATIONS[kind] for kind in kinds], np.int32)
