@@ -25,6 +25,8 @@ _COLUMNS = {
 _NUMBERS = tuple("123456")
 _SIGNS = {"positive": 1, "negative": -1}
 _IMAGINARY = "_imag"
+#: Lines that begin so say nothing of poses: comments, and notices of Singular.
+COMMENTS = ("#", "//")
 _EXPECTED = "R (3x3) or quaternion (4 numbers, scalar first), and T (3 numbers)"
 
 
@@ -119,7 +121,7 @@ def _csv(text: str, name: str) -> tuple[list[Any], Places]:
     lines = [
         (number, line)
         for number, line in enumerate(text.splitlines(), 1)
-        if line.strip() and not line.lstrip().startswith("#")
+        if line.strip() and not line.lstrip().startswith(COMMENTS)
     ]
     if not lines:
         return [], []

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.candidates import Candidates
+from gspcli.certification.candidates import COMMENTS, Candidates
 from gspcli.errors import Problem, SpecError
 from gspcli.export.motion_coordinates import DUAL, INVERSE, QUATERNION, ROTATION, TRANSLATION
 from gspcli.geometry.quaternions import dot, pose_from_study
@@ -53,7 +53,7 @@ def read_answer(text: str, name: str) -> Candidates | None:
     if stripped.startswith("[") and stripped.endswith(":"):
         points = read_msolve(stripped, name)
         return _candidates(_names(points, name), points, name, real=True)
-    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith(COMMENTS)]
     heading = lines[0].split(",") if lines else []
     if DUAL[0] in heading:
         names, points = _csv(heading, lines[1:], name)

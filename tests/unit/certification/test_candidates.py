@@ -33,6 +33,7 @@ def line(values: list[float], mark: str = ",") -> str:
         line([*E, *T], "; "),
         line([*E, *T], "  "),
         "# poses\n\n" + line(NUMBERS) + "\n",
+        "// ** Could not find dynamic library: p_Procs_FieldQ.so\n# poses\n" + line(NUMBERS),
         ",".join(NAMES) + "\n" + line(NUMBERS),
         "no.,tx,ty,tz,qw,qx,qy,qz,residual\n1," + line([*T, *E]) + ",1e-12",
         "T1,T2,T3,E0,E1,E2,E3\n" + line([*T, *E]),
