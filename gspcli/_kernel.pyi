@@ -73,9 +73,20 @@ def surfaces(
     NDArray[np.complex128],
     NDArray[np.complex128],
     NDArray[np.complex128],
-    NDArray[np.complex128],
     NDArray[np.float64],
 ]: ...
+def closed_forms(
+    u: NDArray[np.float64],
+    v: NDArray[np.float64],
+    cosines: NDArray[np.float64],
+    forms: NDArray[np.float64],
+    spheres: int,
+    skew: list[int],
+    signs: NDArray[np.float64],
+    basis: NDArray[np.float64] | None,
+    flat: NDArray[np.float64],
+    curved: NDArray[np.float64],
+) -> tuple[NDArray[np.complex128], NDArray[np.bool_]]: ...
 def find_real_points(
     points: NDArray[np.complex128],
 ) -> tuple[NDArray[np.complex128], NDArray[np.bool_]]: ...
@@ -211,7 +222,7 @@ def connected_boxes(
     poles: int,
 ) -> NDArray[np.int64]: ...
 def open(
-    measures: NDArray[np.int32],
+    relations: NDArray[np.int32],
     numbers: NDArray[np.float64],
     tables: NDArray[np.float64],
     *,

@@ -18,16 +18,15 @@
 
 #include "bindings.hpp"
 #include "bodies_module.hpp"
+#include "closed_form_module.hpp"
 #include "conjugates.hpp"
 #include "counting.hpp"
 #include "ends_module.hpp"
 #include "homotopy.hpp"
 #include "shifts_module.hpp"
-#include "intersection.hpp"
 #include "ordering_module.hpp"
 #include "proofs_module.hpp"
 #include "reach_module.hpp"
-#include "surfaces.hpp"
 #include "threads.hpp"
 #include "tracker.hpp"
 #include "tubes_module.hpp"
@@ -227,78 +226,6 @@ nb::tuple real_points(Array<std::complex<double>, 2> points) {
                         owned(std::move(real), {count}));
 }
 
-nb::tuple surfaces(Array<double, 3> forms, int spheres, std::vector<int> skew,
-                   Array<double, 2> signs, std::optional<Array<double, 3>> basis,
-                   Array<std::complex<double>, 2> e, Array<double, 2> flat,
-                   Array<double, 2> curved) {
-  const std::size_t rotations = e.shape(0), combinations = signs.shape(0), k = signs.shape(1);
-  const std::size_t m = curved.shape(1), three = 3, four = 4;
-  require(e.shape(1) == 4 && flat.shape(0) == rotations && flat.shape(1) == k &&
-              curved.shape(0) == rotations && spheres >= 0 && spheres <= static_cast<int>(m),
-          "e, flat and curved must have shapes (rotations, 4), (rotations, k), (rotations, m)");
-  require(!basis || (basis->shape(0) == 3 && basis->shape(1) == 4 && basis->shape(2) == 4),
-          "basis must have shape (3, 4, 4)");
-  const Measures given{static_cast<int>(k),
-                       spheres,
-                       static_cast<int>(m) - spheres,
-                       static_cast<int>(skew.size()),
-                       forms.data(),
-                       skew.data(),
-                       static_cast<int>(combinations),
-                       signs.data(),
-                       basis ? basis->data() : nullptr};
-  require(forms.shape(0) == static_cast<std::size_t>(given.forms()) && forms.shape(1) == 4 &&
-              forms.shape(2) == 8,
-          "there must be a form (4, 8) for each height, square, axis, normal, and three of T");
-  require(std::all_of(skew.begin(), skew.end(),
-                      [&](int i) { return 0 <= i && i < static_cast<int>(k); }),
-          "moments must be among the heights");
-  const std::size_t planes = given.planes();
-  const auto array = [&](std::size_t size) {
-    return std::make_unique<std::complex<double>[]>(rotations * size);
-  };
-  auto plane = array(combinations * planes * 4), quadric = array(m * 16), base = array(12),
-       frame = array(9);
-  auto skewness = std::make_unique<double[]>(rotations);
-  for (std::size_t r = 0; r < rotations; ++r)
-    make_surfaces(given, e.data() + 4 * r, flat.data() + k * r, curved.data() + m * r,
-                  {plane.get() + r * combinations * planes * 4, quadric.get() + r * m * 16,
-                   base.get() + 12 * r, frame.get() + 9 * r, skewness.get() + r});
-  return nb::make_tuple(owned(std::move(plane), {rotations, combinations, planes, four}),
-                        owned(std::move(quadric), {rotations, m, four, four}),
-                        owned(std::move(base), {rotations, four, three}),
-                        owned(std::move(frame), {rotations, three, three}),
-                        owned(std::move(skewness), {rotations}));
-}
-
-nb::tuple intersect(Array<std::complex<double>, 4> planes, Array<std::complex<double>, 4> quadrics,
-                    Array<double, 1> accuracy, Array<bool, 1> real, const std::string& build) {
-  const std::size_t groups = planes.shape(0), systems = planes.shape(1), k = planes.shape(2);
-  require(k <= 3 && planes.shape(3) == 4, "planes must have shape (groups, systems, k, 4)");
-  require(quadrics.shape(0) == groups && quadrics.shape(1) == 3 - k && quadrics.shape(2) == 4 &&
-              quadrics.shape(3) == 4,
-          "quadrics must have shape (groups, 3 - k, 4, 4)");
-  require(accuracy.shape(0) == groups && real.shape(0) == groups,
-          "accuracy and real must have shape (groups,)");
-  const Build chosen = build_named(build);
-  const std::size_t total = groups * systems, each = std::size_t{8} >> k, four = 4;
-  auto point = std::make_unique<std::complex<double>[]>(total * each * four);
-  auto error = std::make_unique<double[]>(total * each);
-  auto ok = std::make_unique<bool[]>(total);
-  {
-    nb::gil_scoped_release release;
-    chosen.intersect({static_cast<int>(groups), static_cast<int>(systems),
-                      reinterpret_cast<const Complex*>(planes.data()),
-                      reinterpret_cast<const Complex*>(quadrics.data()), accuracy.data(),
-                      real.data()},
-                     static_cast<int>(k),
-                     {reinterpret_cast<Complex*>(point.get()), error.get(), ok.get()});
-  }
-  return nb::make_tuple(owned(std::move(point), {groups, systems, each, four}),
-                        owned(std::move(error), {groups, systems, each}),
-                        owned(std::move(ok), {groups, systems}));
-}
-
 nb::tuple count(std::uint64_t prime, std::uint64_t seed, unsigned blocks,
                 Array<std::int64_t, 3> hessians, Array<std::uint64_t, 2> moments,
                 Array<std::uint64_t, 2> functions, Array<std::uint64_t, 2> squares,
@@ -382,12 +309,6 @@ NB_MODULE(_kernel, m) {
   m.doc() = "Native code of gspcli.continuation, gspcli.geometry and gspcli.certification.";
   m.def("find_real_points", &gsp::real_points, "points"_a,
         "Return representatives and which are real; see gspcli.geometry.conjugates.");
-  m.def("surfaces", &gsp::surfaces, "forms"_a, "spheres"_a, "skew"_a, "signs"_a,
-        "basis"_a.none(), "e"_a, "flat"_a, "curved"_a,
-        "Return the surfaces of distances at rotations; see gspcli.geometry.surfaces.");
-  m.def("intersect", &gsp::intersect, "planes"_a, "quadrics"_a, "accuracy"_a, "real"_a,
-        nb::kw_only(), "build"_a = "",
-        "Return points, errors and what has been solved; see gspcli.geometry.intersections.");
   m.def("track", &gsp::track, "products"_a, "start_g"_a, "start_h"_a, "start_tau"_a, "target_g"_a,
         "target_h"_a, "target_tau"_a, "more_g"_a, "more_h"_a, "more_tau"_a, "points"_a,
         "low_points"_a, "left"_a, nb::kw_only(), "predictor_tolerance"_a, "contraction"_a, "arrival"_a,
@@ -401,6 +322,7 @@ NB_MODULE(_kernel, m) {
         "moment_relations"_a = true, "build"_a = "",
         "Count solutions modulo a prime; see gspcli.certification.counting.residue_counts.");
   gsp::bind_bodies(m);
+  gsp::bind_closed_form(m, [](const std::string& name) { return gsp::build_named(name).intersect; });
   gsp::bind_ordering(m);
   gsp::bind_reach(m);
   gsp::bind_tubes(m, [](const std::string& name) { return gsp::build_named(name).follow; });

@@ -60,10 +60,6 @@ void make_surfaces(const Measures& given, const Number* e, const double* flat,
   const Number* squares = heights + 4 * given.heights;
   const Number* axial = squares + 4 * given.squares();
   const Number* normals = axial + 4 * given.cylinders;
-  const Number* translation = normals + 12 * given.pairs;
-
-  for (int i = 0; i < 3; ++i)
-    for (int c = 0; c < 3; ++c) out.frame[3 * i + c] = translation[4 * i + 1 + c] / norm;
 
   Number metric[3][3] = {};
   for (int c = 0; c < 3; ++c)

@@ -29,8 +29,8 @@ class Measures:
     forms
         All forms, shape (count, 4, 8). N times the heights over planes and the moments of two
         lines; N times the squared distances of points but for ``4 f.f``, first for spheres and then
-        for cylinders; for each cylinder N times the height along its axis; N times the three
-        components of the vector product of the directions of two lines; and N T.
+        for cylinders; for each cylinder N times the height along its axis; and N times the three
+        components of the vector product of the directions of two lines.
     skew
         Which of the heights are moments of two lines.
     flat, curved
@@ -86,7 +86,7 @@ def measures(arrangement: Arrangement) -> Measures:
             raise ValueError(kind)
         sorts.add("q" if kind in (DHP, DLP) else "s" if kind is DPP else "p")
     flat = [j for j, _ in heights]
-    rows = [row for _, row in (*heights, *spheres, *cylinders)] + axial + normals + _TRANSLATION
+    rows = [row for _, row in (*heights, *spheres, *cylinders)] + axial + normals
     return Measures(
         forms=(np.array(rows) @ _FORMS).reshape(-1, 4, 8),
         skew=skew,
@@ -130,7 +130,6 @@ def _function_forms() -> Array:
 
 
 _FORMS = _function_forms()
-_TRANSLATION = [_combination(T=axis) for axis in _AXES]
 
 
 def _dot(a: _Vector, b: _Vector) -> float:

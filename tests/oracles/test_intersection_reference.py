@@ -10,7 +10,7 @@ from itertools import combinations_with_replacement, product
 import numpy as np
 import pytest
 
-from gspcli.geometry.intersections import generic_points
+from gspcli import _kernel
 
 
 def reference(planes: np.ndarray, quadrics: np.ndarray) -> np.ndarray:
@@ -61,7 +61,7 @@ def test_intersections_against_reference(k, field):
         planes += 1j * rng.normal(size=planes.shape)
         quadrics += 1j * rng.normal(size=quadrics.shape)
     quadrics += quadrics.swapaxes(-1, -2)
-    points, _, ok = generic_points(
+    points, _, ok = _kernel.intersect(
         planes[:, None], quadrics, np.full(25, 1e-16), np.full(25, field == "real")
     )
     assert ok.all()
@@ -77,7 +77,7 @@ def test_the_same_when_a_coefficient_is_wrong_is_noticed():
     quadrics += quadrics.swapaxes(-1, -2)
     wrong = quadrics.copy()
     wrong[1, 2, 3] = wrong[1, 3, 2] = quadrics[1, 2, 3] * (1 + 1e-6)
-    points, _, _ = generic_points(
+    points, _, _ = _kernel.intersect(
         np.zeros((1, 1, 0, 4)), wrong[None], np.full(1, 1e-16), np.ones(1, bool)
     )
     overlaps = np.abs(reference(np.zeros((0, 4)), quadrics).conj() @ points[0, 0].T)

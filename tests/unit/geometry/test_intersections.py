@@ -1,10 +1,11 @@
+"""Where planes and quadrics of projective 3-space meet (native/intersection.hpp)."""
+
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
 from gspcli import _kernel
-from gspcli.geometry.intersections import generic_points
 
 EPS = float(np.finfo(float).eps)
 
@@ -21,7 +22,12 @@ def random_systems(seed: int, planes: int, field: str, shape: tuple[int, int]):
 
 def solved(planes, quadrics, field="complex"):
     count = len(planes)
-    return generic_points(planes, quadrics, np.full(count, EPS), np.full(count, field == "real"))
+    return _kernel.intersect(
+        planes.astype(complex),
+        quadrics.astype(complex),
+        np.full(count, EPS),
+        np.full(count, field == "real"),
+    )
 
 
 def planes_product(a, b) -> np.ndarray:
@@ -106,11 +112,11 @@ def test_shapes_are_checked():
     planes, quadrics = random_systems(1, 1, "complex", (2, 1))
     one, yes = np.full(2, EPS), np.ones(2, bool)
     with pytest.raises(ValueError, match="quadrics must have shape"):
-        generic_points(planes, quadrics[:, :1], one, yes)
+        _kernel.intersect(planes, quadrics[:, :1], one, yes)
     with pytest.raises(ValueError, match="planes must have shape"):
-        generic_points(planes[..., :3], quadrics, one, yes)
+        _kernel.intersect(planes[..., :3], quadrics, one, yes)
     with pytest.raises(ValueError, match="accuracy and real"):
-        generic_points(planes, quadrics, one[:1], yes)
+        _kernel.intersect(planes, quadrics, one[:1], yes)
 
 
 @pytest.mark.parametrize("build", ["portable", "avx2", "avx512"])

@@ -3,20 +3,53 @@
 from __future__ import annotations
 
 from itertools import combinations_with_replacement
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
+from gspcli import _kernel
 from gspcli.catalogue.kinds import ALL, DISTANCE_KINDS, DLL, DLP, DPL, DPP
 from gspcli.catalogue.types import GspType
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.distance_forms import measures
+from gspcli.geometry.distance_forms import Measures, measures
 from gspcli.geometry.measurement import measured
-from gspcli.geometry.quaternions import dot, normalized, rotation_from_quaternion
-from gspcli.geometry.surfaces import surfaces
+from gspcli.geometry.quaternions import (
+    dot,
+    normalized,
+    quaternion_product,
+    rotation_from_quaternion,
+)
 from gspcli.solver.generate import random_instance
 
 TRIPLES = list(combinations_with_replacement(DISTANCE_KINDS, 3))
+
+
+class Surfaces(NamedTuple):
+    """Surfaces at f rotations (native/surfaces.hpp)."""
+
+    planes: np.ndarray
+    """Of each combination of sides: of heights, then of circles; (f, s, planes, 4)."""
+    quadrics: np.ndarray
+    """Spheres, then cylinders, (f, squares, 4, 4)."""
+    basis: np.ndarray
+    """Of the f with ``e.f = 0``, (f, 4, 3)."""
+    skewness: np.ndarray
+
+
+def surfaces(shapes: Measures, e: np.ndarray, distances: np.ndarray) -> Surfaces:
+    """Return the surfaces at quaternions (f, 4) of norm 1 for distances (f, 3)."""
+    found = _kernel.surfaces(
+        shapes.forms,
+        shapes.spheres,
+        shapes.skew,
+        shapes.signs,
+        shapes.basis,
+        np.ascontiguousarray(e),
+        np.ascontiguousarray(distances[:, shapes.flat]),
+        np.ascontiguousarray(distances[:, shapes.curved]),
+    )
+    return Surfaces(*found)
 
 
 def arrangement_of(kinds, seed: int) -> Arrangement:
@@ -43,7 +76,8 @@ def test_surfaces_at_random_poses(kinds, field):
         assert not found.planes.imag.any()
         assert not found.quadrics.imag.any()
     # The place of T in the coordinates of the surfaces, and e.f = 0.
-    t = np.linalg.solve(found.frame, T[..., None])[..., 0]
+    f = quaternion_product(np.concatenate((np.zeros((5, 1)), T), axis=1), e) / 2
+    t = (np.linalg.pinv(found.basis) @ f[..., None])[..., 0]
     X = np.concatenate((np.ones((5, 1)), t), axis=1)
     np.testing.assert_allclose(np.einsum("fk,fkc->fc", e, found.basis), 0, atol=1e-14)
     r, w, _ = given.placed(R, T)
@@ -64,12 +98,12 @@ def test_surfaces_at_random_poses(kinds, field):
         i = given.distances[position]
         axis = {DPP: np.zeros(3), DPL: given.v[i], DLP: w[:, i]}[given.kinds[i]]
         square = dot(r[:, i], r[:, i]) - dot(r[:, i], axis + 0 * r[:, i]) ** 2
-        scale = N if j < found.spheres else N**2
+        scale = N if j < shapes.spheres else N**2
         value = np.einsum("fa,fab,fb->f", X, found.quadrics[:, j], X)
         expected = scale * (square - distances[:, position] ** 2)
         np.testing.assert_allclose(value, expected, atol=1e-12 * (1 + np.abs(T).max()) ** 2)
     circles = found.planes[:, 0, len(shapes.flat) :]
-    for j in range(1, found.spheres):
+    for j in range(1, shapes.spheres):
         difference = found.quadrics[:, j] - found.quadrics[:, 0]
         np.testing.assert_allclose(
             dot(circles[:, j - 1], X), np.einsum("fa,fab,fb->f", X, difference, X), atol=1e-12
