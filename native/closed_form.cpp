@@ -112,7 +112,7 @@ int points_of(const Measures& given) { return 1 << (3 - given.planes()); }
 
 }  // namespace
 
-int poses_of(const Measures& given) { return kRotations * given.signs * points_of(given); }
+int poses_of(const Measures& given) { return kRotations * points_of(given); }
 
 void solve_closed_forms(const Directions& directions, const Measures& measures,
                         const ValueSets& values, Intersect* intersect, Number* point,
@@ -139,35 +139,38 @@ void solve_closed_forms(const Directions& directions, const Measures& measures,
   const Meeting placed(intersect, rotations, measures.signs, planes, plane.data(), quadric.data(),
                        turned.accuracy.data(), real.get());
 
-  const int each_rotation = measures.signs * points_of(measures), poses = poses_of(measures);
-  std::vector<int> filled(values.count);
+  const int points = points_of(measures), poses = kRotations * points;
+  const std::size_t each_set = static_cast<std::size_t>(measures.signs) * poses * kStudy;
+  std::vector<int> filled(values.count);  // poses of each side
   std::fill(general, general + values.count, true);
-  std::fill(point, point + static_cast<std::size_t>(values.count) * poses * kStudy, Number());
+  std::fill(point, point + values.count * each_set, Number());
   for (int r = 0; r < rotations; ++r) {
-    const int b = turned.owner[r];
+    const int b = turned.owner[r], copies = turned.real[r] ? 1 : 2;
     bool good = skewness[r] > kNearlyParallel;
-    for (int s = 0; s < measures.signs; ++s) good = good && placed.ok[r * measures.signs + s];
-    Number* const poses_here = point + (static_cast<std::size_t>(b) * poses) * kStudy;
-    for (int p = 0; p < each_rotation; ++p) {
-      const Number* const x = &placed.point[(r * each_rotation + p) * 4];
-      good = good && certainly_not_zero(std::abs(x[0]), placed.error[r * each_rotation + p]);
-      Number* const study = poses_here + kStudy * filled[b]++;
-      for (int l = 0; l < 4; ++l) {
-        study[l] = product(x[0], turned.e[4 * r + l]);
-        for (int c = 0; c < 3; ++c)
-          study[4 + l] += product(basis[12 * r + 3 * l + c], x[1 + c]);
+    for (int s = 0; s < measures.signs; ++s) {
+      const int system = r * measures.signs + s;
+      good = good && placed.ok[system];
+      for (int p = 0; p < points; ++p) {
+        const Number* const x = &placed.point[(system * points + p) * 4];
+        good = good && certainly_not_zero(std::abs(x[0]), placed.error[system * points + p]);
+        Number* const study =
+            point + b * each_set + (s * poses + filled[b] + copies * p) * kStudy;
+        for (int l = 0; l < 4; ++l) {
+          study[l] = product(x[0], turned.e[4 * r + l]);
+          for (int c = 0; c < 3; ++c)
+            study[4 + l] += product(basis[12 * r + 3 * l + c], x[1 + c]);
+        }
+        if (!turned.real[r])
+          std::transform(study, study + kStudy, study + kStudy,
+                         [](const Number& z) { return std::conj(z); });
       }
-      if (turned.real[r]) continue;
-      std::transform(study, study + kStudy, study + kStudy,
-                     [](const Number& z) { return std::conj(z); });
-      ++filled[b];
     }
+    filled[b] += copies * points;
     general[b] = general[b] && good;
   }
   for (int b = 0; b < values.count; ++b) {
     general[b] = general[b] && filled[b] == poses;
-    if (!general[b])
-      std::fill_n(point + static_cast<std::size_t>(b) * poses * kStudy, poses * kStudy, Number());
+    if (!general[b]) std::fill_n(point + b * each_set, each_set, Number());
   }
 }
 

@@ -28,11 +28,11 @@ struct ValueSets {
   const double* curved;  // (count, squares)
 };
 
-// How many poses each set has in general position.
+// How many poses each set has in general position on each combination of sides.
 int poses_of(const Measures&);
 
-// Study points of any norm of all poses of each set (count, poses, 8), those of real poses exactly
-// real, and whether everything is in general position, so that by Bezout's theorem there are no
+// Study points of any norm of all poses of each set (count, signs, poses, 8), those of real poses
+// exactly real, and whether everything is in general position, so that by Bezout's theorem there are no
 // other poses; else the points are zero.
 void solve_closed_forms(const Directions&, const Measures&, const ValueSets&, Intersect* intersect,
                         std::complex<double>* point, bool* general);

@@ -109,8 +109,8 @@ nb::tuple closed_forms(Array<double, 2> u, Array<double, 2> v, Array<double, 2> 
   require(flat.shape(1) == signs.shape(1) && flat.shape(1) + curved.shape(1) == 3,
           "there must be three distances");
   const Measures given = measures_of(forms, spheres, skew, signs, basis, curved.shape(1));
-  const std::size_t poses = poses_of(given);
-  auto point = std::make_unique<Number[]>(sets * poses * eight);
+  const std::size_t combinations = given.signs, poses = poses_of(given);
+  auto point = std::make_unique<Number[]>(sets * combinations * poses * eight);
   auto general = std::make_unique<bool[]>(sets);
   {
     nb::gil_scoped_release release;
@@ -118,7 +118,7 @@ nb::tuple closed_forms(Array<double, 2> u, Array<double, 2> v, Array<double, 2> 
                        {static_cast<int>(sets), cosines.data(), flat.data(), curved.data()},
                        choose(""), point.get(), general.get());
   }
-  return nb::make_tuple(owned(std::move(point), {sets, poses, eight}),
+  return nb::make_tuple(owned(std::move(point), {sets, combinations, poses, eight}),
                         owned(std::move(general), {sets}));
 }
 
@@ -134,7 +134,7 @@ void bind_closed_form(nb::module_& m, Intersect* (*choose_intersect)(const std::
   m.def("closed_forms", &closed_forms, "u"_a, "v"_a, "cosines"_a, "forms"_a, "spheres"_a, "skew"_a,
         "signs"_a, "basis"_a.none(), "flat"_a, "curved"_a,
         "Return Study points of all poses, and which sets are in general position; see "
-        "gspcli.solver.closed_form.");
+        "gspcli.geometry.three_angles.");
 }
 
 }  // namespace gsp

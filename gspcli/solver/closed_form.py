@@ -1,9 +1,9 @@
 """All poses of a platform with three distances and three angles (Algorithm 6.6).
 
-First the rotations, then for each the translations, natively for many sets of values at a time
-(native/closed_form.cpp). Nothing is assumed about the position of the frames or the primitives, but
-that everything is in general position: by Bezout's theorem there are no other poses then. What is
-not in general position is not answered here.
+First the rotations, then for each the translations (`gspcli.geometry.three_angles`). Nothing is
+assumed about the position of the frames or the primitives, but that everything is in general
+position: by Bezout's theorem there are no other poses then. What is not in general position is not
+answered here.
 """
 
 from __future__ import annotations
@@ -14,12 +14,11 @@ from itertools import groupby, islice
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli import _kernel
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.distance_forms import measures
 from gspcli.geometry.quaternions import canonical_sign, pose_from_study, unit_quaternion
+from gspcli.geometry.three_angles import study_points
 from gspcli.solver.pose_set import PoseSet
 
 Array = NDArray[np.float64]
@@ -79,48 +78,22 @@ def general_ends(arrangement: Arrangement) -> Complex | None:
         unless all rotations and the surfaces of all of them are in general position.
     """
     given = arrangement.normalized
-    points, general = _ends(given, given.values[given.distances][None], given.values[None])
-    return points[0] if general[0] else None
-
-
-def _ends(given: Arrangement, distances: Array, values: Array) -> tuple[Complex, NDArray[np.bool_]]:
-    """Return Study points of all poses of sets of values, and which sets are in general position.
-
-    Parameters
-    ----------
-    given
-        The geometry with lengths of order one, and frames at the centres of the points.
-    distances
-        In its unit, shape (b, 3); those that are zero are so in `given`, too.
-    values
-        The sets of values, of which the angles count, shape (b, 6).
-    """
-    shapes, angles = measures(given), given.angles
-    return _kernel.closed_forms(
-        given.u[angles],
-        given.v[angles],
-        given.cosines(values),
-        shapes.forms,
-        shapes.spheres,
-        shapes.skew,
-        shapes.signs,
-        shapes.basis,
-        distances[:, shapes.flat],
-        distances[:, shapes.curved],
-    )
+    found = study_points(given, given.values[given.distances][None], given.values[None])
+    return found.points[0].reshape(-1, 8) if found.general[0] else None
 
 
 def _solve_batch(arrangement: Arrangement, values: Array) -> Iterator[PoseSet | None]:
     """Yield the poses for sets of values in which the same distances are zero."""
     length = arrangement.length_with(values)
     given = arrangement.with_values(values[0]).in_units_of(length)
-    points, general = _ends(given, values[:, arrangement.distances] / length, values)
-    for ends, is_general in zip(points, general.tolist(), strict=True):
-        yield _poses(arrangement, ends, length) if is_general else None
+    found = study_points(given, values[:, arrangement.distances] / length, values)
+    signs = np.where(arrangement.sided, found.signs, 1.0).repeat(found.points.shape[2], axis=0)
+    for points, is_general in zip(found.points, found.general.tolist(), strict=True):
+        yield _poses(arrangement, points.reshape(-1, 8), signs, length) if is_general else None
 
 
-def _poses(arrangement: Arrangement, points: Complex, length: float) -> PoseSet:
-    """Return the poses at Study points, (n, 8), with translations in a unit of length."""
+def _poses(arrangement: Arrangement, points: Complex, signs: Array, length: float) -> PoseSet:
+    """Return the poses at Study points, (n, 8), on sides, (n, 6), lengths in a unit."""
     e, f = points[:, :4], points[:, 4:]
     R, T = pose_from_study(e, f)
     number = len(R)
@@ -133,4 +106,5 @@ def _poses(arrangement: Arrangement, points: Complex, length: float) -> PoseSet:
         multiplicity=np.ones(number, int),
         motions=(),
         account=PathAccount(expected=number, found=number, basis=Basis.COUNT),
+        signs=signs,
     )

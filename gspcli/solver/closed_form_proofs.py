@@ -13,7 +13,6 @@ from gspcli.certification.many_values import ProvedPoses, ValueProofs
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import quaternion_product
-from gspcli.geometry.residuals import sides_of
 from gspcli.solver.batch import Block
 from gspcli.solver.closed_form import general_ends
 from gspcli.solver.direct import all_proved
@@ -102,15 +101,10 @@ def block_of(poses: ProvedPoses, rows: Index) -> Block:
 
 
 def _by_sides(given: Arrangement, choices: Array, poses: PoseSet) -> Index | None:
-    """Return the poses of each choice of sides, shape (k, m); None if they are not as many."""
-    if any(_is_zero(given)):
+    """Return the poses of each choice of sides, shape (k, m); None if distances are zero."""
+    if poses.signs is None or any(_is_zero(given)):
         return None
-    if len(choices) == 1:
-        return np.arange(len(poses.R))[None]
-    signs = np.where(given.sided, sides_of(given, poses.R, poses.T), 1)
-    here = (signs[None] == np.where(given.sided, choices, 1)[:, None]).all(axis=2)
-    if len(set(here.sum(axis=1).tolist())) > 1:
-        return None
+    here = (poses.signs[None] == np.where(given.sided, choices, 1)[:, None]).all(axis=2)
     return np.stack([np.flatnonzero(members) for members in here])
 
 
