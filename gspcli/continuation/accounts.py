@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.dimension import real_point, sample_motions, split, tangents
-from gspcli.continuation.endgame import find_ends
+from gspcli.continuation.endgame import ENDGAME, EndgameOptions, find_ends
 from gspcli.continuation.ends import (
     SINGULAR_ERROR,
     clusters,
@@ -56,9 +56,13 @@ class AccountOptions:
     split: float = 1e-4
     """Two simple solutions are those that a double end stands for if they are not further from it:
     the square root of the error in the values that the endgame leaves, generously."""
+    endgame: EndgameOptions = ENDGAME
 
 
 ACCOUNTS = AccountOptions()
+#: For systems that are known to have infinitely many solutions: of the others only simple ones are
+#: asked for, and nobody says that these are all.
+BESIDE_CURVES = AccountOptions(attempts=2, endgame=EndgameOptions(max_winding=6))
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,7 +253,9 @@ class _Attempt:
             if not len(index):
                 break
             points = self._waypoints(index, options)
-            ends = find_ends(self.origin, self.target, points, options.waypoint, options)
+            ends = find_ends(
+                self.origin, self.target, points, options.waypoint, options, self.options.endgame
+            )
             known = ends.error < self.options.end_error
             # Two solutions so near to each other that every circle is around the branch point
             # too: what Newton's method found stands.

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.accounts import (
+    ACCOUNTS,
+    AccountOptions,
     all_regular,
     random_start,
     regular_ends,
@@ -329,12 +331,12 @@ class Pursuit:
         there = np.where(arrived[:, None], results.points[0], points)
         return there, np.where(arrived, _NEAR, 1.0)
 
-    def solutions(self) -> SystemSolutions:
+    def solutions(self, options: AccountOptions = ACCOUNTS) -> SystemSolutions:
         """Return where all paths end, by the means of numerical path tracking alone."""
         if self.is_regular:
             ends = regular_ends(self._results, 0)
         else:
-            ends = settle(self._start, self._target, self._results, self.seed, self._jobs)
+            ends = settle(self._start, self._target, self._results, self.seed, self._jobs, options)
         return solutions_of(ends, self.scale, self.seed)
 
     def _ends(self, results: PathResults, digits: int) -> PursuedEnds:

@@ -9,6 +9,7 @@ from itertools import islice
 import numpy as np
 
 from gspcli.certification import decide
+from gspcli.continuation.accounts import BESIDE_CURVES
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.pursuit import Pursuit
 from gspcli.geometry.arrangement import Arrangement
@@ -47,7 +48,7 @@ def solve_infinite(
     proof
         What proves the set of poses to be infinite; None if only that of the equations is.
     """
-    best = _cleaned(arrangement, poses_by_paths(arrangement, list(pursuits)))
+    best = _cleaned(arrangement, poses_by_paths(arrangement, pursuits, BESIDE_CURVES))
     best = best.decided(decide(instance, best.R, best.T)) if len(best.R) else best
     motions = _with_real_motion(arrangement, best.motions, pursuits)
     if best.motions:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.certification.frames import Frames
+from gspcli.continuation.accounts import ACCOUNTS, AccountOptions
 from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.pursuit import Pursuit, pursue
@@ -89,9 +90,11 @@ def pursue_each(
         yield arrangement, [first, *islice(pursuits, count - 1)]
 
 
-def poses_by_paths(arrangement: Arrangement, pursuits: list[Pursuit]) -> PoseSet:
+def poses_by_paths(
+    arrangement: Arrangement, pursuits: Sequence[Pursuit], options: AccountOptions = ACCOUNTS
+) -> PoseSet:
     """Return where the paths for all sides end, by numerical path tracking alone."""
-    results = [pursuit.solutions() for pursuit in pursuits]
+    results = [pursuit.solutions(options) for pursuit in pursuits]
     settled = [find_real_points(result.points) for result in results]
     points = np.concatenate([representatives for representatives, _ in settled])
     real = np.concatenate([real for _, real in settled])
