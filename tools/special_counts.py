@@ -36,6 +36,7 @@ from matrix_ideal import (
 from msolve import Count
 from number_parts import UnknownNumberError, direction
 from rational_numbers import Rationals, Rounded
+from special_platforms import Platform
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.instance import Constraint, Instance
@@ -108,6 +109,34 @@ def exact_counts(instance: Instance, *, with_real: bool = True) -> ExactCounts:
     return ExactCounts(
         stated.finite, stated.count, stated.distinct, spurious, real, (first, second), real_by
     )
+
+
+def counted(platform: Platform, *, with_real: bool) -> dict[str, object]:
+    """Return the row of a platform in the table.
+
+    Raises
+    ------
+    DisagreementError
+        If no two of three counts agree.
+    """
+    found = exact_counts(platform.instance, with_real=with_real)
+
+    def cell(value: object) -> object:
+        return "" if value is None else value
+
+    return {
+        "id": platform.id,
+        "sha256": platform.sha256,
+        "type": platform.instance.type.id,
+        "finite": "yes" if found.finite else "no",
+        "count": cell(found.count),
+        "distinct": cell(found.distinct),
+        "spurious": found.spurious,
+        "real": cell(found.real),
+        "first_by": found.means[0],
+        "second_by": found.means[1],
+        "real_by": found.real_by,
+    }
 
 
 def _counts(instance: Instance, chosen: list[Homomorphism]) -> Iterator[tuple[str, Count]]:

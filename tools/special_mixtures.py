@@ -37,7 +37,8 @@ _MOST_LINES = 2
 Change = Callable[[list[Leg], Motion, Draws], list[Leg]]
 
 
-def _kinds(random: Draws) -> list[str]:
+def random_kinds(random: Draws) -> list[str]:
+    """Return names of kinds in canonical order: few lines, as large types take long."""
     angles = random.choice((0, 0, 0, 1, 2, 3))
     if random.random() < 0.3:
         return ["DPP"] * 6
@@ -185,7 +186,7 @@ def _shaken(six: list[Leg], by: Fraction, random: Draws) -> list[Leg]:
 
 def mixture(random: Draws) -> Instance:
     """Return a platform of random kinds with several special things."""
-    names, at = _kinds(random), random.motion()
+    names, at = random_kinds(random), random.motion()
     if random.random() < 0.2:
         at = motion((1, 0, 0, 0), random.point())
     six = [leg(KINDS_BY_NAME[name], random) for name in names]

@@ -45,7 +45,7 @@ import special_candidates
 import special_rows
 from msolve import Count
 from special_answers import Judgement, answers
-from special_counts import exact_counts, real_poses
+from special_counts import counted, real_poses
 from special_platforms import TABLE, Platform, platforms, recorded
 
 from gspcli.cli.progress_bars import progress
@@ -53,28 +53,6 @@ from gspcli.workers import Workers
 
 FILES = ROOT / "build" / "special-platforms"
 PAGE = ROOT / "docs" / "completeness.md"
-
-
-def counted(platform: Platform, *, with_real: bool) -> dict[str, object]:
-    """Return the row of a platform."""
-    found = exact_counts(platform.instance, with_real=with_real)
-
-    def cell(value: object) -> object:
-        return "" if value is None else value
-
-    return {
-        "id": platform.id,
-        "sha256": platform.sha256,
-        "type": platform.instance.type.id,
-        "finite": "yes" if found.finite else "no",
-        "count": cell(found.count),
-        "distinct": cell(found.distinct),
-        "spurious": found.spurious,
-        "real": cell(found.real),
-        "first_by": found.means[0],
-        "second_by": found.means[1],
-        "real_by": found.real_by,
-    }
 
 
 def count(chosen: list[Platform], every: list[Platform], arguments: argparse.Namespace) -> int:
