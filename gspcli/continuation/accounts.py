@@ -60,6 +60,8 @@ class AccountOptions:
 
 
 ACCOUNTS = AccountOptions()
+#: Where the solutions have been counted, so that lost ones are missed.
+COUNTED = AccountOptions(attempts=2)
 #: For systems that are known to have infinitely many solutions: of the others only simple ones are
 #: asked for, and nobody says that these are all.
 BESIDE_CURVES = AccountOptions(attempts=2, endgame=EndgameOptions(max_winding=6))

@@ -11,6 +11,7 @@ import numpy as np
 
 from gspcli.certification.collecting import Collection
 from gspcli.certification.multiple import MultiplePose, multiple_poses
+from gspcli.continuation.accounts import COUNTED
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.pursuit import PursuedEnds
 from gspcli.geometry.quaternions import canonical_sign
@@ -66,7 +67,7 @@ class _Candidates:
         if self._poses is None or left is not self._tried:
             self._tried = left
             if left is None:
-                ends = search.pursuit.solutions()
+                ends = search.pursuit.solutions(COUNTED)
                 chosen = ends.multiplicity > 1
                 points, paths = ends.points[chosen], ends.multiplicity[chosen].tolist()
                 low = np.zeros((len(points), 0, 8), complex)
