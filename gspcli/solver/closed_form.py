@@ -88,23 +88,26 @@ def _solve_batch(arrangement: Arrangement, values: Array) -> Iterator[PoseSet | 
     given = arrangement.with_values(values[0]).in_units_of(length)
     found = study_points(given, values[:, arrangement.distances] / length, values)
     signs = np.where(arrangement.sided, found.signs, 1.0).repeat(found.points.shape[2], axis=0)
-    for points, is_general in zip(found.points, found.general.tolist(), strict=True):
-        yield _poses(arrangement, points.reshape(-1, 8), signs, length) if is_general else None
-
-
-def _poses(arrangement: Arrangement, points: Complex, signs: Array, length: float) -> PoseSet:
-    """Return the poses at Study points, (n, 8), on sides, (n, 6), lengths in a unit."""
-    e, f = points[:, :4], points[:, 4:]
-    R, T = pose_from_study(e, f)
-    number = len(R)
-    return PoseSet(
-        quaternions=canonical_sign(unit_quaternion(e)),
-        R=R,
-        T=arrangement.restored(R, T, length),
-        real=(points.imag == 0).all(axis=1),
-        certified=np.zeros(number, bool),
-        multiplicity=np.ones(number, int),
-        motions=(),
-        account=PathAccount(expected=number, found=number, basis=Basis.COUNT),
-        signs=signs,
-    )
+    number = len(signs)
+    points = found.points[found.general].reshape(-1, 8)
+    R, T = pose_from_study(points[:, :4], points[:, 4:])
+    quaternions = canonical_sign(unit_quaternion(points[:, :4]))
+    T, real = arrangement.restored(R, T, length), (points.imag == 0).all(axis=1)
+    end = 0
+    for is_general in found.general.tolist():
+        if not is_general:
+            yield None
+            continue
+        begin, end = end, end + number
+        here = slice(begin, end)
+        yield PoseSet(
+            quaternions=quaternions[here],
+            R=R[here],
+            T=T[here],
+            real=real[here],
+            certified=np.zeros(number, bool),
+            multiplicity=np.ones(number, int),
+            motions=(),
+            account=PathAccount(expected=number, found=number, basis=Basis.COUNT),
+            signs=signs,
+        )
