@@ -34,25 +34,23 @@ status = Path("/proc/self/status").read_text()
 sys.stderr.write(status[status.index("VmHWM"):].splitlines()[0])
 sys.exit(code)
 """
-#: A case is measured at least this often and for this many seconds, unless that takes too long.
-_LEAST = 3
-_LONG_ENOUGH = 2.0
-_TOO_LONG = 8.0
+#: Seconds of one slice.
+_SLICE = 0.25
 
 
-def solve_seconds(instances: Sequence[Instance], *, certify: bool) -> float:
-    """Return the median processor time of solving one of some instances, after loading.
+def solve_seconds(instances: Sequence[Instance], *, certify: bool) -> list[float]:
+    """Return the processor times of solving one of some instances, after loading.
 
-    The instances are solved one by one, round and round for some seconds.
+    They are solved one by one, round and round for a slice of time, once at least. A machine with
+    others on it is quicker or slower for seconds at a time: slices of what is compared take turns.
     """
-    solve(instances[0], certify=False)
     times: list[float] = []
-    while sum(times) < _LONG_ENOUGH or (len(times) < _LEAST and sum(times) < _TOO_LONG):
+    while sum(times) < _SLICE:
         for instance in instances:
             began = time.process_time()
             solve(instance, certify=certify)
             times.append(time.process_time() - began)
-    return median(times)
+    return times
 
 
 @dataclass(frozen=True)

@@ -273,7 +273,8 @@ _TIMES = """\
 Medians over the same instances, on one core: processor time, so that others on the machine matter
 less. For gsp it is `solve` in process, after loading, without and with certificates; for msolve and
 phc the whole process (they start in milliseconds); for Macaulay2 the tracking alone, and for fkSGP
-its function with real poses only, in process.
+its function with real poses only, in process, in turns with gsp: what else the machine does slows
+both.
 In brackets, as a multiple of gsp without certificates. Only msolve proves anything, for the real
 solutions that it isolates; compare it with *certified*.
 """
