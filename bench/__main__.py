@@ -109,7 +109,7 @@ def measure_case(
         answers: list[Answer] = []
         for k, instance in enumerate(instances[:count]):
             if peer in beside:
-                several = [answers_then[k] for answers_then in in_process]
+                several = [turn[k] for turn in in_process]
                 middle = median(answer.seconds for answer in several)
                 answers.append(replace(several[0], seconds=middle))
             else:

@@ -102,15 +102,6 @@ def _pose_forms() -> NDArray[np.float64]:
 _POSE_FORMS = _pose_forms()
 
 
-def rotated_forms(u: Field, v: Field) -> Field:
-    """Return the symmetric forms of ``N v . R u``, ``(..., 3), (..., 3) -> (..., 4, 4)``."""
-    outer = v[..., :, None] * u[..., None, :]
-    forms: Field = (outer.reshape(*outer.shape[:-2], 9) @ ROTATION_FORMS).reshape(
-        *outer.shape[:-2], 4, 4
-    )
-    return forms
-
-
 def rotation_from_quaternion(e: Field) -> Field:
     """Return the rotation of a quaternion of any nonzero ``N``, ``(..., 4) -> (..., 3, 3)``."""
     scaled = e * (1 / dot(e, e))[..., None]
