@@ -200,10 +200,7 @@ class Search:
         # One of each pair of conjugates is enough.
         source = index[_sources(ends.points[index])]
         sought = index[source == index]
-        quickly = self.found.add_with_digits(ends.points[sought], ends.low[sought])
-        new[sought[quickly]] = True
-        located = self._located(ends.take(sought[~quickly]))
-        new[sought[~quickly]] = [self._adds(end) for end in located]
+        new[sought], located = self._adds_near(ends.take(sought))
         new[index] = new[source]
         self.found.add_conjugates()
         for end in located:
@@ -213,13 +210,22 @@ class Search:
                     self.infinite.append(isolation)
         return new
 
-    def _located(self, ends: PursuedEnds) -> list[Located | AtInfinity | None]:
-        """Return what is proved near ends in balls, None where nothing is."""
-        if not len(ends.points):
-            return []
-        near = self.pursuit.improved(ends, self._target)
+    def _adds_near(
+        self, ends: PursuedEnds
+    ) -> tuple[NDArray[np.bool_], list[Located | AtInfinity | None]]:
+        """Add the poses near ends; return near which were new ones, and what balls prove."""
+        new = self.found.add_with_digits(ends.points, ends.low)
+        left = np.flatnonzero(~new)
+        if not len(left):
+            return new, []
+        near = self.pursuit.improved(ends.take(left), self._target)
+        new[left] = self.found.add_with_digits(near.points, near.low)
+        rest = np.flatnonzero(~new[left])
+        near = near.take(rest)
         bits = FIRST_PRECISION * near.digits // 16
-        return self.locator.locate(near.points, near.low, self.sides, bits)
+        located = self.locator.locate(near.points, near.low, self.sides, bits)
+        new[left[rest]] = [self._adds(end) for end in located]
+        return new, located
 
     def _adds(self, end: Located | AtInfinity | None) -> bool:
         """Add what a path has led to; return whether that is new."""
