@@ -7,8 +7,12 @@
 //
 // * a derivative, eight products with real coefficients, is off by at most g = h |x|_1 + 16 u,
 // * twice a value, eight products of x with derivatives, by at most |x|_1 g + 24 u,
-// * an entry of I - Y F' by at most |Y_i|_1 g + 21 u, of 2 Y F by |Y_i|_1 (|x|_1 g + 24 u) + 21 u,
-//   where Y is exact, however it was found, and |Y_i|_1 is the sum of a row of it,
+// * an entry of 2 Y F by at most |Y_i|_1 (|x|_1 g + 24 u) + 21 u, where Y is exact, however it was
+//   found, and |Y_i|_1 is the sum of a row of it,
+// * an entry of I - Y F' by |Y_i|_1 g for that of F', and because 32 digits do for it: numbers are
+//   rounded to 2^-96 of them, a product of reals is off by less than 2^-100 of it, a sum by less
+//   than 2^-100 of the sum of the moduli of both, and there are fifteen: by 2^-90 of the sum of
+//   the moduli of all products, and of 1,
 // * second derivatives of a quadric are constant, and the sum of their moduli is off by 64 h,
 // * N and N R, of at most twelve products of reals each, and N T, of sixteen, twice, by less than 32 u.
 //
@@ -26,10 +30,13 @@ namespace {
 
 constexpr int kRows = kEquations + 1, kSize = kVariables;
 constexpr double kOutward = 1.0 + 0x1p-40, kReach = 0.125;
-constexpr int kNewtonSteps = 4;
-constexpr double kShort = 0x1p-128;  // Newton steps after which a proof may be worth it
+constexpr int kNewtonSteps = 9;
+constexpr double kShrinks = 0x1p-10;  // by which steps shrink at least, those past the first few
+constexpr int kFirstSteps = 4;
+constexpr double kShort = 0x1p-40;   // Newton steps after which a proof may be worth it
 constexpr double kSmall = 0x1p-80;   // after which the inverse does as well as before
 constexpr double kKnown = 0x1p-54;   // relative error of what is rounded to doubles
+constexpr double kRounding = 0x1p-90;  // of sums of products with 32 digits
 
 template <class T>
 struct Of {  // a complex number
@@ -191,18 +198,32 @@ Isolation isolate(const Quadrics& quadrics, const Number* z, const Newton& at) {
   }
   const double slope = kOutward * (quadrics.error * length + 16.0 * kPlace);
   const double value = kOutward * (length * slope + 24.0 * kPlace);
+  Rough jacobian[kRows][kRows];
+  double entry[kRows][kRows];
+  for (int r = 0; r < kRows; ++r)
+    for (int k = 0; k < kRows; ++k) {
+      jacobian[r][k] = rounded(at.jacobian[r][k]);
+      entry[r][k] = roughly(jacobian[r][k]);
+    }
   double a = 0.0, b = 0.0, delta = 0.0;
   for (int i = 0; i < kRows; ++i) {
     double row = 0.0, bent = 0.0, defect = 0.0;
+    Rough inverse[kRows];
+    double y[kRows];
     for (int r = 0; r < kRows; ++r) {
-      const double y = size(at.inverse[i][r]);
-      row += y;
-      bent += y * quadrics.second[r];
+      inverse[r] = rounded(at.inverse[i][r]);
+      y[r] = kOutward * roughly(inverse[r]);
+      row += y[r];
+      bent += y[r] * quadrics.second[r];
     }
     for (int k = 0; k < kRows; ++k) {
-      Number s = number(i == k ? 1.0 : 0.0, 0.0);
-      for (int r = 0; r < kRows; ++r) s = s - at.inverse[i][r] * at.jacobian[r][k];
-      defect += size(s) + row * slope + 21.0 * kPlace;
+      Rough s{{i == k ? 1.0 : 0.0, 0.0}, {0.0, 0.0}};
+      double products = 1.0;
+      for (int r = 0; r < kRows; ++r) {
+        s = s - inverse[r] * jacobian[r][k];
+        products += y[r] * entry[r][k];
+      }
+      defect += kOutward * roughly(s) + kRounding * products + row * slope;
     }
     const double moved = 0.5 * (size(at.step[i]) + row * value + 21.0 * kPlace);
     a = std::max(a, defect);
@@ -315,7 +336,7 @@ std::uint8_t prove(const DigitSystem& system, const Quadrics& quadrics, int part
   Newton at;
   if (!linearize(quadrics, z, patch, true, at)) return 0;
   for (int step = 0;; ++step) {
-    if (at.length < kShort || step == kNewtonSteps) {
+    if (at.length < kShort) {
       const Isolation found = isolate(quadrics, z, at);
       if (found.proved & (kReal | kComplex) && place(z, found.error, p, out)) return found.proved;
     }
@@ -324,7 +345,9 @@ std::uint8_t prove(const DigitSystem& system, const Quadrics& quadrics, int part
       Number& moved = z[k < patch ? k : k + 1];
       moved = moved - halved(at.step[k]);
     }
+    const double before = at.length;
     if (!linearize(quadrics, z, patch, !(at.length < kSmall), at)) return 0;
+    if (step >= kFirstSteps && !(at.length < kShrinks * before)) return 0;
   }
 }
 

@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kWords = 7, kPlaces = 288;
 constexpr double kPlace = 0x1p-288, kMost = 0x1p140;
+constexpr int kUsual = 5;  // words of most moduli, those below 2^32
 constexpr int kTopBits = 44;  // of the last word, below `kMost`
 
 struct Fixed {
@@ -42,19 +43,37 @@ inline Fixed operator+(const Fixed& a, const Fixed& b) {
   c.lost = a.lost || b.lost;
   return c;
 }
-inline Fixed operator-(const Fixed& a) {
+
+// The number, negated where asked: without a branch, since signs are hard to predict.
+inline Fixed with_sign(const Fixed& a, bool negate) {
+  const std::uint64_t mask = 0 - static_cast<std::uint64_t>(negate);
   Fixed c;
-  unsigned __int128 carry = 1;
+  unsigned __int128 carry = negate;
   for (int k = 0; k < kWords; ++k) {
-    carry += static_cast<std::uint64_t>(~a.word[k]);
+    carry += a.word[k] ^ mask;
     c.word[k] = static_cast<std::uint64_t>(carry);
     carry >>= 64;
   }
   c.lost = a.lost;
   return c;
 }
+inline Fixed operator-(const Fixed& a) { return with_sign(a, true); }
 inline Fixed operator-(const Fixed& a, const Fixed& b) { return a + -b; }
-inline Fixed modulus(const Fixed& a) { return a.negative() ? -a : a; }
+inline Fixed modulus(const Fixed& a) { return with_sign(a, a.negative()); }
+
+// The words of the product of two moduli of so many words each.
+template <int words>
+void multiply(const Fixed& p, const Fixed& q, std::uint64_t* full) {
+  for (int i = 0; i < words; ++i) {
+    unsigned __int128 carry = 0;
+    for (int j = 0; j < words; ++j) {
+      carry += static_cast<unsigned __int128>(p.word[i]) * q.word[j] + full[i + j];
+      full[i + j] = static_cast<std::uint64_t>(carry);
+      carry >>= 64;
+    }
+    full[i + words] = static_cast<std::uint64_t>(carry);
+  }
+}
 
 // The number, lost if it is too large.
 inline Fixed checked(Fixed a) {
@@ -65,16 +84,9 @@ inline Fixed checked(Fixed a) {
 inline Fixed operator*(const Fixed& a, const Fixed& b) {
   const Fixed p = modulus(a), q = modulus(b);
   std::uint64_t full[2 * kWords] = {};
-  for (int i = 0; i < kWords; ++i) {
-    if (!p.word[i]) continue;
-    unsigned __int128 carry = 0;
-    for (int j = 0; j < kWords; ++j) {
-      carry += static_cast<unsigned __int128>(p.word[i]) * q.word[j] + full[i + j];
-      full[i + j] = static_cast<std::uint64_t>(carry);
-      carry >>= 64;
-    }
-    full[i + kWords] = static_cast<std::uint64_t>(carry);
-  }
+  std::uint64_t high = 0;
+  for (int k = kUsual; k < kWords; ++k) high |= p.word[k] | q.word[k];
+  high ? multiply<kWords>(p, q, full) : multiply<kUsual>(p, q, full);
   constexpr int skipped = kPlaces / 64, rest = kPlaces % 64;
   static_assert(rest > 0);
   Fixed c;
@@ -83,7 +95,7 @@ inline Fixed operator*(const Fixed& a, const Fixed& b) {
   std::uint64_t above = full[kWords + skipped] >> rest;
   for (int k = kWords + skipped + 1; k < 2 * kWords; ++k) above |= full[k];
   c.lost = p.lost || q.lost || above || c.word[kWords - 1] >> kTopBits;
-  return a.negative() != b.negative() ? -c : c;
+  return with_sign(c, a.negative() != b.negative());
 }
 
 // A small multiple; exact.
