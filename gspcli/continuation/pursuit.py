@@ -148,6 +148,19 @@ class Pursuit:
         """Return the ends of the first attempt at all paths."""
         return self._ends(self._results, DEFAULT.digits)
 
+    def others(self, attempt: int) -> PursuedEnds:
+        """Return the ends of all paths from the same start points along other ways, in doubles.
+
+        Parameters
+        ----------
+        attempt
+            Chooses the ways; 0 are those of the first attempt.
+        """
+        origin = random_start(self._start, self.seed, attempt)
+        points = self._start.points
+        results = track(origin, self._target, points, options=CAREFUL, jobs=self._jobs)
+        return self._ends(results, CAREFUL.digits)
+
     def distinct_simple(self) -> ComplexArray:
         """Return the ends of the first attempt that no other path shares, shape (k, 8).
 

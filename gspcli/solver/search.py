@@ -31,6 +31,8 @@ _ELIMINABLE, _MOST_ELIMINABLE = 130, 200
 _ELIMINATION_PATHS = 8, 1 / 8000
 #: Sets of random paths that are tried, and at most if each of them leads to more poses.
 _ATTEMPTS, _MOST_ATTEMPTS = 3, 8
+#: The attempt whose paths are followed in doubles; those with more digits follow others.
+_OTHER_PATHS = _MOST_ATTEMPTS
 #: Poses that agree to this part of their largest entry are not worth locating again.
 _KNOWN = 1e-13
 #: Points with smaller imaginary parts may be real.
@@ -117,6 +119,11 @@ class Search:
         if self._shared:
             self._add_partners()
         yield Effort.MORE
+        # Where a path jumped another one leads to the pose that is missing, and takes far less
+        # than more digits do.
+        others = self.pursuit.others(_OTHER_PATHS)
+        if self._locate(others.take(others.simple)).any():
+            yield from self._compared(Effort.MORE)
         paths = self.pursuit.paths
         tried = 0
         # Where nothing is found at all, paths with more digits hardly find more.
