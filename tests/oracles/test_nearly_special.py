@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gspcli.certification import certify
+from gspcli.defaults import SEED
 from gspcli.geometry.instance import Side
 from gspcli.solver import solve
 
@@ -41,17 +42,28 @@ def test_nearly_special_platforms_are_what_they_are(group: str, load_tool: Calla
         assert found[0].proof != "none"
 
 
-def test_paths_whose_ends_newtons_method_confuses_are_followed(load_tool, monkeypatch) -> None:
-    # From where one of them is in doubles it leads to the pose of another.
+@pytest.mark.parametrize(
+    ("name", "seed", "poses"),
+    [
+        # From where one of the paths is in doubles Newton's method leads to the pose of another.
+        ("angles/5/1e-10", SEED, 128),
+        # One of the paths jumps.
+        ("mixtures/64/PP-PP-PP-PP-HP-LL", 20034, 160),
+    ],
+)
+def test_a_pose_that_one_path_missed_is_found_by_following_paths(
+    name: str, seed: int, poses: int, load_tool: Callable, monkeypatch
+) -> None:
     def eliminated(*_: object) -> None:
         raise AssertionError
 
     monkeypatch.setattr("gspcli.solver.search.Search._eliminate", eliminated)
     made = load_tool("special_platforms")
-    [platform] = [x for x in made.platforms(["angles"]) if x.id == "angles/5/1e-10"]
-    found = solve(platform.instance)
+    group = name.partition("/")[0]
+    [platform] = [x for x in made.platforms([group]) if x.id == name]
+    found = solve(platform.instance, seed=seed)
     assert found.verdict == "complete"
-    assert len(found.R) == found.certified.sum() == 128
+    assert len(found.R) == found.certified.sum() == poses
 
 
 def test_nothing_said_depends_on_the_seed(load_tool: Callable) -> None:
