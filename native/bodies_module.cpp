@@ -86,7 +86,7 @@ void bind_bodies(nb::module_& m) {
         "Return means of points, without far ones, and how far any is from them; see "
         "gspcli.geometry.arrangement.");
   m.def("quotients", &quotients, "ratios"_a,
-        "Return quotients of integers as two doubles and a size; see gspcli.certification.doubled.");
+        "Return quotients of integers as two doubles and a size; see gspcli.certification.numbers.doubled.");
 }
 
 }  // namespace gsp

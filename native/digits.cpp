@@ -1,4 +1,4 @@
-// The theorem of gspcli.certification.isolation for quadrics, with numbers of 288 binary places.
+// The theorem of gspcli.certification.poses.isolation for quadrics, with numbers of 288 binary places.
 //
 // Let u be one unit in the last place, F the quadrics with any coefficients within their errors, H
 // their Hessian matrices, of which all entries are known to h. A sum is exact, a product of real

@@ -1,6 +1,6 @@
 // Proofs of single solutions of seven quadrics with 86 digits; plain data.
 //
-// The theorem is that of gspcli.certification.isolation.
+// The theorem is that of gspcli.certification.poses.isolation.
 #pragma once
 
 #include <cstdint>

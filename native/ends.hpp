@@ -1,7 +1,7 @@
 // From the ends of paths to proved poses, for many sets of values of one geometry; plain data.
 //
-// The theorem and the bounds are those of gspcli.certification.floating, the equations those of
-// gspcli.certification.many_values: a value changes how often N is in its equation.
+// The theorem and the bounds are those of gspcli.certification.poses.floating, the equations those of
+// gspcli.certification.poses.many_values: a value changes how often N is in its equation.
 #pragma once
 
 #include <cstdint>

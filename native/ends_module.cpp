@@ -147,11 +147,11 @@ nb::tuple open(Array<std::int32_t, 1> relations, Array<double, 4> numbers, Array
 void bind_ends(nb::module_& m, Decide* (*choose_decide)(const std::string& build)) {
   choose = choose_decide;
   m.def("open", &open, "relations"_a, "numbers"_a, "tables"_a, nb::kw_only(), "tiny"_a,
-        "Write down equations with their values left open; see gspcli.certification.many_values.");
+        "Write down equations with their values left open; see gspcli.certification.poses.many_values.");
   m.def("decide", &decide, "hessians"_a, "lows"_a, "moduli"_a, "equations"_a, "weights"_a, "turned"_a,
         "values"_a, "points"_a, nb::kw_only(), "unit"_a, "origins"_a, "scale"_a, "tolerance"_a,
         "jobs"_a = 1, "build"_a = "",
-        "Prove what ends of paths are poses; see gspcli.certification.many_values.");
+        "Prove what ends of paths are poses; see gspcli.certification.poses.many_values.");
 }
 
 }  // namespace gsp

@@ -1,7 +1,7 @@
 // Proofs in floating point that exactly one solution is near a point; plain data, no Python.
 //
 // The theorem, the bounds of all rounding errors and the names are those of
-// gspcli.certification.floating: here the same is computed for as many points as there are lanes.
+// gspcli.certification.poses.floating: here the same is computed for as many points as there are lanes.
 #pragma once
 
 #include <cstdint>

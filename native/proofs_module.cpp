@@ -102,11 +102,11 @@ void bind_proofs(nb::module_& m, Prove* (*choose_prove)(const std::string& build
   choose = choose_prove;
   m.def("prove", &prove, "hessians"_a, "moduli"_a, "equations"_a, "points"_a, "patches"_a,
         nb::kw_only(), "jobs"_a = 1, "build"_a = "",
-        "Prove that single solutions are near points; see gspcli.certification.many_values.");
+        "Prove that single solutions are near points; see gspcli.certification.poses.many_values.");
   m.def("prove_digits", &prove_digits, "numbers"_a, "table"_a, "points"_a, nb::kw_only(),
         "error"_a, "unit"_a, "origins"_a,
         "Prove that single solutions of quadrics are near points, with 86 digits; see "
-        "gspcli.certification.digit_proofs.");
+        "gspcli.certification.poses.digit_proofs.");
 }
 
 }  // namespace gsp

@@ -122,7 +122,7 @@ void bind_tubes(nb::module_& m, ChooseFollow* choose_follow) {
   m.def("follow", &follow, "forms"_a, "laws"_a, "signs"_a, "largest"_a, "norms"_a, "hessians"_a,
         "spectral"_a, "moduli"_a, "values"_a, "trajectory"_a, "start"_a, "near"_a, nb::kw_only(),
         "certify"_a, "most_halvings"_a, "jobs"_a, "build"_a = "",
-        "Follow real branches along trajectories of values; see gspcli.motion.following.");
+        "Follow real branches along trajectories of values; see gspcli.motion.following.branch_follower.");
 }
 
 }  // namespace gsp

@@ -43,7 +43,7 @@ from gspcli.errors import GspError
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_vector
 from gspcli.motion import measure
-from gspcli.motion.value_files import stated_values
+from gspcli.motion.files.value_files import stated_values
 from gspcli.solver.generate import random_instance
 from gspcli.spec import dumps
 

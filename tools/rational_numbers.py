@@ -9,7 +9,7 @@ import flint
 from number_parts import UnknownNumberError, direction, square_of, turn_of
 
 from gspcli.catalogue.kinds import AHH
-from gspcli.certification.balls import ball
+from gspcli.certification.numbers.balls import ball
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Vector

@@ -25,7 +25,7 @@ from special_parts import Draws
 from special_platforms import Platform
 
 from gspcli import dumps
-from gspcli.certification.centring import Centring
+from gspcli.certification.equations.local_frames import Centring
 from gspcli.cli.main import run
 from gspcli.defaults import TOLERANCE
 from gspcli.errors import IncompleteError

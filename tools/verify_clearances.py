@@ -4,11 +4,11 @@
 
 For random 6-6 platforms (sizes and values of order one) the clearances of the pose they are made
 from are bounded from below with proof and from above by the nearest fold or singular pose found, at
-once and refined: of the values (`gspcli.motion.clearances`) and of the pose
-(`gspcli.motion.pose_clearances`). What must hold: the lower bound is positive and not above the
-upper one, refining makes neither worse, the medians of the ratios are at most 4 and 2. Among many
-random poses within the refined lower bound of each the determinant of the Jacobian matrix, computed
-apart, must have one sign. The record is ``data/verification/clearances.csv``.
+once and refined: of the values (`gspcli.motion.singularities.clearances`) and of the pose
+(`gspcli.motion.singularities.pose_clearances`). What must hold: the lower bound is positive and not
+above the upper one, refining makes neither worse, the medians of the ratios are at most 4 and 2.
+Among many random poses within the refined lower bound of each the determinant of the Jacobian
+matrix, computed apart, must have one sign. The record is ``data/verification/clearances.csv``.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from recording import ROOT, add_sample, parser, report, sampled, save
 
 from gspcli.catalogue.parsing import parse_type
 from gspcli.defaults import SEED
-from gspcli.motion.clearances import clearance
-from gspcli.motion.displacements import Displacements
-from gspcli.motion.pose_clearances import pose_clearance
+from gspcli.motion.singularities.clearances import clearance
+from gspcli.motion.singularities.displacements import Displacements
+from gspcli.motion.singularities.pose_clearances import pose_clearance
 from gspcli.solver.generate import random_instance
 from gspcli.workers import Workers
 

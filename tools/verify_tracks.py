@@ -42,7 +42,7 @@ from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import MovingPlatform, PoseFormat, Track, measure, read_values, track
-from gspcli.motion.following import Stop
+from gspcli.motion.following.branch_follower import Stop
 from gspcli.solver.generate import random_instance
 from gspcli.workers import Workers
 

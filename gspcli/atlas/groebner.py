@@ -17,7 +17,7 @@ from functools import cache
 from pathlib import Path
 
 from gspcli.atlas.modular_equations import Function, ModularEquation, quadrics
-from gspcli.certification import study
+from gspcli.certification.equations import study
 from gspcli.errors import GspError, IncompleteError, NotFiniteError
 from gspcli.export.programs import msolve_input
 

@@ -1,10 +1,10 @@
 """Random platforms modulo a prime, as equations in Study coordinates.
 
-A linear function of the motion is a list of 26 coefficients, those of 1, R (by rows), T, U, rho
-and T x R in the order of `gspcli.certification.study`, whose forms are N times these functions.
-Numbers are integers that stand for their classes modulo the prime. Nothing is shared with the
-equations of the path tracker or with `gspcli.geometry.constraint_polynomials`, so that the two
-ways of counting are independent.
+A linear function of the motion is a list of 26 coefficients, those of 1, R (by rows), T, U, rho and
+T x R in the order of `gspcli.certification.equations.study`, whose forms are N times these
+functions. Numbers are integers that stand for their classes modulo the prime. Nothing is shared
+with the equations of the path tracker or with `gspcli.geometry.constraint_polynomials`, so that the
+two ways of counting are independent.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from functools import cache
 from random import Random
 
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
-from gspcli.certification import study
+from gspcli.certification.equations import study
 from gspcli.records import dataclass
 
 Vector = Sequence[int]

@@ -9,27 +9,23 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from gspcli.certification.candidates import Candidates, read_candidates
-    from gspcli.certification.certificates import Certificate, Certificates, Outcome
-    from gspcli.certification.deciding import Decisions, decide
-    from gspcli.certification.refinement import RefinedPose, refine
-    from gspcli.certification.stated_certificates import certify
+    from gspcli.certification.poses.certificates import Certificate, Certificates, Outcome
+    from gspcli.certification.poses.decisions import Decisions, decide
+    from gspcli.certification.poses.refinement import RefinedPose, refine
+    from gspcli.certification.poses.stated_certificates import certify
 
 _HOMES = {
-    "Candidates": "gspcli.certification.candidates",
-    "Certificate": "gspcli.certification.certificates",
-    "Certificates": "gspcli.certification.certificates",
-    "Decisions": "gspcli.certification.deciding",
-    "Outcome": "gspcli.certification.certificates",
-    "RefinedPose": "gspcli.certification.refinement",
-    "certify": "gspcli.certification.stated_certificates",
-    "decide": "gspcli.certification.deciding",
-    "read_candidates": "gspcli.certification.candidates",
-    "refine": "gspcli.certification.refinement",
+    "Certificate": "gspcli.certification.poses.certificates",
+    "Certificates": "gspcli.certification.poses.certificates",
+    "Decisions": "gspcli.certification.poses.decisions",
+    "Outcome": "gspcli.certification.poses.certificates",
+    "RefinedPose": "gspcli.certification.poses.refinement",
+    "certify": "gspcli.certification.poses.stated_certificates",
+    "decide": "gspcli.certification.poses.decisions",
+    "refine": "gspcli.certification.poses.refinement",
 }
 
 __all__ = [
-    "Candidates",
     "Certificate",
     "Certificates",
     "Decisions",
@@ -37,7 +33,6 @@ __all__ = [
     "RefinedPose",
     "certify",
     "decide",
-    "read_candidates",
     "refine",
 ]
 

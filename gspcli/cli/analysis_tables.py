@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from gspcli.cli.output import Column, Table
 
 if TYPE_CHECKING:
-    from gspcli.motion.wrenches import Wrenches
+    from gspcli.motion.statics.wrenches import Wrenches
 
 _TWIST = ("rx", "ry", "rz", "x", "y", "z")
 _WRENCH = ("mx", "my", "mz", "fx", "fy", "fz")

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gspcli.geometry.instance import Instance
-    from gspcli.motion.accuracy import Accuracy
-    from gspcli.motion.geometry_errors import GeometryAccuracy
-    from gspcli.motion.wrenches import Wrenches
+    from gspcli.motion.statics.accuracy import Accuracy
+    from gspcli.motion.statics.geometry_errors import GeometryAccuracy
+    from gspcli.motion.statics.wrenches import Wrenches
 
     Array = NDArray[np.float64]
 
@@ -98,8 +98,8 @@ def command(
     if mode is not None and pose is not None:
         message = "give either --mode or --pose"
         raise click.UsageError(message)
-    from gspcli.motion.accuracy import accuracy
-    from gspcli.motion.wrenches import wrenches
+    from gspcli.motion.statics.accuracy import accuracy
+    from gspcli.motion.statics.wrenches import wrenches
 
     instance = load_instance(spec)
     six = {
@@ -149,7 +149,7 @@ def poses_to_analyze(
 
 
 def _numbers(text: str, counts: tuple[int, ...], name: str) -> list[float]:
-    from gspcli.motion.number_tables import wrong_number
+    from gspcli.motion.files.number_tables import wrong_number
 
     cells = [cell.strip() for cell in text.split(",")]
     for cell in cells:
@@ -239,7 +239,7 @@ def _entry(
 
 
 def _geometry(given: Wrenches, text: str) -> GeometryAccuracy:
-    from gspcli.motion.geometry_errors import geometry_accuracy
+    from gspcli.motion.statics.geometry_errors import geometry_accuracy
 
     coordinates, *tilts = _numbers(text, (1, 2), "geometry")
     if min(coordinates, *tilts, 0) < 0:

@@ -96,8 +96,8 @@ def command(
     if spec == result == "-":
         message = "SPEC and RESULT cannot both be standard input"
         raise click.UsageError(message)
-    from gspcli.certification import read_candidates
     from gspcli.export.answers import read_answer
+    from gspcli.export.candidates import read_candidates
     from gspcli.solver.certifying import certify
     from gspcli.spec import set_values
 

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gspcli.geometry.instance import Instance
-    from gspcli.motion.clearances import Clearance
-    from gspcli.motion.pose_clearances import PoseClearance
+    from gspcli.motion.singularities.clearances import Clearance
+    from gspcli.motion.singularities.pose_clearances import PoseClearance
 
     Array = NDArray[np.float64]
 
@@ -82,9 +82,9 @@ def command(
     if points is not None and of != "pose":
         message = "--points needs --of pose"
         raise click.UsageError(message)
-    from gspcli.motion.clearances import clearance, range_weights
-    from gspcli.motion.measuring import measure
-    from gspcli.motion.pose_clearances import pose_clearance
+    from gspcli.motion.poses.inverse_kinematics import measure
+    from gspcli.motion.singularities.clearances import clearance, range_weights
+    from gspcli.motion.singularities.pose_clearances import pose_clearance
 
     instance = load_instance(spec)
     chosen = None if points is None else _points(points)
@@ -109,7 +109,7 @@ def command(
 
 def _points(text: str) -> list[list[float]]:
     """Return the points that are written as coordinates, between semicolons."""
-    from gspcli.motion.number_tables import wrong_number
+    from gspcli.motion.files.number_tables import wrong_number
 
     points = [[cell.strip() for cell in point.split(",")] for point in text.split(";")]
     for point in points:

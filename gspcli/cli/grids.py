@@ -37,7 +37,7 @@ def axes_of(
 def _axis(option: str, text: str, names: Sequence[str]) -> tuple[str, tuple[float, ...]]:
     import numpy as np
 
-    from gspcli.motion.number_tables import wrong_number
+    from gspcli.motion.files.number_tables import wrong_number
 
     match = _AXIS.fullmatch(text.replace(" ", ""))
     if match is None or match[1] not in names or wrong_number(match[2]) or wrong_number(match[3]):
@@ -62,7 +62,7 @@ def span_of(option: str, text: str) -> tuple[str, float, float, int | None]:
     GspError
         If the text is none.
     """
-    from gspcli.motion.number_tables import wrong_number
+    from gspcli.motion.files.number_tables import wrong_number
 
     match = _SPAN.fullmatch(text.replace(" ", ""))
     if match is None or wrong_number(match[2]) or wrong_number(match[3]):

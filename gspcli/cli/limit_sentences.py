@@ -10,7 +10,7 @@ from gspcli.wording import listed
 
 if TYPE_CHECKING:
     from gspcli.motion import Track
-    from gspcli.motion.limit_events import LimitEvent
+    from gspcli.motion.following.limit_events import LimitEvent
 
 
 def plain_limit(event: LimitEvent) -> dict[str, Any]:
@@ -28,7 +28,7 @@ def plain_limit(event: LimitEvent) -> dict[str, Any]:
 
 def cones_notes(result: Track, events: list[LimitEvent]) -> list[str]:
     """Return which modes are proved to keep all cones, where there are any and anything is."""
-    from gspcli.motion.limit_events import cones_proved
+    from gspcli.motion.following.limit_events import cones_proved
 
     if not joint_cones(result.instance) or not cones_proved(result):
         return []
@@ -49,7 +49,7 @@ def _named(modes: list[int]) -> str:
 
 def limit_sentences(result: Track, events: list[LimitEvent]) -> list[str]:
     """Return in words where limits are left and kept again."""
-    from gspcli.motion.limit_events import cones_proved
+    from gspcli.motion.following.limit_events import cones_proved
 
     found = []
     certain = cones_proved(result)

@@ -42,7 +42,7 @@ def pose_format(instance: Instance, euler: str | None, pivot: str | None) -> Pos
     """Return what the options and the instance say of a pose file."""
     from gspcli.geometry.euler import check_sequence
     from gspcli.motion import PoseFormat
-    from gspcli.motion.pose_files import pivot_from_text
+    from gspcli.motion.files.pose_files import pivot_from_text
 
     return PoseFormat(
         check_sequence(euler) if euler is not None else None,

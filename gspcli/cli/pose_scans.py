@@ -12,7 +12,7 @@ from gspcli.cli.progress_bars import working
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
-    from gspcli.motion.pose_scanning import PoseScan
+    from gspcli.motion.singularities.pose_scans import PoseScan
 
 
 def scan_poses(
@@ -43,7 +43,7 @@ def scan_poses(
     output
         Where to.
     """
-    from gspcli.motion.pose_scanning import PoseAxis, PoseScan
+    from gspcli.motion.singularities.pose_scans import PoseAxis, PoseScan
 
     axes = tuple(PoseAxis(*axis) for axis in axes_of("--over", texts, PARAMETERS))
     found = PoseScan(instance, axes, pose, pose_format(instance, *given))

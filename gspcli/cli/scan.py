@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from gspcli.geometry.instance import Instance
-    from gspcli.motion.crossings import Boundary, Crossing
-    from gspcli.motion.scanning import Axis, Scan
+    from gspcli.motion.singularities.crossings import Boundary, Crossing
+    from gspcli.motion.singularities.value_scans import Axis, Scan
     from gspcli.workers import Workers
 
 QUANTITIES = ("modes", "condition", "clearance")
@@ -132,8 +132,8 @@ def command(
         shown = "determinant" if quantity == QUANTITIES[0] else quantity
         scan_poses(load_instance(spec), coordinates, pose, (euler, pivot), folds, shown, output)
         return 0
-    from gspcli.motion.crossings import Boundary
-    from gspcli.motion.scanning import MISSING, UNKNOWN, Axis, Scan
+    from gspcli.motion.singularities.crossings import Boundary
+    from gspcli.motion.singularities.value_scans import MISSING, UNKNOWN, Axis, Scan
 
     instance = load_instance(spec)
     axes = [Axis(int(name) - 1, nodes) for name, nodes in axes_of("--vary", texts, _NUMBERS)]
@@ -186,7 +186,7 @@ def _check_values(instance: Instance, axes: Sequence[Axis]) -> None:
 def _fill(found: Scan, workers: Workers, journal: Path | None) -> None:
     """Find the poses at all nodes, but for those in the work file."""
     from gspcli.atlas.journal import Journal
-    from gspcli.motion.scanning import Piece, scanned
+    from gspcli.motion.singularities.value_scans import Piece, scanned
 
     done: set[int] = set()
     work = None if journal is None else Journal(journal)
@@ -213,7 +213,7 @@ def _identity(found: Scan) -> str:
 
 
 def _boundary(found: Scan) -> Boundary:
-    from gspcli.motion.crossings import boundaries
+    from gspcli.motion.singularities.crossings import boundaries
 
     edges = sum(1 for _ in found.edges)
     *_, last = progress(boundaries(found), total=edges, label="edges with folds")
@@ -275,7 +275,7 @@ def _heading(instance: Instance, name: str) -> str:
 def _node_rows(found: Scan, names: list[str]) -> list[dict[str, Any]]:
     import numpy as np
 
-    from gspcli.motion.scanning import MISSING
+    from gspcli.motion.singularities.value_scans import MISSING
 
     rows = []
     for node in np.ndindex(*found.modes.shape):

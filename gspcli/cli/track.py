@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from gspcli.geometry.instance import Instance
     from gspcli.motion import Event, Track
-    from gspcli.motion.limit_events import LimitEvent
+    from gspcli.motion.following.limit_events import LimitEvent
 
     Array = NDArray[np.float64]
 
@@ -130,9 +130,9 @@ def command(
         message = "SPEC and VALUES cannot both be standard input"
         raise click.UsageError(message)
     from gspcli.motion import read_pose, read_values, track
-    from gspcli.motion.clearances import clearances, range_weights
-    from gspcli.motion.limit_events import limit_events
-    from gspcli.motion.pose_clearances import pose_clearances
+    from gspcli.motion.following.limit_events import limit_events
+    from gspcli.motion.singularities.clearances import clearances, range_weights
+    from gspcli.motion.singularities.pose_clearances import pose_clearances
 
     instance = load_instance(spec)
     form = pose_format(instance, euler, pivot)

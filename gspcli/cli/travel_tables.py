@@ -22,7 +22,7 @@ def _offsets(held: tuple[str, ...]) -> list[dict[str, float]]:
     """Return by how much parameters are moved from home, all combinations."""
     import numpy as np
 
-    from gspcli.motion.number_tables import wrong_number
+    from gspcli.motion.files.number_tables import wrong_number
 
     choices: dict[str, list[float]] = {}
     for text in held:
@@ -66,7 +66,7 @@ def show_travels(
         Whether singular poses end a travel, too.
     """
     from gspcli.errors import ArgumentError
-    from gspcli.motion.travels import moved, travels
+    from gspcli.motion.workspace.travels import moved, travels
 
     offsets = _offsets(held)
     names = list(offsets[0])

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.candidates import COMMENTS, Candidates
 from gspcli.errors import Problem, SpecError
+from gspcli.export.candidates import COMMENTS, Candidates
 from gspcli.export.motion_coordinates import DUAL, INVERSE, QUATERNION, ROTATION, TRANSLATION
 from gspcli.geometry.quaternions import dot, pose_from_study
 

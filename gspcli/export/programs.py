@@ -28,7 +28,7 @@ _WIDTH = 95
 
 def rounded(system: PolynomialSystem, digits: int = DIGITS) -> PolynomialSystem:
     """Return a system with decimal fractions, of so many digits, for its irrational constants."""
-    from gspcli.certification.balls import decimal_near
+    from gspcli.certification.numbers.balls import decimal_near
 
     values = {name: decimal_near(number, digits) for name, number in system.constants.items()}
     rows = tuple(row.replaced(values) for row in system.polynomials)

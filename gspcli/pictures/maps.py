@@ -12,9 +12,9 @@ from gspcli.pictures.figures import ANGLE, PLATFORM, styled, written
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from gspcli.motion.crossings import Boundary
-    from gspcli.motion.pose_scanning import PoseScan
-    from gspcli.motion.scanning import Scan
+    from gspcli.motion.singularities.crossings import Boundary
+    from gspcli.motion.singularities.pose_scans import PoseScan
+    from gspcli.motion.singularities.value_scans import Scan
 
 Array = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.coordinates import BODIES
-from gspcli.motion.number_tables import NumberTable, wrong_number
-from gspcli.motion.pose_files import COLUMNS, PoseFormat, poses_in
+from gspcli.motion.files.number_tables import NumberTable, wrong_number
+from gspcli.motion.files.pose_files import COLUMNS, PoseFormat, poses_in
 from gspcli.pictures.shown_poses import Poses
 
 #: What moves the platform: the first of these that there is, else the number of the row.

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.types import MAX_ANGLES
-from gspcli.certification.centring import Centring
+from gspcli.certification.equations.local_frames import Centring
 from gspcli.defaults import PATIENCE, SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
@@ -25,7 +25,7 @@ from gspcli.solver.result import SolveResult
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
-    from gspcli.certification.many_values import ValueProofs
+    from gspcli.certification.poses.many_values import ValueProofs
     from gspcli.continuation.pursuit import Pursuit
 
 Array = NDArray[np.float64]
@@ -139,7 +139,7 @@ def _in_closed_form(
 
     if not certify:
         return solve_closed_form(arrangement)
-    from gspcli.certification.many_values import ValueProofs
+    from gspcli.certification.poses.many_values import ValueProofs
     from gspcli.solver.closed_form_proofs import proved_closed_form, proved_general_form
 
     proofs = ValueProofs.of(instance, None)
@@ -345,7 +345,7 @@ def _quick_blocks(
     if len(arrangement.angles) == MAX_ANGLES:
         yield from _closed_form_blocks(instance, arrangement, rows, certify=certify)
         return
-    from gspcli.certification.many_values import ValueProofs
+    from gspcli.certification.poses.many_values import ValueProofs
     from gspcli.solver.row_groups import solve_rows
 
     def count() -> ExactCount | None:
@@ -371,7 +371,7 @@ def _closed_form_blocks(
     instance: Instance, arrangement: Arrangement, rows: Array, *, certify: bool
 ) -> Iterator[tuple[Block, Index]]:
     """Yield the same for platforms with three angles."""
-    from gspcli.certification.many_values import ValueProofs
+    from gspcli.certification.poses.many_values import ValueProofs
     from gspcli.solver.closed_form import solve_closed_forms
     from gspcli.solver.closed_form_proofs import block_of, prove_closed_forms
 

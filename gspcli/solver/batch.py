@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.centring import Centring
+from gspcli.certification.equations.local_frames import Centring
 from gspcli.continuation.paths import PathAccount
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.residuals import condition_numbers, proved_residuals, residuals

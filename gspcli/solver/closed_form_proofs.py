@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
-from gspcli.certification.frames import OWN, Frames
-from gspcli.certification.many_values import ProvedPoses, ValueProofs
+from gspcli.certification.equations.frames import OWN, Frames
+from gspcli.certification.poses.many_values import ProvedPoses, ValueProofs
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import quaternion_product

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from gspcli.certification.collecting import Collection
-from gspcli.certification.multiple import MultiplePose, multiple_poses
+from gspcli.certification.poses.collection import Collection
+from gspcli.certification.poses.multiple import MultiplePose, multiple_poses
 from gspcli.continuation.accounts import COUNTED
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.pursuit import PursuedEnds

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DPH, DPP
-from gspcli.certification.frames import Frames
-from gspcli.certification.many_values import ValueProofs
+from gspcli.certification.equations.frames import Frames
+from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.shifts import FROM_START, LONG_STEPS, ends_from_start, followed_again
 from gspcli.continuation.start import StartSystem, start_system
@@ -115,7 +115,7 @@ def all_proved(
     found = proofs.decide_own(choices, points, frames)
     count = found.certified.size
     if one_by_one and 0 < count - found.certified.sum() <= max(2, _FEW * count):
-        from gspcli.certification.remaining import with_remaining
+        from gspcli.certification.poses.remaining import with_remaining
 
         found = with_remaining(proofs, found)
     if not found.complete[0]:

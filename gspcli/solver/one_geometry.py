@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.frames import Frames
-from gspcli.certification.many_values import ProvedPoses, ValueProofs
+from gspcli.certification.equations.frames import Frames
+from gspcli.certification.poses.many_values import ProvedPoses, ValueProofs
 from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.quadrics import ComplexArray

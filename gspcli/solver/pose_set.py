@@ -16,8 +16,8 @@ from gspcli.records import dataclass
 from gspcli.solver.proof import Ground, Proof
 
 if TYPE_CHECKING:
-    from gspcli.certification.centring import Centring
-    from gspcli.certification.deciding import Decisions
+    from gspcli.certification.equations.local_frames import Centring
+    from gspcli.certification.poses.decisions import Decisions
 
 Complex = NDArray[np.complex128]
 

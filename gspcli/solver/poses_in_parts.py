@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from gspcli.certification.counting import PartCount, SideCount, by_points
-from gspcli.certification.parallel_poses import where_parallel
+from gspcli.certification.poses.parallel_poses import where_parallel
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.instance import Instance
 from gspcli.solver.completion import complete

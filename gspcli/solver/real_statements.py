@@ -21,7 +21,7 @@ from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLP, DPH, DPL, DPP, 
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES, GspType
 from gspcli.certification import certify, refine
 from gspcli.certification.counting import exact_count
-from gspcli.certification.exclusion import excluded
+from gspcli.certification.poses.exclusion import excluded
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
 from gspcli.geometry.numbers import Number

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.many_values import ProvedPoses, ValueProofs
+from gspcli.certification.poses.many_values import ProvedPoses, ValueProofs
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.one_geometry import Geometry, Solved, geometry_among
 

@@ -9,13 +9,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.collecting import Collection
 from gspcli.certification.counting import poses_by_elimination
-from gspcli.certification.distinct import same
-from gspcli.certification.isolation import Isolation
-from gspcli.certification.locating import FIRST_PRECISION, AtInfinity, Located, Locator
-from gspcli.certification.normalized import many_digits, normalized
-from gspcli.certification.partners import is_alone, partner
+from gspcli.certification.equations.normalized import many_digits, normalized
+from gspcli.certification.poses.collection import Collection
+from gspcli.certification.poses.distinct import same
+from gspcli.certification.poses.isolation import Isolation
+from gspcli.certification.poses.locator import FIRST_PRECISION, AtInfinity, Located, Locator
+from gspcli.certification.poses.partners import is_alone, partner
 from gspcli.continuation.pursuit import PursuedEnds, Pursuit, joined_ends
 from gspcli.continuation.systems import Coefficients, ExtendedCoefficients
 from gspcli.geometry.arrangement import Arrangement

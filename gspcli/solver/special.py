@@ -13,9 +13,9 @@ from gspcli.certification.counting import (
     exact_count,
     geometry_count,
 )
-from gspcli.certification.frames import Frames
-from gspcli.certification.locating import Locator
-from gspcli.certification.many_values import ValueProofs
+from gspcli.certification.equations.frames import Frames
+from gspcli.certification.poses.locator import Locator
+from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.pursuit import Pursuit
 from gspcli.geometry.arrangement import Arrangement

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gspcli.catalogue.kinds import Kind
-from gspcli.certification.frames import Frames
-from gspcli.certification.many_values import ValueProofs
+from gspcli.certification.equations.frames import Frames
+from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units

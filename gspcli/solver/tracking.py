@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.frames import Frames
+from gspcli.certification.equations.frames import Frames
 from gspcli.continuation.accounts import ACCOUNTS, AccountOptions
 from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.paths import PathAccount
@@ -34,7 +34,7 @@ from gspcli.solver.reference_start import pursue_near, reference_start
 from gspcli.solver.study_systems import coefficients_at, target_systems
 
 if TYPE_CHECKING:
-    from gspcli.certification.many_values import ValueProofs
+    from gspcli.certification.poses.many_values import ValueProofs
 
 Complex = NDArray[np.complex128]
 

@@ -22,8 +22,9 @@ from gspcli.atlas.groebner import msolve_path
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.types import all_types
-from gspcli.certification import Certificates, certify, read_candidates
+from gspcli.certification import Certificates, certify
 from gspcli.export.answers import read_answer
+from gspcli.export.candidates import read_candidates
 from gspcli.export.motion_coordinates import MOTIONS
 from gspcli.export.polynomial_systems import system
 from gspcli.export.programs import PROGRAMS

@@ -16,7 +16,7 @@ from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion import measure
-from gspcli.motion.wrenches import wrenches
+from gspcli.motion.statics.wrenches import wrenches
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.solver.generate import random_instance

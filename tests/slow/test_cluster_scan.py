@@ -11,7 +11,7 @@ import pytest
 
 import gspcli
 from gspcli.defaults import SEED
-from gspcli.motion.scanning import Axis, Scan, scan, scanned
+from gspcli.motion.singularities.value_scans import Axis, Scan, scan, scanned
 from gspcli.resources import data_path
 from gspcli.workers import Workers
 

@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification import study
-from gspcli.certification.ball_system import BallSystem
-from gspcli.certification.floating import Doubles, _quadrics
-from gspcli.certification.isolation import REACH
-from gspcli.certification.rounding import OUTWARD, ROUNDING, TINY
+from gspcli.certification.equations import study
+from gspcli.certification.equations.ball_system import BallSystem
+from gspcli.certification.numbers.rounding import OUTWARD, ROUNDING, TINY
+from gspcli.certification.poses.floating import Doubles, _quadrics
+from gspcli.certification.poses.isolation import REACH
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

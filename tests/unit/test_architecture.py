@@ -49,6 +49,11 @@ ROOMS = {
     "rich": {"cli"},
     "matplotlib": {"pictures"},
 }
+#: Rooms within rooms, the lowest first: each imports itself and those before it.
+INNER_ROOMS = {
+    "certification": ("numbers", "equations", "counting", "poses", "branches"),
+    "motion": ("poses", "files", "following", "workspace", "singularities", "statics"),
+}
 #: Rooms that know less than their place allows: the engine knows no platform words.
 STRANGERS = {"continuation": {"geometry", "catalogue", "symbolic"}}
 #: Who talks to the native kernel; everybody else talks to them.
@@ -96,6 +101,19 @@ def test_imports_point_one_way(path: Path) -> None:
             assert room in ROOMS[top], f"{top} belongs in {ROOMS[top]}"
         if room in STANDARD_LIBRARY_ONLY and top not in ("gspcli", "__future__", FRAMES):
             assert top in sys.stdlib_module_names, name
+
+
+@pytest.mark.parametrize("room", INNER_ROOMS)
+def test_imports_within_a_room_point_one_way(room: str) -> None:
+    inner = INNER_ROOMS[room]
+    folders = {path.parent.name for path in (PACKAGE / room).glob("*/*.py")}
+    assert folders == set(inner)
+    for path in sorted((PACKAGE / room).glob("*/*.py")):
+        place = inner.index(path.parent.name)
+        for name in _imports(path):
+            parts = name.split(".")
+            if parts[:2] == ["gspcli", room]:
+                assert parts[2] in inner[: place + 1], f"{path}: {name}"
 
 
 def _module(path: Path) -> str:

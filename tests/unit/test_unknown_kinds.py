@@ -12,10 +12,10 @@ from gspcli import Line, Plane, Point, certify, distance, measure, solve
 from gspcli.atlas.modular_equations import FramedPrimitive, equation
 from gspcli.catalogue.counts import law
 from gspcli.catalogue.kinds import DPP, Kind, Primitive, Quantity
-from gspcli.certification.ball_system import BallSystem
 from gspcli.certification.counting import count_exactly
-from gspcli.certification.frames import OWN
-from gspcli.certification.many_values import ValueProofs
+from gspcli.certification.equations.ball_system import BallSystem
+from gspcli.certification.equations.frames import OWN
+from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.export.chains import chain
 from gspcli.export.motion_coordinates import study
 from gspcli.export.polynomial_systems import system

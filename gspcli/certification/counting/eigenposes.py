@@ -12,8 +12,6 @@ from contextlib import contextmanager
 
 from flint import acb, arb, ctx, fmpq
 
-from gspcli.certification import study
-from gspcli.certification.balls import rotated
 from gspcli.certification.counting.elements import Element, Sum
 from gspcli.certification.counting.exact_platform import evaluated
 from gspcli.certification.counting.followed import FollowedElimination, NotFollowedError
@@ -27,6 +25,8 @@ from gspcli.certification.counting.motion_equations import equations, with_momen
 from gspcli.certification.counting.residue_counts import Ending, trace
 from gspcli.certification.counting.spectrum import SpectrumError, eigenvectors
 from gspcli.certification.counting.stated_counts import DEFAULT_LIMIT, work_limit
+from gspcli.certification.equations import study
+from gspcli.certification.numbers.balls import rotated
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass

@@ -11,9 +11,9 @@ from collections.abc import Callable, Sequence
 
 from flint import acb, arb, arb_mat, fmpq
 
-from gspcli.certification import study
 from gspcli.certification.counting.motion_equations import Function, MotionEquations
 from gspcli.certification.counting.residue_counts import EliminationTrace, Step
+from gspcli.certification.equations import study
 
 #: A polynomial, by packed exponents; and a vector over normal monomials, by their positions.
 Polynomial = dict[int, arb]

@@ -11,7 +11,6 @@ from typing import Any
 from flint import nmod
 
 from gspcli.catalogue.kinds import DLL, Kind
-from gspcli.certification.balls import dot
 from gspcli.certification.counting.coordinate_choice import Blocks, choose
 from gspcli.certification.counting.elements import NoElementError
 from gspcli.certification.counting.exact_platform import (
@@ -32,6 +31,7 @@ from gspcli.certification.counting.motion_equations import (
     equations,
     parallel_lines,
 )
+from gspcli.certification.numbers.balls import dot
 from gspcli.errors import IncompleteError
 from gspcli.geometry.instance import Instance
 

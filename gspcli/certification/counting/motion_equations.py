@@ -1,8 +1,8 @@
 """The constraints as equations between functions of a motion, in any exact arithmetic.
 
 The functions are 1, R (by rows), T, U, rho and T x R, in the order of
-`gspcli.certification.study`, and the mutual moments of the line pairs behind them. An equation is
-``F + w1 G1^2 + w2 G2^2 + ... = 0`` with linear combinations F, G of them: PL and LP say
+`gspcli.certification.equations.study`, and the mutual moments of the line pairs behind them. An
+equation is ``F + w1 G1^2 + w2 G2^2 + ... = 0`` with linear combinations F, G of them: PL and LP say
 ``|X x v|^2 = d^2 |v|^2`` and LL ``M^2 + d^2 C^2 = d^2 |u|^2 |v|^2`` (paper, Section 4).
 """
 
@@ -13,9 +13,9 @@ from dataclasses import field
 from typing import Any
 
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
-from gspcli.certification import study
-from gspcli.certification.balls import cross, dot
 from gspcli.certification.counting.exact_platform import EvaluatedConstraint
+from gspcli.certification.equations import study
+from gspcli.certification.numbers.balls import cross, dot
 from gspcli.records import dataclass
 
 #: A linear combination: coefficients of the functions, by their position.

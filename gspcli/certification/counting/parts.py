@@ -20,7 +20,6 @@ from itertools import chain, combinations
 from flint import nmod
 
 from gspcli.catalogue.kinds import DLL
-from gspcli.certification import study
 from gspcli.certification.counting.coordinate_choice import DEGREES, Blocks, quadrics
 from gspcli.certification.counting.equation_heights import lines_height
 from gspcli.certification.counting.error_bounds import ErrorBounds, total
@@ -38,6 +37,7 @@ from gspcli.certification.counting.motion_equations import (
     with_moments,
 )
 from gspcli.certification.counting.residue_counts import Ending, ResidueCount, count
+from gspcli.certification.equations import study
 from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
 

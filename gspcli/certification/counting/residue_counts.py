@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli import _kernel
-from gspcli.certification import study
 from gspcli.certification.counting.coordinate_choice import Blocks
 from gspcli.certification.counting.motion_equations import (
     FUNCTIONS,
@@ -19,6 +18,7 @@ from gspcli.certification.counting.motion_equations import (
     MotionEquation,
     MotionEquations,
 )
+from gspcli.certification.equations import study
 from gspcli.records import dataclass
 
 #: More residues than this are not kept at once (1 GB).

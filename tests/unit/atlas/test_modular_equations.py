@@ -14,7 +14,7 @@ from gspcli.atlas.modular_equations import (
     random_quadrics,
 )
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, KINDS, Kind
-from gspcli.certification import study
+from gspcli.certification.equations import study
 
 PRIME = 2147483647
 

@@ -14,8 +14,8 @@ import sympy as sp
 from gspcli.certification import certify, refine
 from gspcli.certification.counting import ExactCount, exact_count, with_points_for_lines
 from gspcli.geometry.instance import Instance
-from gspcli.motion.clearances import clearances
-from gspcli.motion.trajectories import track
+from gspcli.motion.following.trajectories import track
+from gspcli.motion.singularities.clearances import clearances
 from gspcli.solver import solve
 from gspcli.spec import loads
 from tests.support.posts import PLATE_ON_POSTS

@@ -7,7 +7,7 @@ import pytest
 
 from bench.cases import random_instances
 from gspcli import load, solve
-from gspcli.certification.many_values import ValueProofs
+from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.numbers import Number
 from gspcli.resources import data_path

@@ -9,7 +9,7 @@ from matching import pose_set_distance
 
 from gspcli import hexapod
 from gspcli.catalogue.parsing import parse_type
-from gspcli.certification.many_values import ValueProofs
+from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.continuation.paths import Basis
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.arrangement import Arrangement

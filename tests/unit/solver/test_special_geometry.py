@@ -156,7 +156,7 @@ def test_values_of_zero_and_platforms_not_to_be_counted_go_other_ways():
 
 
 def given(instance):
-    from gspcli.certification.many_values import ValueProofs
+    from gspcli.certification.poses.many_values import ValueProofs
     from gspcli.geometry.arrangement import Arrangement
 
     return instance, ValueProofs.of(instance, None), Arrangement.of(instance)

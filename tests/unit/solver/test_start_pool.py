@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.parsing import parse_type
-from gspcli.certification.many_values import ValueProofs
+from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.continuation.shifts import QUICK, VALUE_STEPS, Shifts
 from gspcli.continuation.tracker import PathStatus
 from gspcli.geometry.arrangement import Arrangement

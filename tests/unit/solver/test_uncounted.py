@@ -12,8 +12,8 @@ from gspcli.catalogue.kinds import KINDS_BY_NAME
 from gspcli.catalogue.parsing import parse_type
 from gspcli.certification.counting import count_geometry, exact_count
 from gspcli.certification.counting.modular_platform import ModularPlatform
-from gspcli.certification.frames import Frames
-from gspcli.certification.locating import Locator
+from gspcli.certification.equations.frames import Frames
+from gspcli.certification.poses.locator import Locator
 from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units

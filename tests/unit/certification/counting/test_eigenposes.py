@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from flint import acb, ctx
 
-from gspcli.certification.balls import ball
 from gspcli.certification.counting import count_exactly, poses_by_elimination
+from gspcli.certification.numbers.balls import ball
 from gspcli.geometry.numbers import Number
 from gspcli.resources import data_directory
 from gspcli.spec import load

@@ -2,10 +2,10 @@
 
 import pytest
 
-from gspcli.certification import study
 from gspcli.certification.counting.coordinate_choice import DEGREES, Blocks
 from gspcli.certification.counting.motion_equations import MotionEquation, MotionEquations
 from gspcli.certification.counting.residue_counts import Ending, count
+from gspcli.certification.equations import study
 
 PRIMES = (2**30 - 35, 2**60 + 33, 2**61 - 1)
 T = Blocks.TRANSLATION

@@ -1,0 +1,217 @@
+"""Proof of a fold: where two branches of solutions meet while the values move, and both end.
+
+With z a Study point, u a direction and t the time, a fold is a zero of the seventeen equations
+
+    F(z, t) = 0,  p.z = 1,  F'(z, t) u = 0,  p.u = 0,  c.u = 1
+
+(G. Moore and A. Spence, SIAM J. Numer. Anal. 17, 1980), and a simple zero of these is a quadratic
+turning point: t has an extremum along the curve of solutions, which passes through it in the
+direction u. Krawczyk's test in balls proves exactly one zero in a box.
+
+That a mode reaches the fold is proved on the curve of solutions (`Fold.sides`, `arcs`). An arc of
+it through the fold is proved in a larger box, and that t bends one way on all of it: so t has no
+other extremum there, and increases up to the fold or decreases from it on. The pose is in that box,
+or the curve is followed from the pose in further arcs, on which t increases, until it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import flint
+import numpy as np
+from flint import arb, arb_mat
+from numpy.typing import NDArray
+
+from gspcli.certification.branches.arcs import Arc, at_time, towards
+from gspcli.certification.branches.fold_system import UNKNOWNS, FoldSystem, unit
+from gspcli.certification.branches.taylor import MovingSystem
+from gspcli.certification.numbers.balls import float_above, float_ends
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+
+_PRECISION = 160
+_STEPS = 12
+#: Newton's method has converged when a step is below this.
+_CONVERGED = 2.0**-100
+#: How near to the zero Krawczyk's box is.
+_RADIUS = 2.0**-80
+#: The curve through a fold is tried to be proved in boxes down to this length.
+_SHORTEST = 2.0**-60
+
+
+@dataclass(frozen=True, eq=False)
+class Fold:
+    """A proved fold.
+
+    Attributes
+    ----------
+    low, high
+        Floats between which the part of the step at which it is lies.
+    point, direction
+        The Study point there, and the direction u of the two branches, shape (8,); rounded.
+    bends
+        The sign of the second derivative of t along the branches: -1 if both end at the fold, 1
+        if both begin there.
+    equations, zero
+        Of which it is a zero, and the zero, within 2^-80.
+    """
+
+    low: float
+    high: float
+    point: Array
+    direction: Array
+    bends: int
+    equations: FoldSystem
+    zero: tuple[arb, ...]
+
+    def sides(self, points: Array, part: float, radius: float) -> list[int]:
+        """Prove that poses are on the curve through the fold, with no other fold between.
+
+        Parameters
+        ----------
+        points
+            Study points, shape (n, 8).
+        part
+            The part of the step at which they are.
+        radius
+            So near to each of them, in norm one, is exactly one pose, the one that is meant.
+
+        Returns
+        -------
+        list
+            For each pose -1 or 1, on which of the two branches it is: the mode that it belongs to
+            reaches the fold, without a singularity before; or 0, if that is not proved.
+        """
+        with flint.ctx.workprec(_PRECISION):
+            return [_side(self, point, arb(part), arb(radius)) for point in points]
+
+
+def prove_fold(
+    system: MovingSystem, rows: tuple[Array, Array], part: float, point: Array, direction: Array
+) -> Fold | None:
+    """Prove a fold near a point of a branch; None if there is no proof.
+
+    Parameters
+    ----------
+    system
+        What moves.
+    rows
+        The values, and the coordinates that move, at both ends of a step between rows, in the units
+        of the instance; they are taken as exact.
+    part
+        About where between them, from 0 to 1.
+    point, direction
+        A Study point near the fold, in units of `length_scale`, and about the direction in which
+        the branch moves there, shape (8,).
+    """
+    with flint.ctx.workprec(_PRECISION):
+        equations = FoldSystem(system, rows, point)
+        x = [*map(arb, point.tolist()), *map(arb, direction.tolist()), arb(part)]
+        scale = sum((a * b for a, b in zip(equations.patch, x[:8], strict=True)), arb(0))
+        x[:8] = [(value / scale).mid() for value in x[:8]]
+        equations.gauge = unit(direction)
+        x[8:16] = list(equations.gauge)
+        for _ in range(_STEPS):
+            values, jacobian = equations.at(x)
+            try:
+                step = jacobian.mid().solve(arb_mat(UNKNOWNS, 1, values).mid()).entries()
+            except ZeroDivisionError:
+                return None
+            x = [(a - b).mid() for a, b in zip(x, step, strict=True)]
+            size = max(float_above(s) for s in step)
+            if not size < 10:
+                return None
+            if size < _CONVERGED:
+                return _krawczyk(equations, x)
+    return None
+
+
+def _krawczyk(system: FoldSystem, x: list[arb]) -> Fold | None:
+    values, jacobian = system.at(x)
+    try:
+        inverse = jacobian.mid().inv().mid()
+    except ZeroDivisionError:
+        return None
+    step = (inverse * arb_mat(UNKNOWNS, 1, values)).entries()
+    radius = arb(_RADIUS)
+    box = [arb(value, radius) for value in x]
+    _, spread = system.at(box)
+    defect = inverse * spread - 1
+    for row, delta in zip(defect.tolist(), step, strict=True):
+        moved = sum((entry.abs_upper() for entry in row), arb(0)) * radius + delta.abs_upper()
+        if not moved < radius:
+            return None
+    low, high = float_ends(box[16])
+    bends = system.bends(box)
+    if bends == 0:
+        return None
+    middle = np.array([float(value) for value in x])
+    return Fold(low, high, middle[:8], middle[8:16], bends, system, tuple(box))
+
+
+def _side(fold: Fold, point: Array, part: arb, radius: arb) -> int:
+    """Return on which branch of a fold a pose is, or 0; see `Fold.sides`."""
+    equations = fold.equations
+    y = [arb(value) for value in point.tolist()]
+    scale = _dot(equations.patch, y)
+    if not scale.abs_lower() > 0.5:
+        return 0
+    guess = [*(a / scale for a in y), part]
+    exact = at_time(equations, guess)
+    # From one patch to another distances grow at most fourfold.
+    if exact and all((a - b).abs_upper() < radius / 16 for a, b in zip(exact, guess, strict=True)):
+        pose = exact
+    else:
+        pose = [*(a + arb(0, 4 * radius) for a in guess[:-1]), part]
+    turn = _Turn(fold, pose)
+    side = turn.side(pose)
+    if side == 0 and turn.proved_nearer():
+        found = (turn.side(place) for place in towards(equations, pose, arb(fold.high)))
+        side = next(filter(None, found), 0)
+    return side
+
+
+class _Turn:
+    """The curve through a fold, with no other fold on it.
+
+    Parameters
+    ----------
+    fold
+        Where its centre is.
+    pose
+        Nine balls, to which it is to extend, if that can be proved.
+    """
+
+    def __init__(self, fold: Fold, pose: list[arb]) -> None:
+        zero, nothing = [value.mid() for value in fold.zero], arb(0)
+        direction, gauge = [*zero[8:16], nothing], [*fold.equations.gauge, nothing]
+        self.arc = Arc(fold.equations, [*zero[:8], zero[16]], direction, gauge)
+        self.fold = [*fold.zero[:8], fold.zero[16]]
+        s, apart = self.arc.place(pose)
+        self.reach = (s.abs_upper() * 1.0625).mid()
+        self.proved = self._proved([a.abs_upper() for a in apart])
+
+    def _proved(self, wanted: list[arb]) -> bool:
+        """Whether a box contains the fold on a curve along which t has no other extremum."""
+        arc = self.arc
+        return arc.holds(self.reach, wanted) and arc.contains(self.fold) and arc.bends() != 0
+
+    def proved_nearer(self) -> bool:
+        """Whether it is proved at all, if need be for a shorter arc."""
+        while not self.proved and self.reach > _SHORTEST:
+            self.reach = self.reach / 8
+            self.proved = self._proved([arb(0)] * 9)
+        return self.proved
+
+    def side(self, place: list[arb]) -> int:
+        """Return on which side of the fold all solutions in balls are, on the curve; or 0."""
+        if not self.proved or not self.arc.contains(place):
+            return 0
+        s = self.arc.place(place)[0] - self.arc.place(self.fold)[0]
+        return 1 if s > 0 else -1 if s < 0 else 0
+
+
+def _dot(a: Sequence[arb], b: Sequence[arb]) -> arb:
+    return sum((x * y for x, y in zip(a, b, strict=True)), arb(0))

@@ -1,0 +1,199 @@
+"""The equations of an instance without its values: real quadrics in doubles, with bounds.
+
+For values that move, each constraint is one of these, with N = e.e and a number c that is the
+square of the value, the value itself, or the cosine or sine of an angle:
+
+* plain, ``A - c N = 0``: PP, PH and HP with signed values, and angles;
+* product, ``N (A - c N) = B^2``: PL and LP, A the quadric of PP, B the height along the line;
+* lines, ``A^2 = c (N^2 - B^2)``: LL, with the mutual moment A and ``B = N Ru . v``.
+
+Directions are divided by their lengths here, unlike in `ball_system`.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+import flint
+import numpy as np
+from flint import arb
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.certification.equations import study
+from gspcli.certification.equations.ball_system import (
+    Form,
+    base_height,
+    mutual_moment,
+    platform_height,
+    rotation_form,
+    scaled,
+    square_distance,
+)
+from gspcli.certification.equations.local_frames import length_scale
+from gspcli.certification.equations.statement import statements
+from gspcli.certification.numbers.balls import norm
+from gspcli.certification.numbers.rounding import OUTWARD, TINY
+from gspcli.geometry.instance import Instance
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+
+_PRECISION = 128
+#: Norms of matrices computed in doubles are off by less than this, relatively.
+_NORM_ERROR = 1e-9
+
+
+class Shape(IntEnum):
+    """Which equation a constraint is; the numbers are those of native/tubes.hpp."""
+
+    PLAIN = 0
+    PRODUCT = 1
+    LINES = 2
+
+
+class Law(IntEnum):
+    """How the value gives c; the numbers are those of native/tubes.hpp."""
+
+    SQUARE = 0
+    LINEAR = 1
+    COSINE = 2
+    SINE = 3
+
+
+@dataclass(frozen=True, eq=False)
+class MovingEquations:
+    """The equations of the six constraints, lengths in units of `scale`.
+
+    Attributes
+    ----------
+    scale
+        A power of two, the unit of length.
+    shapes, laws
+        Of each constraint, shape (6,).
+    signs
+        The sign of c, shape (6,).
+    hessians
+        Hessian matrices of A and B (zero if there is none), shape (6, 2, 8, 8). They differ from
+        the exact ones by less than 2^-50 of `moduli`.
+    spectral, moduli
+        Upper bounds of the spectral norms of these matrices, and of those of the moduli of the
+        terms that add up to their entries, shape (6, 2).
+    """
+
+    scale: float
+    shapes: NDArray[np.int32]
+    laws: NDArray[np.int32]
+    signs: Array
+    hessians: Array
+    spectral: Array
+    moduli: Array
+
+    def spectral_between(self, low: Array, high: Array) -> Array:
+        """Bound the norms of the Hessian matrices of A - c N for all c in intervals, shape (6,).
+
+        The norm is convex in c, so largest at an end.
+
+        Parameters
+        ----------
+        low, high
+            Ends of the intervals, shape (6,).
+        """
+        turning = np.diag([2.0] * 4 + [0.0] * 4)
+        ends = [self.hessians[:, 0] - c[:, None, None] * turning for c in (low, high)]
+        norms = np.abs(np.linalg.eigvalsh(np.stack(ends))).max(axis=(0, 2))
+        return np.asarray(norms * (1 + _NORM_ERROR) + 2.0**-50 * self.moduli[:, 0])
+
+
+def moving_equations(instance: Instance) -> MovingEquations:
+    """Return the equations of an instance without its values.
+
+    A DLL whose value is exactly zero is the plain equation ``A = 0``: its lines meet.
+    """
+    with flint.ctx.workprec(_PRECISION):
+        rows, _ = ball_equations(instance)
+        nearest, bounds = np.zeros((2, len(rows), 2, study.COUNT))
+        for i, (_, _, _, forms) in enumerate(rows):
+            for j, form in enumerate(forms):
+                for k, coefficient in form.items():
+                    nearest[i, j, k] = value = float(coefficient)
+                    error = float((coefficient - value).abs_upper()) * OUTWARD + TINY
+                    bounds[i, j, k] = max(abs(value), error * 2.0**50)
+        terms = study.form_hessians().reshape(study.COUNT, -1)
+    hessians, moduli = nearest @ terms, bounds @ np.abs(terms)
+    shape = (len(rows), 2, 8, 8)
+    norms = [np.linalg.norm(m.reshape(shape), ord=2, axis=(2, 3)) for m in (hessians, moduli)]
+    norms[1] = norms[1] * (1 + _NORM_ERROR)
+    return MovingEquations(
+        scale=length_scale(instance),
+        shapes=np.array([shape for shape, _, _, _ in rows], np.int32),
+        laws=np.array([law for _, law, _, _ in rows], np.int32),
+        signs=np.array([sign for _, _, sign, _ in rows]),
+        hessians=hessians.reshape(shape),
+        spectral=norms[0] * (1 + _NORM_ERROR) + 2.0**-50 * norms[1],
+        moduli=norms[1],
+    )
+
+
+#: Shape, law, sign of c, and the quadrics.
+Equation = tuple[Shape, Law, float, list[Form]]
+
+
+def ball_equations(instance: Instance) -> tuple[list[Equation], list[arb]]:
+    """Return shape, law, sign and quadrics of each equation, and the units of the values.
+
+    At the working precision; a value times its unit is what the law takes.
+    """
+    given = statements(instance)
+    equations = [
+        moving_equation(row.kind, row.a, row.b, _unit(row.u), _unit(row.v), is_zero=row.is_zero)
+        for row in given
+    ]
+    return equations, [1 / row.unit for row in given]
+
+
+def _unit(vector: list[arb]) -> list[arb]:
+    return [entry / norm(vector) for entry in vector]
+
+
+def moving_equation(
+    kind: Kind, a: list[arb], b: list[arb], u: list[arb], v: list[arb], *, is_zero: bool
+) -> Equation:
+    """Return shape, law, sign and quadrics of a constraint without its value.
+
+    Parameters
+    ----------
+    kind
+        Of the constraint.
+    a, b
+        A point of the platform and of the base primitive, in units of the scale.
+    u, v
+        Unit directions or normals; empty for points.
+    is_zero
+        Whether the value is zero, always.
+    """
+    if kind in _ANGLES:
+        law, sign = _ANGLES[kind]
+        return Shape.PLAIN, law, sign, [rotation_form(v, u)]
+    if kind is DPP:
+        return Shape.PLAIN, Law.SQUARE, 1.0, [square_distance(a, b, arb(0))]
+    if kind is DLL:
+        moment = mutual_moment(a, b, u, v)
+        if is_zero:
+            return Shape.PLAIN, Law.LINEAR, 1.0, [moment]
+        return Shape.LINES, Law.SQUARE, 1.0, [moment, rotation_form(v, u)]
+    height = base_height(a, b, v) if v else platform_height(a, b, u)
+    if kind in (DPL, DLP):
+        return Shape.PRODUCT, Law.SQUARE, 1.0, [square_distance(a, b, arb(0)), height]
+    if kind in (DPH, DHP):
+        sign = 1 if kind is DPH else -1
+        return Shape.PLAIN, Law.LINEAR, 1.0, [scaled(height, arb(sign))]
+    raise ValueError(kind)
+
+
+_ANGLES = {
+    ALL: (Law.COSINE, 1.0),
+    ALH: (Law.SINE, 1.0),
+    AHL: (Law.SINE, 1.0),
+    AHH: (Law.COSINE, -1.0),
+}

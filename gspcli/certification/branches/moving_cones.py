@@ -1,0 +1,59 @@
+"""Cones of joints along a trajectory: quadrics whose sign says whether a leg keeps its cone.
+
+The leg of a DPP is as long as its value, so that it is within its cone exactly if its height along
+the axis is at least the value times the cosine of the half angle. Times N that is one quadric, as
+of a distance to a plane, with coefficients that move as those of the equations do (`taylor`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from flint import arb
+
+from gspcli.certification.branches.moving import Equation, Law, Shape
+from gspcli.certification.branches.taylor import Element, MovingSystem
+from gspcli.certification.equations.ball_system import base_height, platform_height, scaled
+from gspcli.certification.numbers.balls import ball, norm
+from gspcli.geometry.coordinates import Coordinate
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.limits import JointCone, joint_cones
+
+
+class MovingCones(MovingSystem):
+    """The cones of an instance, instead of its equations: positive where a leg keeps its cone.
+
+    Distances must not be negative.
+
+    Parameters
+    ----------
+    instance, chosen
+        As for `MovingSystem`.
+    """
+
+    def __init__(self, instance: Instance, chosen: Sequence[Coordinate]) -> None:
+        #: In the order of the quadrics.
+        self.cones = joint_cones(instance)
+        super().__init__(instance, chosen)
+
+    def _all(
+        self, values: Sequence[Element], moving: dict[Coordinate, Element]
+    ) -> list[tuple[Equation, Element]]:
+        return [self._cone(joint, values[joint.constraint], moving) for joint in self.cones]
+
+    def _cone(
+        self, joint: JointCone, value: Element, moving: dict[Coordinate, Element]
+    ) -> tuple[Equation, Element]:
+        row = self.instance.constraints[joint.constraint]
+        a, _ = self._placed("platform", row.platform_name, row.platform, moving)
+        b, _ = self._placed("base", row.base_name, row.base, moving)
+        given = [ball(number) for number in joint.cone.axis]
+        axis = [entry / norm(given) for entry in given]
+        # The leg leads away from the joint.
+        height = (
+            base_height(a, b, axis)
+            if joint.body == "base"
+            else scaled(platform_height(a, b, axis), arb(-1))
+        )
+        cosine = (ball(joint.cone.half_angle) * self._unit).cos()
+        return (Shape.PLAIN, Law.LINEAR, 1.0, [height]), cosine * value / arb(self.scale)

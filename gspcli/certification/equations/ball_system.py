@@ -1,0 +1,378 @@
+"""The polynomial equations of an instance in Study coordinates, with balls as coefficients.
+
+Each constraint is ``A = 0`` or ``N A - B^2 - C^2 = 0`` with quadratic forms A, B, C, equivalent to
+the constraint as stated wherever ``N != 0``:
+
+* angles, PP and PH or HP on one side: one quadric, linear in the forms of `study`;
+* PL: ``|w|^2 |u|^2 - (w . u)^2 = d^2 |u|^2`` with w from a point of the line to the point and u
+  along the line, and LP likewise; ``N |w|^2`` is the quadric of PP and ``N w . u`` one more;
+* LL: ``d^2 (|u|^2 |v|^2 - (u . v)^2) = M^2`` with the mutual moment M. For d = 0 this is the
+  square of ``M = 0``, which is taken instead.
+
+No direction is normalized, so only square roots of lengths and cosines of angles (and whatever
+the input itself contains) are irrational. These equations are written down on their own, apart
+from those that are solved (`gspcli.geometry.constraint_polynomials`,
+`gspcli.solver.study_systems`): a mistake there makes no wrong certificate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache, cached_property
+from itertools import chain, product
+
+import numpy as np
+from flint import acb, acb_mat, arb, arb_mat, fmpz_mat
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
+from gspcli.certification.equations import study
+from gspcli.certification.equations.local_frames import length_scale
+from gspcli.certification.equations.pose_balls import PoseBall
+from gspcli.certification.equations.statement import Statement, statements
+from gspcli.certification.numbers.balls import cross, dot, floats_above, norm
+from gspcli.certification.numbers.rounding import OUTWARD
+from gspcli.geometry.instance import Instance, Side
+from gspcli.records import dataclass
+
+
+@cache
+def _hessians() -> fmpz_mat:
+    """Return the Hessian matrices of all forms, one flattened matrix a row."""
+    entries = study.form_hessians().ravel().tolist()
+    return fmpz_mat(study.COUNT, 64, [int(entry) for entry in entries])
+
+
+#: A quadratic form: coefficients of the forms of `study`, by their position.
+Form = dict[int, arb]
+
+#: Of two sides the nearer is the one if the distances differ by this part of their sum.
+_CLEAR = 0.9
+_SIGNS = {Side.POSITIVE: (1,), Side.NEGATIVE: (-1,), Side.BOTH: (1, -1)}
+
+
+@dataclass(frozen=True)
+class BallEquation:
+    """The equation ``A = 0`` (no squares) or ``N A = B^2 + ...``, by indices of quadrics."""
+
+    main: int
+    squares: tuple[int, ...] = ()
+
+
+class BallSystem:
+    """The equations of an instance at the working precision.
+
+    Lengths are in units of `length_scale`, a power of two, so that all coordinates are of a
+    similar size.
+
+    Parameters
+    ----------
+    instance
+        The exact instance.
+    precision
+        Bits; the caller works at this precision too (``flint.ctx``).
+    """
+
+    def __init__(self, instance: Instance, precision: int) -> None:
+        self.precision = precision
+        self.scale = length_scale(instance)
+        self.statements = statements(instance)
+        #: The quadrics: N, e . f, and those of the constraints.
+        self.forms: list[Form] = [{study.NORM: arb(1)}, {study.STUDY: arb(1)}]
+        #: For each constraint its equation, or those of its positive and its negative side.
+        self.equations = tuple(self._equations(statement) for statement in self.statements)
+        self._single: dict[tuple[int, ...], acb_mat | None] = {}
+
+    @cached_property
+    def _rows(self) -> arb_mat:
+        """The coefficients of the quadrics in all forms, a quadric a row."""
+        return arb_mat([[form.get(k, arb(0)) for k in range(study.COUNT)] for form in self.forms])
+
+    @cached_property
+    def _coefficients(self) -> acb_mat:
+        return acb_mat(self._rows)
+
+    @cached_property
+    def _entries(self) -> list[list[arb]]:
+        """The entries of the Hessian matrix of each quadric."""
+        entries = (self._rows * arb_mat(_hessians())).entries()
+        return [entries[64 * k : 64 * (k + 1)] for k in range(len(self.forms))]
+
+    @cached_property
+    def _hessians(self) -> acb_mat:
+        """The Hessian matrices below each other."""
+        return acb_mat(arb_mat(8 * len(self.forms), 8, list(chain(*self._entries))))
+
+    @cached_property
+    def _moduli(self) -> NDArray[np.float64]:
+        """Bounds of the moduli of the entries of the Hessian matrices, shape (k, 8, 8)."""
+        return floats_above(chain(*self._entries)).reshape(-1, 8, 8)
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether every coefficient is a number (``acos(2)`` is none)."""
+        return bool(np.isfinite(self._moduli).all())
+
+    def _equations(self, given: Statement) -> tuple[BallEquation, ...]:
+        kind, a, b, u, v = given.kind, given.a, given.b, given.u, given.v
+        if not kind.is_distance:
+            form = rotation_form(v, u)
+            form[study.NORM] = -given.cosine * norm(u) * norm(v)
+            return (BallEquation(self._add(form)),)
+        if kind is DPP:
+            return (BallEquation(self._add(square_distance(a, b, given.value))),)
+        if kind is DLL:
+            return (self._distance_of_lines(given),)
+        # Of the other four, the point's height over the line's foot or over the plane.
+        height = base_height(a, b, v) if v else platform_height(a, b, u)
+        if kind in (DPL, DLP):
+            square = square_distance(a, b, given.value)
+            axis = u or v
+            main = self._add(scaled(square, dot(axis, axis)))
+            return (BallEquation(main, (self._add(height),)),)
+        if kind not in (DPH, DHP):
+            raise ValueError(kind)
+        if kind is DHP:
+            height = scaled(height, arb(-1))
+        value = given.value * norm(u or v)
+        return tuple(
+            BallEquation(self._add({**height, study.NORM: height[study.NORM] - sign * value}))
+            for sign in (_SIGNS[given.side] if not given.is_zero else (1,))
+        )
+
+    def _distance_of_lines(self, given: Statement) -> BallEquation:
+        a, b, u, v, d = given.a, given.b, given.u, given.v, given.value
+        moment = mutual_moment(a, b, u, v)
+        if given.is_zero:
+            return BallEquation(self._add(moment))
+        main: Form = {study.NORM: d * d * dot(u, u) * dot(v, v)}
+        cosine = scaled(rotation_form(v, u), d)
+        return BallEquation(self._add(main), (self._add(moment), self._add(cosine)))
+
+    def _add(self, form: Form) -> int:
+        self.forms.append(form)
+        return len(self.forms) - 1
+
+    def sides_near(
+        self, point: Sequence[acb], pose: PoseBall, said: Sequence[int]
+    ) -> list[tuple[int, ...]]:
+        """Return for each constraint the index of the side whose equation is nearer to zero.
+
+        All combinations are returned, the likeliest first, where that is not clear.
+
+        Parameters
+        ----------
+        point, pose
+            A Study point and the pose that it is. Far away either may have lost the digits that
+            tell the sides: the one with the larger quotient of the two distances has kept more.
+        said
+            For each constraint 1 or -1 for the likelier side where that is not clear, or 0.
+        """
+        if all(len(sides) == 1 for sides in self.equations):
+            return [(0,) * len(self.equations)]
+        column = acb_mat(8, 1, list(point))
+        places = (self._values(column, self._gradients(column)), self._quadrics(pose))
+        each = zip(self.equations, said, strict=True)
+        return list(product(*(_nearer(sides, places, sign) for sides, sign in each)))
+
+    def signs(self, sides: Sequence[int]) -> tuple[int, ...]:
+        """Return the signs of the heights that equations mean, 0 where there are no sides."""
+        return tuple(
+            _SIGNS[given.side][side] if given.kind.has_sides and not given.is_zero else 0
+            for given, side in zip(self.statements, sides, strict=True)
+        )
+
+    def excludes(self, pose: PoseBall) -> bool:
+        """Whether it is proved that no pose in these balls meets all constraints."""
+        quadrics = self._quadrics(pose)
+        return any(
+            not any(_value(equation, quadrics).contains(0) for equation in equations)
+            for equations in self.equations
+        )
+
+    def _quadrics(self, pose: PoseBall) -> list[acb]:
+        forms = study.forms_of_pose(pose.rotation, pose.translation)
+        entries: list[acb] = (self._coefficients * acb_mat(study.COUNT, 1, forms)).entries()
+        return entries
+
+    def _gradients(self, column: acb_mat) -> acb_mat:
+        return acb_mat(len(self.forms), 8, (self._hessians * column).entries())
+
+    def _values(self, column: acb_mat, gradients: acb_mat) -> list[acb]:
+        return [value / 2 for value in (gradients * column).entries()]
+
+    def at(self, point: Sequence[acb], sides: Sequence[int]) -> tuple[acb_mat, acb_mat]:
+        """Return the seven equations, six constraints and ``e . f``, and their Jacobian.
+
+        Parameters
+        ----------
+        point
+            A Study point, 8 coordinates.
+        sides
+            For each constraint the index of its equation.
+
+        Returns
+        -------
+        values, jacobian
+            Shapes (7, 1) and (7, 8).
+        """
+        column = acb_mat(8, 1, list(point))
+        single = self._single_quadrics(tuple(sides))
+        if single is not None:
+            jacobian = acb_mat(7, 8, (single * column).entries())
+            return acb_mat(7, 1, self._values(column, jacobian)), jacobian
+        gradients = self._gradients(column)
+        quadrics = self._values(column, gradients)
+        # The chain rule: derivatives of the equations by the values of the quadrics.
+        outer = [[acb(0)] * len(quadrics) for _ in range(7)]
+        values = [quadrics[1]]
+        outer[0][1] = acb(1)
+        for row, (equations, side) in enumerate(zip(self.equations, sides, strict=True), 1):
+            equation = equations[side]
+            values.append(_value(equation, quadrics))
+            if equation.squares:
+                outer[row][study.NORM] += quadrics[equation.main]
+                outer[row][equation.main] += quadrics[study.NORM]
+            else:
+                outer[row][equation.main] += 1
+            for index in equation.squares:
+                outer[row][index] -= 2 * quadrics[index]
+        return acb_mat(7, 1, values), acb_mat(outer) * gradients
+
+    def _single_quadrics(self, sides: tuple[int, ...]) -> acb_mat | None:
+        """Return the Hessian matrices, (56, 8), if each equation is a quadric alone, else None."""
+        if sides not in self._single:
+            chosen = [each[side] for each, side in zip(self.equations, sides, strict=True)]
+            entries = chain.from_iterable(
+                self._entries[k] for k in (1, *(equation.main for equation in chosen))
+            )
+            self._single[sides] = (
+                None
+                if any(equation.squares for equation in chosen)
+                else acb_mat(arb_mat(56, 8, list(entries)))
+            )
+        return self._single[sides]
+
+    @cached_property
+    def _second(self) -> NDArray[np.float64]:
+        """Bounds of the sum of the moduli of the second derivatives of each quadric."""
+        return np.asarray(self._moduli.sum(axis=(1, 2)))
+
+    def curvatures(self, moduli: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Bound the sum of the moduli of all second derivatives of each equation, on any side.
+
+        Parameters
+        ----------
+        moduli
+            Upper bounds of the moduli of the coordinates in the region, shape (..., 8).
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Upper bounds, shape (..., 7), rounded outward.
+        """
+        second = self._second
+        if not any(equation.squares for equations in self.equations for equation in equations):
+            shape = moduli.shape[:-1]
+            bounds = [np.full(shape, second[1])]
+            mains = ([equation.main for equation in equations] for equations in self.equations)
+            bounds += [np.full(shape, second[main].max()) for main in mains]
+            return np.asarray(np.stack(bounds, axis=-1) * OUTWARD)
+        first = moduli @ self._moduli.sum(axis=1).T
+        gradients = (moduli @ self._moduli.reshape(-1, 8).T).reshape(*first.shape, 8)
+        value = (gradients * moduli[..., None, :]).sum(axis=-1) / 2
+        bounds = [np.full(first.shape[:-1], second[1])]
+        for equations in self.equations:
+            a = [equation.main for equation in equations]
+            if not equations[0].squares:
+                bounds.append(np.full(first.shape[:-1], second[a].max()))
+                continue
+            [k] = a
+            bound = second[0] * value[..., k] + value[..., 0] * second[k]
+            bound += 2 * first[..., 0] * first[..., k]
+            for b in equations[0].squares:
+                bound += 2 * (first[..., b] ** 2 + value[..., b] * second[b])
+            bounds.append(bound)
+        return np.asarray(np.stack(bounds, axis=-1) * OUTWARD)
+
+
+def _nearer(
+    sides: Sequence[BallEquation], places: Sequence[Sequence[acb]], said: int
+) -> tuple[int, ...]:
+    """Return which equations are near zero, by the values that tell them apart best."""
+    if len(sides) == 1:
+        return (0,)
+    first, second = sides
+    pairs = [
+        (float(values[first.main].abs_upper()), float(values[second.main].abs_upper()))
+        for values in places
+    ]
+    a, b = max(pairs, key=_contrast)
+    order = (0, 1) if a <= b else (1, 0)
+    if _contrast((a, b)) > _CLEAR:
+        return order[:1]
+    return {1: (0, 1), -1: (1, 0)}.get(said, order)
+
+
+def _contrast(pair: tuple[float, float]) -> float:
+    return abs(pair[0] - pair[1]) / (sum(pair) or 1.0)
+
+
+def _value(equation: BallEquation, quadrics: Sequence[acb]) -> acb:
+    if not equation.squares:
+        return quadrics[equation.main]
+    value = quadrics[study.NORM] * quadrics[equation.main]
+    for index in equation.squares:
+        value -= quadrics[index] * quadrics[index]
+    return value
+
+
+def scaled(form: Form, factor: arb) -> Form:
+    """Return a multiple of a form."""
+    return {index: coefficient * factor for index, coefficient in form.items()}
+
+
+def rotation_form(left: Sequence[arb], right: Sequence[arb]) -> Form:
+    """Return N ``left . R right``."""
+    return {study.ROTATION[i][j]: left[i] * right[j] for i in range(3) for j in range(3)}
+
+
+def square_distance(a: list[arb], b: list[arb], d: arb) -> Form:
+    """Return N times ``|R a + T - b|^2 - d^2``, the paper's equation (6)."""
+    form = scaled(rotation_form(b, a), arb(-2))
+    form[study.NORM] = dot(a, a) + dot(b, b) - d * d
+    form[study.RHO] = arb(1)
+    for k in range(3):
+        form[study.BODY[k]] = 2 * a[k]
+        form[study.TRANSLATION[k]] = -2 * b[k]
+    return form
+
+
+def base_height(a: list[arb], b: list[arb], u: list[arb]) -> Form:
+    """Return N times ``u . (R a + T - b)`` with u fixed in the base."""
+    form = rotation_form(u, a)
+    form[study.NORM] = -dot(u, b)
+    for k in range(3):
+        form[study.TRANSLATION[k]] = u[k]
+    return form
+
+
+def platform_height(a: list[arb], b: list[arb], u: list[arb]) -> Form:
+    """Return N times ``R u . (R a + T - b)`` with u fixed in the platform."""
+    form = scaled(rotation_form(b, u), arb(-1))
+    form[study.NORM] = dot(u, a)
+    for k in range(3):
+        form[study.BODY[k]] = u[k]
+    return form
+
+
+def mutual_moment(a: list[arb], b: list[arb], u: list[arb], v: list[arb]) -> Form:
+    """Return N times ``(R a + T - b) . (R u x v)``."""
+    # It is v . R (a x u) + v . (T x R u) - (v x b) . R u.
+    form = rotation_form(v, cross(a, u))
+    for index, coefficient in rotation_form(cross(v, b), u).items():
+        form[index] -= coefficient
+    for i in range(3):
+        for j in range(3):
+            form[study.MOMENT[i][j]] = v[i] * u[j]
+    return form

@@ -1,0 +1,208 @@
+"""Frames that begin near the parts of a platform, in which it is certified.
+
+An instance may state its coordinates in the frame of a workshop, thousands of lengths away. Then T
+is of that size, and so is what any rounding or tolerance relative to it means. The same platform
+with its coordinates less some origin is the same problem, exactly.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.certification.numbers.doubled import two_product, two_sum
+from gspcli.geometry.instance import Constraint, Instance
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Geometry, Vector, vector
+from gspcli.records import dataclass
+
+if TYPE_CHECKING:
+    from flint import acb, arb
+
+Array = NDArray[np.float64]
+#: Real or complex.
+Floats = NDArray[Any]
+
+#: Frames are moved if an origin is farther than so many sizes of the platform.
+FAR = 8
+#: Bits in which the translation of a pose given by doubles is exact in other frames.
+_EXACT = 4096
+
+
+def length_scale(instance: Instance, distances: Iterable[float] | None = None) -> float:
+    """Return a power of two next above the largest length in an instance, 1 if all vanish.
+
+    Parameters
+    ----------
+    instance
+        The instance.
+    distances
+        In place of its own.
+    """
+    if distances is None:
+        distances = (c.value.value for c in instance.constraints if c.kind.is_distance)
+    size = max([_reach(instance), *map(abs, distances)])
+    return 2.0 ** math.frexp(size)[1] if 0 < size < math.inf else 1.0
+
+
+def _reach(instance: Instance) -> float:
+    """Return the largest coordinate of a point, without its sign."""
+    coordinates = instance.coordinates
+    return max(max(coordinates), -min(coordinates))
+
+
+_NOWHERE = (Fraction(0),) * 3
+
+
+@dataclass(frozen=True)
+class Centring:
+    """Where the frames begin: ``T_centred = T + R platform - base``.
+
+    Attributes
+    ----------
+    platform, base
+        The origins in the frames of the instance, exact.
+    """
+
+    platform: tuple[Fraction, Fraction, Fraction]
+    base: tuple[Fraction, Fraction, Fraction]
+
+    @classmethod
+    def of(cls, instance: Instance, distances: Sequence[float] | None = None) -> Centring:
+        """Return origins near the primitives of both bodies; zero unless that is far away.
+
+        Parameters
+        ----------
+        instance
+            The instance.
+        distances
+            In place of its own, none negative.
+        """
+        if distances is None:
+            distances = [abs(c.value.value) for c in instance.constraints if c.kind.is_distance]
+        if _reach(instance) <= FAR * max(distances):
+            return cls.none()
+        middles, extents = [], []
+        for body in ("platform", "base"):
+            points = [getattr(c, body).position for c in instance.constraints]
+            columns = [[number.value for number in column] for column in zip(*points, strict=True)]
+            ends = [(min(column), max(column)) for column in columns]
+            middles.append([(low + high) / 2 for low, high in ends])
+            extents += [high - low for low, high in ends]
+        size = max(*distances, *extents)
+        platform, base = (
+            tuple(map(Fraction, middle)) if max(map(abs, middle)) > FAR * size else _NOWHERE
+            for middle in middles
+        )
+        return cls(platform, base)  # type: ignore[arg-type]
+
+    @property
+    def is_none(self) -> bool:
+        """Whether the frames are those of the instance."""
+        return not any(self.platform) and not any(self.base)
+
+    def applied(self, instance: Instance) -> Instance:
+        """Return the same platform in these frames."""
+        if self.is_none:
+            return instance
+
+        def moved(constraint: Constraint) -> Constraint:
+            return replace(
+                constraint,
+                platform=_moved(constraint.platform, self.platform),
+                base=_moved(constraint.base, self.base),
+            )
+
+        return replace(instance, constraints=tuple(map(moved, instance.constraints)))
+
+    @classmethod
+    def none(cls) -> Centring:
+        """Return the origins of the frames of the instance."""
+        return cls(_NOWHERE, _NOWHERE)
+
+    def translation(self, R: Sequence[Sequence[acb]], T: Sequence[acb]) -> list[acb]:
+        """Return the translation of a pose in these frames, lengths in those of the instance.
+
+        Exact numbers give exact ones.
+        """
+        return self._shifted(R, T, 1)
+
+    def back(self, R: Sequence[Sequence[acb]], T: Sequence[acb]) -> list[acb]:
+        """Return the translation in the frames of the instance of a pose in these."""
+        return self._shifted(R, T, -1)
+
+    def doubles_back(self, R: Floats, T: Floats) -> Floats:
+        """Return translations in the frames of the instance, next to the exact ones.
+
+        As good as if computed with twice the digits and then rounded (T. Ogita, S. M. Rump and
+        S. Oishi, Accurate sum and dot product, SIAM Journal on Scientific Computing 26, 2005).
+
+        Parameters
+        ----------
+        R, T
+            Poses in these frames, real or complex, shapes (..., 3, 3) and (..., 3).
+        """
+        return self._doubles(R, T, -1)
+
+    def doubles(self, R: Floats, T: Floats) -> Floats:
+        """Return translations in these frames of poses in those of the instance, as above."""
+        return self._doubles(R, T, 1)
+
+    def _doubles(self, R: Floats, T: Floats, sign: int) -> Floats:
+        if self.is_none:
+            return T
+        # Origins are doubles.
+        platform, base = (sign * np.array(part, float) for part in (self.platform, self.base))
+
+        def moved(rotations: Array, places: Array, base: Array) -> Array:
+            with np.errstate(all="ignore"):
+                products, rest = two_product(rotations, platform)
+                total, low = two_sum(places, -base)
+                low = low + rest.sum(axis=-1)
+                for k in range(3):
+                    total, lost = two_sum(total, products[..., k])
+                    low = low + lost
+            found: Array = total + low
+            return found
+
+        if not np.iscomplexobj(T):
+            return moved(R, T, base)
+        return moved(R.real, T.real, base) + 1j * moved(R.imag, T.imag, np.zeros(3))
+
+    def _shifted(self, R: Sequence[Sequence[acb]], T: Sequence[acb], sign: int) -> list[acb]:
+        if self.is_none:
+            return list(T)
+        from flint import acb, ctx
+
+        with ctx.workprec(max(ctx.prec, _EXACT if sign > 0 else 0)):
+            platform, base = (
+                [_ball(sign * x) for x in part] for part in (self.platform, self.base)
+            )
+            return [
+                t + sum((r * y for r, y in zip(row, platform, strict=True)), acb(0)) - x
+                for t, row, x in zip(T, R, base, strict=True)
+            ]
+
+
+def _ball(value: Fraction) -> arb:
+    from flint import arb, fmpq
+
+    return arb(fmpq(value.numerator, value.denominator))
+
+
+def _moved(geometry: Geometry, origin: Sequence[Fraction]) -> Geometry:
+    components = (_less(x, o) for x, o in zip(geometry.position, origin, strict=True))
+    position: Vector = vector(*components)
+    return replace(geometry, position=position)
+
+
+def _less(number: Number, origin: Fraction) -> Number:
+    if number.fraction is not None:
+        return Number.of(number.fraction - origin)
+    return Number("-", (number, Number.of(origin))) if origin else number

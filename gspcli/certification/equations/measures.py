@@ -1,0 +1,101 @@
+"""The constraints measured as they are stated, on a pose in balls.
+
+What is measured here is the distance or the angle itself (paper, Section 4), not the polynomial
+that `ball_system` solves: a check of the one against the other. Neither uses the floating-point
+statement in `gspcli.geometry.constraint_polynomials`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from flint import acb, arb
+
+from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP
+from gspcli.certification.equations.ball_system import BallSystem
+from gspcli.certification.equations.pose_balls import PoseBall
+from gspcli.certification.equations.statement import Statement
+from gspcli.certification.numbers.balls import cross, dot, largest, norm, rotated
+from gspcli.records import dataclass
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """A constraint measured on a real pose, in the units of the instance.
+
+    Attributes
+    ----------
+    value
+        A ball of the distance or angle.
+    stated
+        A ball of the value that the constraint states.
+    height
+        For PH and HP a ball of the signed distance, positive where the normal points.
+    """
+
+    value: arb
+    stated: arb
+    height: arb | None = None
+
+
+def measure(system: BallSystem, pose: PoseBall) -> list[Measurement]:
+    """Measure all constraints on a real pose."""
+    R = [[entry.real for entry in row] for row in pose.rotation]
+    T = [entry.real for entry in pose.translation]
+    return [_measure(statement, R, T) for statement in system.statements]
+
+
+def _measure(given: Statement, R: list[list[arb]], T: list[arb]) -> Measurement:
+    kind, stated = given.kind, given.value * given.unit
+    u = rotated(R, given.u) if given.u else []
+    if not kind.is_distance:
+        angle = _angle(u, given.v)
+        if kind in (ALH, AHL):
+            angle = arb.pi() / 2 - angle
+        elif kind is AHH:
+            angle = arb.pi() - angle
+        elif kind is not ALL:
+            raise ValueError(kind)
+        return Measurement(angle * given.unit, stated)
+    w = [x + t - y for x, t, y in zip(rotated(R, given.a), T, given.b, strict=True)]
+    if kind is DPP:
+        return Measurement(norm(w) * given.unit, stated)
+    if kind is DLL:
+        common = cross(u, given.v)
+        return Measurement(abs(dot(w, common)) / norm(common) * given.unit, stated)
+    axis = u or given.v
+    if kind in (DPL, DLP):
+        return Measurement(norm(cross(w, axis)) / norm(axis) * given.unit, stated)
+    if kind not in (DPH, DHP):
+        raise ValueError(kind)
+    height = dot(w, axis) / norm(axis) * given.unit
+    height = height if kind is DPH else -height
+    return Measurement(abs(height), stated, height)
+
+
+def _angle(u: list[arb], v: list[arb]) -> arb:
+    """Return the angle of two vectors, in [0, pi]; good near 0 and pi too."""
+    return arb.atan2(norm(cross(u, v)), dot(u, v))
+
+
+def residual(measurements: Sequence[Measurement]) -> arb:
+    """Bound the largest difference between what is measured and what is stated."""
+    return largest([m.value - m.stated for m in measurements])
+
+
+def as_stated(system: BallSystem, pose: PoseBall, *, real: bool) -> bool:
+    """Whether the constraints are proved to hold as they are stated.
+
+    Only for the distance of two lines does the equation hold elsewhere: where they are parallel,
+    whatever their distance.
+    """
+    if real and any(not m.value.overlaps(m.stated) for m in measure(system, pose)):
+        return False
+    for given in system.statements:
+        if given.kind is DLL:
+            normal = cross(
+                rotated(pose.rotation, [acb(x) for x in given.u]), list(map(acb, given.v))
+            )
+            if dot(normal, normal).contains(0):
+                return False
+    return True

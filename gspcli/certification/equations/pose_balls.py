@@ -1,0 +1,59 @@
+"""Poses as balls of complex numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import chain
+
+import numpy as np
+from flint import acb, arb
+from numpy.typing import NDArray
+
+from gspcli.certification.equations import study
+from gspcli.certification.numbers.balls import largest
+from gspcli.records import dataclass
+
+
+@dataclass(frozen=True)
+class PoseBall:
+    """Balls that contain a rotation, by rows, and a translation in units of the scale."""
+
+    rotation: list[list[acb]]
+    translation: list[acb]
+
+    @property
+    def entries(self) -> list[acb]:
+        """The twelve numbers."""
+        return [*chain(*self.rotation), *self.translation]
+
+    def widened(self, radius: float) -> PoseBall:
+        """Return balls of all poses whose numbers differ by at most a radius from these."""
+        around = acb(arb(0, radius), arb(0, radius))
+        return PoseBall(
+            [[entry + around for entry in row] for row in self.rotation],
+            [entry + around for entry in self.translation],
+        )
+
+    def deviation(self, other: PoseBall) -> tuple[arb, arb]:
+        """Bound the largest difference of any of the numbers of two poses, below and above."""
+        gaps = [x - y for x, y in zip(self.entries, other.entries, strict=True)]
+        return max(gap.abs_lower() for gap in gaps), largest(gaps)
+
+
+def pose_of_point(point: Sequence[acb]) -> PoseBall | None:
+    """Return the pose of a Study point, or None if N is not proved to differ from zero."""
+    n, rotation, translation = study.motion(point)
+    if n.contains(0):
+        return None
+    unit = 1 / n
+    return PoseBall(
+        [[entry * unit for entry in row] for row in rotation],
+        [entry * unit for entry in translation],
+    )
+
+
+def pose_of_floats(R: NDArray[np.complex128], T: NDArray[np.complex128], scale: float) -> PoseBall:
+    """Return a pose whose numbers are given, exactly: shapes (3, 3) and (3,), length units."""
+    return PoseBall(
+        [[acb(x) for x in row] for row in R.tolist()], [acb(x) / scale for x in T.tolist()]
+    )

@@ -1,0 +1,50 @@
+"""Where lines whose distance is given are proved not to be parallel.
+
+The equation of the distance of two lines is ``M^2 = d^2 (u.u v.v - C^2)`` with the mutual moment M
+and ``C = R u . v``. It says that the distance is d where the right-hand side does not vanish: where
+the lines are parallel it holds whatever their distance.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import DLL
+from gspcli.certification.numbers.rounding import OUTWARD, ROUNDING
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.primitives import Line
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+# Whatever is not a number proves nothing.
+@np.errstate(all="ignore")
+def are_skew(instance: Instance, R: Complex, deviation: Array) -> NDArray[np.bool_]:
+    """Return at which poses the lines of every DLL are proved not to be parallel, shape (n,).
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    R, deviation
+        Rotations (n, 3, 3), and bounds of how far each of their entries is off, shape (n,).
+    """
+    weights = [
+        np.outer(row.base.unit, row.platform.unit).ravel()
+        for row in instance.constraints
+        if row.kind is DLL and isinstance(row.platform, Line) and isinstance(row.base, Line)
+    ]
+    if not weights:
+        return np.ones(len(R), np.bool_)
+    columns = np.array(weights).T
+    entries = R.reshape(-1, 9)
+    cosine = entries @ columns
+    sizes, reach = np.abs(entries) @ np.abs(columns), np.abs(columns).sum(axis=0)
+    error = OUTWARD * (deviation[:, None] * reach + ROUNDING * sizes)
+    # With unit vectors the right-hand side is d^2 times this.
+    sine = np.abs(1 - cosine**2)
+    rounding = ROUNDING * (1 + np.abs(cosine) ** 2)
+    enough = OUTWARD * ((2 * np.abs(cosine) + error) * error + rounding)
+    return np.asarray((sine > enough).all(axis=1))

@@ -1,0 +1,99 @@
+"""The numbers of an instance as balls, at the working precision and in one unit of length."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+from flint import arb
+
+from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, Kind
+from gspcli.certification.equations.local_frames import length_scale
+from gspcli.certification.numbers.balls import ball, power_of_two
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
+from gspcli.geometry.primitives import Line, Plane, Point
+from gspcli.records import dataclass
+
+
+@dataclass(frozen=True, eq=False)
+class Statement:
+    """A constraint with balls for its numbers.
+
+    Attributes
+    ----------
+    kind, side
+        As in the constraint.
+    a, b
+        A point of the platform and of the base primitive, in units of the scale.
+    u, v
+        Direction or normal of the platform and of the base primitive, of length near one; empty
+        for points.
+    value
+        The distance in units of the scale, or the angle in radians.
+    is_zero
+        Whether the value is exactly zero.
+    unit
+        The factor that turns `value` into the units of the instance.
+    """
+
+    kind: Kind
+    side: Side
+    a: list[arb]
+    b: list[arb]
+    u: list[arb]
+    v: list[arb]
+    value: arb
+    is_zero: bool
+    unit: arb
+
+    @cached_property
+    def cosine(self) -> arb:
+        """``R u . v`` of an angle constraint, for unit vectors (paper, Section 4)."""
+        return _cosine(self.kind, self.value)
+
+
+def _cosine(kind: Kind, angle: arb) -> arb:
+    if kind is ALL:
+        return angle.cos()
+    if kind in (ALH, AHL):
+        return angle.sin()
+    if kind is AHH:
+        return -angle.cos()
+    raise ValueError(kind)
+
+
+def cosine(constraint: Constraint, unit: AngleUnit) -> arb:
+    """Return `Statement.cosine` of an angle constraint."""
+    return _cosine(constraint.kind, ball(constraint.value) * _radians(unit))
+
+
+def _radians(unit: AngleUnit) -> arb:
+    return arb.pi() / 180 if unit is AngleUnit.DEGREE else arb(1)
+
+
+def statements(instance: Instance) -> tuple[Statement, ...]:
+    """Return the constraints of an instance in balls, lengths in units of `length_scale`."""
+    scale = arb(length_scale(instance))
+    degree = _radians(instance.units.angle)
+    return tuple(_statement(row, scale, degree) for row in instance.constraints)
+
+
+def _statement(constraint: Constraint, scale: arb, degree: arb) -> Statement:
+    factor = 1 / scale if constraint.kind.is_distance else degree
+    return Statement(
+        constraint.kind,
+        constraint.side,
+        [ball(number) / scale for number in constraint.platform.position],
+        [ball(number) / scale for number in constraint.base.position],
+        _direction(constraint.platform),
+        _direction(constraint.base),
+        ball(constraint.value) * factor,
+        constraint.value.fraction == 0,
+        1 / factor,
+    )
+
+
+def _direction(geometry: Point | Line | Plane) -> list[arb]:
+    if isinstance(geometry, Point):
+        return []
+    factor = power_of_two(max(abs(number.value) for number in geometry.vector))
+    return [ball(number) / factor for number in geometry.vector]

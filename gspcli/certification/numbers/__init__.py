@@ -1,0 +1,1 @@
+"""Balls, doubled numbers and rounding: the arithmetic of proofs."""

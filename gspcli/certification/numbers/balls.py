@@ -1,0 +1,110 @@
+"""Ball arithmetic in the shape that the proofs need: exact numbers, vectors, outward rounding.
+
+Every function works at the precision of the current `flint.ctx`; an `arb` is a real ball and an
+`acb` a complex one, and each result contains the exact one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from fractions import Fraction
+from typing import TypeVar
+
+import numpy as np
+from flint import acb, arb, ctx, fmpq
+from numpy.typing import NDArray
+
+from gspcli.certification.numbers.rounding import OUTWARD, TINY
+from gspcli.geometry.numbers import Number
+
+Ball = TypeVar("Ball", arb, acb)
+
+
+class _BallField:
+    """Evaluates a `Number` to a ball that contains it."""
+
+    def rational(self, value: Fraction) -> arb:
+        return arb(fmpq(value.numerator, value.denominator))
+
+    def pi(self) -> arb:
+        return arb.pi()
+
+    def function(self, name: str, argument: arb) -> arb:
+        result: arb = getattr(argument, name)()
+        return result
+
+
+_FIELD = _BallField()
+
+
+def ball(number: Number) -> arb:
+    """Return a ball that contains an exact number."""
+    return number.evaluate(_FIELD)
+
+
+def power_of_two(size: float) -> arb:
+    """Return the power of two next below a positive size, exactly; 1 for zero."""
+    if not 0 < size < math.inf:
+        return arb(1)
+    return arb(2) ** (math.frexp(size)[1] - 1)
+
+
+def dot(a: Sequence[Ball], b: Sequence[Ball]) -> Ball:
+    """Return the bilinear product of two vectors of length three."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Sequence[Ball], b: Sequence[Ball]) -> list[Ball]:
+    """Return the cross product of two vectors."""
+    return [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+
+
+def rotated(rotation: Sequence[Sequence[Ball]], vector: Sequence[Ball]) -> list[Ball]:
+    """Return a 3x3 matrix, given by rows, times a vector."""
+    return [dot(row, vector) for row in rotation]
+
+
+def norm(vector: Sequence[arb]) -> arb:
+    """Return the Euclidean norm of a real vector."""
+    return dot(vector, vector).nonnegative_part().sqrt()
+
+
+def largest(values: Sequence[Ball]) -> arb:
+    """Return an upper bound, as an exact number, of the moduli; NaN if one is not finite."""
+    bounds = [value.abs_upper() for value in values]
+    if not all(bound.is_finite() for bound in bounds):
+        return arb.nan()
+    return max(bounds)
+
+
+def floats_above(values: Iterable[Ball]) -> NDArray[np.float64]:
+    """Return floats that are not below the moduli of any numbers in balls."""
+    # `TINY` makes up for what becomes a subnormal float.
+    return np.array([float(value.abs_upper()) for value in values]) * OUTWARD + TINY
+
+
+def float_above(value: Ball) -> float:
+    """Return a float that is not below the modulus of any number in a ball."""
+    return float(floats_above([value])[0])
+
+
+def float_ends(value: arb) -> tuple[float, float]:
+    """Return floats below and above all numbers of a ball."""
+    low = math.nextafter(float(value.lower()), -math.inf)
+    return low, math.nextafter(float(value.upper()), math.inf)
+
+
+def decimal_near(number: Number, digits: int) -> Fraction:
+    """Return a decimal fraction within one unit in so many significant digits of a number."""
+    with ctx.workprec(4 * digits + 64):
+        value = ball(number)
+    places = digits - 1 - math.floor(math.log10(abs(number.value))) if number.value else digits
+    with ctx.workprec(8 * (digits + abs(places)) + 64):
+        scaled = value * arb(fmpq(10) ** places)
+        whole = int((scaled.mid() + arb(fmpq(1, 2))).floor().fmpz())
+    return Fraction(whole) / Fraction(10) ** places

@@ -1,0 +1,168 @@
+"""The numbers of ranges and cones as balls of doubles, for proofs about boxes of poses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import flint
+import numpy as np
+from flint import arb
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.certification.numbers.balls import ball, norm, rotated
+from gspcli.certification.numbers.rounding import OUTWARD, TINY
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
+from gspcli.geometry.limits import joint_cones
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Geometry, Point
+
+Array = NDArray[np.float64]
+
+_PRECISION = 160
+_NOTHING = (0.0, 0.0)
+#: What is measured, by the numbers of native/reach.hpp.
+_MEASURES: dict[Kind, int] = {
+    DPP: 0, DPL: 1, DLP: 2, DPH: 3, DHP: 4, DLL: 5, ALL: 6, ALH: 6, AHL: 6, AHH: 6,
+}  # fmt: skip
+
+
+class LimitBalls(NamedTuple):
+    """What native/reach.cpp knows of an instance; pairs are a double and the radius about it."""
+
+    measures: NDArray[np.int32]
+    """What each constraint measures, shape (6,)."""
+    moduli: NDArray[np.bool_]
+    """Whether the modulus of that is compared, shape (6,)."""
+    vectors: Array
+    """Point and unit direction of the platform, of the base, shape (6, 4, 3, 2)."""
+    ranges: Array
+    """Least and largest of what is measured, infinite where all is allowed, shape (6, 2, 2)."""
+    legs: NDArray[np.int32]
+    """The constraint of each cone, shape (c,)."""
+    of_base: NDArray[np.bool_]
+    """Whether its joint is on the base, shape (c,)."""
+    axes: Array
+    """Its unit axis, shape (c, 3, 2)."""
+    cosines: Array
+    """The cosine of its half angle, shape (c, 2)."""
+
+
+def limit_balls(
+    instance: Instance, quaternion: Sequence[float], pivot: Sequence[float]
+) -> LimitBalls:
+    """Return the limits of an instance, the platform turned and its points seen from a pivot.
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    quaternion
+        The rotation, scalar first, of any length; its doubles are taken as exact.
+    pivot
+        A point of the platform, exact doubles, in length units.
+    """
+    with flint.ctx.workprec(_PRECISION):
+        R = _rotation([arb(part) for part in quaternion])
+        centre = [arb(part) for part in pivot]
+        degree = arb.pi() / 180 if instance.units.angle is AngleUnit.DEGREE else arb(1)
+        rows, cones = instance.constraints, joint_cones(instance)
+        vectors = [_vectors(row, R, centre) for row in rows]
+        ranges = [_range(row, degree) for row in rows]
+        axes, cosines = [], []
+        for joint in cones:
+            axis = _unit([ball(number) for number in joint.cone.axis])
+            axes.append(_pairs(axis if joint.body == "base" else rotated(R, axis)))
+            cosines.append(_pair((ball(joint.cone.half_angle) * degree).cos()))
+    return LimitBalls(
+        np.array([_MEASURES[row.kind] for row in rows], np.int32),
+        np.array([row.kind.has_sides and row.side is Side.BOTH for row in rows]),
+        np.array(vectors),
+        np.array(ranges),
+        np.array([joint.constraint for joint in cones], np.int32),
+        np.array([joint.body == "base" for joint in cones], bool),
+        np.array(axes).reshape(-1, 3, 2),
+        np.array(cosines).reshape(-1, 2),
+    )
+
+
+def _rotation(q: Sequence[arb]) -> list[list[arb]]:
+    w, x, y, z = q
+    size = w * w + x * x + y * y + z * z
+    rows = [
+        [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
+    ]
+    return [[entry / size for entry in row] for row in rows]
+
+
+def _vectors(
+    row: Constraint, R: list[list[arb]], pivot: list[arb]
+) -> list[list[tuple[float, float]]]:
+    point = [ball(number) - part for number, part in zip(row.platform.position, pivot, strict=True)]
+    return [
+        _pairs(rotated(R, point)),
+        _pairs(rotated(R, _direction(row.platform))),
+        _pairs([ball(number) for number in row.base.position]),
+        _pairs(_direction(row.base)),
+    ]
+
+
+def _direction(geometry: Geometry) -> list[arb]:
+    if isinstance(geometry, Point):
+        return [arb(0)] * 3
+    exact = geometry.normal if hasattr(geometry, "normal") else geometry.direction
+    return _unit([ball(number) for number in exact])
+
+
+def _unit(vector: list[arb]) -> list[arb]:
+    size = norm(vector)
+    return [part / size for part in vector]
+
+
+def _range(row: Constraint, degree: arb) -> list[tuple[float, float]]:
+    """Return the least and the largest of what the kernel measures."""
+    if row.limits is None:
+        return [(-np.inf, 0.0), (np.inf, 0.0)]
+    low, high = row.limits
+    kind = row.kind
+    if not kind.is_distance:
+        # Angles at the ends of their range limit nothing there.
+        ends = (0, 180) if kind in (ALL, AHH) else (-90, 90)
+        first, last = (
+            None if _is(number, end, degree) else ball(number) * degree
+            for number, end in zip(row.limits, ends, strict=True)
+        )
+        if kind is ALL:
+            first, last = (None if a is None else a.cos() for a in (last, first))
+        elif kind is AHH:
+            first, last = (None if a is None else -a.cos() for a in (first, last))
+        else:
+            first, last = (None if a is None else a.sin() for a in (first, last))
+    elif kind.has_sides:
+        first, last = ball(low), ball(high)
+        if row.side is Side.NEGATIVE:
+            first, last = -last, -first
+    else:
+        first = None if low.value == 0 else ball(low) * ball(low)
+        last = ball(high) * ball(high)
+    return [
+        (-np.inf, 0.0) if first is None else _pair(first),
+        (np.inf, 0.0) if last is None else _pair(last),
+    ]
+
+
+def _is(number: Number, degrees: int, degree: arb) -> bool:
+    """Return whether an angle is an end of its range, or cannot be told from it."""
+    return (ball(number) * degree - degrees * arb.pi() / 180).contains(0)
+
+
+def _pairs(vector: Sequence[arb]) -> list[tuple[float, float]]:
+    return [_pair(part) for part in vector]
+
+
+def _pair(value: arb) -> tuple[float, float]:
+    nearest = float(value)
+    return nearest, float((value - nearest).abs_upper()) * OUTWARD + TINY

@@ -1,0 +1,1 @@
+"""Proofs of poses: that they exist, are simple, are real, are different."""

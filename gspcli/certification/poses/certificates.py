@@ -1,0 +1,156 @@
+"""What is proved about approximate poses, one by one and together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import field
+from enum import Enum
+from typing import overload
+
+from gspcli.certification.poses.isolation import Isolation
+from gspcli.geometry.instance import Instance, Side
+from gspcli.records import dataclass
+
+
+class Outcome(Enum):
+    """Why a candidate is certified or not."""
+
+    CERTIFIED = "certified"
+    REFUTED = "refuted"
+    TOO_FAR = "too far"
+    NOT_AS_STATED = "not as stated"
+    NOT_ISOLATED = "not isolated"
+    NOT_A_NUMBER = "not a number"
+
+    @property
+    def meaning(self) -> str:
+        """The outcome in a sentence."""
+        return _MEANINGS[self]
+
+
+_MEANINGS = {
+    Outcome.CERTIFIED: "one simple solution is proved to be near, and alone there",
+    Outcome.REFUTED: "it is proved that no solution is within the tolerance",
+    Outcome.TOO_FAR: "no solution is proved to be within the tolerance, nor that there is none",
+    Outcome.NOT_AS_STATED: "the solution nearby is not proved to meet the constraints as stated",
+    Outcome.NOT_ISOLATED: "no simple, isolated solution could be proved nearby",
+    Outcome.NOT_A_NUMBER: "a number of the pose or of the instance is not finite",
+}
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What is proved of one candidate.
+
+    Attributes
+    ----------
+    outcome
+        `Outcome.CERTIFIED`, or why nothing is claimed.
+    real
+        True: the solution is proved real. False: it is proved not to be. None: neither.
+    error
+        Proved bound of the distance between the solution and `isolation.centre`, in Study
+        coordinates (lengths by the scale of the instance).
+    uniqueness
+        Radius of the ball about that centre in which there is no other solution with the
+        same sides.
+    deviation
+        Proved bound of the difference between the candidate and the solution in any entry of R
+        and of T, the latter divided by the scale of the instance.
+    residual_bound
+        For real solutions: proved bound of the difference between what is measured on the
+        candidate, with the real numbers exactly as they were given, and what the constraints
+        state, in the units of the instance.
+    sides
+        For each constraint the side on which the point of a real solution is proved to lie, and
+        that of its equation for another; None where a constraint has no sides, the distance is
+        zero or nothing is proved, and for a solution that may be either.
+    same_as
+        Index of the first candidate that is proved to approximate the same solution.
+    unresolved
+        Indices of the candidates with solutions not proved to be the same nor different; or that
+        approximate the same one, but as doubles do not tell it from others so near.
+    precision
+        Bits of the last attempt.
+    isolation
+        The proof, from which the solution can be refined.
+    equivalent
+        The instance whose equations the proof is about, if it is another one with the same poses:
+        with points for lines that are parallel at every pose.
+    """
+
+    outcome: Outcome
+    precision: int
+    real: bool | None = None
+    error: float | None = None
+    uniqueness: float | None = None
+    deviation: float | None = None
+    residual_bound: float | None = None
+    sides: tuple[Side | None, ...] | None = None
+    same_as: int | None = None
+    unresolved: tuple[int, ...] = ()
+    isolation: Isolation | None = field(default=None, repr=False)
+    equivalent: Instance | None = field(default=None, repr=False)
+
+    @property
+    def certified(self) -> bool:
+        """Whether exactly one simple solution is proved near the candidate."""
+        return self.outcome is Outcome.CERTIFIED
+
+
+@dataclass(frozen=True)
+class Certificates(Sequence[Certificate]):
+    """The certificates of all candidates, in their order.
+
+    Attributes
+    ----------
+    items
+        One for each candidate.
+    scale
+        The length, a power of two, by which translations are divided in errors.
+    """
+
+    items: tuple[Certificate, ...]
+    scale: float
+
+    @overload
+    def __getitem__(self, index: int) -> Certificate: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Certificate, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> Certificate | tuple[Certificate, ...]:
+        """Return one certificate, or several by a slice."""
+        return self.items[index]
+
+    def __repr__(self) -> str:
+        return (
+            f"<Certificates: {self.certified} of {len(self)} certified, {self.distinct} of them "
+            f"proved different, {self.real} of these real>"
+        )
+
+    def __len__(self) -> int:
+        """Return the number of candidates."""
+        return len(self.items)
+
+    @property
+    def certified(self) -> int:
+        """How many candidates are certified, duplicates included."""
+        return sum(item.certified for item in self.items)
+
+    @property
+    def distinct(self) -> int:
+        """How many pairwise different solutions are proved to exist among the candidates."""
+        return len(self._representatives())
+
+    @property
+    def real(self) -> int:
+        """How many pairwise different solutions are proved to exist and to be real."""
+        return sum(self.items[k].real is True for k in self._representatives())
+
+    def _representatives(self) -> set[int]:
+        chosen: set[int] = set()
+        for index, item in enumerate(self.items):
+            if item.certified and item.same_as is None and chosen.isdisjoint(item.unresolved):
+                chosen.add(index)
+        return chosen

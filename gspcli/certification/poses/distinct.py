@@ -1,0 +1,94 @@
+"""Which of several isolated solutions are the same, which are not, which nobody knows yet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from flint import arb
+from numpy.typing import NDArray
+
+from gspcli.certification.equations.pose_balls import PoseBall
+from gspcli.certification.numbers.balls import float_ends
+from gspcli.certification.numbers.rounding import OUTWARD
+from gspcli.certification.poses.isolation import Isolation
+
+#: Fractional parts of multiples of the golden ratio: a linear form that no symmetry respects.
+_WEIGHTS = tuple((k * 0.6180339887498949) % 1 for k in range(1, 25))
+
+
+def close_pairs(poses: Sequence[PoseBall]) -> Iterator[tuple[int, int]]:
+    """Yield the pairs of poses, by ascending indices, whose balls have a common point.
+
+    All other pairs are proved to be different poses. A linear form of the 24 real numbers of a
+    pose sorts them first, so that n poses do not cost n^2 comparisons.
+    """
+    ends = [float_ends(_linear_form(pose)) for pose in poses]
+    order = sorted(range(len(poses)), key=lambda k: ends[k][0])
+    for position, first in enumerate(order):
+        for second in order[position + 1 :]:
+            if ends[second][0] > ends[first][1]:
+                break
+            if _overlap(poses[first], poses[second]):
+                yield min(first, second), max(first, second)
+
+
+def all_different(entries: NDArray[np.complex128], deviations: NDArray[np.float64]) -> bool:
+    """Whether poses are proved pairwise different, each known up to a deviation.
+
+    Parameters
+    ----------
+    entries
+        The entries of R, and of T divided by the scale, shape (n, 12).
+    deviations
+        Bounds of their errors, shape (n,).
+    """
+    parts = np.concatenate((entries.real, entries.imag), axis=1)
+    weights = np.array(_WEIGHTS)
+    forms = parts @ weights
+    # What the form can be off by, the few roundings in it included.
+    reach = (weights.sum() * deviations + (OUTWARD - 1) * (np.abs(parts) @ weights)) * OUTWARD
+    low, high = forms - reach, forms + reach
+    order = np.argsort(low)
+    following = np.searchsorted(low[order], high[order], side="right")
+    for position, end in enumerate(following.tolist()):
+        others = order[position + 1 : end]
+        if len(others):
+            first = order[position]
+            gaps = np.abs(entries[others] - entries[first]).max(axis=1)
+            if not (gaps > (deviations[others] + deviations[first]) * OUTWARD).all():
+                return False
+    return True
+
+
+def first_of_each(
+    entries: NDArray[np.complex128], deviations: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Return which poses are proved different from all that are kept before them, shape (n,).
+
+    Parameters
+    ----------
+    entries, deviations
+        As for `all_different`.
+    """
+    kept = np.zeros(len(entries), np.bool_)
+    for k, entry in enumerate(entries):
+        gaps = np.abs(entries[kept] - entry).max(axis=1, initial=0)
+        kept[k] = bool((gaps > (deviations[kept] + deviations[k]) * OUTWARD).all())
+    return kept
+
+
+def same(first: Isolation, second: Isolation) -> bool:
+    """Whether two isolated solutions are proved to be one."""
+    return first.contains(second) or second.contains(first)
+
+
+def _linear_form(pose: PoseBall) -> arb:
+    total = arb(0)
+    for k, entry in enumerate(pose.entries):
+        total += entry.real * _WEIGHTS[2 * k] + entry.imag * _WEIGHTS[2 * k + 1]
+    return total
+
+
+def _overlap(first: PoseBall, second: PoseBall) -> bool:
+    return all(x.overlaps(y) for x, y in zip(first.entries, second.entries, strict=True))

@@ -1,0 +1,283 @@
+"""From approximate Study points of an instance to proved poses, with as many digits as it takes.
+
+A platform that is special up to a shake of eps has poses at eps^-2 lengths and N at eps^4, side
+by side with each other: too far and too near for doubles, but not for Newton's method on the exact
+equations in twice, four or eight times as many digits. What comes out is proved as every
+certificate is (`isolation`), N != 0 and the constraints as they are stated included.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+from itertools import chain
+
+import numpy as np
+from flint import acb, ctx
+from numpy.typing import NDArray
+
+from gspcli.certification.equations import study
+from gspcli.certification.equations.ball_system import BallSystem
+from gspcli.certification.equations.frames import Frames
+from gspcli.certification.equations.local_frames import length_scale
+from gspcli.certification.equations.measures import as_stated
+from gspcli.certification.equations.pose_balls import PoseBall, pose_of_point
+from gspcli.certification.numbers.balls import largest
+from gspcli.certification.poses.isolation import Isolation, refine_point, step_length
+from gspcli.geometry.instance import Instance
+from gspcli.records import dataclass
+
+Complex = NDArray[np.complex128]
+
+#: Bits of the attempts at a point that is known in doubles, and of the last attempt at any.
+FIRST_PRECISION, LAST_PRECISION = 64, 1024
+#: From this precision on a point that Newton's method still moves by more than the second number,
+#: as a part of its largest coordinate, is given up: it is no approximation of a simple solution.
+_PATIENCE, _UNSETTLED = 256, 2.0**-12
+#: A solution with a smaller N is called infinite: decimals would need three hundred digits to
+#: make a platform so nearly special.
+_NULL = 2.0**-900
+
+
+@dataclass(frozen=True)
+class Located:
+    """A pose that is proved to be a simple solution, and real or not.
+
+    Attributes
+    ----------
+    isolation
+        The proof.
+    pose
+        Balls of the pose, translations in units of `scale`.
+    scale
+        The length scale of the instance.
+    real
+        Whether it is real.
+    """
+
+    isolation: Isolation
+    pose: PoseBall
+    scale: float
+    real: bool
+
+    @property
+    def conjugate(self) -> Located:
+        """The conjugate pose, which the same numbers prove: the equations are real."""
+        # Conjugation, too, rounds to the working precision.
+        with ctx.workprec(2 * self.isolation.precision):
+            centre = tuple(x.conjugate() for x in self.isolation.centre)
+            pose = PoseBall(
+                [[x.conjugate() for x in row] for row in self.pose.rotation],
+                [x.conjugate() for x in self.pose.translation],
+            )
+        return replace(self, isolation=replace(self.isolation, centre=centre), pose=pose)
+
+    @cached_property
+    def R(self) -> Complex:
+        """The rotation rounded to doubles, shape (3, 3)."""
+        return _rounded(list(chain(*self.pose.rotation)), self.real).reshape(3, 3)
+
+    @cached_property
+    def T(self) -> Complex:
+        """The translation rounded to doubles, in length units, shape (3,)."""
+        return _rounded([entry * self.scale for entry in self.pose.translation], self.real)
+
+    @cached_property
+    def quaternion(self) -> Complex:
+        """The quaternion with ``e.e = 1`` rounded to doubles, of either sign, shape (4,)."""
+        # N may be as small as the digits of the proof can tell from zero.
+        with ctx.workprec(2 * self.isolation.precision):
+            e = self.isolation.point[:4]
+            norm = dot4(e, e)
+            # A ball across the negative numbers has no square root.
+            root = norm.sqrt() if norm.real > 0 else (-norm).sqrt() * acb(0, 1)
+            return _rounded([entry / root for entry in e], self.real)
+
+
+@dataclass(frozen=True)
+class AtInfinity:
+    """A simple solution of the equations with N = 0 to all digits of the last precision."""
+
+    isolation: Isolation
+
+
+def dot4(a: Sequence[acb], b: Sequence[acb]) -> acb:
+    """Return the bilinear product of two vectors of length four."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
+
+
+def _rounded(numbers: Sequence[acb], real: bool) -> Complex:
+    values = np.array([complex(number.mid()) for number in numbers])
+    return values.real.astype(complex) if real else values
+
+
+class Locator:
+    """Finds the solutions of one instance near approximate points.
+
+    Parameters
+    ----------
+    instance
+        The exact instance.
+    frames
+        The coordinates in which points are given.
+
+    Attributes
+    ----------
+    scale
+        The length scale of the instance.
+    """
+
+    def __init__(self, instance: Instance, frames: Frames) -> None:
+        self.instance = instance
+        self.frames = frames
+        self.scale = length_scale(instance)
+        self._systems: dict[int, BallSystem] = {}
+
+    def system(self, precision: int) -> BallSystem:
+        """Return the equations at a precision, which must be the working one."""
+        if precision not in self._systems:
+            self._systems[precision] = BallSystem(self.instance, precision)
+        return self._systems[precision]
+
+    def locate(
+        self,
+        points: Complex,
+        low: Complex | None,
+        sides: tuple[int, ...],
+        bits: int = FIRST_PRECISION,
+    ) -> list[Located | AtInfinity | None]:
+        """Return what is proved near each point, None where nothing is.
+
+        Parameters
+        ----------
+        points
+            Study points in the coordinates of `frames`, of any norm, shape (n, 8).
+        low
+            What is to be added to them, if they are known to more than doubles; shape (n, k, 8).
+        sides
+            For each constraint the index of its equation (`BallSystem.equations`).
+        bits
+            The first precision that is tried.
+        """
+        rest = np.zeros((len(points), 0, 8)) if low is None else low
+        with ctx.workprec(LAST_PRECISION):
+            starts = [self.in_frames(point, more) for point, more in zip(points, rest, strict=True)]
+        return [self.locate_exactly(start, sides, bits) for start in starts]
+
+    @staticmethod
+    def exactly(point: Complex) -> list[acb]:
+        """Return doubles as numbers of arbitrary precision."""
+        return [acb(x) for x in point.tolist()]
+
+    def in_frames(self, point: Complex, low: Complex) -> list[acb]:
+        """Return a point in the frames of the instance, lengths in units of its scale.
+
+        Parameters
+        ----------
+        point, low
+            As one of those of `locate`.
+        """
+        numbers = self.exactly(point)
+        for more in low:
+            numbers = [a + b for a, b in zip(numbers, self.exactly(more), strict=True)]
+        e, f = numbers[:4], numbers[4:]
+        base, platform = ([acb(0), *map(acb, x)] for x in (self.frames.base, self.frames.platform))
+        ahead, behind = study.product(base, e), study.product(e, platform)
+        scale = acb(self.scale)
+        return e + [
+            (acb(self.frames.length) * x + (a - b) / 2) / scale
+            for x, a, b in zip(f, ahead, behind, strict=True)
+        ]
+
+    def point_of_pose(self, R: Sequence[Sequence[acb]], T: Sequence[acb], bits: int) -> list[acb]:
+        """Return the Study point of a pose in length units of the instance, shape (8,)."""
+        with ctx.workprec(bits):
+            # Proportional to e_k e for each k: the largest loses the fewest digits.
+            (a, b, c), (d, e, f), (g, h, i) = R
+            multiples = (
+                [1 + a + e + i, h - f, c - g, d - b],
+                [h - f, 1 + a - e - i, b + d, c + g],
+                [c - g, b + d, 1 - a + e - i, f + h],
+                [d - b, c + g, f + h, 1 - a - e + i],
+            )
+            quaternion = max(multiples, key=lambda x: float(largest(x)))
+            place = [acb(0), *(x / self.scale for x in T)]
+            return quaternion + [x / 2 for x in study.product(place, quaternion)]
+
+    def locate_exactly(
+        self, start: Sequence[acb], sides: tuple[int, ...], bits: int = FIRST_PRECISION
+    ) -> Located | AtInfinity | None:
+        """Return what is proved near a point in the frames of the instance and its length scale.
+
+        Parameters
+        ----------
+        start
+            The point.
+        sides
+            For each constraint the index of its equation.
+        bits
+            To how many bits it is known: the first precision that is tried.
+        """
+        precision, last = bits, max(LAST_PRECISION, 4 * bits)
+        patch = max(range(4), key=lambda k: float(abs(start[k]).mid()))
+        if start[patch].contains(0):
+            return None
+        with ctx.workprec(last):
+            point = [(x / start[patch]).mid() for x in start]
+        point[patch] = acb(1)
+        reached = point
+        while precision <= last:
+            with ctx.workprec(precision):
+                system = self.system(precision)
+                # With too few digits Newton's method leaves even a good start; near a second
+                # solution it is slow, and goes on from where it came to. More digits tell.
+                if reached is not point:
+                    point = min(
+                        (point, reached), key=lambda x: step_length(system, x, patch, sides)
+                    )
+                    reached = point
+                found = refine_point(system, point, patch, sides)
+                if isinstance(found, Isolation):
+                    located = _located(system, found)
+                    if located is not None:
+                        return located
+                    point = list(found.centre)
+                    if 2 * precision > last and dot4(point, point).abs_upper() < _NULL:
+                        return AtInfinity(found)
+                else:
+                    moved = float(largest([x - y for x, y in zip(found, point, strict=True)]))
+                    size = float(largest(point))
+                    if not moved < _UNSETTLED * size and precision >= max(_PATIENCE, 2 * bits):
+                        return None
+                    reached = list(found)
+            precision *= 2
+        return None
+
+
+def _located(system: BallSystem, isolation: Isolation) -> Located | None:
+    """Return the pose of a solution if it is proved to be one and known well enough."""
+    real = isolation.real
+    pose = pose_of_point(isolation.point)
+    if (
+        pose is None
+        or real is None
+        or not _is_known(pose)
+        or not as_stated(system, pose, real=real)
+    ):
+        return None
+    return Located(isolation, pose, system.scale, real)
+
+
+#: Poses are located to this relative error of the largest entry of R and of T.
+_KNOWN = 2.0**-54
+
+
+def _is_known(pose: PoseBall) -> bool:
+    for part in (list(chain(*pose.rotation)), pose.translation):
+        size = largest(part)
+        if size.is_zero():
+            continue
+        if not all(entry.real.rad() + entry.imag.rad() <= _KNOWN * size for entry in part):
+            return False
+    return True

@@ -1,0 +1,312 @@
+"""Proofs for many platforms of one geometry at a time: what differs is the values.
+
+The theorem is that of `isolation`, the equations those of `ball_system`, the bounds of rounding
+errors those of `floating`; the native kernel writes them down from numbers of 32 digits, and
+computes them for as many points as it has lanes. A value enters few coefficients, linearly as its
+square, itself or its cosine. Values are doubles here, meant exactly, or those of the instance.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli import _kernel
+from gspcli.catalogue.kinds import (
+    AHH,
+    AHL,
+    ALH,
+    ALL,
+    ANGLE_KINDS,
+    DHP,
+    DLL,
+    DLP,
+    DPH,
+    DPL,
+    DPP,
+    Kind,
+    Primitive,
+)
+from gspcli.certification.equations.frames import Frames
+from gspcli.certification.equations.local_frames import Centring, length_scale
+from gspcli.certification.equations.skew_lines import are_skew
+from gspcli.certification.equations.study import form_hessians
+from gspcli.certification.numbers.doubled import ERROR, Doubled, doubled, quotients, two_product
+from gspcli.certification.numbers.rounding import COMPLEX, CONVERSION, ISOLATED, OUTWARD, REAL, TINY
+from gspcli.certification.numbers.sines import SINE_ERROR, cosines, sines
+from gspcli.defaults import TOLERANCE
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Point
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Index = NDArray[np.intp]
+
+#: What a constraint is to the kernel (native/open_equations.hpp).
+_RELATIONS = {DPP: 0, DPH: 1, DHP: 2, DPL: 3, DLP: 4, DLL: 5, **dict.fromkeys(ANGLE_KINDS, 6)}
+#: A cosine errs by at most `SINE_ERROR`, which is this part of the unit of `converted`.
+_COSINE_ERROR = SINE_ERROR / CONVERSION
+#: What the bits of the kernel say.
+_BITS = np.arange(2 * max(ISOLATED, REAL, COMPLEX))
+_CERTIFIED = ((_BITS & ISOLATED) > 0) & ((_BITS & (REAL | COMPLEX)) > 0)
+_REAL = (_BITS & REAL) > 0
+
+
+class ProvedPoses(NamedTuple):
+    """What is proved about n ends of paths for each of b sets of values.
+
+    Attributes
+    ----------
+    R, T
+        The poses, shapes (b, n, 3, 3) and (b, n, 3), complex; proved real ones are exactly real.
+    quaternions
+        Of the rotations, ``e.e = 1``, with the sign of `quaternion_from_rotation`; (b, n, 4).
+    certified
+        Near which of them there is exactly one solution, a simple one, proved real or proved not
+        to be; shape (b, n).
+    real
+        Which of those are real, shape (b, n).
+    deviation
+        Bounds of how far those are off, in any entry of R, and of T by the scale; shape (b, n).
+    complete
+        For which sets all are certified and proved to be different solutions, shape (b,).
+    """
+
+    R: Complex
+    T: Complex
+    quaternions: Complex
+    certified: NDArray[np.bool_]
+    real: NDArray[np.bool_]
+    deviation: Array
+    complete: NDArray[np.bool_]
+
+
+class ValueProofs:
+    """The equations of a geometry with its values left open.
+
+    Parameters
+    ----------
+    instance
+        The geometry, its numbers taken exactly.
+    rows
+        All sets of values that will be asked for, shape (b, 6), in the units of the instance:
+        their largest distances set the unit of length. None for those of the instance.
+    """
+
+    def __init__(self, instance: Instance, rows: Array | None) -> None:
+        self.instance = instance
+        given = instance.constraints
+        self.kinds = tuple([row.kind for row in given])
+        distances = [i for i, kind in enumerate(self.kinds) if kind.is_distance]
+        largest = None if rows is None else np.abs(rows[:, distances]).max(axis=0).tolist()
+        self.scale = length_scale(instance, largest)
+        numbers = _numbers(instance, self.kinds)
+        # Exact: a power of two.
+        numbers[:, :, :2] /= self.scale
+        found = _kernel.open(
+            _relations(self.kinds), numbers, form_hessians(), tiny=TINY / CONVERSION
+        )
+        self._hessians, self._lows, self._moduli, self._table, self._weights, self._turned = found
+
+    @classmethod
+    def of(cls, instance: Instance, rows: Array | None) -> ValueProofs | None:
+        """Return the equations; None if the frames are too far from the platform for doubles."""
+        return cls(instance, rows) if Centring.of(instance).is_none else None
+
+    def _cosines(self, kind: Kind, angles: Array) -> Array:
+        """Return the values of ``R u . v`` that angles ask for (`Statement.cosine`)."""
+        degrees = self.instance.units.angle is AngleUnit.DEGREE
+        if kind in (ALH, AHL):
+            return sines(angles, degrees=degrees)
+        if kind not in (ALL, AHH):
+            raise ValueError(kind)
+        return cosines(angles, degrees=degrees) * (-1 if kind is AHH else 1)
+
+    def _values(self, rows: Array, choices: Array) -> Array:
+        """Return what the kernel wants of each value (native/ends.hpp), shape (b, k, 6, 6)."""
+        values = np.repeat(rows[:, None, :], len(choices), axis=1)
+        bounds, lows, gaps = np.empty_like(values), np.zeros_like(values), np.zeros_like(values)
+        for i, kind in enumerate(self.kinds):
+            if kind.is_distance:
+                # Exact: a power of two.
+                values[..., i] /= self.scale
+                if kind in (DPH, DHP):
+                    values[..., i] *= choices[:, i]
+                else:
+                    values[..., i], lows[..., i] = two_product(values[..., i], values[..., i])
+                bounds[..., i] = np.abs(values[..., i])
+            else:
+                values[..., i] = self._cosines(kind, rows[:, i])[:, None]
+                bounds[..., i] = np.abs(values[..., i]) + _COSINE_ERROR
+                gaps[..., i] = SINE_ERROR
+        distances = np.broadcast_to(np.abs(rows)[:, None] / self.scale, values.shape)
+        return np.stack((values, bounds, distances, lows, gaps, np.zeros_like(gaps)), axis=2)
+
+    def decide(
+        self, rows: Array, choices: Array, points: Complex, frames: Frames, *, jobs: int = 1
+    ) -> ProvedPoses:
+        """Prove what double precision can about the ends of paths.
+
+        Parameters
+        ----------
+        rows
+            Sets of values, shape (b, 6); none is zero where the geometry has lines at a distance.
+        choices
+            For each choice of sides the sign of each constraint, shape (k, 6).
+        points
+            Study points of any norm for each set and choice, shape (b, k, m, 8), n = k m.
+        frames
+            In which they are.
+        jobs
+            Threads.
+        """
+        return self._decide(self._values(rows, choices), points, frames, jobs)
+
+    def decide_own(self, choices: Array, points: Complex, frames: Frames) -> ProvedPoses:
+        """Prove what double precision can of the values of the instance, exactly as written.
+
+        Parameters
+        ----------
+        choices, frames
+            As for `decide`.
+        points
+            Shape (k, m, 8).
+        """
+        return self._decide(self._own_values(choices)[None], points[None], frames, jobs=1)
+
+    def _own_values(self, choices: Array) -> Array:
+        """Return what the kernel wants of the values of the instance, shape (k, 6, 6)."""
+        rows = self.instance.constraints
+        exact = [row.value.fraction if row.kind.is_distance else None for row in rows]
+        signed = [row.kind.has_sides for row in rows]
+        unit = 1 / self.scale
+        ratios = [
+            (0, 1)
+            if x is None
+            else (x.numerator, x.denominator)
+            if heights
+            else (x.numerator**2, x.denominator**2)
+            for x, heights in zip(exact, signed, strict=True)
+        ]
+        # Exact: powers of two.
+        factors = [unit if heights else unit**2 for heights in signed]
+        found = quotients(ratios) * factors
+        turning = np.zeros((2, len(rows)))
+        for i, row in enumerate(rows):
+            if exact[i] is None:
+                found[:, i] = self._irrational(row)
+            if row.kind is DLL:
+                turning[:, i] = self._turning(row)
+        high, low, size = found
+        bounds, gaps = size + TINY / CONVERSION, size * ERROR * OUTWARD
+        columns = np.array([(high, bounds, turning[0], low, gaps, turning[1])] * len(choices))
+        if any(signed):
+            columns[:, [0, 3]] *= np.where(signed, choices, 1.0)[:, None]
+        return columns
+
+    def _turning(self, row: Constraint) -> tuple[float, float]:
+        """Return the distance that the quadric of the cosine of two lines is multiplied by."""
+        high, low, size = Doubled.of(row.value).scaled(1 / self.scale)
+        # The kernel takes for granted that it is as exact as that.
+        return abs(high), (low if high > 0 else -low) if abs(high) == size else math.nan
+
+    def _irrational(self, row: Constraint) -> Doubled:
+        """Return what is in the equation of a constraint whose value is no fraction."""
+        if not row.kind.is_distance:
+            from gspcli.certification.equations.statement import cosine
+
+            return Doubled.near(lambda: cosine(row, self.instance.units.angle))
+        if row.kind in (DPH, DHP):
+            return Doubled.of(row.value).scaled(1 / self.scale)
+        return Doubled.square(row.value).scaled(1 / self.scale**2)
+
+    def _decide(self, values: Array, points: Complex, frames: Frames, jobs: int) -> ProvedPoses:
+        """Return what the kernel proves about points (b, k, m, 8) for values (b, k, 6, 6)."""
+        count = len(values)
+        values = values.reshape(-1, *values.shape[2:])
+        points = np.ascontiguousarray(points.reshape(-1, *points.shape[2:]))
+        R, T, quaternions, deviation, bits, complete = _kernel.decide(
+            self._hessians,
+            self._lows,
+            self._moduli,
+            self._table,
+            self._weights,
+            self._turned,
+            values,
+            points,
+            unit=frames.length / self.scale,
+            origins=np.array((frames.base, frames.platform)) / self.scale,
+            scale=self.scale,
+            tolerance=TOLERANCE,
+            jobs=jobs,
+        )
+        certified = _CERTIFIED[bits]
+        different = complete > 0
+        undecided = () if different.all() else np.flatnonzero(certified.all(axis=1) & ~different)
+        for k in undecided:
+            from gspcli.certification.poses.distinct import all_different
+
+            # One linear form does not tell them apart.
+            entries = np.concatenate((R[k].reshape(-1, 9), T[k] / self.scale), axis=1)
+            different[k] = all_different(entries, deviation[k])
+        if DLL in self.kinds:
+            skew = are_skew(self.instance, R.reshape(-1, 3, 3), deviation.ravel())
+            certified &= skew.reshape(certified.shape)
+        real = certified & _REAL[bits]
+        # Solutions of the equations of different sides are different ones: no distance is zero.
+        different &= certified.all(axis=1)
+
+        def together(part: NDArray[Any]) -> NDArray[Any]:
+            return part if len(part) == count else part.reshape(count, -1, *part.shape[2:])
+
+        return ProvedPoses(
+            R=together(R),
+            T=together(T),
+            quaternions=together(quaternions),
+            certified=together(certified),
+            real=together(real),
+            deviation=together(deviation),
+            complete=np.asarray(different.reshape(count, -1).all(axis=1)),
+        )
+
+
+def _numbers(instance: Instance, kinds: tuple[Kind, ...]) -> Array:
+    """Return the points and the directions of both primitives as `doubled`, (3, 6, 4, 3)."""
+    numbers: list[Number] = []
+    factors: list[float] = []
+    for body in instance.primitives:
+        numbers += body.position
+        factors.append(1.0)
+        if not isinstance(body, Point):
+            numbers += body.vector
+            # So that its length is near one, exactly.
+            largest = max([abs(number.value) for number in body.vector])
+            factors.append(2.0 ** (1 - math.frexp(largest)[1]))
+    found = np.zeros((3, len(kinds), 4, 3))
+    constraints, vectors = _places(kinds)
+    found[:, constraints, vectors] = doubled(numbers).reshape(3, -1, 3) * np.array(factors)[:, None]
+    return found
+
+
+@cache
+def _places(kinds: tuple[Kind, ...]) -> tuple[Index, Index]:
+    """Return where the vectors of `Instance.primitives` stand: constraints, which of their four."""
+    places = [
+        (i, j)
+        for k, bodies in enumerate(([x.platform for x in kinds], [x.base for x in kinds]))
+        for i, body in enumerate(bodies)
+        for j in ((k,) if body is Primitive.POINT else (k, 2 + k))
+    ]
+    constraints, vectors = np.array(places).T
+    return constraints, vectors
+
+
+@cache
+def _relations(kinds: tuple[Kind, ...]) -> NDArray[np.int32]:
+    """Return what constraints are to the kernel, shape (6,)."""
+    return np.array([_RELATIONS[kind] for kind in kinds], np.int32)

@@ -1,0 +1,1 @@
+"""Poses and values in files and on the command line."""

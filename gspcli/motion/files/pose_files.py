@@ -1,0 +1,291 @@
+"""Poses in files and on the command line: CSV with a heading, or what `gsp solve` prints.
+
+Rotations are quaternions (scalar first, of any length), three angles about axes, or the nine
+entries of R by rows; the position is that of one point of the platform, the pivot.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.errors import Location, Problem, SpecError
+from gspcli.geometry.euler import rotation_from_euler
+from gspcli.geometry.quaternions import apply, rotation_from_quaternion
+from gspcli.motion.files.number_tables import NumberTable, check, wrong_number
+from gspcli.records import dataclass
+from gspcli.wording import shown
+
+Array = NDArray[np.float64]
+
+#: Columns: the position of the pivot, that of the frame, a quaternion.
+POSITION = ("x", "y", "z")
+TRANSLATION = ("tx", "ty", "tz")
+QUATERNION = ("qw", "qx", "qy", "qz")
+_ANGLES = ("rx", "ry", "rz")
+_ENTRIES = tuple(f"r{i}{j}" for i in "123" for j in "123")
+#: All columns that say where a platform is.
+COLUMNS = (*POSITION, *TRANSLATION, *QUATERNION, *_ANGLES, *_ENTRIES)
+#: Entries of R may differ from those of a rotation by this much: they are often rounded to three
+#: decimals. The nearest rotation is taken.
+_ROUNDED = 1e-3
+
+
+@dataclass(frozen=True)
+class PoseFormat:
+    """What a pose file does not say itself.
+
+    Attributes
+    ----------
+    euler
+        The order of the axes of rx, ry and rz, as `rotation_from_euler` takes it; None if there
+        are none.
+    pivot
+        The point of the platform, in its frame, whose position x, y and z are; length units.
+    in_radians
+        The unit of rx, ry and rz.
+    """
+
+    euler: str | None = None
+    pivot: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    in_radians: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class PoseTable:
+    """Poses, one a row.
+
+    Attributes
+    ----------
+    t
+        The column t, shape (n,), or None if there is none.
+    R, T
+        Rotations (n, 3, 3) and translations (n, 3): ``x_base = R x_platform + T``.
+    """
+
+    t: Array | None
+    R: Array
+    T: Array
+
+
+def read_poses(text: str, name: str, form: PoseFormat) -> PoseTable:
+    """Read a list of poses.
+
+    CSV has a heading with ``x y z`` (or ``Tx Ty Tz``, as `gsp solve` writes them) and one of
+    ``qw qx qy qz``, ``rx ry rz`` or ``r11 … r33``, and perhaps ``t``; other columns are left out.
+    JSON is what `gsp solve` prints.
+
+    Parameters
+    ----------
+    text, name
+        The content, and how messages name it.
+    form
+        What the file does not say.
+
+    Raises
+    ------
+    SpecError
+        With all mistakes, each with line and column.
+    """
+    if text.lstrip()[:1] in ("{", "["):
+        return _read_json(text, name, form)
+    table = NumberTable(text, name)
+    poses = poses_in(table, form)
+    table.check()
+    assert poses is not None
+    return poses
+
+
+def poses_in(table: NumberTable, form: PoseFormat) -> PoseTable | None:
+    """Return the poses of a table; None if its columns are not those of poses.
+
+    Mistakes are noted in the table; a pose with one has numbers that mean nothing.
+    """
+    position = table.choose(POSITION, TRANSLATION)
+    rotation = table.choose(QUATERNION, _ANGLES, _ENTRIES)
+    if position == TRANSLATION and any(form.pivot):
+        table.note_heading("found Tx Ty Tz, the pose of the frame; expected x y z with a pivot")
+    if rotation is not None and rotation != _ANGLES and form.euler:
+        table.note_heading(f"found {' '.join(rotation)}, expected rx ry rz with an Euler sequence")
+    if rotation == _ANGLES and form.euler is None:
+        table.note_heading(
+            "found rx ry rz without the order of the axes: say it with --euler, such as ZYX or xyz"
+        )
+    t = table.numbers(["t"])[:, 0] if "t" in table.heading else None
+    points = table.numbers(position) if position else None
+    turns = table.numbers(rotation) if rotation else None
+    if rotation is None or turns is None or (rotation == _ANGLES and form.euler is None):
+        return None
+    whole = np.flatnonzero(np.isfinite(turns).all(axis=1))
+    R = np.full((len(turns), 3, 3), np.nan)
+    R[whole], wrong = _rotations(turns[whole], form)
+    for row, message in wrong:
+        table.note_cell(int(whole[row]), rotation[0], message)
+    if points is None:
+        return None
+    return PoseTable(t, R, points - apply(R, np.array(form.pivot)))
+
+
+def read_pose(text: str, form: PoseFormat, name: str = "--pose") -> PoseTable:
+    """Read one pose: x,y,z and a quaternion, three angles or nine entries, between commas.
+
+    Parameters
+    ----------
+    text
+        The numbers.
+    form
+        What they do not say.
+    name
+        The option that they were given with.
+
+    Raises
+    ------
+    SpecError
+        With what is wrong.
+    """
+    names, numbers = pose_numbers(text, name)
+    heading = ",".join(names)
+    row = ",".join(repr(number) for number in numbers)
+    try:
+        return read_poses(f"{heading}\n{row}", name, form)
+    except SpecError as error:
+        # An option has no lines.
+        raise SpecError([Problem(None, name, one.message) for one in error.problems]) from None
+
+
+def pose_numbers(text: str, name: str) -> tuple[tuple[str, ...], list[float]]:
+    """Return the columns of a pose on the command line and its numbers; see `read_pose`."""
+    cells = [cell for cell in re.split(r"[,;\s]+", text.strip()) if cell]
+    names = {7: QUATERNION, 6: _ANGLES, 12: _ENTRIES}.get(len(cells))
+    if names is None:
+        message = (
+            f"found {len(cells)} numbers in {shown(text)}, expected x,y,z and qw,qx,qy,qz; or "
+            "rx,ry,rz (with --euler); or the nine entries of R"
+        )
+        raise SpecError([Problem(None, name, message)])
+    check(
+        [
+            Problem(None, f"{name}: {key}", message)
+            for key, cell in zip((*POSITION, *names), cells, strict=True)
+            if (message := wrong_number(cell))
+        ]
+    )
+    return (*POSITION, *names), [float(cell) for cell in cells]
+
+
+def poses_of(numbers: Array, form: PoseFormat) -> tuple[Array, Array]:
+    """Return poses (R, T) of rows of numbers: positions of the pivot, then rotations.
+
+    Parameters
+    ----------
+    numbers
+        Shape (n, 6), (n, 7) or (n, 12), as the columns of a file of poses.
+    form
+        What they do not say.
+    """
+    R, _ = _rotations(numbers[:, 3:], form)
+    return R, numbers[:, :3] - apply(R, np.array(form.pivot))
+
+
+def _rotations(numbers: Array, form: PoseFormat) -> tuple[Array, list[tuple[int, str]]]:
+    """Return rotations (n, 3, 3) of rows of numbers, and what is wrong with which rows."""
+    wrong: list[tuple[int, str]] = []
+    if numbers.shape[1] == len(_ANGLES):
+        assert form.euler is not None
+        return rotation_from_euler(form.euler, numbers * form.in_radians), wrong
+    if numbers.shape[1] == len(QUATERNION):
+        sizes = np.abs(numbers).max(axis=1, initial=0.0, keepdims=True)
+        wrong += [
+            (int(row), "found a quaternion of length zero, expected that of a rotation")
+            for row in np.flatnonzero(sizes == 0)
+        ]
+        # Divided by their size, so that the square of none under- or overflows.
+        scaled = np.where(sizes > 0, numbers / np.where(sizes > 0, sizes, 1.0), 1.0)
+        return rotation_from_quaternion(scaled), wrong
+    given = numbers.reshape(-1, 3, 3)
+    left, _, right = np.linalg.svd(given)
+    R = left @ right
+    errors = np.abs(R - given).max(axis=(1, 2))
+    for row in np.flatnonzero((errors > _ROUNDED) | (np.linalg.det(R) < 0)):
+        what = (
+            f"a matrix {errors[row]:.1g} away from the nearest orthogonal one"
+            if errors[row] > _ROUNDED
+            else "a matrix with determinant -1"
+        )
+        wrong.append((int(row), f"found {what}, expected a rotation"))
+    return R, wrong
+
+
+def _read_json(text: str, name: str, form: PoseFormat) -> PoseTable:
+    try:
+        # Integers of any length are read as what they are for us: numbers that may be too large.
+        document = json.loads(text, parse_int=float)
+    except json.JSONDecodeError as error:
+        message = f"not JSON: {error.msg}"
+        raise SpecError(
+            [Problem(Location(name, error.lineno, error.colno), "", message)]
+        ) from error
+    except RecursionError:
+        message = "found lists in lists without end, expected what gsp solve --format json prints"
+        raise SpecError([Problem(Location(name, 1, 1), "", message)]) from None
+    entries = document.get("solutions") if isinstance(document, dict) else None
+    if not isinstance(entries, list):
+        message = "found no list of solutions, expected CSV or what gsp solve --format json prints"
+        raise SpecError([Problem(Location(name, 1, 1), "", message)])
+    problems: list[Problem] = []
+    if any(form.pivot) or form.euler:
+        message = "found what gsp solve prints, which has neither a pivot nor Euler angles"
+        problems.append(Problem(None, name, message))
+    poses = []
+    for number, entry in enumerate(entries, 1):
+        pose = _pose(entry)
+        if isinstance(pose, str):
+            problems.append(Problem(None, f"{name}: solutions[{number}]", pose))
+        else:
+            poses.append(pose)
+    check(problems)
+    R = np.array([R for R, _ in poses]).reshape(-1, 3, 3)
+    return PoseTable(None, R, np.array([T for _, T in poses]).reshape(-1, 3))
+
+
+def _pose(entry: Any) -> tuple[Array, Array] | str:
+    """Return the pose of an entry, or what is wrong with it."""
+    if not isinstance(entry, dict):
+        return f"found {shown(str(entry))}, expected a pose with R and T"
+    if entry.get("real") is False:
+        return "found a pose that is not real, expected a real one: leave out --all"
+    parts: list[Array] = []
+    for key, shape in (("R", (3, 3)), ("T", (3,))):
+        try:
+            part = np.array(entry[key], dtype=float)
+        except (KeyError, TypeError, ValueError):
+            part = np.array(np.nan)
+        if part.shape != shape or not np.isfinite(part).all():
+            return f"found no {key} of {' x '.join(map(str, shape))} finite numbers"
+        parts.append(part)
+    R, wrong = _rotations(parts[0].reshape(1, 9), PoseFormat())
+    return wrong[0][1] if wrong else (R[0], parts[1])
+
+
+def pivot_from_text(text: str) -> tuple[float, float, float]:
+    """Return the point that a text such as ``0,0,-12.5`` names.
+
+    Raises
+    ------
+    SpecError
+        If it is not three numbers.
+    """
+    parts: Sequence[str] = text.split(",")
+    try:
+        x, y, z = (float(part) for part in parts)
+    except ValueError:
+        x = y = z = np.nan
+    if not np.isfinite([x, y, z]).all():
+        message = f"found {shown(text)}, expected the three coordinates of a point: x,y,z"
+        raise SpecError([Problem(None, "--pivot", message)])
+    return x, y, z

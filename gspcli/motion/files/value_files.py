@@ -1,0 +1,174 @@
+"""Values of constraints and coordinates of primitives in files: CSV with a heading."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import DLP, DPL, DPP
+from gspcli.errors import ArgumentError
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.coordinates import BODIES, Coordinate, choose, stated
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.ranges import wrong_value
+from gspcli.motion.files.number_tables import NumberTable
+from gspcli.motion.files.pose_files import POSITION, TRANSLATION, PoseFormat, poses_in
+from gspcli.motion.poses.inverse_kinematics import measure
+from gspcli.records import dataclass
+from gspcli.wording import nearest, shown
+
+Array = NDArray[np.float64]
+
+_MOVING = (*BODIES, "crank")
+
+
+@dataclass(frozen=True, eq=False)
+class ValueTable:
+    """Rows of values.
+
+    Attributes
+    ----------
+    t
+        Increasing, shape (n,): the column t, or the number of the row from 1.
+    values
+        In the units and order of the instance, DPH and DHP signed, shape (n, 6).
+    coordinates
+        Of primitives that move, by name, each of shape (n,).
+    """
+
+    t: Array
+    values: Array
+    coordinates: Mapping[str, Array] = field(default_factory=dict)
+
+    def subdivided(self, steps: int) -> ValueTable:
+        """Return the same trajectory with so many rows for each step between rows."""
+        if steps == 1:
+            return self
+        rows = np.arange(len(self.t))
+        parts = np.linspace(0, len(rows) - 1, steps * (len(rows) - 1) + 1)
+        columns = [np.interp(parts, rows, column) for column in self.values.T]
+        moving = {name: np.interp(parts, rows, column) for name, column in self.coordinates.items()}
+        return ValueTable(np.interp(parts, rows, self.t), np.stack(columns, axis=1), moving)
+
+
+def read_values(
+    text: str, name: str, instance: Instance, form: PoseFormat, *, delta: bool = False
+) -> ValueTable:
+    """Read a trajectory of values, or of poses, which are measured.
+
+    The columns ``1`` to ``6`` are the values of the constraints; a constraint without a column
+    keeps that of the instance. Columns with names such as ``base.B1.x``, ``base.L1.direction.z`` or
+    ``crank.B1`` are coordinates that move (`gspcli.geometry.coordinates`). A file with columns
+    x, y, z is one of poses (`read_poses`).
+
+    Parameters
+    ----------
+    text, name
+        The content, and how messages name it.
+    instance
+        The geometry, units and values.
+    form
+        What a pose file does not say.
+    delta
+        Whether the numbers are to be added to the values of the instance.
+
+    Raises
+    ------
+    SpecError
+        With all mistakes, each with line and column.
+    """
+    table = NumberTable(text, name)
+    moving = _moving(table, instance)
+    coordinates: dict[str, Array] = {}
+    if any({*names} <= set(table.heading) for names in (POSITION, TRANSLATION)):
+        if delta:
+            table.note_heading("found poses, expected values with --delta")
+        for one in moving:
+            table.note_column(one, "found a coordinate that moves beside poses, expected values")
+        poses = poses_in(table, form)
+        t = None if poses is None else poses.t
+        values = np.zeros((len(table), len(instance.constraints)))
+        if poses is not None and not table.problems:
+            values = measure(instance, poses.R, poses.T)
+    else:
+        count = len(instance.constraints)
+        numbers = [str(k) for k in range(1, count + 1)]
+        found = [name for name in numbers if name in table.heading]
+        if not found and not moving:
+            table.choose(numbers)
+        t = table.numbers(["t"])[:, 0] if "t" in table.heading else None
+        given = table.numbers(found)
+        base = stated_values(instance)
+        values = np.tile(base, (len(table), 1))
+        columns = [int(name) - 1 for name in found]
+        values[:, columns] = given + (base[columns] if delta else 0)
+        _check_meaning(table, instance, values, columns)
+        places = table.numbers(list(moving))
+        if delta and len(moving):
+            places += stated(instance, list(moving.values()))
+        coordinates = {
+            one.name: column for one, column in zip(moving.values(), places.T, strict=True)
+        }
+    if t is None:
+        t = np.arange(1.0, len(values) + 1)
+    for row in np.flatnonzero(np.diff(t) <= 0):
+        message = f"found t = {t[row + 1]:g} after {t[row]:g}: t must increase"
+        table.note_cell(int(row) + 1, "t", message)
+    table.check()
+    return ValueTable(t, values, coordinates)
+
+
+def _moving(table: NumberTable, instance: Instance) -> dict[str, Coordinate]:
+    """Return the coordinates that columns are named after, by the names as they are written."""
+    found: dict[str, Coordinate] = {}
+    for written in table.written:
+        first = written.lower().split(".")[0]
+        if first not in _MOVING or "." not in written:
+            # Other columns are left out, but not what was meant to be one of these.
+            if first and "." in written and (meant := nearest(first, _MOVING)):
+                table.note_column(written, f"found {shown(written)}: did you mean {meant}?")
+            if re.fullmatch(r"[0-9]+", written) and not 1 <= int(written) <= len(
+                instance.constraints
+            ):
+                table.note_column(written, f"found {written}, expected a constraint from 1 to 6")
+            continue
+        try:
+            (found[written],) = choose(instance, [written])
+        except ArgumentError as error:
+            table.note_column(written, str(error))
+    try:
+        choose(instance, list(found))
+    except ArgumentError as error:
+        table.note_heading(str(error))
+    return found
+
+
+def stated_values(instance: Instance) -> Array:
+    """Return the values of an instance with the sign of a negative side, shape (6,)."""
+    arrangement = Arrangement.of(instance)
+    values: Array = np.where(arrangement.sides < 0, -arrangement.values, arrangement.values)
+    return values
+
+
+def _check_meaning(
+    table: NumberTable, instance: Instance, values: Array, columns: list[int]
+) -> None:
+    """Note values that the kinds of their constraints cannot have."""
+    unit = instance.units.angle
+    for k in columns:
+        kind = instance.constraints[k].kind
+        if kind.has_sides:
+            continue
+        for row in np.flatnonzero(np.isfinite(values[:, k])):
+            value = float(values[row, k])
+            wrong = wrong_value(kind, Number.of(value), unit)
+            if value == 0 and kind in (DPP, DPL, DLP):
+                wrong = f"expected more: {kind.name} with value 0 is more than one equation"
+            if wrong:
+                message = f"found {value:.12g} for constraint {k + 1}, {wrong}"
+                table.note_cell(int(row), str(k + 1), message)

@@ -1,0 +1,1 @@
+"""Assembly modes followed along trajectories, each step proved."""

@@ -1,0 +1,275 @@
+"""Assembly modes followed while the values change, each step proved (native/tubes.cpp)."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli import _kernel
+from gspcli.catalogue.kinds import DLL
+from gspcli.certification.branches.moving import Law, MovingEquations, Shape, moving_equations
+from gspcli.certification.branches.taylor import MovingSystem
+from gspcli.certification.equations.local_frames import Centring
+from gspcli.continuation.tracker import helpful
+from gspcli.geometry.coordinates import Coordinate
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.quaternions import pose_from_study, study_from_pose
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+class Stop(IntEnum):
+    """How a branch ended; the numbers are those of native/tubes.hpp."""
+
+    END = 0
+    """After the last row."""
+    STEP = 1
+    """The step became too small: a fold, or another singular pose."""
+    START = 2
+    """Newton's method found no pose at the first row."""
+
+
+@dataclass(frozen=True)
+class FollowOptions:
+    """How branches are followed.
+
+    Attributes
+    ----------
+    certify
+        Whether each segment is proved to be one branch with no other near it. If not, a branch may
+        jump, and its points are only solutions of Newton's method.
+    most_halvings
+        How often the step between two rows may be halved; then the branch ends. After 40 the step
+        is 1e-12 of that between the rows.
+    jobs
+        Threads. The answer does not depend on them.
+    build
+        Name of the kernel's build; the quickest for this processor if empty.
+    """
+
+    certify: bool = True
+    most_halvings: int = 40
+    jobs: int = 1
+    build: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Branches:
+    """Followed branches, n of them over r rows.
+
+    Attributes
+    ----------
+    points
+        Study points of norm one, lengths in the unit of the equations, shape (n, r, 8); NaN beyond
+        where a branch ends.
+    stop
+        A `Stop` each, shape (n,).
+    reached, fraction
+        The last row reached (from 0), and the part of the step to the next one that was followed
+        beyond it, shape (n,).
+    last, previous
+        The point there and one before it, shape (n, 8).
+    segments, tries
+        How many segments were kept and how many were tried, shape (n,).
+    worst
+        The largest value of what must be below one in a proof, shape (n,).
+    near, alone
+        How near to ``last`` the proved pose is, and how near no other one is, in units of Study
+        points of norm one, shape (n,).
+    """
+
+    points: Array
+    stop: NDArray[np.int32]
+    reached: NDArray[np.int32]
+    fraction: Array
+    last: Array
+    previous: Array
+    segments: Index
+    tries: Index
+    worst: Array
+    near: Array
+    alone: Array
+
+
+class StudyUnits:
+    """Study points with lengths in units of a scale, in frames near the bodies."""
+
+    def __init__(self, scale: float, centring: Centring) -> None:
+        self.scale = scale
+        self.centring = centring
+
+    def points(self, R: Array, T: Array) -> Array:
+        """Return Study points of norm one of poses, shape (..., 8)."""
+        places = self.centring.doubles(R, T)
+        points = np.concatenate(study_from_pose(R, places / self.scale), axis=-1)
+        return np.ascontiguousarray(points / np.linalg.norm(points, axis=-1, keepdims=True))
+
+    def poses(self, points: Array) -> tuple[Array, Array]:
+        """Return the poses (R, T) of Study points, ``(..., 8) -> (..., 3, 3), (..., 3)``."""
+        R, T = pose_from_study(points[..., :4], points[..., 4:])
+        return R, self.centring.doubles_back(R, T * self.scale)
+
+
+def apart(instance: Instance) -> Instance:
+    """Return an instance whose distances of lines are not zero, for values that move from there.
+
+    The mutual moment is the equation of lines that meet, but not of a distance that grows.
+    """
+    zero = {
+        k: Number.of(1)
+        for k, constraint in enumerate(instance.constraints)
+        if constraint.kind is DLL and constraint.value.fraction == 0
+    }
+    return instance.with_values(zero) if zero else instance
+
+
+class MovingPlatform(StudyUnits):
+    """An instance whose values move, made ready for following many branches.
+
+    Parameters
+    ----------
+    instance
+        The geometry and units. Its values are not used, except that a DLL of value zero stays so,
+        and that they tell the size of the platform.
+    centring
+        Where the frames of the equations begin: near the bodies, if None is given.
+    """
+
+    #: No coordinates move.
+    chosen: tuple[Coordinate, ...] = ()
+
+    def __init__(self, instance: Instance, centring: Centring | None = None) -> None:
+        self.instance = instance
+        centring = centring or Centring.of(instance)
+        self._near = centring.applied(instance)
+        self.equations: MovingEquations = moving_equations(self._near)
+        super().__init__(self.equations.scale, centring)
+        self._angles = np.isin(self.equations.laws, (Law.COSINE, Law.SINE))
+        radian = instance.units.angle.in_radians
+        self._units = np.where(self._angles, radian, 1 / self.equations.scale)
+
+    @cached_property
+    def system(self) -> MovingSystem:
+        """The same in ball arithmetic."""
+        return MovingSystem(self._near, ())
+
+    def instance_at(self, row: Array) -> Instance:
+        """Return the instance; its values are not used."""
+        return self.instance
+
+    def internal(self, values: Array) -> Array:
+        """Return values, shape (..., 6), with lengths in units of the scale, angles in radians."""
+        return np.ascontiguousarray(values * self._units)
+
+    def coefficients(self, values: Array) -> Array:
+        """Return c of the equations for internal values, shape (..., 6)."""
+        laws, signs = self.equations.laws, self.equations.signs
+        return np.select(
+            [laws == Law.SQUARE, laws == Law.LINEAR, laws == Law.COSINE],
+            [values**2, values, signs * np.cos(values)],
+            signs * np.sin(values),
+        )
+
+    def slopes(self, values: Array) -> Array:
+        """Return the derivatives of c by internal values, shape (..., 6)."""
+        laws, signs = self.equations.laws, self.equations.signs
+        return np.select(
+            [laws == Law.SQUARE, laws == Law.LINEAR, laws == Law.COSINE],
+            [2 * values, np.ones_like(values), -signs * np.sin(values)],
+            signs * np.cos(values),
+        )
+
+    def jacobian(self, points: Array, values: Array) -> Array:
+        """Return the derivatives of the Study condition and the six equations, (..., 7, 8).
+
+        Parameters
+        ----------
+        points
+            Study points, shape (..., 8).
+        values
+            Internal values, shape (..., 6).
+        """
+        equations, c = self.equations, self.coefficients(values)
+        gradients = np.einsum("kqij,...j->...kqi", equations.hessians, points)
+        quadrics = np.einsum("...kqi,...i->...kq", gradients, points) / 2
+        e = np.concatenate((points[..., :4], np.zeros_like(points[..., :4])), axis=-1)
+        n, gn = np.sum(e * e, axis=-1)[..., None, None], 2 * e[..., None, :]
+        (a, b), (ga, gb) = np.moveaxis(quadrics, -1, 0)[..., None], np.moveaxis(gradients, -2, 0)
+        c = c[..., None]
+        plain, form = ga - c * gn, equations.shapes[:, None]
+        rows = np.select(
+            [form == Shape.PLAIN, form == Shape.PRODUCT],
+            [plain, n * plain + (a - c * n) * gn - 2 * b * gb],
+            2 * a * ga - 2 * c * (n * gn - b * gb),
+        )
+        study = np.roll(points, 4, axis=-1)[..., None, :]
+        return np.concatenate((study, rows), axis=-2)
+
+    def follow(
+        self,
+        values: Array,
+        trajectory: Index,
+        start: Array,
+        options: FollowOptions | None = None,
+        near: Array | None = None,
+    ) -> Branches:
+        """Follow branches along trajectories of values, which are linear between their rows.
+
+        Parameters
+        ----------
+        values
+            Internal values, shape (trajectories, rows, 6).
+        trajectory
+            Which of them each branch belongs to, shape (n,).
+        start
+            Study points near the branches at the first rows, shape (n, 8).
+        options
+            How to follow.
+        near
+            How near to its start the pose is that is meant, if another may be as near, shape (n,);
+            zero, or None for all, means the one that Newton's method finds.
+        """
+        equations, options = self.equations, options or FollowOptions()
+        low, high = self._bounds(values)
+        return Branches(
+            *_kernel.follow(
+                equations.shapes,
+                equations.laws,
+                equations.signs,
+                np.maximum(np.abs(low), np.abs(high)),
+                equations.spectral_between(low, high),
+                equations.hessians,
+                equations.spectral,
+                equations.moduli,
+                np.ascontiguousarray(values),
+                np.ascontiguousarray(trajectory, np.int64),
+                np.ascontiguousarray(start),
+                np.zeros(len(start)) if near is None else near,
+                certify=options.certify,
+                most_halvings=options.most_halvings,
+                jobs=helpful(options.jobs, len(start)),
+                build=options.build,
+            )
+        )
+
+    def _bounds(self, values: Array) -> tuple[Array, Array]:
+        """Return bounds of c over all trajectories, shapes (6,); of angles the trivial ones."""
+        least, most = values.min(axis=(0, 1)), values.max(axis=(0, 1))
+        laws = self.equations.laws
+        square = laws == Law.SQUARE
+        far = np.maximum(np.abs(least), np.abs(most))
+        # Distances do not change sign along a segment unless they do at its ends.
+        low = np.where(square, np.where(least * most > 0, np.minimum(least**2, most**2), 0), least)
+        high = np.where(square, far**2, most)
+        outward = 1e-12 * far ** np.where(square, 2, 1)
+        angles = self._angles
+        return (
+            np.where(angles, -1.0, low - outward),
+            np.where(angles, 1.0, high + outward),
+        )

@@ -1,0 +1,232 @@
+"""Where a motion leaves the ranges of values and the cones of joints, and where it comes back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.certification.equations.local_frames import Centring
+from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range
+from gspcli.motion.following.branch_follower import StudyUnits
+from gspcli.motion.following.cone_limits import ConeProofs, Stretch
+from gspcli.motion.following.tracks import Track
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+
+#: Beside a fold so much of a step between rows may be left out: parts get too short there.
+_BESIDE = 1e-7
+
+
+@dataclass(frozen=True)
+class LimitEvent:
+    """A limit that is left or kept again.
+
+    Attributes
+    ----------
+    kind
+        ``range`` of a value, the same for all modes, or ``cone`` of a joint.
+    leaves
+        Whether it is left; at the first row also that it is left from the beginning.
+    constraint
+        The index of the constraint.
+    body
+        Where the joint of the cone is.
+    mode
+        The mode whose leg leaves the cone.
+    low, high
+        Between which t. Values are linear between rows, so that they leave a range at one t.
+    proved
+        Whether it is proved that the limit is kept before and left after, or the reverse. If the
+        track is certified, a cone of which it is not is perhaps left between: the leg comes to its
+        edge, or the mode is nearly singular. If not, cones are only looked at where the rows are.
+    """
+
+    kind: Literal["range", "cone"]
+    leaves: bool
+    constraint: int
+    body: Literal["", "platform", "base"]
+    mode: int | None
+    low: float
+    high: float
+    proved: bool
+
+
+def limit_events(track: Track) -> list[LimitEvent]:
+    """Return where a trajectory leaves limits and keeps them again, by t."""
+    found = [*_ranges(track), *_cones(track)]
+    return sorted(found, key=lambda event: (event.low, event.high, event.constraint))
+
+
+def _ranges(track: Track) -> list[LimitEvent]:
+    found = []
+    values, t = track.values[:, :6], track.t
+    for k, constraint in enumerate(track.instance.constraints):
+        if constraint.limits is None:
+            continue
+        times, outside = _crossings(track.instance, k, t, values[:, k])
+        state = False
+        for time, now in zip(times, outside, strict=True):
+            if now != state:
+                found.append(LimitEvent("range", now, k, "", None, time, time, True))
+                state = now
+    return found
+
+
+def _crossings(
+    instance: Instance, k: int, t: Array, values: Array
+) -> tuple[list[float], list[bool]]:
+    """Return where pieces of the motion of one value begin, and whether they are out of range."""
+    constraint = instance.constraints[k]
+    assert constraint.limits is not None
+    ends = [limit.value for limit in constraint.limits]
+    if constraint.kind.has_sides and constraint.side is not Side.POSITIVE:
+        mirrored = [-end for end in ends]
+        ends = mirrored + (ends if constraint.side is Side.BOTH else [])
+    times, outside = [float(t[0])], [_is_out(instance, k, values[0])]
+    for row in range(len(t) - 1):
+        first, last = values[row], values[row + 1]
+        parts = [(end - first) / (last - first) for end in ends] if last != first else []
+        cuts = [0.0, *sorted(part for part in parts if 0 < part < 1), 1.0]
+        for begin, end in pairwise(cuts):
+            middle = first + (begin + end) / 2 * (last - first)
+            times.append(float(t[row] + begin * (t[row + 1] - t[row])))
+            outside.append(_is_out(instance, k, middle))
+    return times, outside
+
+
+def _is_out(instance: Instance, k: int, value: float) -> bool:
+    row = np.zeros(len(instance.constraints))
+    row[k] = value
+    return bool(out_of_range(instance, row)[k])
+
+
+def cones_proved(track: Track) -> bool:
+    """Whether all that is said of cones is proved, for what is between rows, too."""
+    legs = [joint.constraint for joint in joint_cones(track.instance)]
+    return track.certified and len(track.t) > 1 and bool((track.values[:, legs] >= 0).all())
+
+
+def _cones(track: Track) -> list[LimitEvent]:
+    if not joint_cones(track.instance):
+        return []
+    return _between_rows(track) if cones_proved(track) else _at_rows(track)
+
+
+def _between_rows(track: Track) -> list[LimitEvent]:
+    """Return where cones are left and kept again, proved for all that is between rows."""
+    rows = np.column_stack((track.values, track.places))
+    found = []
+    # Modes that are born on the way are followed back from the last row.
+    born = np.isnan(track.T[:, 0, 0])
+    for step in (1, -1):
+        proofs = ConeProofs(track.followed, track.coordinates, rows[::step])
+        modes = np.flatnonzero(born == (step < 0)).tolist()
+        points = StudyUnits(proofs.system.scale, Centring.none()).points(
+            track.R[modes], track.T[modes]
+        )
+        for m, stretches in zip(modes, proofs.stretches(points[:, ::step]), strict=True):
+            found += _events(track, m, stretches if step > 0 else _turned(stretches, len(rows)))
+    return found
+
+
+def _turned(stretches: Sequence[Stretch], rows: int) -> list[Stretch]:
+    """Return stretches of the reversed trajectory."""
+    return [
+        replace(one, begin=rows - 1 - one.end, end=rows - 1 - one.begin) for one in stretches[::-1]
+    ]
+
+
+def _events(track: Track, m: int, stretches: Sequence[Stretch]) -> list[LimitEvent]:
+    """Return where the m-th mode leaves cones and keeps them again."""
+    mode, found = int(track.modes[m]), []
+    times = [(_time(track, one.begin), _time(track, one.end)) for one in stretches]
+    low, high = _lifetime(track, mode)
+    for k, cone in enumerate(joint_cones(track.instance)):
+        states = [one.states[k] for one in stretches]
+        place = cone.constraint, cone.body, mode
+        found += [
+            LimitEvent("cone", leaves, *place, begin, end, proved)
+            for leaves, begin, end, proved in _changes(times, states, low, high, _room(track))
+        ]
+    return found
+
+
+def _time(track: Track, row: float) -> float:
+    """Return t at a row, counted from 0, with a fraction."""
+    k = min(int(row), len(track.t) - 2)
+    return float(track.t[k] + (row - k) * (track.t[k + 1] - track.t[k]))
+
+
+def _room(track: Track) -> float:
+    """Return what is left out beside a fold, in units of t."""
+    return float(_BESIDE * np.diff(track.t).max(initial=0.0))
+
+
+def _lifetime(track: Track, mode: int) -> tuple[float, float]:
+    """Return between which t a mode is known."""
+    low, high = float(track.t[0]), float(track.t[-1])
+    for event in track.events:
+        if event.mode == mode:
+            low, high = (event.high, high) if event.begins else (low, event.low)
+    return low, high
+
+
+def _changes(
+    times: Sequence[tuple[float, float]],
+    states: Sequence[int],
+    low: float,
+    high: float,
+    room: float,
+) -> Iterator[tuple[bool, float, float, bool]]:
+    """Yield whether one cone is left or kept again, between which t, and whether that is proved.
+
+    Parameters
+    ----------
+    times, states
+        What is proved, in order; there may be gaps.
+    low, high
+        From where to where something should be said, but for `room`.
+    """
+    state, since, allowed = 1, low, room
+    for (begin, end), now in zip(times, states, strict=True):
+        if now == 0:
+            continue
+        if now != state:
+            yield now < 0, since, begin, True
+        elif begin - since > allowed:
+            yield True, since, begin, False
+        state, since, allowed = now, end, 0.0
+    if high - since > room:
+        yield True, since, high, False
+
+
+def _at_rows(track: Track) -> list[LimitEvent]:
+    """Return between which rows cones are left and kept again, as it is seen at rows."""
+    cones = joint_cones(track.instance)
+    outside = np.zeros((*track.T.shape[:2], len(cones)), bool)
+    for rows, instance in track.instances():
+        with np.errstate(invalid="ignore"):
+            outside[:, rows] = out_of_cone(instance, track.R[:, rows], track.T[:, rows])
+    there = ~np.isnan(track.T[..., 0])
+    found = []
+    for m, mode in enumerate(track.modes.tolist()):
+        rows_there = there[m].nonzero()[0]
+        for k, cone in enumerate(cones):
+            state, before = False, None
+            for row in rows_there.tolist():
+                now = bool(outside[m, row, k])
+                if now != state:
+                    low, high = track.t[[row if before is None else before, row]].tolist()
+                    found.append(
+                        LimitEvent("cone", now, cone.constraint, cone.body, mode, low, high, False)
+                    )
+                    state = now
+                before = row
+    return found

@@ -1,0 +1,36 @@
+"""Trajectories along which the lines of a DLL stay parallel: a plate that slides on a table."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import DLL
+from gspcli.certification.counting import with_points_for_lines
+from gspcli.certification.poses.decisions import nearly_parallel
+from gspcli.geometry.instance import Instance
+
+Array = NDArray[np.float64]
+
+
+def along_parallel_lines(instance: Instance, rows: Array, R: Array) -> Instance:
+    """Return an instance with points for lines that are parallel at every pose of a trajectory.
+
+    They are if no value changes but those of DLL, and the lines are parallel wherever all others
+    hold. Lines that only pass through parallel positions are left: there their distance jumps.
+
+    Parameters
+    ----------
+    instance
+        The platform, with the values of the first row, on one choice of sides.
+    rows
+        The values, shape (r, 6).
+    R
+        The rotations at the first row, shape (n, 3, 3).
+    """
+    lines = np.array([row.kind is DLL for row in instance.constraints])
+    still = (np.ptp(rows[:, ~lines], axis=0) == 0).all()
+    parallel = nearly_parallel(instance, R.astype(complex)).any(axis=1)
+    if not (lines.any() and still and len(R) and parallel.all()):
+        return instance
+    return with_points_for_lines(instance) or instance

@@ -1,0 +1,1 @@
+"""Inverse kinematics: what poses measure, and the angles of cranks."""

@@ -1,0 +1,1 @@
+"""Where poses stop being regular: clearances, folds, the discriminant, scans."""

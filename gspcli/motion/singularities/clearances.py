@@ -1,0 +1,256 @@
+"""How far values may change before an assembly mode can meet a singularity.
+
+Distances of values are measured in the largest norm, each value divided by its weight: a clearance
+of r means that every value may change by r times its weight, all at once and in any combination.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.certification.poses.decisions import nearly_parallel
+from gspcli.defaults import SEED
+from gspcli.errors import ArgumentError
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.measurement import jacobian
+from gspcli.motion.following.branch_follower import MovingPlatform, Stop, apart
+from gspcli.motion.following.tracks import Event
+from gspcli.motion.following.trajectories import track_from
+from gspcli.motion.poses.inverse_kinematics import measure
+from gspcli.motion.singularities.enclosures import Neighbourhood
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+
+#: Halvings of the interval in which the clearance is sought, after a first estimate.
+_HALVINGS = 7
+_REFINEMENTS = 7
+#: Straight lines of values are followed until the weights have been changed so many times.
+_FARTHEST = 1e3
+#: Starting directions for the search of the nearest singularity, and rounds of improving each.
+_STARTS, _MANY_STARTS, _ROUNDS = 6, 30, 6
+
+
+def clearances(
+    instance: Instance, R: ArrayLike, T: ArrayLike, *, weights: ArrayLike | None = None
+) -> Array:
+    """Return proved lower bounds of the clearance of poses, shape (n,); zero if there is no proof.
+
+    For all values within the clearance the pose has exactly one continuation, which is regular.
+
+    Parameters
+    ----------
+    instance
+        Geometry and units; its values are not used.
+    R, T
+        Poses, shapes (n, 3, 3) and (n, 3).
+    weights
+        The unit of each value's changes, in the units of the instance, shape (6,); ones if None.
+    """
+    R, T = np.asarray(R, float), np.asarray(T, float)
+    # The distance of parallel lines jumps when they tilt.
+    parallel = nearly_parallel(instance, R.astype(complex)).any(axis=1)
+    if parallel.any():
+        proved = np.zeros(len(R))
+        if not parallel.all():
+            proved[~parallel] = clearances(instance, R[~parallel], T[~parallel], weights=weights)
+        return proved
+    platform = MovingPlatform(apart(instance))
+    widths = platform.internal(_weights(weights))
+    values = platform.internal(measure(instance, R, T))
+    near = Neighbourhood(platform, platform.points(R, T), values)
+    scale = _estimate(near, widths)
+    low, high = np.zeros_like(scale), scale
+    for k in range(_HALVINGS):
+        middle = high * 0.9 if k == 0 else (low + high) / 2
+        good = near.box(middle[:, None] * widths).measure < 1
+        low, high = np.where(good, middle, low), np.where(good, high, middle)
+    return low
+
+
+def range_weights(instance: Instance) -> Array | None:
+    """Return half the ranges of the values, shape (6,); None unless each constraint has one."""
+    limits = [constraint.limits for constraint in instance.constraints]
+    spans = [(high.value - low.value) / 2 for low, high in (pair for pair in limits if pair)]
+    return np.array(spans) if len(spans) == len(limits) and min(spans) > 0 else None
+
+
+def _weights(given: ArrayLike | None) -> Array:
+    weights = np.ones(6) if given is None else np.asarray(given, float)
+    if weights.shape != (6,) or not (np.isfinite(weights) & (weights > 0)).all():
+        message = f"found {weights.tolist()}, expected six positive numbers"
+        raise ArgumentError(message, "weights")
+    return weights
+
+
+def _estimate(near: Neighbourhood, widths: Array) -> Array:
+    """Return about twice the largest changes that might be proved, shape (n,)."""
+    size = np.full(len(near.points), 1e-6)
+    for _ in range(3):
+        box = near.box(size[:, None] * widths)
+        # q grows with the size, the other term with its square root.
+        a, b = box.q / size, box.root / np.sqrt(size)
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            size = (2 / (b + np.sqrt(b**2 + 4 * a))) ** 2
+        size = np.where(np.isfinite(size), np.clip(size, 1e-15, 1e6), 1e-15)
+    return 1.5 * size
+
+
+@dataclass(frozen=True, eq=False)
+class Clearance:
+    """What is known of the clearance of one mode.
+
+    Attributes
+    ----------
+    lower
+        Proved: nothing singular is nearer.
+    upper
+        There is a fold of this mode at this distance; infinite if none was found.
+    values
+        The values there, shape (6,), or None.
+    fold
+        The fold, the last point of the straight line of values to there; None if none was found.
+    """
+
+    lower: float
+    upper: float
+    values: Array | None
+    fold: Event | None
+
+    @property
+    def ratio(self) -> float:
+        """Upper bound by lower bound."""
+        return self.upper / self.lower if self.lower > 0 else np.inf
+
+
+def clearance(
+    instance: Instance,
+    R: ArrayLike,
+    T: ArrayLike,
+    *,
+    weights: ArrayLike | None = None,
+    refine: bool = False,
+    seed: int = SEED,
+) -> Clearance:
+    """Return proved bounds of the clearance of a pose.
+
+    For the upper bound the mode is followed along straight lines of values until it ends in a
+    fold. At the nearest fold the change of the values has the signs of the left null vector of the
+    Jacobian matrix, so each fold gives a better direction; several first directions are tried.
+
+    Parameters
+    ----------
+    instance
+        Geometry and units; its values are not used.
+    R, T
+        The pose, shapes (3, 3) and (3,).
+    weights
+        As for `clearances`.
+    refine
+        Whether to prove the box in 64 parts, and to try more directions: some seconds.
+    seed
+        Of those that are random.
+    """
+    R, T = np.asarray(R, float), np.asarray(T, float)
+    units = _weights(weights)
+    lower = float(clearances(instance, R[None], T[None], weights=units)[0])
+    values = measure(instance, R, T)
+    best = Clearance(lower, np.inf, None, None)
+    if lower == 0:
+        # A singular pose: no branch leads away from it.
+        return best
+    starts = _MANY_STARTS if refine else _STARTS
+    seen: set[tuple[int, ...]] = set()
+    for signs in _directions(instance, R, T, units, starts, seed):
+        for _ in range(_ROUNDS):
+            key = tuple(signs.astype(int).tolist())
+            if key in seen:
+                break
+            seen.add(key)
+            found = _along(instance, values, R, T, signs * units, best.upper, lower)
+            if found is None:
+                break
+            size, fold, following = found
+            if size < best.upper:
+                best = Clearance(lower, size, values + size * signs * units, fold)
+            signs = following
+    if refine and np.isfinite(best.upper) and lower > 0:
+        better = _in_octants(instance, values, R, T, units, lower, best.upper)
+        best = replace(best, lower=better)
+    return best
+
+
+def _in_octants(
+    instance: Instance, values: Array, R: Array, T: Array, units: Array, low: float, high: float
+) -> float:
+    """Return a better lower bound: the box is proved in 64 boxes with a corner at the values.
+
+    The mode is followed to the centre of each with proof, within the small box. So the regular
+    solution that a small box has for all its values is the mode at the centre, and back along the
+    way to the common corner, since regular solutions that agree at one point agree all along. For
+    the same reason small boxes have the same solutions on common faces: they do at the corner.
+    """
+    platform = MovingPlatform(apart(instance))
+    signs = np.array(list(product((1.0, -1.0), repeat=6)))
+    widths = platform.internal(units)
+    centre = platform.internal(values)
+    pose = platform.points(R[None], T[None])
+    for _ in range(_REFINEMENTS):
+        size = (low + high) / 2
+        ends = np.stack(
+            (np.broadcast_to(centre, signs.shape), centre + size / 2 * signs * widths), axis=1
+        )
+        followed = platform.follow(ends, np.arange(len(signs)), np.repeat(pose, len(signs), axis=0))
+        proved = bool((followed.stop == Stop.END).all())
+        if proved:
+            near = Neighbourhood(platform, followed.points[:, -1], ends[:, 1])
+            proved = bool((near.box(size / 2 * widths * (1 + 1e-12)).measure < 1).all())
+        low, high = (size, high) if proved else (low, size)
+    return low
+
+
+def _directions(
+    instance: Instance, R: Array, T: Array, units: Array, starts: int, seed: int
+) -> Iterator[Array]:
+    """Yield corners of the box of values to go to first, vectors of signs, shape (6,)."""
+    arrangement = Arrangement.of(instance)
+    rows = jacobian(arrangement, R, T) / units[:, None]
+    rows[:, :3] /= arrangement.length
+    left = np.linalg.svd(rows)[0]
+    rng = np.random.default_rng(seed)
+    for k in range(starts):
+        vector = left[:, -1 - k // 2] if k < 6 else rng.normal(size=6)
+        yield np.where(vector < 0, -1.0, 1.0) * (1 if k % 2 else -1)
+
+
+def _along(
+    instance: Instance, values: Array, R: Array, T: Array, step: Array, most: float, least: float
+) -> tuple[float, Event, Array] | None:
+    """Return how far the fold on a line of values is, the fold, and the signs to look at next."""
+    kinds = [constraint.kind for constraint in instance.constraints]
+    # Distances other than to planes stay positive.
+    bounded = np.array([kind.is_distance and not kind.has_sides for kind in kinds]) & (step < 0)
+    room = float(np.min(values[bounded] / -step[bounded], initial=np.inf)) * (1 - 1e-6)
+    reach = min(most, max(8 * least, 1e-6)) if np.isinf(most) else most
+    while True:
+        far = min(reach, room)
+        ends = np.stack((values, values + far * step))
+        found = track_from(instance, ends, R[None], T[None])
+        if found.events:
+            break
+        if far == room or reach == most or reach > _FARTHEST:
+            return None
+        reach *= 8
+    (event,) = found.events
+    if event.kind != "fold":
+        return None
+    rows = jacobian(Arrangement.of(instance), event.R, event.T)
+    normal = np.linalg.svd(rows)[0][:, -1]
+    outward = normal * np.sign(normal @ step)
+    return (event.high - 1) * far, event, np.where(outward < 0, -1.0, 1.0)

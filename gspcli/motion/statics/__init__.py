@@ -1,0 +1,1 @@
+"""Screws, forces, stiffness and accuracy at a pose."""

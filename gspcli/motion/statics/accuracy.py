@@ -1,0 +1,159 @@
+"""How far a platform can be from its pose when its values are off by tolerances."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.certification.equations.local_frames import Centring
+from gspcli.errors import ArgumentError
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.quaternions import (
+    ROTATION_FORMS,
+    TRANSLATION_FORMS,
+    apply,
+    conjugate,
+    quaternion_product,
+)
+from gspcli.motion.following.branch_follower import MovingPlatform, apart
+from gspcli.motion.poses.inverse_kinematics import measure
+from gspcli.motion.singularities.enclosures import SIGNS, Neighbourhood
+from gspcli.motion.statics.wrenches import Wrenches
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Accuracy:
+    """Errors of n poses: of the rotation (rx, ry, rz, in radians), and of the position of a point.
+
+    Attributes
+    ----------
+    worst
+        The largest error of each of rx, ry, rz, x, y, z for any values within the tolerances,
+        exact to first order, shape (n, 6).
+    worst_turn, worst_shift
+        The largest angle of rotation and the largest distance of the point, likewise, shape (n,).
+    bound, bound_turn, bound_shift
+        Proved bounds of the same, second order and rounding included; infinite where the tolerances
+        are too large for a proof.
+    rms
+        Root mean squares of the errors if the values' errors are independent, with the tolerances
+        as standard deviations, to first order, shape (n, 6).
+    """
+
+    worst: Array
+    worst_turn: Array
+    worst_shift: Array
+    bound: Array
+    bound_turn: Array
+    bound_shift: Array
+    rms: Array
+
+
+def accuracy(given: Wrenches, tolerances: ArrayLike) -> Accuracy:
+    """Return the errors of poses from tolerances of their values.
+
+    Parameters
+    ----------
+    given
+        The poses, shape (n, ...), and the point whose position is meant.
+    tolerances
+        How far each value may be off, in the units of the instance, shape (6,).
+
+    Raises
+    ------
+    ArgumentError
+        If a tolerance is negative or not finite.
+    """
+    instance = given.instance
+    limits = np.asarray(tolerances, float)
+    if limits.shape != (6,) or not (np.isfinite(limits) & (limits >= 0)).all():
+        message = f"found {limits.tolist()}, expected six numbers of at least zero"
+        raise ArgumentError(message, "tolerances")
+    errors = np.where(given.angles, limits * instance.units.angle.in_radians, limits)
+    columns = given.inverse * errors
+    turned, shifted = (
+        np.linalg.norm(np.einsum("nik,sk->nsi", part, SIGNS), axis=2).max(axis=1)
+        for part in (columns[:, :3], columns[:, 3:])
+    )
+    bound, bound_turn, bound_shift = _bounds(instance, given, limits)
+    return Accuracy(
+        np.abs(columns).sum(axis=2),
+        turned,
+        shifted,
+        bound,
+        bound_turn,
+        bound_shift,
+        np.sqrt((columns**2).sum(axis=2)),
+    )
+
+
+def _bounds(instance: Instance, given: Wrenches, limits: Array) -> tuple[Array, Array, Array]:
+    """Return proved bounds of each error (n, 6), of the rotation and of the distance (n,)."""
+    platform = MovingPlatform(apart(instance), Centring.none())
+    values = platform.internal(measure(instance, given.R, given.T))
+    points = platform.points(given.R, given.T)
+    box = Neighbourhood(platform, points, values).box(platform.internal(limits))
+    e = points[:, :4]
+    size = np.linalg.norm(e, axis=1)
+    least = np.where(box.measure < 1, size - box.radius, np.nan)
+    # The vector part of e conj(e0) / |e0| is |e| n sin(angle / 2), and zero at e0.
+    units = np.eye(4)[None]
+    turning = quaternion_product(units, conjugate(e / size[:, None])[:, None])[..., 1:]
+    moved = np.einsum("nki,nij->nkj", box.shifts[..., :4], turning)
+    parts = np.abs(moved).sum(axis=1) + box.rest[:, None]
+    whole = _worst(moved) + box.rest
+    with np.errstate(invalid="ignore"):
+        half = np.arcsin(np.minimum(whole / least, 1.0))
+        turn = 2 * half
+        # The angle is this much more than twice its sine of the half.
+        more = np.where(half > 0, half / np.maximum(np.sin(half), 1e-300), 1.0)
+        turns = 2 * parts / least[:, None] * more[:, None]
+    shift, shifts = _shifts(platform, given, points, box.shifts, box.rest, box.radius, least)
+    every = np.concatenate((turns, shifts), axis=1)
+    return tuple(  # type: ignore[return-value]
+        np.where(np.isfinite(bound), bound * (1 + 1e-9) + 1e-15, np.inf)
+        for bound in (every, turn, shift)
+    )
+
+
+def _worst(columns: Array) -> Array:
+    """Return the largest norm of a sum of vectors with any signs, ``(n, 6, m) -> (n,)``."""
+    worst: Array = np.linalg.norm(np.einsum("nkj,sk->nsj", columns, SIGNS), axis=2).max(axis=1)
+    return worst
+
+
+def _shifts(
+    platform: MovingPlatform,
+    given: Wrenches,
+    points: Array,
+    moves: Array,
+    rest: Array,
+    radius: Array,
+    least: Array,
+) -> tuple[Array, Array]:
+    """Bound the distance and the coordinates by which the point moves, (n,) and (n, 3).
+
+    With P the quadric of N p for the coordinate p of the point, p - p0 = (P - p0 N) / N.
+    """
+    scale = platform.equations.scale
+    at = (given.point - given.T) / scale
+    arm = apply(np.swapaxes(given.R, 1, 2), at)
+    position = given.point / scale
+    hessians = np.zeros((len(points), 3, 8, 8))
+    turning = np.einsum("nj,ijkl->nikl", arm, ROTATION_FORMS.reshape(3, 3, 4, 4))
+    hessians[..., :4, :4] = turning + np.swapaxes(turning, -1, -2)
+    hessians[..., :4, 4:] = TRANSLATION_FORMS
+    hessians[..., 4:, :4] = np.swapaxes(TRANSLATION_FORMS, -1, -2)
+    hessians[..., :4, :4] -= 2 * position[..., None, None] * np.eye(4)
+    gradients = np.einsum("nikl,nl->nik", hessians, points)
+    norms = np.linalg.norm(hessians, axis=(2, 3))
+    moved = np.einsum("nkj,nij->nki", moves, gradients)
+    slopes = np.linalg.norm(gradients, axis=2)
+    rough = slopes * rest[:, None] + norms * (radius**2)[:, None] / 2 + 2.0**-45 * norms
+    with np.errstate(invalid="ignore"):
+        each = (np.abs(moved).sum(axis=1) + rough) / (least**2)[:, None]
+        whole = (_worst(moved) + np.linalg.norm(rough, axis=1)) / least**2
+    return whole * scale, each * scale

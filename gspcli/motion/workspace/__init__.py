@@ -1,0 +1,1 @@
+"""The poses that a platform can reach within its ranges and cones."""

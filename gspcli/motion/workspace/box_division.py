@@ -1,0 +1,231 @@
+"""Boxes of poses, judged and divided, until the volume of a workspace is known well enough.
+
+From a pose to values nothing has to be solved: a pose can be reached if its values are in their
+ranges and its legs in their cones. Boxes of poses are judged by interval arithmetic with all
+rounding bounded (native/reach.cpp), and those of which nothing is proved are halved in each
+direction until they are few enough.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.errors import ArgumentError
+from gspcli.geometry.instance import Instance
+from gspcli.motion.workspace.box_sets import BoxSet, Layer
+from gspcli.motion.workspace.home_part import HomePart
+from gspcli.motion.workspace.pose_boxes import PARAMETERS, REGULAR, Conditions, Keys, PoseBoxes
+from gspcli.motion.workspace.workspaces import ROUNDING, Workspace
+from gspcli.progress import Progress, silent
+
+Array = NDArray[np.float64]
+
+_DEEPEST = 20
+#: Boxes judged at a time: then Ctrl-C is heard, and whether the bounds are near enough is seen.
+_CHUNK = 50_000
+
+
+def workspace(
+    instance: Instance,
+    R: ArrayLike,
+    T: ArrayLike,
+    *,
+    free: Sequence[str] = ("x", "y", "z"),
+    pivot: ArrayLike = (0.0, 0.0, 0.0),
+    sequence: str = "ZYX",
+    within: dict[str, tuple[float, float]] | None = None,
+    connected: bool = False,
+    tolerance: float = 0.01,
+    most_boxes: int = 100_000_000,
+    jobs: int = 1,
+    progress: Progress = silent,
+    stop: Callable[[], bool] = lambda: False,
+) -> Workspace:
+    """Return the poses that keep the ranges and cones of a platform, between two sets of boxes.
+
+    Parameters
+    ----------
+    instance
+        The platform; constraints without a range and joints without a cone limit nothing.
+    R, T
+        The home pose, shapes (3, 3) and (3,); what does not vary is as there.
+    free
+        Parameters that vary, one to six: x, y, z, the position of the pivot, and rx, ry, rz,
+        angles from home about axes parallel to those of the base.
+    pivot
+        The point of the platform, in its frame, that x, y, z are the position of, shape (3,).
+    sequence
+        The order of the three turns, as `gspcli.geometry.euler` has it.
+    within
+        For some free parameters the interval to look in, in the units of the instance. Needed for
+        x, y, z if no leg (DPP) has a range.
+    connected
+        Only what can be reached from home by poses that are not singular.
+    tolerance
+        Boxes are divided until the bounds of the volume differ by this, relatively, or
+    most_boxes
+        until so many were judged.
+    jobs
+        Threads; the answer does not depend on them.
+    progress
+        Told of each level.
+    stop
+        Asked now and then whether to be content with what is proved so far.
+
+    Raises
+    ------
+    ArgumentError
+        If an argument is wrong, nothing is limited, or, with `connected`, home is not proved to
+        keep the limits and to be regular.
+    """
+    boxes = PoseBoxes(instance, R, T, pivot=pivot, sequence=sequence, regular=connected)
+    division = _Division(boxes, _names(free), dict(within or {}), jobs)
+    return division.run(tolerance, lambda: division.judged >= most_boxes or stop(), progress)
+
+
+def _names(free: Sequence[str]) -> tuple[str, ...]:
+    names = tuple(name for name in PARAMETERS if name in free)
+    if len(names) != len(free) or not names:
+        message = f"found {', '.join(free) or 'nothing'}, expected one or more of "
+        raise ArgumentError(message + ", ".join(PARAMETERS), "free")
+    return names
+
+
+class _Division:
+    """Boxes that are judged and divided."""
+
+    def __init__(
+        self,
+        boxes: PoseBoxes,
+        free: tuple[str, ...],
+        within: dict[str, tuple[float, float]],
+        jobs: int,
+    ) -> None:
+        self.boxes, self.free, self.jobs = boxes, free, jobs
+        self.indices = [PARAMETERS.index(name) for name in free]
+        self.weighted = sum(k > 2 for k in self.indices) == 3
+        if not boxes.conditions & ~REGULAR:
+            message = "no constraint has a range and no joint a cone: every pose can be reached"
+            raise ArgumentError(message)
+        self.bounds = self._bounds(within)
+        self.home = HomePart(boxes, self.bounds, self.indices) if boxes.regular else None
+        self.judged = 0
+        self.inner: list[Layer] = []
+        self.open: list[Layer] = []
+
+    def _bounds(self, within: dict[str, tuple[float, float]]) -> Array:
+        boxes = self.boxes
+        turns = any(name.startswith("r") for name in self.free)
+        bounds = boxes.bounds() if turns else boxes.bounds_at((0.0, 0.0, 0.0))
+        radian = boxes.instance.units.angle.in_radians
+        for name in within:
+            if name not in self.free:
+                message = f"found {name}, expected a parameter that varies: {', '.join(self.free)}"
+                raise ArgumentError(message, "within")
+        for k, name in enumerate(PARAMETERS):
+            if name not in self.free:
+                bounds[k] = boxes.home[k]
+            elif name in within:
+                low, high = (end * (radian if k > 2 else 1.0) for end in within[name])
+                if not (math.isfinite(low) and math.isfinite(high) and low < high):
+                    message = f"found {within[name]}, expected a finite interval (low, high)"
+                    raise ArgumentError(message, f"within[{name}]")
+                room = 1e-12 * (high - low)
+                if k > 2 and (low < bounds[k, 0] - room or high > bounds[k, 1] + room):
+                    message = f"found {within[name]}, expected at most a whole turn"
+                    raise ArgumentError(message, f"within[{name}]")
+                bounds[k] = low, high
+            elif not np.isfinite(bounds[k]).all():
+                message = f"no leg with a range bounds {name}: give the interval to look in"
+                raise ArgumentError(message, "within")
+        return bounds
+
+    def run(self, tolerance: float, stop: Callable[[], bool], progress: Progress) -> Workspace:
+        """Judge and divide until the bounds are near enough."""
+        start = self.bounds[self.indices]
+        if not (start[:, 0] < start[:, 1]).all():
+            return self._result()
+        self._judge(0, np.zeros(1, np.uint64), np.array([self.boxes.conditions]), split=False)
+        deepest = min(_DEEPEST if len(self.free) > 2 else 30, 62 // len(self.free))
+        for _ in progress(range(deepest), label="dividing"):
+            result = self._result()
+            if result.gap <= tolerance or stop():
+                return result
+            if self.boxes.regular:
+                self._keep_connected(result)
+            self._divide(tolerance, stop)
+        return self._result()
+
+    def _divide(self, tolerance: float, stop: Callable[[], bool]) -> None:
+        """Divide all open boxes, the largest first and a part at a time, as long as needed."""
+        waiting = [
+            (keys[start : start + _CHUNK], left[start : start + _CHUNK], level)
+            for keys, left, level in sorted(self.open, key=lambda boxes: boxes[2])
+            for start in range(0, len(keys), _CHUNK)
+        ]
+        self.open = []
+        inner = self._share(self.inner)
+        still = self._share(waiting)
+        for k, (keys, left, level) in enumerate(waiting):
+            # Of shares that are weighted, or parts of a connected set, not known before the end.
+            near = still <= tolerance * (1 - 10 * ROUNDING) * (inner + still)
+            simple = not (self.boxes.regular or self.weighted)
+            if stop() or (near and simple):
+                self.open += waiting[k:]
+                return
+            before = len(self.inner), len(self.open)
+            self._judge(level + 1, keys, left, split=True)
+            inner += self._share(self.inner[before[0] :])
+            still += self._share(self.open[before[1] :]) - self._share([(keys, left, level)])
+
+    def _share(self, boxes: list[Layer]) -> float:
+        """Return how much of the whole box some boxes are."""
+        return sum(math.ldexp(len(keys), -len(self.free) * level) for keys, _, level in boxes)
+
+    def _judge(self, level: int, keys: Keys, left: Conditions, *, split: bool) -> None:
+        found = self.boxes.judge(
+            self.bounds, self.indices, level, keys, left, split=split, jobs=self.jobs
+        )
+        self.judged += len(keys) << (len(self.free) if split else 0)
+        if len(found.inside):
+            self.inner.append((found.inside, found.inside_signs, level))
+        if len(found.open):
+            self.open.append((found.open, found.open_left, level))
+
+    def _result(self) -> Workspace:
+        inner, open_ = (BoxSet.of(parts) for parts in (self.inner, self.open))
+        if self.home:
+            inner, open_ = self.home.split(inner, open_)
+        return Workspace(
+            self.boxes,
+            self.free,
+            self.boxes.regular,
+            self.bounds[self.indices],
+            inner.keys,
+            inner.levels,
+            open_.keys,
+            open_.levels,
+            self.judged,
+        )
+
+    def _keep_connected(self, result: Workspace) -> None:
+        """Forget boxes that cannot be connected with home."""
+        near = {
+            level: np.concatenate(
+                (
+                    result.inner_keys[result.inner_levels == level],
+                    result.open_keys[result.open_levels == level],
+                )
+            )
+            for level in range(_DEEPEST + 12)
+        }
+        for boxes in (self.inner, self.open):
+            boxes[:] = [
+                (keys[kept], left[kept], level)
+                for keys, left, level in boxes
+                if (kept := np.isin(keys, near[level])).any()
+            ]

@@ -1,0 +1,218 @@
+"""Boxes of poses about a home pose, judged by the limits of a platform (native/reach.cpp)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli import _kernel
+from gspcli.certification.numbers.limit_balls import limit_balls
+from gspcli.errors import ArgumentError
+from gspcli.geometry.euler import check_sequence, rotation_from_euler
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.limits import joint_cones
+from gspcli.geometry.quaternions import apply, quaternion_from_rotation, rotation_from_quaternion
+
+Array = NDArray[np.float64]
+Keys = NDArray[np.uint64]
+Conditions = NDArray[np.uint32]
+
+#: Position of the pivot in the base, and angles about the axes of the base, from home.
+PARAMETERS = ("x", "y", "z", "rx", "ry", "rz")
+REGULAR, NEGATIVE = np.uint32(_kernel.REGULAR), np.uint32(_kernel.NEGATIVE)
+#: A matrix further from a rotation than this is none.
+_ROTATION = 1e-9
+_RANGES = 6
+
+
+class Judged(NamedTuple):
+    """Boxes of a grid: those proved to keep all limits, and those of which nothing is proved.
+
+    The others are proved to violate one. Keys hold the places in the grid, see `PoseBoxes.places`.
+    """
+
+    inside: Keys
+    inside_signs: Conditions
+    open: Keys
+    open_left: Conditions
+
+
+class PoseBoxes:
+    """The poses about a home pose, by six parameters, and the limits that they keep or leave.
+
+    The parameters are the position of the pivot in the base and three angles, in radians, about
+    axes parallel to those of the base: the rotation is ``E R`` with E by `rotation_from_euler`.
+
+    Parameters
+    ----------
+    instance
+        The platform with its limits.
+    R, T
+        The home pose, shapes (3, 3) and (3,).
+    pivot
+        The point of the platform, in its frame, that x, y, z are the position of, shape (3,).
+    sequence
+        The order of the axes, such as ``ZYX``.
+    regular
+        Whether poses of a box must also be proved not to be singular.
+
+    Raises
+    ------
+    ArgumentError
+        If the home pose is none.
+    """
+
+    def __init__(
+        self,
+        instance: Instance,
+        R: ArrayLike,
+        T: ArrayLike,
+        *,
+        pivot: ArrayLike = (0.0, 0.0, 0.0),
+        sequence: str = "ZYX",
+        regular: bool = False,
+    ) -> None:
+        self.instance = instance
+        self.sequence = check_sequence(sequence)
+        given, T = np.asarray(R, float), np.asarray(T, float)
+        self.pivot = np.asarray(pivot, float)
+        if given.shape != (3, 3) or T.shape != (3,) or self.pivot.shape != (3,):
+            message = (
+                f"R has shape {given.shape}, T {T.shape} and pivot {self.pivot.shape}, "
+                "expected (3, 3), (3,) and (3,)"
+            )
+            raise ArgumentError(message)
+        if not np.isfinite([*given.flat, *T, *self.pivot]).all():
+            message = "found a number that is not finite"
+            raise ArgumentError(message)
+        if np.abs(given @ given.T - np.eye(3)).max() > _ROTATION or np.linalg.det(given) < 0:
+            message = "found a matrix that is no rotation"
+            raise ArgumentError(message, "R")
+        # What is proved is about the rotation of these four doubles.
+        self.quaternion = quaternion_from_rotation(given)
+        self.R: Array = rotation_from_quaternion(self.quaternion)
+        self.home = np.concatenate((T + self.R @ self.pivot, np.zeros(3)))
+        self._balls = limit_balls(instance, self.quaternion.tolist(), self.pivot.tolist())
+        order = sequence if sequence.isupper() else sequence[::-1]
+        # The kernel has the angles in the order of the product.
+        self._order = [0, 1, 2, *(3 + "xyz".index(letter) for letter in order.lower())]
+        self._turn = np.array([k - 3 for k in self._order[3:]], np.int32)
+        self.cones = joint_cones(instance)
+        self.regular = regular
+
+    @property
+    def middle(self) -> str:
+        """The middle one of the three angles, which half a turn is enough of."""
+        return PARAMETERS[self._order[4]]
+
+    @property
+    def conditions(self) -> np.uint32:
+        """The conditions that a pose must keep, as bits: ranges, then cones, then regularity."""
+        bits = [k for k, row in enumerate(self.instance.constraints) if row.limits is not None]
+        bits += [_RANGES + k for k in range(len(self.cones))]
+        return np.uint32(sum(1 << bit for bit in bits) | (int(REGULAR) if self.regular else 0))
+
+    def names(self, conditions: int) -> list[str]:
+        """Return in words which conditions some bits are."""
+        found = [f"range of {k + 1}" for k in range(_RANGES) if conditions >> k & 1]
+        found += [
+            f"cone of {cone.constraint + 1} ({cone.body})"
+            for k, cone in enumerate(self.cones)
+            if conditions >> (_RANGES + k) & 1
+        ]
+        return found + (["singularity"] if conditions & int(REGULAR) else [])
+
+    def bounds(self) -> Array:
+        """Return a box that contains all poses that keep the limits, shape (6, 2).
+
+        Positions are bounded by legs (DPP) with a range, infinite if there are none; angles by a
+        whole turn, the middle one of the three by half of one.
+        """
+        half = np.full(6, np.inf)
+        middle = np.zeros(6)
+        half[3:] = np.pi
+        half[self._order[4]] = np.pi / 2
+        low, high = middle - half, middle + half
+        vectors = self._balls.vectors
+        for k, row in enumerate(self.instance.constraints):
+            if row.kind.name == "DPP" and row.limits is not None:
+                y, x = vectors[k, 0, :, 0], vectors[k, 2, :, 0]
+                far = row.limits[1].value + np.linalg.norm(y)
+                far = far + 1e-9 * (far + np.abs(x).max())
+                low[:3] = np.maximum(low[:3], x - far)
+                high[:3] = np.minimum(high[:3], x + far)
+        return np.stack((low, np.maximum(low, high)), axis=1)
+
+    def bounds_at(self, angles: ArrayLike) -> Array:
+        """Return such a box for the orientation of some angles, shape (3,); shape (6, 2)."""
+        E = rotation_from_euler(self.sequence, np.asarray(angles, float))
+        bounds = self.bounds()
+        for k, row in enumerate(self.instance.constraints):
+            if row.kind.name == "DPP" and row.limits is not None:
+                y, x = E @ self._balls.vectors[k, 0, :, 0], self._balls.vectors[k, 2, :, 0]
+                far = row.limits[1].value
+                room = 1e-9 * (far + np.abs(x).max() + np.linalg.norm(y))
+                bounds[:3, 0] = np.maximum(bounds[:3, 0], x - y - far - room)
+                bounds[:3, 1] = np.minimum(bounds[:3, 1], x - y + far + room)
+        bounds[:3, 1] = np.maximum(bounds[:3, 0], bounds[:3, 1])
+        bounds[3:] = np.asarray(angles, float)[:, None]
+        return bounds
+
+    def judge(
+        self,
+        bounds: Array,
+        free: Sequence[int],
+        level: int,
+        keys: Keys,
+        left: Conditions,
+        *,
+        split: bool,
+        jobs: int = 1,
+    ) -> Judged:
+        """Judge boxes of the grid that halves the free parameters of a box `level` times.
+
+        Parameters
+        ----------
+        bounds
+            The box, shape (6, 2); of parameters that are not free, the first number counts.
+        free
+            The indices of the free parameters, d of them.
+        level
+            Which grid.
+        keys, left
+            Boxes, shape (n,), and the conditions that are not yet proved for them; if `split`, of
+            the grid before, and their 2^d parts are judged.
+        jobs
+            Threads; the answer does not depend on them.
+        """
+        inverse = np.argsort(self._order)
+        found = _kernel.judge_boxes(
+            *self._balls,
+            self._turn,
+            bounds=np.ascontiguousarray(bounds[self._order]),
+            free=np.array([inverse[k] for k in free], np.int32),
+            level=level,
+            keys=keys,
+            left=left,
+            split=split,
+            jobs=jobs,
+        )
+        return Judged(*found)
+
+    def poses(self, parameters: Array) -> tuple[Array, Array]:
+        """Return the poses (R, T) of parameters, ``(..., 6) -> (..., 3, 3), (..., 3)``."""
+        R = rotation_from_euler(self.sequence, parameters[..., 3:]) @ self.R
+        return R, parameters[..., :3] - apply(
+            R, np.broadcast_to(self.pivot, (*parameters.shape[:-1], 3))
+        )
+
+
+def places(keys: Keys, dimensions: int) -> NDArray[np.int64]:
+    """Return the places in the grid that keys stand for, ``(n,) -> (n, d)``."""
+    bits = 64 // dimensions
+    mask = np.uint64(2**bits - 1)
+    columns = [(keys >> np.uint64(d * bits)) & mask for d in range(dimensions)]
+    return np.stack(columns, axis=-1).astype(np.int64)

@@ -1,0 +1,237 @@
+"""How far a platform can go from home along each axis: the table that makers of hexapods print."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.errors import ArgumentError
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.euler import rotation_from_euler
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range, tilts
+from gspcli.motion.poses.inverse_kinematics import measure
+from gspcli.motion.workspace.pose_boxes import NEGATIVE, PARAMETERS, REGULAR, PoseBoxes
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+
+#: Where nothing bounds the position it is looked for as far as this, in typical lengths.
+_FAR = 100.0
+#: The interval in which a travel ends is halved until it is this part of the whole.
+_FINEST = 2.0**-46
+_DEEPEST = 46
+#: More open intervals than this are not divided: a limit is kept by almost nothing.
+_MOST_OPEN = 500
+
+
+@dataclass(frozen=True)
+class Travel:
+    """How far one parameter can change from home while the others stay.
+
+    Attributes
+    ----------
+    axis
+        The parameter, one of x, y, z, rx, ry, rz.
+    reached
+        How far down and up every pose on the way is proved to keep the limits, from home, in the
+        units of the instance: a number at most 0 and one at least 0.
+    ends
+        Where at the latest it is proved that a limit is left; infinite if that was not found
+        (a whole turn; for positions a hundred typical lengths).
+    stops
+        What is undecided between the two: the limits that end the travel, in words.
+    """
+
+    axis: str
+    reached: tuple[float, float]
+    ends: tuple[float, float]
+    stops: tuple[tuple[str, ...], tuple[str, ...]]
+
+
+def moved(
+    R: ArrayLike,
+    T: ArrayLike,
+    offset: Mapping[str, float],
+    *,
+    pivot: ArrayLike = (0.0, 0.0, 0.0),
+    sequence: str = "ZYX",
+    in_radians: float = 1.0,
+) -> tuple[Array, Array]:
+    """Return a pose whose parameters differ from another one's.
+
+    Parameters
+    ----------
+    R, T
+        The pose, shapes (3, 3) and (3,).
+    offset
+        What is added to some of x, y, z, rx, ry, rz; angles turn about axes of the base.
+    pivot, sequence
+        As in `gspcli.motion.workspace.box_division.workspace`.
+    in_radians
+        The unit of angles.
+    """
+    unknown = [name for name in offset if name not in PARAMETERS]
+    if unknown:
+        message = f"found {unknown[0]}, expected one of {', '.join(PARAMETERS)}"
+        raise ArgumentError(message, "offset")
+    R, T, pivot = (np.asarray(part, float) for part in (R, T, pivot))
+    change = np.array([offset.get(name, 0.0) for name in PARAMETERS])
+    turned = rotation_from_euler(sequence, change[3:] * in_radians) @ R
+    return turned, T + R @ pivot + change[:3] - turned @ pivot
+
+
+def travels(
+    instance: Instance,
+    R: ArrayLike,
+    T: ArrayLike,
+    *,
+    axes: Sequence[str] = PARAMETERS,
+    pivot: ArrayLike = (0.0, 0.0, 0.0),
+    sequence: str = "ZYX",
+    connected: bool = False,
+) -> list[Travel]:
+    """Return how far each parameter can change from home while the others stay.
+
+    Parameters
+    ----------
+    instance
+        The platform with its ranges and cones.
+    R, T
+        The home pose, shapes (3, 3) and (3,).
+    axes
+        Which of x, y, z (the position of the pivot) and rx, ry, rz (turns about axes through the
+        pivot parallel to those of the base).
+    pivot
+        A point of the platform, in its frame, shape (3,).
+    sequence
+        The order of the turns, as `gspcli.geometry.euler` has it; of one turn alone no matter.
+    connected
+        Whether a singular pose ends the travel.
+
+    Raises
+    ------
+    ArgumentError
+        If home does not keep the limits, or an argument is wrong.
+    """
+    boxes = PoseBoxes(instance, R, T, pivot=pivot, sequence=sequence, regular=connected)
+    if not boxes.conditions & ~REGULAR and not connected:
+        message = "no constraint has a range and no joint a cone: every pose can be reached"
+        raise ArgumentError(message)
+    wrong = violations(instance, boxes.R, np.asarray(T, float))
+    if wrong:
+        message = f"home does not keep the limits: {'; '.join(wrong)}"
+        raise ArgumentError(message)
+    found = []
+    for axis in axes:
+        if axis not in PARAMETERS:
+            message = f"found {axis}, expected one of {', '.join(PARAMETERS)}"
+            raise ArgumentError(message, "axes")
+        k = PARAMETERS.index(axis)
+        down, up = _way(boxes, k, -1), _way(boxes, k, 1)
+        unit = instance.units.angle.in_radians if k > 2 else 1.0
+        found.append(
+            Travel(
+                axis,
+                (-down[0] / unit, up[0] / unit),
+                (-down[1] / unit, up[1] / unit),
+                (down[2], up[2]),
+            )
+        )
+    return found
+
+
+def violations(instance: Instance, R: Array, T: Array) -> list[str]:
+    """Return in words which limits a pose leaves, by more than rounding."""
+    values = measure(instance, R, T)
+    found = []
+    for k in out_of_range(instance, values).nonzero()[0].tolist():
+        limits = instance.constraints[k].limits
+        assert limits is not None
+        found.append(
+            f"the value {values[k]:.6g} of constraint {k + 1} is outside its range from "
+            f"{limits[0]} to {limits[1]}"
+        )
+    angles = tilts(instance, R, T)
+    for k in out_of_cone(instance, R, T).nonzero()[0].tolist():
+        cone = joint_cones(instance)[k]
+        found.append(
+            f"leg {cone.constraint + 1} is tilted by {angles[k]:.6g} at the {cone.body}, "
+            f"at most {cone.cone.half_angle} is allowed"
+        )
+    return found
+
+
+def _way(boxes: PoseBoxes, k: int, direction: int) -> tuple[float, float, tuple[str, ...]]:
+    """Return how far one parameter goes one way, where it ends at the latest, and what ends it."""
+    bounds = boxes.bounds_at((0.0, 0.0, 0.0))
+    home = boxes.home
+    far = np.pi
+    if k < 3:
+        far = (bounds[k, 1] - home[k]) if direction > 0 else (home[k] - bounds[k, 0])
+    endless = not np.isfinite(far)
+    if endless:
+        far = _FAR * Arrangement.of(boxes.instance).length
+    bounds = np.stack((home, home), axis=1)
+    if not far > 0:
+        return 0.0, 0.0, ()
+    ends = (home[k], home[k] + far) if direction > 0 else (home[k] - far, home[k])
+    bounds[k] = ends
+    return _divided(boxes, bounds, k, direction, endless or k > 2)
+
+
+def _divided(
+    boxes: PoseBoxes, bounds: Array, k: int, direction: int, endless: bool
+) -> tuple[float, float, tuple[str, ...]]:
+    width = float(bounds[k, 1] - bounds[k, 0])
+    sign: np.uint32 | None = None
+    # Intervals as (start, end, conditions left) from home in parts of the width, keys of the open.
+    inner: list[tuple[float, float]] = []
+    keys, left = np.zeros(1, np.uint64), np.array([boxes.conditions])
+    gap, stops = 1.0, 0
+    for level in range(_DEEPEST + 1):
+        found = boxes.judge(bounds, [k], level, keys, left, split=level > 0)
+        part = 2.0**-level
+        kept = found.inside
+        if boxes.regular and len(kept):
+            starts = _starts(kept, level, direction)
+            if sign is None and starts.min() == 0.0:
+                sign = found.inside_signs[starts.argmin()] & NEGATIVE
+            if sign is not None:
+                kept = kept[found.inside_signs & NEGATIVE == sign]
+        inner += [(s, s + part) for s in _starts(kept, level, direction).tolist()]
+        keys, left = found.open, found.open_left
+        starts = _starts(keys, level, direction)
+        order = np.argsort(starts)
+        keys, left, starts = keys[order], left[order], starts[order]
+        covered = sorted([*inner, *((s, s + part) for s in starts.tolist())])
+        gap = _first_gap(covered)
+        near = starts < gap
+        keys, left, starts = keys[near], left[near], starts[near]
+        stops = int(left[0]) if len(left) else stops
+        if not len(keys) or len(keys) > _MOST_OPEN or part < _FINEST:
+            break
+    reached = _first_gap(sorted(inner))
+    whole = gap >= 1.0 and endless
+    names = () if reached >= 1.0 else tuple(boxes.names(stops & ~int(NEGATIVE)))
+    return reached * width, np.inf if whole else gap * width, names
+
+
+def _starts(keys: NDArray[np.uint64], level: int, direction: int) -> Array:
+    """Return where intervals begin, seen from home, in parts of the whole."""
+    place = keys.astype(np.float64)
+    if direction < 0:
+        place = 2.0**level - 1 - place
+    return np.asarray(place * 2.0**-level)
+
+
+def _first_gap(intervals: list[tuple[float, float]]) -> float:
+    """Return up to where sorted intervals cover everything from 0."""
+    end = 0.0
+    for start, stop in intervals:
+        if start > end:
+            break
+        end = max(end, stop)
+    return end

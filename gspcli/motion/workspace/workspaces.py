@@ -1,0 +1,171 @@
+"""Which poses keep the ranges and cones of a platform: boxes of them, proved, and their volume."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.geometry.instance import Instance
+from gspcli.motion.workspace.box_sets import Levels
+from gspcli.motion.workspace.pose_boxes import Keys, PoseBoxes, places
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+
+#: Volumes are sums of many products in floating point, with errors far below this, relatively.
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Workspace:
+    """Poses that keep all limits, between two sets of boxes.
+
+    Every pose of an inner box keeps them, and every pose outside the inner and the open boxes
+    violates one; both are proved.
+
+    Attributes
+    ----------
+    boxes
+        The platform, its home pose and its limits.
+    free
+        The parameters that vary, of `PARAMETERS`, d of them; the others are those of home.
+    connected
+        Whether only what is connected with home by poses that are not singular is meant.
+    bounds
+        The box that was divided, shape (d, 2); lengths, and radians.
+    inner_keys, inner_levels, open_keys, open_levels
+        Boxes by their keys in the grid of their level.
+    judged
+        How many boxes were judged.
+    """
+
+    boxes: PoseBoxes
+    free: tuple[str, ...]
+    connected: bool
+    bounds: Array
+    inner_keys: Keys
+    inner_levels: Levels
+    open_keys: Keys
+    open_levels: Levels
+    judged: int
+
+    @property
+    def instance(self) -> Instance:
+        """The platform."""
+        return self.boxes.instance
+
+    @cached_property
+    def units(self) -> Array:
+        """What the parameters are divided by to be in the units of the instance, shape (d,)."""
+        radian = self.instance.units.angle.in_radians
+        return np.array([radian if name.startswith("r") else 1.0 for name in self.free])
+
+    @cached_property
+    def inner(self) -> Array:
+        """Boxes of poses that keep all limits, in the units of the instance, shape (n, d, 2)."""
+        return self._corners(self.inner_keys, self.inner_levels) / self.units[:, None]
+
+    @cached_property
+    def open(self) -> Array:
+        """Boxes of which nothing is proved, likewise; with the inner ones they contain the set."""
+        return self._corners(self.open_keys, self.open_levels) / self.units[:, None]
+
+    @cached_property
+    def volume(self) -> tuple[float, float]:
+        """Proved bounds of the volume, in the units that `measure` names."""
+        inner = self._volume(self.inner_keys, self.inner_levels)
+        rest = self._volume(self.open_keys, self.open_levels)
+        return inner * (1 - ROUNDING), (inner + rest) * (1 + ROUNDING)
+
+    @property
+    def gap(self) -> float:
+        """The difference of the bounds of the volume, relative to the upper one; 0 if that is 0."""
+        low, high = self.volume
+        return (high - low) / high if high else 0.0
+
+    @property
+    def measure(self) -> str:
+        """The unit of the volume.
+
+        If all three angles vary it is the share of all rotations, by the measure that no rotation
+        changes.
+        """
+        units = self.instance.units
+        lengths = sum(name in "xyz" for name in self.free)
+        angles = len(self.free) - lengths
+        parts = [_power(units.length, lengths)] if lengths else []
+        if angles == 3:
+            parts.append("of all rotations")
+        elif angles:
+            parts.append(_power(units.angle.value, angles))
+        return " ".join(parts)
+
+    @cached_property
+    def extents(self) -> Array:
+        """How far the set reaches in each parameter: proved to reach and to end, shape (d, 2, 2).
+
+        The first pair is the interval that the inner boxes span, the second one that contains the
+        set; NaN if there are no boxes.
+        """
+        found = np.full((len(self.free), 2, 2), np.nan)
+        for k, boxes in enumerate((self.inner, np.concatenate((self.inner, self.open)))):
+            if len(boxes):
+                found[:, k, 0] = boxes[:, :, 0].min(axis=0)
+                found[:, k, 1] = boxes[:, :, 1].max(axis=0)
+        return found
+
+    def judged_at(self, points: ArrayLike) -> NDArray[np.int8]:
+        """Return where points lie: 1 in an inner box, 0 in an open one, -1 outside, shape (n,).
+
+        Parameters
+        ----------
+        points
+            Values of the free parameters, in the units of the instance, shape (n, d).
+        """
+        given = np.asarray(points, float) * self.units
+        low, high = self.bounds.T
+        found = np.full(len(given), -1, np.int8)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            part = (given - low) / (high - low)
+        within = ((part >= 0) & (part <= 1)).all(axis=1)
+        bits = np.uint64(64 // len(self.free))
+        for keys, levels, sign in (
+            (self.open_keys, self.open_levels, 0),
+            (self.inner_keys, self.inner_levels, 1),
+        ):
+            for level in np.unique(levels):
+                side = 2.0**level
+                place = np.minimum(np.where(within[:, None], part, 0) * side, side - 1)
+                key = np.zeros(len(given), np.uint64)
+                for d in range(len(self.free)):
+                    key |= place[:, d].astype(np.uint64) << np.uint64(d * int(bits))
+                found[within & np.isin(key, keys[levels == level])] = sign
+        return found
+
+    def _corners(self, keys: Keys, levels: Levels) -> Array:
+        low, high = self.bounds.T
+        step = (high - low) / 2.0 ** levels[:, None]
+        place = places(keys, len(self.free))
+        return np.stack((low + place * step, low + (place + 1) * step), axis=2)
+
+    def _volume(self, keys: Keys, levels: Levels) -> float:
+        dimensions = len(self.free)
+        if sum(name.startswith("r") for name in self.free) < 3:
+            whole = float(np.prod((self.bounds[:, 1] - self.bounds[:, 0]) / self.units))
+            counts = np.bincount(levels, minlength=1).tolist()
+            return whole * sum(
+                math.ldexp(count, -dimensions * level) for level, count in enumerate(counts)
+            )
+        corners = self._corners(keys, levels)
+        sides = corners[:, :, 1] - corners[:, :, 0]
+        # The middle angle of the three counts by the difference of its sine.
+        middle = self.free.index(self.boxes.middle)
+        sides[:, middle] = np.sin(corners[:, middle, 1]) - np.sin(corners[:, middle, 0])
+        return float(sides.prod(axis=1).sum() / (8 * math.pi**2))
+
+
+def _power(unit: str, exponent: int) -> str:
+    return unit if exponent == 1 else f"{unit}^{exponent}"

@@ -1,0 +1,171 @@
+"""Limits along trajectories: where ranges and cones are left."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import gspcli
+from gspcli.catalogue.kinds import DPH
+from gspcli.geometry.instance import Side
+from gspcli.geometry.limits import joint_cones, tilts
+from gspcli.geometry.numbers import Number
+from gspcli.motion import measure, track
+from gspcli.motion.following.branch_follower import FollowOptions
+from gspcli.motion.following.limit_events import _crossings, limit_events
+from gspcli.motion.following.trajectories import track_from
+from tests.support.limited import limited, one_leg, study
+
+
+def test_ranges_are_left_at_the_exact_time():
+    machine = study(legs=(85, 95))
+    home = measure(machine, np.eye(3), np.array([0, 0, 60.0]))
+    values = np.stack((home, home + 8 * np.eye(6)[1], home))
+    found = limit_events(track(machine, values, t=[0, 1, 3], near=(np.eye(3), [0, 0, 60.0])))
+    ranges = [event for event in found if event.kind == "range"]
+    assert [(event.constraint, event.leaves) for event in ranges] == [(1, True), (1, False)]
+    part = (95 - home[1]) / 8
+    assert ranges[0].low == ranges[0].high == pytest.approx(part)
+    assert ranges[1].low == pytest.approx(1 + 2 * (1 - part))
+
+
+def sideways(count=6):
+    """Poses that move to the side, and the values there as a study measures them."""
+    T = np.array([[k * 15.0 / (count - 1), 0, 60] for k in range(count)])
+    R = np.broadcast_to(np.eye(3), (count, 3, 3))
+    return R, T, measure(study(), R, T)
+
+
+def test_where_cones_are_left_is_proved():
+    machine = study(base_angle=5)
+    R, T, values = sideways()
+    path = track_from(machine, values, R[:1], T[:1])
+    cones = [event for event in limit_events(path) if event.kind == "cone"]
+    assert len(cones) == 6
+    assert all(event.leaves and event.body == "base" and event.proved for event in cones)
+    assert all(0 < event.high - event.low < 1e-8 for event in cones)
+    # At these times the tilt is five degrees.
+    for event in cones:
+        row = int(event.low) - 1
+        at = values[row] + (event.low - 1 - row) * (values[row + 1] - values[row])
+        there = track_from(machine, np.stack((values[row], at)), R[[row]], T[[row]])
+        joint = [
+            k
+            for k, one in enumerate(joint_cones(machine))
+            if (one.constraint, one.body) == (event.constraint, event.body)
+        ]
+        assert tilts(machine, there.R[0, 1], there.T[0, 1])[joint] == pytest.approx(5, abs=1e-6)
+
+
+def test_cones_that_are_kept_all_along_leave_no_event():
+    R, T, values = sideways()
+    assert limit_events(track_from(study(), values, R[:1], T[:1])) == []
+
+
+def test_without_proof_cones_are_looked_at_where_the_rows_are():
+    R, T, values = sideways()
+    unproved = FollowOptions(certify=False)
+    path = track_from(study(base_angle=5), values, R[:1], T[:1], options=unproved)
+    cones = limit_events(path)
+    assert len(cones) == 6
+    assert all(event.high - event.low == 1 and not event.proved for event in cones)
+
+
+def test_a_cone_that_is_left_between_two_rows_that_keep_it_is_seen():
+    """The first leg is not allowed within five degrees of where it is halfway."""
+    machine = study(legs=(60, 180))
+    first = machine.constraints[0]
+    halfway = first.platform.point - first.base.point + np.array([0, 0, 60])
+    base = replace(first.base, cone=gspcli.Cone((-halfway).tolist(), 175))
+    machine = replace(machine, constraints=(replace(first, base=base), *machine.constraints[1:]))
+    T = np.array([[-15.0, 0, 60], [15, 0, 60]])
+    R = np.broadcast_to(np.eye(3), (2, 3, 3))
+    values = measure(machine, R, T)
+    unproved = FollowOptions(certify=False)
+    assert limit_events(track_from(machine, values, R[:1], T[:1], options=unproved)) == []
+    events = limit_events(track_from(machine, values, R[:1], T[:1]))
+    assert [(event.constraint, event.leaves) for event in events] == [(0, True), (0, False)]
+    assert all(1 < event.low < event.high < 2 for event in events)
+
+
+@pytest.mark.parametrize(
+    ("name", "seed"),
+    [("6D PP PP PP PP PP PP", 0), ("6D PP PP PP PP PL LP", 1), ("6D PP PP PP PP PP PH", 4)],
+)
+def test_what_is_seen_at_many_rows_is_among_the_events(name, seed):
+    instance, R, T = limited(name, seed, half_angle=30)
+    rng = np.random.default_rng(seed)
+    home = measure(instance, R, T)
+    rows = np.stack([home, *(home + 0.3 * np.abs(home) * rng.normal(size=(2, 6)))])
+    rows = np.where(home > 0, np.abs(rows), rows)
+    events = [e for e in limit_events(track(instance, rows, everything=True)) if e.kind == "cone"]
+    parts = np.linspace(0, 2, 161)
+    many = np.stack([np.interp(parts, range(3), column) for column in rows.T], axis=1)
+    seen = limit_events(track(instance, many, t=parts + 1, everything=True, certify=False))
+    seen = [event for event in seen if event.kind == "cone" and event.low < event.high]
+    assert seen
+
+    def alike(a, b):
+        same = (a.mode, a.constraint, a.body) == (b.mode, b.constraint, b.body)
+        same &= a.leaves == b.leaves or not a.proved
+        return same and a.low <= b.high and b.low <= a.high
+
+    assert all(any(alike(event, other) for event in events) for other in seen)
+
+
+def test_cones_of_joints_that_move_are_proved_too():
+    """Both ends of a platform on legs that keep their length, moved sideways together."""
+    machine = study(base_angle=5)
+    _, _, values = sideways()
+    names = [row.base_name or f"B{k}" for k, row in enumerate(machine.constraints, 1)]
+    rows = [
+        replace(row, base_name=name) for row, name in zip(machine.constraints, names, strict=True)
+    ]
+    machine = replace(machine, constraints=tuple(rows))
+    shift = np.array([0.0, 15.0])
+    places = {
+        f"base.{name}.x": row.base.point[0] + shift
+        for name, row in zip(names, machine.constraints, strict=True)
+    }
+    same = np.stack((values[0], values[0]))
+    home = np.eye(3), np.array([0, 0, 60.0])
+    assert limit_events(track(machine, same, coordinates=places, near=home)) == []
+    # One joint alone tilts its leg.
+    one = {f"base.{names[0]}.x": machine.constraints[0].base.point[0] + shift}
+    moved = track(machine, values[[0, 0]], coordinates=one, near=home)
+    left = [event for event in limit_events(moved) if event.kind == "cone"]
+    assert left
+    at = left[0]
+    places = {f"base.{names[0]}.x": machine.constraints[0].base.point[0] + shift * [1, at.low - 1]}
+    there = track(machine, same, coordinates=places, near=home)
+    [(_, _), (_, instance)] = there.instances()
+    joints = [(one.constraint, one.body) for one in joint_cones(machine)]
+    tilt = tilts(instance, there.R[0, 1], there.T[0, 1])[joints.index((at.constraint, at.body))]
+    assert tilt == pytest.approx(5, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("side", "changes"),
+    [
+        (Side.POSITIVE, {0: True, 10 / 3: False}),
+        (Side.NEGATIVE, {0: True, 2 / 3: False, 2: True}),
+        (Side.BOTH, {0: True, 2 / 3: False, 2: True, 10 / 3: False}),
+    ],
+)
+def test_signed_distances_cross_ranges_on_their_side(side, changes):
+    """From -2 to 1 in four seconds, with a range from 1/2 to 3/2."""
+    machine = one_leg((1, 2))
+    planar = replace(
+        machine.constraints[0],
+        kind=DPH,
+        side=side,
+        limits=(Number.of("0.5"), Number.of("1.5")),
+    )
+    machine = replace(machine, constraints=(planar, *machine.constraints[1:]))
+    times, outside = _crossings(machine, 0, np.array([0.0, 4]), np.array([-2.0, 1]))
+    found, state = {}, False
+    for time, now in zip(times, outside, strict=True):
+        if now != state:
+            found[time], state = now, now
+    assert list(found.values()) == list(changes.values())
+    assert list(found) == pytest.approx(list(changes))

@@ -1,0 +1,201 @@
+from __future__ import annotations
+
+import flint
+import numpy as np
+import pytest
+from flint import arb
+
+import gspcli
+from gspcli.certification.branches.taylor import MovingSystem
+from gspcli.geometry.coordinates import choose, coordinates, moved, stated
+from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.motion import FollowOptions, MovingPlatform, measure, track
+from gspcli.motion.following.chord_equations import DEGREE, Parts
+from gspcli.motion.following.chords import prove
+from gspcli.motion.following.moving_geometry import MovingGeometry
+from gspcli.motion.following.trajectories import track_from
+from gspcli.resources import data_path
+from gspcli.solver.generate import random_instance
+
+MIXED = ["6PP", "6DLL", "PP PL LP PH HP DLL", "PL PL LP ALL ALH AHH"]
+
+
+def random_platform(gsp_type, seed=1):
+    rng = np.random.default_rng(seed)
+    instance, (R, T) = random_instance(gspcli.parse_type(gsp_type), rng)
+    return rng, instance, R, T
+
+
+def stated_values(instance):
+    return np.array([constraint.value.value for constraint in instance.constraints])
+
+
+def named(instance, *, body, vector="position"):
+    return [c for c in coordinates(instance) if c.body == body and c.vector == vector]
+
+
+def matrix_about(axis, angle):
+    return rotation_from_vector(np.asarray(axis) / np.linalg.norm(axis) * angle)
+
+
+@pytest.mark.parametrize("gsp_type", MIXED)
+def test_both_proofs_agree_where_only_values_move(gsp_type):
+    rng, instance, R, T = random_platform(gsp_type)
+    t = np.linspace(0, 1, 6)[:, None]
+    turn, move = rng.normal(size=(2, 1, 3)) * 0.03
+    values = measure(instance, rotation_from_vector(t * turn) @ R, T + t * move)
+    one, other = MovingPlatform(instance), MovingGeometry(instance, ())
+    branch = np.zeros(1, int)
+    start = one.points(R[None], T[None])
+    quick = one.follow(one.internal(values)[None], branch, start)
+    slow = other.follow(values[None], branch, start, FollowOptions())
+    assert quick.stop == slow.stop == 0
+    assert np.allclose(quick.points, slow.points, atol=1e-12)
+    if slow.segments[0] == quick.segments[0]:
+        assert slow.worst == pytest.approx(quick.worst, rel=0.1)
+
+
+def test_a_base_that_is_shifted_takes_the_platform_along():
+    instance = gspcli.load(data_path("examples", "platform-6-6.yaml"))
+    shift, s = np.array([0.4, -0.3, 0.2]), np.linspace(0, 1, 4)
+    values = np.tile(stated_values(instance), (4, 1))
+    for body in ("base", "platform"):
+        chosen = named(instance, body=body)
+        places = stated(instance, chosen)[None] + s[:, None] * [shift[c.component] for c in chosen]
+        columns = dict(zip([c.name for c in chosen], places.T, strict=True))
+        found = track(instance, values, coordinates=columns, everything=True)
+        assert found.certified
+        assert found.complete
+        assert not found.events
+        assert len(found.modes) == 2
+        assert np.allclose(found.R, found.R[:, :1], atol=1e-12)
+        way = shift if body == "base" else -(found.R @ shift)
+        assert np.allclose(found.T - found.T[:, :1], s[:, None] * way, atol=1e-12)
+        assert np.allclose(found.conditions, found.conditions[:, :1])
+
+
+def test_cranks_about_one_axis_turn_everything():
+    text = data_path("examples", "platform-6-6.yaml").read_text(encoding="utf-8")
+    head, tail = text.split("base:\n")
+    crank = ", crank: {centre: [1, 2, 0.5], axis: [1, -2, 2]}}"
+    points, constraints = tail.split("constraints:")
+    turning = "\n".join(
+        line.replace("]}", "]" + crank) if "{point" in line else line for line in points.split("\n")
+    )
+    instance = gspcli.loads(f"{head}base:\n{turning}constraints:{constraints}")
+    assert gspcli.loads(gspcli.dumps(instance)) == instance
+    names = [c.name for c in named(instance, body="base", vector="crank")]
+    assert len(names) == 6
+    angles = np.array([0, 25, -70, 120.0])
+    values = np.tile(stated_values(instance), (4, 1))
+    found = track(instance, values, coordinates=dict.fromkeys(names, angles), modes=[1])
+    assert found.certified
+    assert not found.events
+    for k, angle in enumerate(np.radians(angles)):
+        Q, centre = matrix_about([1, -2, 2], angle), np.array([1, 2, 0.5])
+        assert np.allclose(found.R[0, k], Q @ found.R[0, 0], atol=1e-11)
+        assert np.allclose(found.T[0, k], Q @ (found.T[0, 0] - centre) + centre, atol=1e-11)
+    # The same in one step as in the other three, and the claim is about the circle, not the chord.
+    direct = track(
+        instance, values[[0, 3]], coordinates=dict.fromkeys(names, angles[[0, 3]]), modes=[1]
+    )
+    assert np.allclose(direct.R[0, -1], found.R[0, -1], atol=1e-11)
+    assert direct.segments > 3
+
+
+@pytest.mark.parametrize("gsp_type", MIXED)
+def test_every_coordinate_can_move(gsp_type):
+    rng, instance, R, T = random_platform(gsp_type)
+    every = coordinates(instance)
+    assert {c.vector for c in every} >= {"position"}
+    start = stated(instance, every)
+    places = start + np.linspace(0, 1, 4)[:, None] * rng.normal(size=len(every)) * 1e-4
+    platform = MovingGeometry(instance, every)
+    values = np.tile(measure(instance, R, T), (4, 1))
+    rows = np.column_stack((values, places))
+    found = platform.follow(
+        rows[None], np.zeros(1, int), platform.points(R[None], T[None]), FollowOptions()
+    )
+    assert found.stop[0] == 0
+    assert found.worst[0] < 1
+    poses = platform.poses(found.points[0])
+    for k in range(4):
+        there = moved(instance, every, places[k])
+        assert np.allclose(measure(there, poses[0][k], poses[1][k]), values[k], atol=1e-9)
+
+
+def test_a_fold_met_by_moving_a_joint():
+    instance = gspcli.load(data_path("examples", "platform-6-6.yaml"))
+    name = f"base.{instance.constraints[0].base_name}.x"
+    (one,) = choose(instance, [name])
+    (first,) = stated(instance, [one])
+    values = np.tile(stated_values(instance), (2, 1))
+    found = track(instance, values, coordinates={name: first + np.array([0, 1])}, everything=True)
+    assert found.complete
+    folds = sorted({event.low for event in found.events if event.kind == "fold"})
+    assert len(folds) == len(found.events) // 2 == 2
+    for fold in folds:
+        before, after = (
+            gspcli.solve(moved(instance, [one], np.array([first + fold - 1 + step]))).real.sum()
+            for step in (-1e-8, 1e-8)
+        )
+        assert after - before == 2
+
+
+def test_what_taylor_polynomials_leave_out_is_bounded():
+    rng = np.random.default_rng(5)
+    instance = gspcli.load(data_path("platforms", "t-top-head.yaml"))
+    chosen = choose(instance, [f"crank.B{k}" for k in range(1, 7)])
+    system = MovingSystem(instance, chosen)
+    values = stated_values(instance)
+    rows = (
+        np.concatenate((values, np.zeros(6))),
+        np.concatenate((values * 1.01, [90, -60, 40, 80, -70, 30])),
+    )
+    part = system.on_part(rows, 0.0, 1.0)
+    short = part.restricted(-0.25, 0.25, DEGREE)
+    worst = np.zeros(2)
+    for s in rng.uniform(0, 1, 10):
+        with flint.ctx.workprec(128):
+            exact = system.on_part(rows, s, s).quadrics[:, :, 0]
+        off = np.linalg.norm(
+            exact - np.einsum("kqdxy,d->kqxy", part.quadrics, (s - 0.5) ** np.arange(7)),
+            ord=2,
+            axis=(2, 3),
+        )
+        assert (off <= part.errors).all()
+        worst[0] = max(worst[0], (off[:, 0] / part.errors[:, 0]).max())
+        if abs(s - 0.5) <= 0.25:
+            tau = (s - 0.5) * 2
+            near = np.einsum("kqdxy,d->kqxy", short.quadrics, tau ** np.arange(DEGREE + 1))
+            off = np.linalg.norm(exact - near, ord=2, axis=(2, 3))
+            assert (off <= short.errors).all()
+    # Not by far too much: a bound smaller by a factor of twenty would be wrong.
+    assert worst[0] > 0.05
+    assert float(arb(1)) == 1
+
+
+def test_a_chord_to_another_place_is_not_proved():
+    _, instance, R, T = random_platform("6PP")
+    platform = MovingGeometry(instance, ())
+    values = measure(instance, R, T)
+    rows = np.stack((values, values * 1.00001))
+    start = platform.points(R[None], T[None])
+    found = platform.follow(rows[None], np.zeros(1, int), start, FollowOptions())
+    part = platform.system.on_part((rows[0], rows[1]), 0.0, 1.0).restricted(-0.5, 0.5, DEGREE)
+    parts = Parts.of(platform.system.shapes, [part])
+    assert prove(parts, start, found.points[:, 1]).measure[0] < 0.98
+    wrong = found.points[:, 1] + 0.05 * np.eye(8)[[5]]
+    assert prove(parts, start, wrong).measure[0] > 0.98
+    loose = Parts(
+        parts.shapes, parts.quadrics, parts.errors + 0.1, *(parts.factors, parts.errors[:, :, 0])
+    )
+    assert prove(loose, start, found.points[:, 1]).measure[0] > 0.98
+
+
+def test_following_from_given_poses_needs_no_coordinates():
+    _, instance, R, T = random_platform("6PP")
+    values = measure(instance, R, T)
+    found = track_from(instance, np.stack((values, values * 1.001)), R[None], T[None])
+    assert found.coordinates == ()
+    assert np.isfinite(found.conditions).all()

@@ -1,0 +1,95 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import gspcli
+from gspcli.errors import ArgumentError
+from gspcli.motion import MovingPlatform, measure
+from gspcli.motion.following.branch_follower import Stop
+from gspcli.motion.singularities.clearances import clearance, clearances, range_weights
+from gspcli.motion.singularities.enclosures import SIGNS
+from gspcli.resources import data_path
+from gspcli.solver.generate import random_instance
+
+TYPES = ["6PP", "6PH", "6PL", "6DLL", "PP PL LP PH HP DLL", "PL PL LP ALL ALH AHH"]
+
+
+def platform(name, seed):
+    instance, (R, T) = random_instance(gspcli.parse_type(name), np.random.default_rng(seed))
+    return instance, R, T
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_nothing_is_singular_within_the_lower_bound(name):
+    instance, R, T = platform(name, 1)
+    lower = clearances(instance, R[None], T[None])[0]
+    assert lower > 0
+    moving = MovingPlatform(instance)
+    values = measure(instance, R, T)
+    rng = np.random.default_rng(2)
+    directions = np.concatenate((SIGNS, -SIGNS, rng.uniform(-1, 1, size=(64, 6))))
+    ends = np.stack(
+        (np.broadcast_to(values, directions.shape), values + lower * directions), axis=1
+    )
+    start = np.repeat(moving.points(R[None], T[None]), len(ends), axis=0)
+    followed = moving.follow(moving.internal(ends), np.arange(len(ends)), start)
+    assert (followed.stop == Stop.END).all()
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_the_upper_bound_is_a_fold_of_the_same_mode(name):
+    instance, R, T = platform(name, 3)
+    found = clearance(instance, R, T)
+    assert 0 < found.lower <= found.upper
+    if np.isinf(found.upper):
+        return
+    assert found.fold is not None
+    assert found.values is not None
+    assert found.fold.kind == "fold"
+    assert np.abs(found.values - measure(instance, R, T)).max() == pytest.approx(found.upper)
+    assert np.allclose(measure(instance, found.fold.R, found.fold.T), found.values, atol=1e-6)
+
+
+def test_bounds_of_random_hexapods_are_near_to_each_other():
+    ratios, refined = [], []
+    for seed in range(5):
+        instance, R, T = platform("6PP", seed)
+        ratios.append(clearance(instance, R, T).ratio)
+        refined.append(clearance(instance, R, T, refine=True).ratio)
+        assert 1 <= refined[-1] <= ratios[-1]
+    assert np.median(ratios) < 4
+    assert np.median(refined) < 2
+
+
+def test_weights_and_ranges():
+    instance = gspcli.load(data_path("platforms", "workspace-study.yaml"))
+    weights = range_weights(instance)
+    assert weights is not None
+    assert np.allclose(weights, [(c.limits[1].value - c.limits[0].value) / 2 for c in
+                                 instance.constraints])  # fmt: skip
+    poses = gspcli.solve(instance, certify=False)
+    R, T = poses.R[poses.real].real, poses.T[poses.real].real
+    one = clearances(instance, R, T)
+    assert np.allclose(clearances(instance, R, T, weights=np.full(6, 10)), one / 10, rtol=0.1)
+    assert range_weights(gspcli.load(data_path("examples", "platform-6-6.yaml"))) is None
+
+
+def test_a_singular_pose_has_no_clearance():
+    instance = gspcli.load(data_path("examples", "platform-6-6.yaml"))
+    values = [[2.53, 2.08, 0.93, 1.97, 1.46, 1.73], [2.6, 2.0, 1.0, 1.9, 1.46, 1.73]]
+    fold = gspcli.track(instance, values).events[0]
+    assert clearances(instance, fold.R[None], fold.T[None])[0] < 1e-9
+
+
+def test_nothing_is_followed_from_a_pose_that_is_exactly_singular():
+    instance = gspcli.load(data_path("examples", "singular-pose.yaml"))
+    poses = gspcli.solve(instance, certify=False)
+    found = clearance(instance, poses.R[0].real, poses.T[0].real)
+    assert (found.lower, found.upper, found.fold) == (0, np.inf, None)
+
+
+def test_mistakes_are_named():
+    instance, R, T = platform("6PP", 0)
+    with pytest.raises(ArgumentError, match="weights: found"):
+        clearances(instance, R[None], T[None], weights=[1, 2, 3])

@@ -1,0 +1,131 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import gspcli
+from gspcli.errors import ArgumentError
+from gspcli.motion.singularities.crossings import boundaries, boundary
+from gspcli.motion.singularities.value_scans import MISSING, Axis, Scan, scan
+from gspcli.resources import data_path
+
+
+@pytest.fixture(scope="module")
+def hexapod():
+    return gspcli.load(data_path("examples", "platform-6-6.yaml"))
+
+
+def test_counts_are_those_of_solve_and_change_at_proved_folds(hexapod):
+    axis = Axis(0, tuple(np.linspace(2.3, 2.8, 11).tolist()))
+    found = scan(hexapod, [axis])
+    assert found.modes.shape == (11,)
+    for value, modes in zip(axis.values, found.modes, strict=True):
+        one = gspcli.solve(gspcli.set_values(hexapod, {1: value}), certify=False)
+        assert one.real.sum() == modes
+    limits = boundary(found)
+    assert not limits.unexplained
+    assert not limits.curves
+    assert len(list(boundaries(found))) == len(list(found.edges)) + 1 > 1
+    for low, high in found.edges:
+        here = [
+            fold
+            for fold in limits.crossings
+            if axis.values[low[0]] <= fold.values[0] <= axis.values[high[0]]
+        ]
+        assert sum(fold.change for fold in here) == found.modes[high] - found.modes[low]
+        for fold in here:
+            (value,) = fold.values
+            sides = [
+                gspcli.solve(
+                    gspcli.set_values(hexapod, {1: value + step}), certify=False
+                ).real.sum()
+                for step in (-1e-7, 1e-7)
+            ]
+            assert sides[1] - sides[0] == fold.change
+
+
+def test_two_values(hexapod):
+    axes = [Axis(0, (2.4, 2.5, 2.6)), Axis(3, (1.9, 2.0))]
+    found = scan(hexapod, axes)
+    assert found.modes.shape == found.conditions.shape == (3, 2)
+    one = gspcli.set_values(hexapod, ["1=2.6", "4=2.0"])
+    assert found.modes[2, 1] == gspcli.solve(one, certify=False).real.sum()
+    assert found.values_at((2, 1)).tolist() == [2.6, 2.08, 0.93, 2.0, 1.46, 1.73]
+
+
+@pytest.mark.parametrize("axes", [[], [Axis(0, (1.0, 2.0))] * 2])
+def test_mistakes_are_named(hexapod, axes):
+    with pytest.raises(ArgumentError, match="axes: expected one or two different"):
+        scan(hexapod, axes)
+
+
+def test_the_discriminant_is_followed_as_curves_with_cusps(hexapod):
+    axes = [
+        Axis(0, tuple(np.linspace(1.9, 2.5, 7).tolist())),
+        Axis(3, tuple(np.linspace(1.6, 2.2, 7).tolist())),
+    ]
+    found = scan(hexapod, axes)
+    limits = boundary(found)
+    assert not limits.unexplained
+    assert 1 <= len(limits.curves) <= 5
+    # On both sides of the curves, away from the folds that were proved, the numbers differ by two.
+    sides = []
+    for curve in limits.curves:
+        values = curve.values[2:-2:20]
+        ahead = curve.values[3:-1:20] - values
+        normal = np.stack((-ahead[:, 1], ahead[:, 0]), axis=1)
+        normal *= 1e-6 / np.linalg.norm(normal, axis=1, keepdims=True)
+        sides += [values - normal, values + normal]
+    every = np.tile(found.values_at((0, 0)), (sum(map(len, sides)), 1))
+    every[:, [0, 3]] = np.concatenate(sides)
+    batch = gspcli.solver.solve_batch(hexapod, every)
+    assert batch.complete.all()
+    modes = np.split(batch.real.sum(axis=1), np.cumsum([len(part) for part in sides])[:-1])
+    for left, right in zip(modes[::2], modes[1::2], strict=True):
+        assert (np.abs(left - right) == 2).all()
+    # Where three modes meet the discriminant has a cusp.
+    (cusp,) = np.concatenate([curve.cusps for curve in limits.curves if len(curve.cusps)])[:1]
+    at = every[:1].copy()
+    at[0, [0, 3]] = cusp
+    (poses,) = gspcli.solve_values(hexapod, at + 1e-9)
+    real, every_T = poses.T[poses.real].real, poses.T
+    nearest = [np.sort(np.linalg.norm(every_T - T, axis=1))[:3].max() for T in real]
+    assert min(nearest) < 0.02
+
+
+def test_a_curve_that_the_numbers_at_the_nodes_do_not_tell_of_is_found(hexapod):
+    # It enters the only cell through an edge and leaves through the same.
+    axes = [Axis(0, (2.3162, 2.3562)), Axis(3, (1.6657, 1.6772))]
+    found = scan(hexapod, axes)
+    assert (found.modes == 0).all()
+    limits = boundary(found)
+    assert len(limits.curves) == 1
+    assert not limits.unexplained
+    first, last = sorted(limits.crossings, key=lambda one: one.values)
+    assert (first.change, last.change) == (2, -2)
+    assert first.values[1] == last.values[1] == 1.6772
+    between = found.values_at((0, 1))
+    between[0] = (first.values[0] + last.values[0]) / 2
+    assert gspcli.solver.solve_batch(hexapod, between[None]).real.sum() == 2
+    (curve,) = limits.curves
+    middle = curve.unknowns[len(curve.unknowns) // 2]
+    # A pose and its direction have two signs each; elsewhere there is no curve.
+    assert curve.contains(np.concatenate((-middle[:8], middle[8:])))
+    assert not curve.contains(np.concatenate((middle[8:16], middle[:8], middle[16:])))
+
+
+def test_pieces_can_be_done_apart(hexapod, monkeypatch):
+    monkeypatch.setattr("gspcli.motion.singularities.value_scans._PIECE", 4)
+    axes = [Axis(0, (2.4, 2.5, 2.6)), Axis(3, (1.9, 2.0))]
+    whole = scan(hexapod, axes, clearance=True)
+    part = Scan.empty(hexapod, axes, clearance=True)
+    assert part.pieces == 2
+    assert (part.modes == MISSING).all()
+    from gspcli.motion.singularities.value_scans import scanned
+
+    part.enter(scanned(part, 2003, 1))
+    assert (part.modes.reshape(-1)[:4] == MISSING).all()
+    assert np.array_equal(part.modes.reshape(-1)[4:], whole.modes.reshape(-1)[4:])
+    there = whole.modes > 0
+    assert (whole.clearances[there] > 0).all()
+    assert np.isinf(whole.clearances[~there]).all()
