@@ -28,11 +28,12 @@ from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.platforms import Platforms
 from gspcli.reality.recognition import look_real
-from gspcli.solver.direct import proofs_of
+from gspcli.solver.ledger import Ledger
 from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.problem import Problem
+from gspcli.solver.strategies.careful_paths import careful_paths
 from gspcli.solver.tracking import (
     poses_by_paths,
-    proved_by_paths,
     pursue_each,
     solve_by_tracking,
 )
@@ -146,14 +147,15 @@ def certified_real(instance: Instance, enough: int | None = None, *, jobs: int =
     jobs
         Threads.
     """
-    ((arrangement, pursuits),) = pursue_each([Arrangement.of(instance)], seed=SEED, jobs=jobs)
-    proofs = proofs_of(instance, arrangement)
-    found = None if proofs is None else proved_by_paths(proofs, arrangement, pursuits)
-    if found is not None:
+    problem = Problem(instance, seed=SEED, jobs=jobs)
+    ledger = Ledger(problem)
+    for ends in careful_paths(problem):
+        ledger.add(ends)
+    if (found := ledger.complete) is not None:
         return int(found.real.sum())
     if enough is not None and (real := quickly_certified_real(instance, enough)) >= enough:
         return real
-    found = poses_by_paths(arrangement, pursuits)
+    found = poses_by_paths(problem.arrangement, problem.pursuits)
     return certify(instance, found.R[found.real], found.T[found.real]).real
 
 

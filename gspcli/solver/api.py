@@ -21,12 +21,14 @@ from gspcli.geometry.numbers import Number
 from gspcli.solver.arguments import problems_of, value_rows, whole
 from gspcli.solver.batch import Block, PoseBatch, joined
 from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.problem import Problem
 from gspcli.solver.result import SolveResult
+from gspcli.solver.solved_starts import STARTS
+from gspcli.solver.solving import solved
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
     from gspcli.certification.poses.many_values import ValueProofs
-    from gspcli.continuation.pursuit import Pursuit
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -74,140 +76,26 @@ def solve(
     """
     checked(instance)
     seed, jobs = whole(seed, "seed", least=0), whole(jobs, "jobs", least=1)
-    arrangement = Arrangement.of(instance)
     centring = Centring.of(instance)
-    if not centring.is_none:
-        # Far from the bodies doubles have few digits left for what is asked.
-        near = solve(centring.applied(instance), seed=seed, jobs=jobs, certify=certify, prove=prove)
-        return SolveResult(instance, arrangement, near.poses.taken_back(centring), seed)
-    poses = _solved(instance, arrangement, seed, jobs, certify=certify, prove=prove)
-    return SolveResult(instance, arrangement, poses.in_order(arrangement.length), seed)
+    # Far from the bodies doubles have few digits left for what is asked.
+    near = instance if centring.is_none else centring.applied(instance)
+    problem = Problem(near, seed=seed, jobs=jobs, certify=certify, prove=prove)
+    poses = _solved(problem)
+    if centring.is_none:
+        return SolveResult(instance, problem.arrangement, poses, seed)
+    return SolveResult(instance, Arrangement.of(instance), poses.taken_back(centring), seed)
 
 
-def _solved(
-    instance: Instance,
-    arrangement: Arrangement,
-    seed: int,
-    jobs: int,
-    *,
-    certify: bool,
-    prove: bool | None,
-) -> PoseSet:
-    """Return all poses of an instance, in any order."""
-    pursuits: list[Pursuit] | None = None
-    proofs: ValueProofs | None = None
-    # Each method is imported when it is needed: start-up is most of the time of one solve.
-    if len(arrangement.angles) == MAX_ANGLES:
-        poses: PoseSet | None = _in_closed_form(instance, arrangement, certify=certify)
-    else:
-        from gspcli.solver.direct import proofs_of, proved_directly
+def _solved(problem: Problem) -> PoseSet:
+    """Return all poses of a platform near the origins, in order."""
+    poses = solved(problem)
+    if problem.limit != 0 and poses.account.verdict == "infinite":
+        if not any(motion.real for motion in poses.motions):
+            from gspcli.solver.real_statements import lone_real_poses
 
-        proofs = proofs_of(instance, arrangement)
-        poses = proved_directly(proofs, arrangement) if proofs else None
-        if poses is None and proofs and prove is not False:
-            from gspcli.solver.special_geometry import proved_by_geometry
-
-            poses = proved_by_geometry(instance, proofs, arrangement, seed=seed, limit=PATIENCE)
-        if poses is None and proofs:
-            poses = _proved_shortly(arrangement, proofs, seed, jobs)
-        if poses is None:
-            from gspcli.solver import tracking
-
-            _, pursuits = next(tracking.pursue_each([arrangement], seed=seed, jobs=jobs))
-            regular = _all_regular(pursuits)
-            # Proving all poses is cheaper than counting them because a few paths went wrong.
-            if proofs:
-                poses = tracking.proved_by_paths(proofs, arrangement, pursuits)
-            if poses is None and regular:
-                poses = tracking.poses_by_paths(arrangement, pursuits)
-    if poses is not None and certify and len(poses.R) and poses.proof is None:
-        poses = _proved(instance, poses)
-    if poses is None or not _is_general(poses, certify):
-        limit = {True: None, False: 0.0, None: PATIENCE}[prove]
-        poses = _special(instance, arrangement, pursuits, seed, jobs, limit, proofs)
-    return poses
-
-
-def _in_closed_form(
-    instance: Instance, arrangement: Arrangement, *, certify: bool
-) -> PoseSet | None:
-    """Return the poses of a platform with three angles, proved as far as doubles prove them.
-
-    None if it is not in general position.
-    """
-    from gspcli.solver.closed_form import solve_closed_form
-
-    if not certify:
-        return solve_closed_form(arrangement)
-    from gspcli.certification.poses.many_values import ValueProofs
-    from gspcli.solver.closed_form_proofs import proved_closed_form, proved_general_form
-
-    proofs = ValueProofs.of(instance, None)
-    poses = proved_general_form(proofs, arrangement) if proofs else None
-    return poses or proved_closed_form(proofs, arrangement, solve_closed_form(arrangement))
-
-
-def _proved_shortly(
-    arrangement: Arrangement,
-    proofs: ValueProofs,
-    seed: int,
-    jobs: int,
-) -> PoseSet | None:
-    """Return as many poses as the type has, all proved, by paths of short series.
-
-    None if they do not lead to them, or if those are not the quickest there are.
-    """
-    from gspcli.solver import tracking
-
-    for pursuits in tracking.short_pursuits(arrangement, seed=seed, jobs=jobs):
-        poses = tracking.proved_by_paths(proofs, arrangement, pursuits)
-        if poses is not None:
-            return poses
-    return None
-
-
-def _all_regular(pursuits: Iterable[Pursuit]) -> bool:
-    return all(pursuit.is_regular for pursuit in pursuits)
-
-
-def _special(
-    instance: Instance,
-    arrangement: Arrangement,
-    pursuits: list[Pursuit] | None,
-    seed: int,
-    jobs: int,
-    limit: float | None,
-    proofs: ValueProofs | None = None,
-) -> PoseSet:
-    """Return the poses of a platform that is not in general position."""
-    from gspcli.solver.special import solve_special
-
-    if pursuits is None:
-        from gspcli.solver.tracking import pursue_each
-
-        _, pursuits = next(pursue_each([arrangement], seed=seed, jobs=jobs))
-    poses = solve_special(instance, arrangement, pursuits, proofs, seed=seed, limit=limit)
-    if limit == 0 or poses.account.verdict != "infinite" or any(m.real for m in poses.motions):
-        return poses
-    from gspcli.solver.real_statements import lone_real_poses
-
-    found = lone_real_poses(instance, lambda other: solve(other, seed=seed, jobs=jobs).poses)
-    return replace(poses, motions=(*(found or ()), *poses.motions))
-
-
-def _proved(instance: Instance, poses: PoseSet) -> PoseSet:
-    """Return poses with certificates, and with a proof if they are as many as the type has."""
-    from gspcli.certification import decide
-
-    poses = poses.decided(decide(instance, poses.R, poses.T))
-    return replace(poses, proof=poses.proof_by_type or poses.proof)
-
-
-def _is_general(poses: PoseSet, certify: bool) -> bool:
-    """Whether there are as many distinct simple poses as the type has, as asked proved or not."""
-    if certify:
-        return poses.proof is not None
-    return int((poses.multiplicity == 1).sum()) == poses.account.expected
+            found = lone_real_poses(problem.instance, lambda other: _solved(problem.like(other)))
+            poses = replace(poses, motions=(*(found or ()), *poses.motions))
+    return poses.in_order(problem.arrangement.length)
 
 
 def solve_values(
@@ -324,9 +212,10 @@ def _solve_rows(
         for k in special.tolist():
             row = rows[begin + k]
             given = instance.with_values({i: Number.of(x) for i, x in enumerate(row.tolist())})
-            others[k] = wrong.get(begin + k) or _solved(
-                given, arrangement.with_values(row), seed, jobs, certify=certify, prove=None
+            problem = Problem(
+                given, arrangement.with_values(row), seed=seed, jobs=jobs, certify=certify
             )
+            others[k] = wrong.get(begin + k) or _solved(problem)
         others |= {k - begin: wrong[k] for k in wrong if begin <= k < begin + len(block)}
         yield replace(block, others=others)
         begin += len(block)
@@ -349,9 +238,7 @@ def _quick_blocks(
     from gspcli.solver.row_groups import solve_rows
 
     def count() -> ExactCount | None:
-        from gspcli.solver.special_geometry import kept_count
-
-        return kept_count(instance, seed, PATIENCE)
+        return STARTS.count(instance, seed, PATIENCE)
 
     def proofs(group: Array) -> ValueProofs | None:
         return ValueProofs.of(instance, group)

@@ -68,20 +68,6 @@ def solve_closed_forms(arrangement: Arrangement, values: Array) -> Iterator[Pose
             yield from _solve_batch(arrangement, np.array(batch))
 
 
-def general_ends(arrangement: Arrangement) -> Complex | None:
-    """Return Study points of all poses, in the frames and the unit of ``arrangement.normalized``.
-
-    Returns
-    -------
-    Complex or None
-        Of any norm, shape (n, 8), as many as a 3D3A platform of these kinds has in general; None
-        unless all rotations and the surfaces of all of them are in general position.
-    """
-    given = arrangement.normalized
-    found = study_points(given, given.values[given.distances][None], given.values[None])
-    return found.points[0].reshape(-1, 8) if found.general[0] else None
-
-
 def _solve_batch(arrangement: Arrangement, values: Array) -> Iterator[PoseSet | None]:
     """Yield the poses for sets of values in which the same distances are zero."""
     length = arrangement.length_with(values)

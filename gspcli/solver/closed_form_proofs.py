@@ -8,14 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
-from gspcli.certification.equations.frames import OWN, Frames
+from gspcli.certification.equations.frames import OWN
 from gspcli.certification.poses.many_values import ProvedPoses, ValueProofs
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import quaternion_product
 from gspcli.solver.batch import Block
-from gspcli.solver.closed_form import general_ends
-from gspcli.solver.direct import all_proved
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.proof import Ground, Proof
 from gspcli.solver.study_systems import side_choices
@@ -60,31 +58,6 @@ def prove_closed_forms(
     if rows is None:
         return where, proofs.decide_own(choices, points[0], OWN)
     return where, proofs.decide(rows[where], choices, np.stack(points), OWN)
-
-
-def proved_general_form(proofs: ValueProofs, arrangement: Arrangement) -> PoseSet | None:
-    """Return as many poses as the type has, all proved, with the least ado.
-
-    None if something is not in general position, or if there are several choices of sides.
-    """
-    choices, zero = side_choices(arrangement), _is_zero(arrangement)
-    if len(choices) > 1 or any(zero):
-        return None
-    ends = general_ends(arrangement)
-    if ends is None:
-        return None
-    frames = Frames.of(arrangement)
-    return all_proved(proofs, arrangement, ends[None], frames, basis=Basis.COUNT)
-
-
-def proved_closed_form(
-    proofs: ValueProofs | None, arrangement: Arrangement, poses: PoseSet | None
-) -> PoseSet | None:
-    """Return as many poses as the type has, all proved; the poses as they are if they are not."""
-    proved = prove_closed_forms(proofs, arrangement, None, [poses]) if proofs else None
-    if proved is None or not proved[1].complete[0]:
-        return poses
-    return block_of(*proved[::-1]).pose_set(0).on_sides(side_choices(arrangement))
 
 
 def block_of(poses: ProvedPoses, rows: Index) -> Block:

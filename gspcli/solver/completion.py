@@ -16,7 +16,7 @@ from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.pursuit import PursuedEnds
 from gspcli.geometry.quaternions import canonical_sign
 from gspcli.solver.pose_set import PoseSet
-from gspcli.solver.search import Search
+from gspcli.solver.side import Side as Search
 
 
 def complete(search: Search, solutions: int, distinct: int, spurious: int | None) -> PoseSet:

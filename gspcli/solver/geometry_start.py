@@ -18,7 +18,6 @@ from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.shifts import Shifts
 from gspcli.continuation.systems import EQUATIONS, System
 from gspcli.records import dataclass
-from gspcli.solver.flat_start import ends_from_flat
 from gspcli.solver.start_pool import StartPool
 from gspcli.solver.study_systems import coefficients_of, complex_system
 
@@ -35,7 +34,6 @@ _KEPT = 64
 class Way(Enum):
     """How the solutions of a start are found."""
 
-    FLAT = "by short paths from a solved platform that is as flat; there may be others"
     SOLVED = "by short paths from a solved platform of the geometry; there may be others"
     QUICK = "by paths from the stored start, simple ends only; there may be others"
     CAREFUL = "by all of these, followed to their ends; None unless all finite ones are simple"
@@ -112,17 +110,13 @@ def geometry_start(
     system = complex_system(kinds, y, x, u, v, parameters)
     structure = system.structure
     solutions: ComplexArray | None = None
-    if way is Way.FLAT:
-        solutions = ends_from_flat(kinds, y, x, system)
-        if solutions is None:
-            return None
     shifts = None
     if not structure.is_product.any() and DLL not in kinds:
         _, plain = coefficients_of(kinds, y, x, u, v, np.zeros((1, len(kinds))))
         shifts = Shifts.of(plain.g[0].real)
     if way is Way.SOLVED:
         solutions = _ends_from_solved(shifts, solved, parameters)
-    elif way is not Way.FLAT:
+    else:
         pursuit = next(pursue([system], seed=seed))
         solutions = _all_finite(pursuit) if way is Way.CAREFUL else pursuit.distinct_simple()
     if solutions is None or not len(solutions):

@@ -16,7 +16,7 @@ from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.instance import Instance
 from gspcli.solver.completion import complete
 from gspcli.solver.pose_set import PoseSet, joined
-from gspcli.solver.search import Search
+from gspcli.solver.side import Side as Search
 
 
 def complete_parts(

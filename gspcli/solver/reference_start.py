@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cache, cached_property, lru_cache
-from itertools import count, permutations
+from itertools import permutations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -31,6 +31,7 @@ from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, Syst
 from gspcli.continuation.tracker import TrackerOptions
 from gspcli.geometry.quaternions import quaternion_product
 from gspcli.records import dataclass
+from gspcli.solver.solved_starts import STARTS
 from gspcli.solver.study_systems import complex_system
 
 if TYPE_CHECKING:
@@ -99,14 +100,7 @@ def reference_start(structure: Structure) -> Reference | None:
     It is solved when it is asked for a second time, because that takes as long as to solve
     a platform. None before, and where there is none.
     """
-    if next(_uses(structure)) == 0:
-        return None
-    return _reference(structure)
-
-
-@lru_cache(maxsize=_KEPT)
-def _uses(structure: Structure) -> Iterator[int]:
-    return count()
+    return _reference(structure) if STARTS.is_second(structure) else None
 
 
 @lru_cache(maxsize=_KEPT)

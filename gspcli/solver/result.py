@@ -148,12 +148,12 @@ class SolveResult:
         if self.exact_count is None and self.verdict != "infinite":
             return None
         from gspcli.certification.counting import geometry_count
-        from gspcli.solver.special_geometry import kept_count
+        from gspcli.solver.solved_starts import STARTS
 
         # Distances of zero leave no sides to choose, and are no values in general position.
         known = None
         if self.arrangement.values[self.arrangement.distances].all():
-            known = kept_count(self.instance, self.seed, PATIENCE)
+            known = STARTS.count(self.instance, self.seed, PATIENCE)
         count = known or geometry_count(self.instance, seed=self.seed)
         return None if count is None else count.solutions
 

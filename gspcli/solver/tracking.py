@@ -6,18 +6,15 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.equations.frames import Frames
 from gspcli.continuation.accounts import ACCOUNTS, AccountOptions
-from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.pursuit import Pursuit, pursue
 from gspcli.continuation.solutions import SystemSolutions
-from gspcli.continuation.systems import Coefficients, System
+from gspcli.continuation.systems import System
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.conjugates import find_real_points, made_real
 from gspcli.geometry.quaternions import (
@@ -27,14 +24,9 @@ from gspcli.geometry.quaternions import (
     quaternion_from_rotation,
     unit_quaternion,
 )
-from gspcli.solver.direct import all_proved
 from gspcli.solver.parallel_lines import judge_parallel_lines, polish_parallel_lines
 from gspcli.solver.pose_set import Motion, PoseSet
-from gspcli.solver.reference_start import pursue_near, reference_start
-from gspcli.solver.study_systems import coefficients_at, target_systems
-
-if TYPE_CHECKING:
-    from gspcli.certification.poses.many_values import ValueProofs
+from gspcli.solver.study_systems import target_systems
 
 Complex = NDArray[np.complex128]
 
@@ -125,41 +117,6 @@ def poses_by_paths(
             lost=account.lost + unknown,
         ),
     )
-
-
-def short_pursuits(arrangement: Arrangement, *, seed: int, jobs: int) -> Iterator[list[Pursuit]]:
-    """Yield paths whose series have few terms, for each choice of sides: the shortest paths first.
-
-    They are quicker, and only good for ends that are proved afterwards. Nothing if no equation is
-    a product: others have quicker paths (`direct`). Arguments are as for `solve_each_by_tracking`.
-    """
-    structure, coefficients = coefficients_at(arrangement.normalized)
-    if not structure.is_product.any():
-        return
-    reference = reference_start(structure.canonical())
-    if reference is not None:
-        given = Coefficients(*(part[:, list(structure.order)] for part in coefficients))
-        yield list(pursue_near(reference, given, seed=seed, jobs=jobs, options=SHORT))
-    targets = [System.of(structure, *rest) for rest in zip(*coefficients, strict=True)]
-    yield list(pursue(targets, seed=seed, jobs=jobs, options=SHORT))
-
-
-def proved_by_paths(
-    proofs: ValueProofs, arrangement: Arrangement, pursuits: list[Pursuit]
-) -> PoseSet | None:
-    """Return as many poses as the type has, all proved; None if the paths do not lead to them.
-
-    A few that are not proved with all others are proved one by one.
-
-    Parameters
-    ----------
-    proofs, arrangement
-        The platform, exactly and in floating point.
-    pursuits
-        For each choice of sides.
-    """
-    points = np.stack([pursuit.first().points for pursuit in pursuits])
-    return all_proved(proofs, arrangement, points, Frames.of(arrangement), one_by_one=True)
 
 
 def poses_of(arrangement: Arrangement, points: Field) -> tuple[Field, Field]:

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from functools import cached_property, partial
+from collections.abc import Iterable
 
 import numpy as np
-from flint import acb, ctx
+from flint import ctx
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import DLL
 from gspcli.certification.equations import study
-from gspcli.certification.poses.digit_proofs import DigitProofs
-from gspcli.certification.poses.distinct import all_different, first_of_each, same
-from gspcli.certification.poses.floating import prove
+from gspcli.certification.poses.distinct import places, same
 from gspcli.certification.poses.locator import (
     FIRST_PRECISION,
     LAST_PRECISION,
@@ -21,21 +17,13 @@ from gspcli.certification.poses.locator import (
     Located,
     Locator,
 )
-from gspcli.geometry.primitives import Line
-from gspcli.geometry.quaternions import Field, cross, dot
+from gspcli.geometry.quaternions import Field
 
 Complex = NDArray[np.complex128]
 Array = NDArray[np.float64]
-#: Returns a point from which a pose can be located.
-Start = Callable[[], list[acb]]
 
-#: Poses for which doubles prove only a larger bound of the error, relative to the largest entry of
-#: R and T, are located with more digits. Bounds are a thousand times the errors and more.
-_ACCURATE = 1e-6
 #: Bound of the relative error of a located pose that has been rounded to doubles.
 _ROUNDED = 2.0**-51
-#: The square of the sine of two lines errs by less than this many relative errors of the pose.
-_SINE = 100
 
 
 class Collection:
@@ -67,8 +55,6 @@ class Collection:
         self.real = np.zeros(0, np.bool_)
         self._deviations = np.zeros(0)
         self._located: list[Located | None] = []
-        #: Points to locate poses from that are known to more digits than those of doubles.
-        self._starts: dict[int, Start] = {}
         self._paired: set[int] = set()
         #: Poses whose conjugates doubles do not tell from others.
         self._close: list[int] = []
@@ -77,75 +63,56 @@ class Collection:
         """Return how many different solutions are proved."""
         return len(self._located)
 
-    def add_doubles(self, R: Complex, T: Complex, quaternions: Complex) -> NDArray[np.bool_]:
-        """Add what can be proved in floating point to an empty collection; return which.
+    def add_proved(
+        self, R: Complex, T: Complex, quaternions: Complex, real: NDArray[np.bool_], off: Array
+    ) -> NDArray[np.intp]:
+        """Add poses that the kernel has proved; return the place of each here.
+
+        Poses that are not proved different from one that is here have its place.
 
         Parameters
         ----------
-        R, T
-            Approximate poses, shapes (n, 3, 3) and (n, 3).
-        quaternions
-            Of the rotations, with ``e.e = 1``, shape (n, 4).
+        R, T, quaternions, real
+            As the attributes of the same names.
+        off
+            Bounds of how far they are off (`ProvedPoses.deviation`).
         """
-        if not len(R):
-            return np.zeros(0, np.bool_)
-        with ctx.workprec(FIRST_PRECISION):
-            system = self.locator.system(FIRST_PRECISION)
-            proofs = prove(system, R, T / system.scale, self.sides)
-        proved = proofs.isolated & (proofs.real | proofs.complex)
-        entries = _entries(R, T / system.scale)
-        size = np.abs(entries).max(axis=1, initial=1)
-        proved &= proofs.deviation <= _ACCURATE * size
-        proved &= _not_parallel(self.locator, R, proofs.deviation)
-        if not all_different(entries[proved], proofs.deviation[proved]):
-            proved[proved] = first_of_each(entries[proved], proofs.deviation[proved])
-        real = proofs.real[proved]
-        self.R, self.T, self.quaternions = (
-            _made_real(x[proved], real) for x in (R, T, quaternions)
+        known, scale = len(self), self.locator.scale
+        entries = _entries(np.concatenate([self.R, R]), np.concatenate([self.T, T]) / scale)
+        found = places(entries, np.concatenate([self._deviations, off]), known)
+        new = found[known:] == np.arange(known, len(found))
+        self.R, self.T, self.quaternions, self.real, self._deviations = (
+            np.concatenate([old, more[new]])
+            for old, more in (
+                (self.R, R),
+                (self.T, T),
+                (self.quaternions, quaternions),
+                (self.real, real),
+                (self._deviations, off),
+            )
         )
-        self.real = real
-        self._deviations = proofs.deviation[proved]
-        self._located = [None] * len(real)
-        return np.asarray(proved)
-
-    def add_with_digits(self, points: Complex, low: Complex | None) -> NDArray[np.bool_]:
-        """Add the poses near points that 86 digits prove; return near which.
-
-        Only poses that doubles tell from all others are added: of the rest nothing is said.
-
-        Parameters
-        ----------
-        points, low
-            As for `Locator.locate`.
-        """
-        new = np.zeros(len(points), np.bool_)
-        if len(points) and self._digit_proofs is not None:
-            found = self._digit_proofs.prove(points, low)
-            for k in np.flatnonzero(found.proved).tolist():
-                rest = points[k, None][:0] if low is None else low[k]
-                start = partial(self._start, points[k], rest)
-                new[k] = self._add_doubles(
-                    found.R[k], found.T[k], found.quaternions[k], bool(found.real[k]), start
-                )
-        return new
+        self._located += [None] * int(new.sum())
+        place = np.concatenate([np.arange(known), known + np.cumsum(new) - 1])
+        return np.asarray(place[found[known:]])
 
     def add(self, poses: Iterable[Located | AtInfinity | None]) -> int:
         """Add those located poses that are proved to be new; return how many."""
         return sum(self._add(pose) for pose in poses if isinstance(pose, Located))
 
     def add_conjugates(self) -> int:
-        """Add the conjugates of poses located or proved with more digits: equations are real.
+        """Add the conjugates of located poses: equations are real.
 
         Only those that doubles tell from all others are added, and how many is returned; for the
         others see `add_close_conjugates`.
         """
         before = len(self)
         for k in range(before):
-            pose, start = self._located[k], self._starts.get(k)
-            if (pose is None and start is None) or self.real[k] or k in self._paired:
+            pose = self._located[k]
+            if pose is None or self.real[k] or k in self._paired:
                 continue
             self._paired.add(k)
-            if self._add_conjugate(k, pose, start):
+            near, _ = self._near(self.R[k].conj(), self.T[k].conj())
+            if not len(near) and self._add(pose.conjugate):
                 self._paired.add(len(self) - 1)
             else:
                 self._close.append(k)
@@ -164,35 +131,6 @@ class Collection:
                 self._paired.add(len(self) - 1)
         return len(self) - before
 
-    @cached_property
-    def _digit_proofs(self) -> DigitProofs | None:
-        return DigitProofs.of(self.locator, self.sides)
-
-    def _start(self, point: Complex, low: Complex) -> list[acb]:
-        with ctx.workprec(LAST_PRECISION):
-            return self.locator.in_frames(point, low)
-
-    def _add_doubles(
-        self, R: Complex, T: Complex, quaternion: Complex, real: bool, start: Start
-    ) -> bool:
-        """Add a pose proved with more digits, rounded to doubles, if these tell it from all."""
-        near, deviation = self._near(R, T)
-        if len(near):
-            return False
-        # So far from it may a ball of it be, rounded likewise.
-        self._append(R, T, quaternion, real, 2 * deviation, None)
-        self._starts[len(self) - 1] = start
-        return True
-
-    def _add_conjugate(self, k: int, pose: Located | None, start: Start | None) -> bool:
-        if start is not None:
-            R, T, quaternion = (x[k].conj() for x in (self.R, self.T, self.quaternions))
-            return self._add_doubles(R, T, quaternion, False, _conjugates(start))
-        assert pose is not None
-        return not len(self._near(self.R[k].conj(), self.T[k].conj())[0]) and self._add(
-            pose.conjugate
-        )
-
     def _near(self, R: Complex, T: Complex) -> tuple[NDArray[np.intp], float]:
         """Return which poses doubles do not tell from a located one, and how far that is off."""
         scale = self.locator.scale
@@ -201,42 +139,28 @@ class Collection:
         gaps = np.abs(_entries(self.R, self.T / scale) - here).max(axis=1, initial=0)
         return np.flatnonzero(gaps <= 2 * (self._deviations + deviation)), deviation
 
-    def _append(
-        self,
-        R: Complex,
-        T: Complex,
-        quaternion: Complex,
-        real: bool,
-        deviation: float,
-        located: Located | None,
-    ) -> None:
-        self.R = np.concatenate([self.R, R[None]])
-        self.T = np.concatenate([self.T, T[None]])
-        self.quaternions = np.concatenate([self.quaternions, quaternion[None]])
-        self.real = np.append(self.real, real)
-        self._deviations = np.append(self._deviations, deviation)
-        self._located.append(located)
-
     def _add(self, pose: Located) -> bool:
         near, deviation = self._near(pose.R, pose.T)
         for k in near.tolist():
             other = self._exactly(k)
             if other is None or not _different(other, pose):
                 return False
-        self._append(pose.R, pose.T, pose.quaternion, pose.real, deviation, pose)
+        self.R = np.concatenate([self.R, pose.R[None]])
+        self.T = np.concatenate([self.T, pose.T[None]])
+        self.quaternions = np.concatenate([self.quaternions, pose.quaternion[None]])
+        self.real = np.append(self.real, pose.real)
+        self._deviations = np.append(self._deviations, deviation)
+        self._located.append(pose)
         return True
 
     def _exactly(self, k: int) -> Located | None:
         """Return a pose with all its digits, if they can be had."""
         if self._located[k] is None:
             scale = self.locator.scale
-            if k in self._starts:
-                start, bits = self._starts[k](), 4 * FIRST_PRECISION
-            else:
-                points, _ = study.study_points(self.R[k][None], self.T[k][None] / scale)
-                with ctx.workprec(LAST_PRECISION):
-                    start, bits = self.locator.exactly(points[0]), FIRST_PRECISION
-            found = self.locator.locate_exactly(start, self.sides, bits)
+            points, _ = study.study_points(self.R[k][None], self.T[k][None] / scale)
+            with ctx.workprec(LAST_PRECISION):
+                start = self.locator.exactly(points[0])
+            found = self.locator.locate_exactly(start, self.sides, FIRST_PRECISION)
             if isinstance(found, Located) and self._is_near(k, found):
                 self._located[k] = found
         return self._located[k]
@@ -247,10 +171,6 @@ class Collection:
         gap = np.abs(_entries(self.R[k][None], self.T[k][None] / pose.scale) - here).max()
         error = _ROUNDED * np.abs(here).max(initial=1)
         return bool(gap + error <= self._deviations[k])
-
-
-def _conjugates(start: Start) -> Start:
-    return lambda: [x.conjugate() for x in start()]
 
 
 def _different(first: Located, second: Located) -> bool:
@@ -264,19 +184,3 @@ def _different(first: Located, second: Located) -> bool:
 
 def _entries(R: Field, T: Field) -> Field:
     return np.concatenate((R.reshape(-1, 9), T), axis=1)
-
-
-def _made_real(values: Field, real: NDArray[np.bool_]) -> Field:
-    return np.where(real.reshape(-1, *[1] * (values.ndim - 1)), values.real, values)
-
-
-def _not_parallel(locator: Locator, R: Complex, deviation: Array) -> NDArray[np.bool_]:
-    """Return at which poses no lines of a DLL can be parallel, where its equation says nothing."""
-    apart = np.ones(len(R), np.bool_)
-    for row in locator.instance.constraints:
-        u, v = row.platform, row.base
-        if row.kind is DLL and isinstance(u, Line) and isinstance(v, Line):
-            normal = cross(R @ u.unit, np.broadcast_to(v.unit, (len(R), 3)))
-            size = np.abs(R).max(axis=(1, 2), initial=1)
-            apart &= np.abs(dot(normal, normal)) > _SINE * (deviation + _ROUNDED * size) * size
-    return apart

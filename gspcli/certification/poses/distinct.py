@@ -78,6 +78,40 @@ def first_of_each(
     return kept
 
 
+def places(
+    entries: NDArray[np.complex128], deviations: NDArray[np.float64], known: int
+) -> NDArray[np.intp]:
+    """Return for each of n poses the first that it is not proved different from, shape (n,).
+
+    Parameters
+    ----------
+    entries, deviations
+        As for `all_different`.
+    known
+        So many of them, the first, are known to be different.
+    """
+    weights = np.array(_WEIGHTS)
+    parts = np.concatenate((entries.real, entries.imag), axis=1)
+    forms = parts @ weights
+    reach = (weights.sum() * deviations + (OUTWARD - 1) * (np.abs(parts) @ weights)) * OUTWARD
+    low, high = forms - reach, forms + reach
+    order = np.argsort(low)
+    following = np.searchsorted(low[order], high[order], side="right")
+    alike: dict[int, list[int]] = {}
+    for position in np.flatnonzero(following > np.arange(len(order)) + 1).tolist():
+        first, others = int(order[position]), order[position + 1 : following[position]]
+        gaps = np.abs(entries[others] - entries[first]).max(axis=1)
+        for other in others[gaps <= (deviations[others] + deviations[first]) * OUTWARD].tolist():
+            alike.setdefault(max(first, other), []).append(min(first, other))
+    found = np.arange(len(entries))
+    for k in sorted(alike):
+        if k >= known:
+            # Not those that were left out themselves.
+            there = [j for j in alike[k] if found[j] == j]
+            found[k] = min(there, default=k)
+    return found
+
+
 def same(first: Isolation, second: Isolation) -> bool:
     """Whether two isolated solutions are proved to be one."""
     return first.contains(second) or second.contains(first)

@@ -1,0 +1,107 @@
+"""The poses of a platform that are proved, whoever found them, and what is missing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from gspcli.certification.equations.frames import Frames
+from gspcli.continuation.paths import Basis, PathAccount
+from gspcli.continuation.quadrics import ComplexArray
+from gspcli.solver.pose_set import PoseSet, joined, on_sides
+from gspcli.solver.problem import Problem
+from gspcli.solver.proof import Ground, Proof
+
+if TYPE_CHECKING:
+    from gspcli.solver.side import Side
+
+
+class Ends(NamedTuple):
+    """Study points of any norm that may be poses, shape (k, m, 8) for k choices of sides."""
+
+    points: ComplexArray
+    frames: Frames
+
+
+class Ledger:
+    """The proved poses of a platform.
+
+    Parameters
+    ----------
+    problem
+        The platform.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        #: The answer of a strategy that has found everything at once.
+        self._whole: PoseSet | None = None
+
+    @cached_property
+    def sides(self) -> list[Side]:
+        """The poses for each choice of sides."""
+        from gspcli.solver.side import Side
+
+        return [Side(self.problem, k) for k in range(len(self.problem.choices))]
+
+    def add(self, ends: Ends) -> None:
+        """Prove poses near ends of all choices of sides by the kernel: many at a time."""
+        problem = self.problem
+        if problem.proofs is None:
+            return
+        found = problem.proofs.decide_own(problem.choices, ends.points, ends.frames)
+        number = found.certified.size
+        if found.complete[0] and "sides" not in self.__dict__ and self._counted(number):
+            self._whole = PoseSet(
+                quaternions=found.quaternions[0],
+                R=found.R[0],
+                T=found.T[0],
+                real=found.real[0],
+                certified=found.certified[0],
+                multiplicity=np.ones(number, np.int64),
+                motions=(),
+                account=PathAccount(expected=number, found=number),
+                signs=on_sides(problem.choices, number),
+            )
+            return
+        for k, side in enumerate(self.sides):
+            each = slice(k * ends.points.shape[1], (k + 1) * ends.points.shape[1])
+            side.add_proved(*(part[0][each] for part in found[:-1]))
+
+    def __len__(self) -> int:
+        """Return how many poses are proved."""
+        if self._whole is not None:
+            return len(self._whole.R)
+        return sum(len(side.found) for side in self.sides)
+
+    def _counted(self, number: int) -> Proof | None:
+        """Return what says that there are so many poses."""
+        problem = self.problem
+        if number == problem.expected:
+            return Proof(Ground.TYPE)
+        count = problem.geometry_count if problem.knows_geometry else None
+        # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md).
+        if count is None or count.solutions != number or not count.has_lone_lines:
+            return None
+        return Proof.modulo(Ground.GEOMETRY, count.error)
+
+    @property
+    def complete(self) -> PoseSet | None:
+        """All poses, if they are as many as the type or the geometry has."""
+        number, expected = len(self), self.problem.expected
+        proof = self._counted(number) if number else None
+        if proof is None:
+            return None
+        poses = self._whole or joined([side.poses() for side in self.sides])
+        account = PathAccount(
+            expected=expected,
+            found=number,
+            at_infinity=expected - number,
+            basis=Basis.PATHS
+            if number == expected and not self.problem.has_closed_form
+            else Basis.COUNT,
+        )
+        return replace(poses, account=account, proof=proof)

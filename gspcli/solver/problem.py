@@ -1,0 +1,180 @@
+"""A platform prepared to be solved: each part is computed when it is first asked for, and kept."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from math import ceil, log2
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DPH, DPP
+from gspcli.catalogue.types import MAX_ANGLES
+from gspcli.certification.equations.frames import Frames
+from gspcli.certification.poses.many_values import ValueProofs
+from gspcli.continuation.systems import Coefficients, ExtendedCoefficients, Structure, System
+from gspcli.defaults import PATIENCE, SEED
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.instance import Instance
+from gspcli.solver.solved_starts import STARTS
+from gspcli.solver.study_systems import coefficients_at, coefficients_of, side_choices
+
+if TYPE_CHECKING:
+    from gspcli.certification.counting import ExactCount
+    from gspcli.certification.poses.locator import Locator
+    from gspcli.continuation.pursuit import Pursuit
+
+#: Whose equations are each one quadric that depends on e, e ^ f and f.f alone.
+_REDUCIBLE = frozenset({DPP, DPH, DHP, *ANGLE_KINDS})
+
+
+class Problem:
+    """A platform near the origins of its frames.
+
+    Parameters
+    ----------
+    instance, arrangement
+        The platform, exactly and in floating point.
+    seed, jobs, certify, prove
+        As for `gspcli.solver.api.solve`.
+    """
+
+    def __init__(
+        self,
+        instance: Instance,
+        arrangement: Arrangement | None = None,
+        *,
+        seed: int = SEED,
+        jobs: int = 1,
+        certify: bool = True,
+        prove: bool | None = None,
+    ) -> None:
+        self.instance = instance
+        self.arrangement = Arrangement.of(instance) if arrangement is None else arrangement
+        self.seed, self.jobs, self.certify = seed, jobs, certify
+        #: Work that a count may take, None for no limit; if it is zero, nothing is counted.
+        self.limit = {True: None, False: 0.0, None: PATIENCE}[prove]
+
+    def like(self, instance: Instance) -> Problem:
+        """Return another platform, to be solved likewise."""
+        other = Problem(instance, seed=self.seed, certify=self.certify)
+        other.limit = self.limit
+        return other
+
+    @cached_property
+    def choices(self) -> NDArray[np.float64]:
+        """The sign of each value for each combination of sides asked for, shape (k, 6)."""
+        return side_choices(self.arrangement)
+
+    @cached_property
+    def sides(self) -> list[tuple[int, ...]]:
+        """For each choice which equation of each constraint it means (`BallSystem.equations`)."""
+        kinds, given = self.arrangement.kinds, self.arrangement.sides.tolist()
+        both = [kind.has_sides and side == 0 for kind, side in zip(kinds, given, strict=True)]
+        return [
+            tuple(int(free and sign < 0) for free, sign in zip(both, choice, strict=True))
+            for choice in self.choices.tolist()
+        ]
+
+    @cached_property
+    def expected(self) -> int:
+        """How many poses the type has, for the sides asked for."""
+        if self.has_closed_form and self.arrangement.values.all():
+            return self.instance.expected
+        from gspcli.continuation.start import path_count
+
+        return path_count(self.equations[0]) * len(self.choices)
+
+    @property
+    def has_closed_form(self) -> bool:
+        """Whether three angles give the rotations."""
+        return len(self.arrangement.angles) == MAX_ANGLES
+
+    @property
+    def is_reducible(self) -> bool:
+        """Whether the equations can be solved for some unknowns first (`Shifts`)."""
+        return _REDUCIBLE.issuperset(self.arrangement.kinds)
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether the count and a start of its geometry are worth keeping."""
+        given = self.arrangement
+        return self.is_reducible and bool(given.values[given.distances].all())
+
+    @cached_property
+    def unit(self) -> float:
+        """A power of two about the typical length."""
+        return 2.0 ** ceil(log2(self.arrangement.length_with(self.arrangement.values[None])))
+
+    @cached_property
+    def frames(self) -> Frames:
+        """The coordinates of the equations of paths."""
+        return Frames.of(self.arrangement)
+
+    @cached_property
+    def equations(self) -> tuple[Structure, Coefficients]:
+        """The equations of paths, for each choice of sides."""
+        return coefficients_at(self.arrangement.normalized)
+
+    @cached_property
+    def canonical(self) -> tuple[Structure, Coefficients]:
+        """The same in canonical order."""
+        structure, given = self.equations
+        order = list(structure.order)
+        return structure.canonical(), Coefficients(*(part[:, order] for part in given))
+
+    @property
+    def systems(self) -> list[System]:
+        """The same as systems, one for each choice of sides."""
+        structure, given = self.equations
+        return [System.of(structure, *rest) for rest in zip(*given, strict=True)]
+
+    @cached_property
+    def pursuits(self) -> list[Pursuit]:
+        """The paths to all poses, followed in doubles with care, for each choice of sides."""
+        from gspcli.continuation.pursuit import pursue
+
+        return list(pursue(self.systems, seed=self.seed, jobs=self.jobs))
+
+    @cached_property
+    def proofs(self) -> ValueProofs | None:
+        """The equations of proofs for the kernel; None if they are others: of lines that meet."""
+        given = self.arrangement
+        pairs = zip(given.kinds, given.values.tolist(), strict=True)
+        if any(kind is DLL and not value for kind, value in pairs):
+            return None
+        return ValueProofs.of(self.instance, None)
+
+    @cached_property
+    def locator(self) -> Locator:
+        """The equations in balls."""
+        from gspcli.certification.poses.locator import Locator
+
+        return Locator(self.instance, self.frames)
+
+    def target(self, k: int) -> ExtendedCoefficients:
+        """Return the equations of paths for a choice of sides, from the exact numbers."""
+        from gspcli.certification.equations.normalized import many_digits, normalized
+
+        given = self.arrangement
+        asked = np.where(given.sides == 0, 1 - 2 * np.array(self.sides[k]), given.signs)
+        with many_digits():
+            numbers = normalized(self.instance, self.frames)
+            values = numbers.values * np.where(asked < 0, -1, 1)
+            structure, found = coefficients_of(given.kinds, *numbers[:4], values[None])
+            order = list(structure.order)
+            exact = Coefficients(*(x[0, order] for x in found))
+            return ExtendedCoefficients.of(self.pursuits[k].balanced(exact))
+
+    @cached_property
+    def geometry_count(self) -> ExactCount | None:
+        """The count of a geometry that is worth keeping, kept for the process."""
+        if not self.is_kept or self.limit == 0:
+            return None
+        return STARTS.count(self.instance, self.seed, self.limit)
+
+    @property
+    def knows_geometry(self) -> bool:
+        """Whether that count has been asked for."""
+        return "geometry_count" in self.__dict__

@@ -1,0 +1,195 @@
+"""The poses for one choice of sides: proved ones, and the paths that have led to none yet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.certification.poses.collection import Collection
+from gspcli.certification.poses.distinct import same
+from gspcli.certification.poses.isolation import Isolation
+from gspcli.certification.poses.locator import FIRST_PRECISION, AtInfinity, Locator
+from gspcli.continuation.paths import Basis, PathAccount
+from gspcli.continuation.pursuit import PursuedEnds, Pursuit
+from gspcli.continuation.systems import ExtendedCoefficients
+from gspcli.geometry.quaternions import Field, canonical_sign, pose_from_study
+from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.problem import Problem
+
+Bits = NDArray[np.bool_]
+Index = NDArray[np.intp]
+
+#: Poses that agree to this part of their largest entry are not worth locating again.
+_KNOWN = 1e-13
+#: Points with smaller imaginary parts may be real.
+_NEARLY_REAL = 1e-6
+
+
+class Side:
+    """The poses of a platform for one choice of sides.
+
+    Attributes
+    ----------
+    found
+        The proved ones, simple and all different.
+    infinite
+        The simple solutions at infinity that were met, all different.
+    astray
+        The paths that have led to none of these.
+    left
+        The ends of those with 64 digits.
+    """
+
+    def __init__(self, problem: Problem, k: int) -> None:
+        self.problem, self.k = problem, k
+        self.sides = problem.sides[k]
+        self.found = Collection(problem.locator, self.sides)
+        self.infinite: list[Isolation] = []
+        self.left: PursuedEnds | None = None
+        self.astray: Index = np.arange(0)
+        #: Which ends of the last paths in doubles have led to a pose of their own.
+        self.reached: Bits = np.zeros(0, np.bool_)
+        #: Eliminations that have been done.
+        self.eliminated = 0
+        #: Long strategies, run as far as somebody has asked for more.
+        self.steps: Iterator[int] = iter(())
+        self._target: ExtendedCoefficients | None = None
+        #: Whether all poses are to be simple ones.
+        self.simple = False
+
+    @property
+    def pursuit(self) -> Pursuit:
+        """The paths."""
+        return self.problem.pursuits[self.k]
+
+    @property
+    def locator(self) -> Locator:
+        """The equations in balls."""
+        return self.problem.locator
+
+    @property
+    def target(self) -> ExtendedCoefficients:
+        """The equations from the exact numbers, in 32 digits."""
+        if self._target is None:
+            self._target = self.problem.target(self.k)
+        return self._target
+
+    def add_proved(
+        self, R: Field, T: Field, quaternions: Field, certified: Bits, real: Bits, off: Field
+    ) -> Index:
+        """Add what the kernel has proved of ends, and conjugates; return their places here, or -1."""
+        parts = R, T, quaternions, real, off
+        place = np.full(len(R), -1)
+        place[certified] = self.found.add_proved(*(part[certified] for part in parts))
+        pairs = certified & ~real
+        self.found.add_proved(*(part[pairs].conj() for part in parts))
+        self.reached = np.zeros(len(R), np.bool_)
+        self.reached[np.unique(place, return_index=True)[1]] = True
+        self.reached &= certified
+        return place
+
+    def add(self, ends: PursuedEnds) -> Bits:
+        """Add the poses near ends, by the kernel or in balls; return which have led to new ones."""
+        before = len(self.found)
+        problem, new = self.problem, np.zeros(len(ends.points), np.bool_)
+        if not len(new):
+            return new
+        if problem.proofs is not None:
+            choice = problem.choices[self.k : self.k + 1]
+            found = problem.proofs.decide_own(choice, ends.points[None], problem.frames)
+            place = self.add_proved(*(part[0] for part in found[:-1]))
+            first = np.unique(place, return_index=True)[1]
+            new[first[place[first] >= before]] = True
+        # What doubles do not tell from a known pose may be one beside it.
+        rest = np.flatnonzero(~new)
+        new[rest] = self.locate(ends.take(rest))
+        return new
+
+    def locate(self, ends: PursuedEnds) -> Bits:
+        """Add the poses near ends in balls, and conjugates; return which ends have led to new ones."""
+        if not len(ends.points):
+            return np.zeros(0, np.bool_)
+        new = ~self._is_known(ends.points)
+        index = np.flatnonzero(new)
+        # One of each pair of conjugates is enough.
+        source = index[_sources(ends.points[index])]
+        sought = index[source == index]
+        bits = FIRST_PRECISION * ends.digits // 16
+        near = ends.take(sought)
+        located = self.problem.locator.locate(near.points, near.low, self.sides, bits)
+        new[sought] = [bool(self.found.add([end])) for end in located]
+        new[index] = new[source]
+        self.found.add_conjugates()
+        for end in located:
+            if isinstance(end, AtInfinity):
+                if not any(same(end.isolation, other) for other in self.infinite):
+                    self.infinite.append(end.isolation)
+        return new
+
+    def _is_known(self, points: Field) -> Bits:
+        """Return which ends are proved poses as well as doubles tell, shape (k,)."""
+        given = self.problem.arrangement
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            R, T = pose_from_study(points[:, :4], points[:, 4:])
+            T = given.restored(R, T)
+            here, known = (
+                np.concatenate((x.reshape(-1, 9), y / given.length), axis=1)
+                for x, y in ((R, T), (self.found.R, self.found.T))
+            )
+            size = np.abs(here).max(axis=1, initial=1.0)
+            near = [
+                (np.abs(known - pose).max(axis=1) < _KNOWN * unit).any()
+                for pose, unit in zip(here, size.tolist(), strict=True)
+            ]
+        return np.array(near, np.bool_).reshape(len(here))
+
+    def poses(self, most: int | None = None) -> PoseSet:
+        """Return the proved poses, and an account of all paths.
+
+        Parameters
+        ----------
+        most
+            No other solution is possible beside so many, if that is known.
+        """
+        found, paths = self.found, self.problem.expected // len(self.problem.choices)
+        number = len(found)
+        at_infinity = paths - number if number == most else len(self.infinite)
+        return PoseSet(
+            quaternions=canonical_sign(found.quaternions),
+            R=found.R,
+            T=found.T,
+            real=found.real,
+            certified=np.ones(number, np.bool_),
+            multiplicity=np.ones(number, np.int64),
+            motions=(),
+            account=PathAccount(
+                expected=paths,
+                found=number,
+                at_infinity=at_infinity,
+                lost=paths - number - at_infinity,
+                basis=Basis.COUNT if number == most else Basis.PATHS,
+            ),
+        ).on_sides(self.problem.choices[self.k : self.k + 1])
+
+
+def _sources(points: Field) -> Index:
+    """Return for each Study point an earlier one whose conjugate it is, else itself, shape (k,).
+
+    Lost paths may end at no point at all; those are nobody's conjugates.
+    """
+    source = np.arange(len(points))
+    for i, point in enumerate(points):
+        k = np.abs(point[:4]).argmax()
+        others = points[:i].conj()
+        with np.errstate(divide="ignore", invalid="ignore"):
+            unit = point / point[k]
+            size = np.repeat([1.0, np.abs(unit[4:]).max()], 4)
+            if np.abs(unit.imag / size).max() < _NEARLY_REAL:
+                continue
+            gaps = np.abs((others / others[:, k : k + 1] - unit) / size).max(axis=1, initial=0.0)
+        same_ = np.flatnonzero(gaps < _KNOWN)
+        if len(same_):
+            source[i] = source[same_[0]]
+    return source

@@ -1,0 +1,17 @@
+"""A start of the platform's own geometry, kept: only the values move."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from gspcli.solver.ledger import Ends
+from gspcli.solver.problem import Problem
+from gspcli.solver.special_geometry import kept_geometry
+
+
+def same_geometry(problem: Problem) -> Iterator[Ends]:
+    """Yield the ends of paths from a start of the geometry."""
+    geometry = kept_geometry(problem)
+    if geometry is not None:
+        points, unit = geometry.quick_ends(problem.arrangement.values[None], 1)
+        yield Ends(points.reshape(len(geometry.choices), -1, 8), geometry.frames(unit))
