@@ -149,6 +149,7 @@ def decide(
     weights: NDArray[np.float64],
     turned: NDArray[np.int32],
     values: NDArray[np.float64],
+    units: NDArray[np.float64],
     points: NDArray[np.complex128],
     *,
     unit: float,
@@ -163,31 +164,6 @@ def decide(
     NDArray[np.complex128],
     NDArray[np.float64],
     NDArray[np.uint8],
-    NDArray[np.uint8],
-]: ...
-def prove(
-    hessians: NDArray[np.float64],
-    moduli: NDArray[np.float64],
-    equations: NDArray[np.int32],
-    points: NDArray[np.complex128],
-    patches: NDArray[np.int32],
-    *,
-    jobs: int = 1,
-    build: str = "",
-) -> tuple[NDArray[np.complex128], NDArray[np.float64], NDArray[np.uint8]]: ...
-def prove_digits(
-    numbers: NDArray[np.uint64],
-    table: NDArray[np.float64],
-    points: NDArray[np.complex128],
-    *,
-    error: float,
-    unit: float,
-    origins: NDArray[np.float64],
-) -> tuple[
-    NDArray[np.complex128],
-    NDArray[np.complex128],
-    NDArray[np.complex128],
-    NDArray[np.complex128],
     NDArray[np.uint8],
 ]: ...
 
@@ -247,7 +223,7 @@ def track_reduced(
     max_steps: int,
     build: str = "",
 ) -> tuple[NDArray[np.complex128], NDArray[np.uint8]] | None: ...
-def track_shifts(
+def track_values(
     pivots: NDArray[np.int32],
     free: NDArray[np.int32],
     forms: NDArray[np.float64],

@@ -9,7 +9,7 @@
 // all. At tau the moduli of all coefficients add up to at most their expression at |z| + |d| / 2. Sums
 // of nonnegative bounds are rounded outward at the end.
 //
-// Included by each build of tubes.cpp.
+// Included by each build of branch_follower.cpp.
 #pragma once
 
 #include "moving_equations.hpp"

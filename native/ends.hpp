@@ -6,8 +6,8 @@
 
 #include <cstdint>
 
+#include "fine_points.hpp"
 #include "proofs.hpp"
-#include "residuals.hpp"
 
 namespace gsp {
 
@@ -33,6 +33,7 @@ struct OpenGeometry {
 // the distance.
 struct OpenValues {
   const double *value, *bound, *distance, *low, *gap, *distance_low;  // (6) each
+  double unit;  // of the digits of translations, a power of two, in lengths of the equations
 };
 
 // Arrays over the points of one set of values.
@@ -46,9 +47,10 @@ struct Poses {
   std::uint8_t* complete;
 };
 
-// Decides about `count` Study points of any norm (count, 8): in double precision, and where that does not
-// do with values of 32 digits. `work` has room for four times the Hessian matrices, 4 quadrics * 64
-// numbers, and for 4 numbers a point.
+// Decides about `count` Study points of any norm (count, 8): from one step of Newton's method, and where
+// that does not do from more, at points of 32 digits. Poses are rounded correctly (FinePoints). `work` has
+// room for twice the Hessian matrices and the coefficients, 182 quadrics numbers, and for 3 numbers a
+// point.
 using Decide = void(const OpenGeometry&, const OpenValues&, int count, const Complex* points,
                     double* work, const Poses&);
 Decide decide_portable, decide_avx2, decide_avx512;

@@ -45,7 +45,7 @@ void check_geometry(const Array<double, 3>& hessians, const Array<double, 3>& mo
 nb::tuple decide(Array<double, 3> hessians, Array<double, 3> lows, Array<double, 3> moduli,
                  Array<std::int32_t, 2> equations, Array<double, 2> weights,
                  Array<std::int32_t, 1> turned, Array<double, 3> values,
-                 Array<Numbers, 3> points, double unit, Array<double, 2> origins, double scale,
+                 Array<double, 1> units, Array<Numbers, 3> points, double unit, Array<double, 2> origins, double scale,
                  double tolerance, int jobs, const std::string& build) {
   const std::size_t systems = points.shape(0), count = points.shape(1);
   const std::size_t quadrics = hessians.shape(0), three = 3, four = 4, eight = kVariables;
@@ -53,8 +53,9 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> lows, Array<double,
   for (int axis = 0; axis < 3; ++axis)
     require(lows.shape(axis) == hessians.shape(axis), "lows must be shaped as hessians");
   require(weights.shape(0) == 4 && weights.shape(1) == kEquations && values.shape(0) == systems &&
-              values.shape(1) == kNumbers && values.shape(2) == kEquations,
-          "weights and values must have shapes (4, 6) and (systems, 6, 6)");
+              values.shape(1) == kNumbers && values.shape(2) == kEquations &&
+              units.shape(0) == systems,
+          "weights, values and units must have shapes (4, 6), (systems, 6, 6) and (systems,)");
   require(points.shape(2) == eight && origins.shape(0) == 2 && origins.shape(1) == 3,
           "points and origins must have shapes (systems, count, 8) and (2, 3)");
   ProofEquation equation[kEquations];
@@ -78,13 +79,13 @@ nb::tuple decide(Array<double, 3> hessians, Array<double, 3> lows, Array<double,
     nb::gil_scoped_release release;
     std::atomic<std::size_t> next{0};
     const auto work = [&] {
-      std::vector<double> room(4 * quadrics * eight * eight + 4 * count);
+      std::vector<double> room(2 * quadrics * (eight * eight + kMonomials) + 3 * count);
       for (std::size_t s = next++; s < systems; s = next++) {
         const std::size_t at = s * count;
         const double* given = values.data() + s * kNumbers * kEquations;
         run(open,
             {given, given + kEquations, given + 2 * kEquations, given + 3 * kEquations,
-             given + 4 * kEquations, given + 5 * kEquations},
+             given + 4 * kEquations, given + 5 * kEquations, units(s)},
             static_cast<int>(count),
             reinterpret_cast<const Complex*>(points.data() + at * eight), room.data(),
             {reinterpret_cast<Complex*>(rotation.get() + at * 9),
@@ -115,7 +116,7 @@ nb::tuple open(Array<std::int32_t, 1> relations, Array<double, 4> numbers, Array
   Primitives constraints[kEquations];
   for (std::size_t i = 0; i < kEquations; ++i) {
     Primitives& p = constraints[i];
-    require(relations(i) >= 0 && relations(i) <= static_cast<std::int32_t>(Relation::kAngle),
+    require(relations(i) >= 0 && relations(i) <= static_cast<std::int32_t>(Relation::kMeetingLines),
             "no such relation");
     p.relation = static_cast<Relation>(relations(i));
     Doubled* const vector[] = {p.a, p.b, p.u, p.v};
@@ -149,7 +150,7 @@ void bind_ends(nb::module_& m, Decide* (*choose_decide)(const std::string& build
   m.def("open", &open, "relations"_a, "numbers"_a, "tables"_a, nb::kw_only(), "tiny"_a,
         "Write down equations with their values left open; see gspcli.certification.poses.many_values.");
   m.def("decide", &decide, "hessians"_a, "lows"_a, "moduli"_a, "equations"_a, "weights"_a, "turned"_a,
-        "values"_a, "points"_a, nb::kw_only(), "unit"_a, "origins"_a, "scale"_a, "tolerance"_a,
+        "values"_a, "units"_a, "points"_a, nb::kw_only(), "unit"_a, "origins"_a, "scale"_a, "tolerance"_a,
         "jobs"_a = 1, "build"_a = "",
         "Prove what ends of paths are poses; see gspcli.certification.poses.many_values.");
 }

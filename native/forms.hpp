@@ -1,6 +1,6 @@
 // Products of the terms of two series in e: all e_i e_j (i <= j, row by row), with N among them.
 //
-// Included by each build of tracker.cpp and shifts.cpp: all in an anonymous namespace, so that the
+// Included by each build of tracker.cpp and reduced_homotopy.cpp: all in an anonymous namespace, so that the
 // linker cannot merge functions that were compiled for different processors.
 #pragma once
 

@@ -1,6 +1,6 @@
 // The theorem of gspcli.certification.poses.floating for as many points as there are lanes.
 //
-// Included by proofs.cpp and by ends.cpp in each of their builds: all in an anonymous namespace, so
+// Included by ends.cpp in each of its builds: all in an anonymous namespace, so
 // that the linker cannot merge functions that were compiled for different processors.
 #pragma once
 
@@ -192,14 +192,17 @@ INLINE void newton_step(const Linear& at, C* change) {
   }
 }
 
-// What is known of a point.
+// What is known of a point: how far a solution is off, and after the step of Newton's method that its
+// values and the inverse give.
 struct Isolation {
-  V error;
+  V error, error_after;
   Mask isolated, real, imaginary;
 };
+// Relative error of that step where nothing cancels.
+constexpr double kStepRounding = 0x1p-48;
 
 // Whether there is exactly one solution near a point, from the equations there. Their values err by
-// `rounding` times the sum of the moduli of their terms, and by `gap` times N (6; null: none).
+// `rounding` times the sum of the moduli of their terms, and by `gap` times N (6).
 void isolate(const ProofSystem& system, const C* z, const Mask* above, const Linear& at,
              double value_rounding, const double* gap, Isolation& out) {
   Quadrics<V> bounds;
@@ -212,19 +215,22 @@ void isolate(const ProofSystem& system, const C* z, const Mask* above, const Lin
   for (int i = 0; i < N; ++i) m[i] = kOutward * (m[i] + kReach);
   curvatures(system, m, curvature);
   // Of each row: what rounding does to the product of the inverse with it, and to its value.
-  V rounding[kRows], size[kRows];
+  V rounding[kRows], size[kRows], doubt[kRows];
   for (int j = 0; j < kRows; ++j) {
     V row_bound[kRows];
     free_columns(whole_bound[j], above, row_bound);
     V s = splat(0.0);
     for (int k = 0; k < kRows; ++k) s += bound(at.jacobian[j][k]) + kOutward * row_bound[k];
     rounding[j] = kRounding * s;
-    size[j] = bound(at.value[j]) + value_rounding * kOutward * value_bound[j] + kTiny;
-    if (gap && j > 0) size[j] += gap[j - 1] * kOutward * bounds.value[0];
+    doubt[j] = value_rounding * kOutward * value_bound[j] + kTiny;
+    if (j > 0) doubt[j] += gap[j - 1] * kOutward * bounds.value[0];
+    size[j] = bound(at.value[j]) + doubt[j];
+    doubt[j] += kStepRounding * size[j];
   }
-  V a = splat(0.0), b = splat(0.0), delta = splat(0.0), sum = splat(0.0);
+  V a = splat(0.0), b = splat(0.0), delta = splat(0.0), left = splat(0.0),
+    sum = splat(0.0);
   for (int i = 0; i < kRows; ++i) {
-    V defect = splat(0.0), bent = splat(0.0), moved = splat(0.0);
+    V defect = splat(0.0), bent = splat(0.0), moved = splat(0.0), doubtful = splat(0.0);
     for (int k = 0; k < kRows; ++k) {
       C s{splat(i == k ? 1.0 : 0.0), splat(0.0)};
       for (int j = 0; j < kRows; ++j) subtract_product(s, at.inverse[i][j], at.jacobian[j][k]);
@@ -235,10 +241,12 @@ void isolate(const ProofSystem& system, const C* z, const Mask* above, const Lin
       defect += y * rounding[j];
       bent += y * curvature[j];
       moved += y * size[j];
+      doubtful += y * doubt[j];
     }
     a = maximum(defect, a);
     b = maximum(bent, b);
     delta = maximum(moved, delta);
+    left = maximum(doubtful, left);
     sum += defect + bent + moved;
   }
   a = kOutward * a + kTiny;
@@ -250,28 +258,9 @@ void isolate(const ProofSystem& system, const C* z, const Mask* above, const Lin
   out.isolated = (sum < __builtin_inf()) & (q < 1.0) & (radius > 0.0) &
                  (kOutward * delta <= (1.0 - q) * radius);
   out.error = kOutward * (delta / (1.0 - q));
+  out.error_after = kOutward * ((a + b * out.error) * out.error + left);
   out.real = out.isolated & (kOutward * (2.0 * height + out.error) <= radius);
   out.imaginary = out.isolated & (height > kOutward * out.error);
-}
-
-// After so many steps of Newton's method.
-void prove_lanes(const ProofSystem& system, int newton_steps, C* z, const Mask* above,
-                 const Mask* below, Isolation& out) {
-  Linear at;
-  linearize(system, z, above, at);
-  for (int step = 0; step < newton_steps; ++step) {
-    C change[kRows];
-    newton_step(at, change);
-    // Free coordinate k is coordinate k below the patch, k + 1 above it.
-    for (int k = 0; k < kRows; ++k) {
-      z[k] = select(below[k], z[k] - change[k], z[k]);
-      z[k + 1] = select(above[k], z[k + 1] - change[k], z[k + 1]);
-    }
-    evaluate(system, z, above, at);
-    // The last step is short: the inverse before it does as well.
-    if (step + 1 < newton_steps) invert(at.jacobian, at.inverse);
-  }
-  isolate(system, z, above, at, kRounding, nullptr, out);
 }
 
 }  // namespace

@@ -7,6 +7,10 @@
 
 #include "tracker.hpp"
 
+#if defined(__FMA__)
+#include <immintrin.h>
+#endif
+
 #if !defined(GSP_LANES)
 #error "GSP_LANES must be the width of the vectors of this build"
 #endif
@@ -32,24 +36,40 @@ INLINE D root(const D& x) {
   return r;
 }
 
+#if defined(__FMA__) || defined(__aarch64__)
+#define GSP_FUSED
+// a b + c, rounded once. Compilers take loops over such products apart: they are written as what they are.
+INLINE D fused(const D& a, const D& b, const D& c) {
+#if defined(__AVX512F__) && GSP_LANES == 8
+  return (D)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
+#elif defined(__FMA__) && GSP_LANES == 4
+  return (D)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
+#else
+  D r;
+  for (int l = 0; l < W; ++l) r[l] = __builtin_fma(a[l], b[l], c[l]);
+  return r;
+#endif
+}
+#endif
+
 }  // namespace
 }  // namespace gsp
 
 #if GSP_PARTS == 2
-#include "extended.hpp"
+#include "double_double.hpp"
 #elif GSP_PARTS == 4
-#include "fourfold.hpp"
+#include "quad_double.hpp"
 #endif
 
 namespace gsp {
 namespace {
 
 #if GSP_PARTS == 4
-typedef Fourfold V;
+typedef QuadDouble V;
 constexpr double kEpsilon = 1e-60;  // of rounding in the equations
-INLINE V splat(double x) { return fourfold(D{} + x); }
+INLINE V splat(double x) { return quad_double(D{} + x); }
 #elif GSP_PARTS == 2
-typedef Extended V;
+typedef DoubleDouble V;
 constexpr double kEpsilon = 1e-31;
 INLINE V splat(double x) { return extend(D{} + x); }
 #else

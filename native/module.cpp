@@ -23,13 +23,12 @@
 #include "counting.hpp"
 #include "ends_module.hpp"
 #include "homotopy.hpp"
-#include "shifts_module.hpp"
+#include "reduced_module.hpp"
 #include "ordering_module.hpp"
-#include "proofs_module.hpp"
 #include "reach_module.hpp"
 #include "threads.hpp"
 #include "tracker.hpp"
-#include "tubes_module.hpp"
+#include "branch_module.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -46,31 +45,30 @@ using Matrices =
 struct Build {
   const char* name;
   Track* track;
-  Track* track_extended;
-  Track* track_fourfold;
+  Track* track_double_double;
+  Track* track_quad_double;
   Track* track_short;
   TrackReal* track_real;
   Intersect* intersect;
   Count* count;
   Follow* follow;
-  Prove* prove;
   Decide* decide;
-  TrackShifts* track_shifts;
+  TrackValues* track_values;
 };
 
 constexpr Build kPortable{
-    "portable",     track_portable,     track_portable_extended, track_portable_fourfold,
+    "portable",     track_portable,     track_portable_double_double, track_portable_quad_double,
     track_portable_short, track_portable_real, intersect_portable, count_portable,
-    follow_portable, prove_portable, decide_portable, track_shifts_portable};
+    follow_portable, decide_portable, track_values_portable};
 #if defined(GSP_X86)
 constexpr Build kAvx2{
-    "avx2",           track_avx2, track_avx2_extended, track_avx2_fourfold, track_avx2_short,
-    track_avx2_real, intersect_avx2,   count_avx2, follow_avx2,         prove_avx2,          decide_avx2,
-    track_shifts_avx2};
+    "avx2",           track_avx2, track_avx2_double_double, track_avx2_quad_double, track_avx2_short,
+    track_avx2_real, intersect_avx2,   count_avx2, follow_avx2, decide_avx2,
+    track_values_avx2};
 constexpr Build kAvx512{
-    "avx512",           track_avx512, track_avx512_extended, track_avx512_fourfold,
+    "avx512",           track_avx512, track_avx512_double_double, track_avx512_quad_double,
     track_avx512_short, track_avx512_real, intersect_avx512, count_avx512,      follow_avx512,
-    prove_avx512,       decide_avx512,    track_shifts_avx512};
+    decide_avx512,    track_values_avx512};
 
 bool has_avx2() { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
 #endif
@@ -131,8 +129,8 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
   const bool extended = digits > 16;
   require(points.shape(1) == kVariables, "points must have shape (paths, 8)");
   const Build chosen = build_named(build);
-  Track* const run = digits == 32   ? chosen.track_extended
-                     : digits == 64 ? chosen.track_fourfold
+  Track* const run = digits == 32   ? chosen.track_double_double
+                     : digits == 64 ? chosen.track_quad_double
                      : short_series ? chosen.track_short
                                     : chosen.track;
   const Options options{predictor_tolerance, contraction, arrival, radius_fraction,
@@ -325,10 +323,9 @@ NB_MODULE(_kernel, m) {
   gsp::bind_closed_form(m, [](const std::string& name) { return gsp::build_named(name).intersect; });
   gsp::bind_ordering(m);
   gsp::bind_reach(m);
-  gsp::bind_tubes(m, [](const std::string& name) { return gsp::build_named(name).follow; });
-  gsp::bind_proofs(m, [](const std::string& name) { return gsp::build_named(name).prove; });
+  gsp::bind_branches(m, [](const std::string& name) { return gsp::build_named(name).follow; });
   gsp::bind_ends(m, [](const std::string& name) { return gsp::build_named(name).decide; });
-  gsp::bind_shifts(m, [](const std::string& name) { return gsp::build_named(name).track_shifts; });
+  gsp::bind_reduced(m, [](const std::string& name) { return gsp::build_named(name).track_values; });
   m.def("build", [] { return gsp::choose_build().name; },
         "Name of the build that this processor runs: avx512, avx2 or portable.");
 }

@@ -1,12 +1,12 @@
 // The equations of a platform whose values move, in lanes: values, derivatives, Newton's method.
 //
-// Included by each build of tubes.cpp: all in an anonymous namespace, as in lanes.hpp.
+// Included by each build of branch_follower.cpp: all in an anonymous namespace, as in lanes.hpp.
 #pragma once
 
 #include <cmath>
 
 #include "lanes.hpp"
-#include "tubes.hpp"
+#include "branch_follower.hpp"
 
 namespace gsp {
 namespace {

@@ -194,6 +194,8 @@ void write(const Primitives& p, int equation, Writer& writer) {
       writer.put(equation, Form{}, dot(p.u, p.u) * dot(p.v, p.v));
       return writer.put_squares(equation, mutual_moment(p), cosine);
     }
+    // Lines at distance zero: their moment is zero, whose square has no simple solutions.
+    case Relation::kMeetingLines: return writer.put(equation, mutual_moment(p), Doubled{});
     case Relation::kAngle: {
       Form cosine;
       cosine.turn(1.0, p.v, p.u);

@@ -19,7 +19,7 @@ struct Doubled {
 
 // What a constraint is a distance or an angle of; a height is a distance from a plane.
 enum class Relation : std::int32_t {
-  kPoints, kBaseHeight, kPlatformHeight, kBaseLine, kPlatformLine, kLines, kAngle
+  kPoints, kBaseHeight, kPlatformHeight, kBaseLine, kPlatformLine, kLines, kAngle, kMeetingLines
 };
 
 struct Primitives {

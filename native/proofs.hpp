@@ -25,18 +25,7 @@ struct ProofSystem {
   const ProofEquation* equation;
 };
 
-enum Proved : std::uint8_t { kIsolated = 1, kReal = 2, kComplex = 4 };
-
-// Arrays over points.
-struct ProofResults {
-  Complex* point;         // (count, 8), improved by Newton's method in the patch
-  double* error;          // of the point, maximum norm, where isolated
-  std::uint8_t* proved;   // bits of `Proved`
-};
-
-// Points (count, 8), in each of which the coordinate `patch` is 1.
-using Prove = void(const ProofSystem&, int count, const Complex* points,
-                   const std::int32_t* patches, const ProofResults&);
-Prove prove_portable, prove_avx2, prove_avx512;
+// The last one: every number of the pose is rounded correctly.
+enum Proved : std::uint8_t { kIsolated = 1, kReal = 2, kComplex = 4, kRounded = 8 };
 
 }  // namespace gsp

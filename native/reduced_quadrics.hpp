@@ -1,4 +1,4 @@
-// Six quadrics solved for some of the quantities of shifts.hpp, by linear algebra.
+// Six quadrics solved for some of the quantities of reduced_homotopy.hpp, by linear algebra.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "products.hpp"
-#include "shifts.hpp"
+#include "reduced_homotopy.hpp"
 
 namespace gsp {
 

@@ -17,7 +17,7 @@
 // Two segments meet in the same zero if what the first proves about its end lies within u of the
 // second; the ends are nearly exact, so that the same bounds with a much smaller beta hold there.
 //
-// Included by each build of tubes.cpp.
+// Included by each build of branch_follower.cpp.
 #pragma once
 
 #include "chord.hpp"

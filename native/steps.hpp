@@ -5,7 +5,7 @@
 // precision path tracking for polynomial homotopy continuation, Adv. Comput. Math. 47, 2021): the
 // last terms of the series tell its radius of convergence and its error.
 //
-// Included by each build of tracker.cpp and shifts.cpp: all in an anonymous namespace, so that the
+// Included by each build of tracker.cpp and reduced_homotopy.cpp: all in an anonymous namespace, so that the
 // linker cannot merge functions that were compiled for different processors.
 #pragma once
 

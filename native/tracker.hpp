@@ -93,8 +93,8 @@ using Track = void(const Homotopy&, const Options&, int paths, const Complex* po
                    const Complex* low, const double* left, const Results&);
 Track track_portable, track_avx2, track_avx512;
 // The same in 32 and in 64 digits.
-Track track_portable_extended, track_avx2_extended, track_avx512_extended;
-Track track_portable_fourfold, track_avx2_fourfold, track_avx512_fourfold;
+Track track_portable_double_double, track_avx2_double_double, track_avx512_double_double;
+Track track_portable_quad_double, track_avx2_quad_double, track_avx512_quad_double;
 
 // The same in double precision with series of fewer terms, for paths that are short.
 Track track_portable_short, track_avx2_short, track_avx512_short;

@@ -38,8 +38,8 @@ from recording import ROOT
 sys.path.insert(0, str(ROOT))
 
 from gspcli.catalogue.kinds import DHP, DPH, Kind
-from gspcli.continuation.pursuit import pursue
 from gspcli.continuation.start import path_count
+from gspcli.continuation.tracked_paths import track_all
 from gspcli.defaults import SEED
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.maximize import Search
@@ -129,8 +129,8 @@ class Remaining:
             for i, kind in enumerate(pattern.kinds):
                 if kind in (DPH, DHP) or not (kind.is_distance or pattern.same_u):
                     values[0, i] = _SPREAD * rng.normal()
-            (pursuit,) = pursue(replace(platform, values=values).systems(), seed=SEED)
-            ends = pursuit.first()
+            (tracked_paths,) = track_all(replace(platform, values=values).systems(), seed=SEED)
+            ends = tracked_paths.first()
             norm = np.abs((ends.points[:, :4] ** 2).sum(axis=-1))
             finite = norm > _INFINITY * np.linalg.norm(ends.points, axis=-1) ** 2
             counts.append(int((ends.simple & finite).sum()))

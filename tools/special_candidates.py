@@ -25,7 +25,7 @@ from special_parts import Draws
 from special_platforms import Platform
 
 from gspcli import dumps
-from gspcli.certification.equations.local_frames import Centring
+from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.cli.main import run
 from gspcli.defaults import TOLERANCE
 from gspcli.errors import IncompleteError
@@ -86,7 +86,7 @@ class _Poses:
 
     def __init__(self, solved: SolveResult, scale: float) -> None:
         self.R, self.T = solved.R, solved.T
-        origin = Centring.of(solved.instance)
+        origin = LocalFrames.of(solved.instance)
         self.platform = np.array([float(x) for x in origin.platform])
         self.base = np.array([float(x) for x in origin.base])
         self.scale = scale

@@ -9,7 +9,7 @@ import numpy as np
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.primitives import Line
-from gspcli.solver.proof import Ground
+from gspcli.solver.proof import CountKind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -61,7 +61,7 @@ def _real(result: SolveResult, *, certify: bool) -> str:
 
 def proved(result: SolveResult) -> NDArray[np.bool_]:
     """Return which poses are proved: by certificates, multiple ones by the exact count."""
-    counted = result.proof is not None and result.proof.by is Ground.EXACT
+    counted = result.proof is not None and result.proof.by is CountKind.EXACT
     return result.certified | (counted & (result.multiplicity > 1))
 
 

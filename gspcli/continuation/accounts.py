@@ -26,10 +26,10 @@ from gspcli.continuation.ends import (
     may_coincide,
     regular_error,
 )
-from gspcli.continuation.mending import collided
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.regularity import clearly_simple, simple
+from gspcli.continuation.retracking import collided
 from gspcli.continuation.start import StartSystem
 from gspcli.continuation.systems import EQUATIONS, System
 from gspcli.continuation.tracker import (
@@ -78,7 +78,7 @@ class EndsOnCurve:
 
 
 @dataclass(frozen=True, eq=False)
-class Settled:
+class Endpoints:
     """The ends of all paths of one system; points of norm 1."""
 
     points: ComplexArray
@@ -125,10 +125,10 @@ def all_regular(results: PathResults, simple: NDArray[np.bool_] | None = None) -
     return good
 
 
-def regular_ends(results: PathResults, i: int) -> Settled:
+def regular_ends(results: PathResults, i: int) -> Endpoints:
     """Return the ends of the paths to a target for which `all_regular` holds."""
     count = results.points.shape[1]
-    return Settled(
+    return Endpoints(
         results.points[i],
         np.ones(count, dtype=np.int64),
         results.condition[i],
@@ -137,14 +137,14 @@ def regular_ends(results: PathResults, i: int) -> Settled:
     )
 
 
-def settle(
+def classify_endpoints(
     start: StartSystem,
     target: System,
     results: PathResults,
     seed: int,
     jobs: int,
     options: AccountOptions = ACCOUNTS,
-) -> Settled:
+) -> Endpoints:
     """Return where all paths to one target end, from their first results (1, P)."""
     best = None
     for attempt in range(options.attempts):
@@ -163,7 +163,7 @@ def settle(
     return best
 
 
-def _completed(ends: Settled, other: Settled, regular: NDArray[np.bool_]) -> Settled:
+def _completed(ends: Endpoints, other: Endpoints, regular: NDArray[np.bool_]) -> Endpoints:
     """Add regular solutions that only another attempt found: one lost path ends at each."""
     lost = ends.account.lost
     if not lost or not len(other.points):
@@ -222,7 +222,7 @@ class _Attempt:
         self.regular = clearly_simple(results)[0]
         self.error = regular_error(self.correction)
 
-    def settled(self, seed: int) -> Settled:
+    def settled(self, seed: int) -> Endpoints:
         for options in (CAREFUL, PARANOID):
             wrong = collided(self.points, self.error, self.regular)
             wrong |= self.status == PathStatus.FAILED
@@ -298,7 +298,7 @@ class _Attempt:
         self.regular[chosen] = True
         winding[chosen] = 0
 
-    def _classify(self, winding: NDArray[np.int64], rng: np.random.Generator) -> Settled:
+    def _classify(self, winding: NDArray[np.int64], rng: np.random.Generator) -> Endpoints:
         lost = int((winding < 0).sum())
         known = np.flatnonzero(winding >= 0)
         away = infinite(self.points[known], self.error[known])
@@ -324,7 +324,7 @@ class _Attempt:
             suspect |= bool((of_cycle[1:] % cycle[1:]).any())
             rows.append((first, len(members)))
         index = np.array([first for first, _ in rows], dtype=np.intp)
-        return Settled(
+        return Endpoints(
             self.points[index],
             np.array([count for _, count in rows], dtype=np.int64),
             self.condition[index],

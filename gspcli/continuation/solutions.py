@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.continuation.accounts import Settled
+from gspcli.continuation.accounts import Endpoints
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.records import dataclass
@@ -59,7 +59,7 @@ class SystemSolutions:
     """What the random choices were made from."""
 
 
-def solutions_of(ends: Settled, scale: float, seed: int) -> SystemSolutions:
+def solutions_of(ends: Endpoints, scale: float, seed: int) -> SystemSolutions:
     """Return the ends of all paths in the coordinates of the system, whose unit of f is `scale`."""
     return SystemSolutions(
         points=_scaled_to_one(ends.points, scale),

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from gspcli.continuation.pursuit import pursue
 from gspcli.continuation.solutions import SystemSolutions
 from gspcli.continuation.systems import System
+from gspcli.continuation.tracked_paths import track_all
 from gspcli.continuation.tracker import DEFAULT, TrackerOptions
 from gspcli.defaults import SEED
 
@@ -52,5 +52,5 @@ def solve_systems(
     Each result is the same as `solve_system` gives. Consecutive systems of one structure are
     tracked together, which is what makes this quicker than a loop.
     """
-    for pursuit in pursue(targets, seed=seed, jobs=jobs, options=options):
-        yield pursuit.solutions()
+    for tracked_paths in track_all(targets, seed=seed, jobs=jobs, options=options):
+        yield tracked_paths.solutions()

@@ -146,7 +146,7 @@ class Coefficients(NamedTuple):
         return Coefficients(self.g[index], self.h[index], self.tau[index])
 
 
-class ExtendedCoefficients(NamedTuple):
+class FineCoefficients(NamedTuple):
     """Coefficients of one system in 64 digits, as unevaluated sums of doubles."""
 
     high: Coefficients
@@ -155,7 +155,7 @@ class ExtendedCoefficients(NamedTuple):
     """What is to be added to them, leading axis (3,)."""
 
     @classmethod
-    def of(cls, numbers: Coefficients) -> ExtendedCoefficients:
+    def of(cls, numbers: Coefficients) -> FineCoefficients:
         """Return the sums next to numbers of any precision: arrays of objects, no leading axes."""
         columns = [_split(x) for x in numbers]
         return cls(*(Coefficients(*(x[part] for x in columns)) for part in _PARTS))

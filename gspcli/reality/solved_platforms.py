@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.parameter_homotopy import follow
-from gspcli.continuation.pursuit import pursue
 from gspcli.continuation.solve import solve_systems
 from gspcli.continuation.systems import System
+from gspcli.continuation.tracked_paths import track_all
 from gspcli.defaults import SEED
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.fold_distances import Folds, folds
@@ -80,11 +80,11 @@ def quickly_solved(platform: Platforms, seed: int = SEED) -> Solved | None:
     What looks real is taken to be so, and nothing is checked: a beginning.
     """
     system = next(platform[None].systems())
-    (pursuit,) = pursue([system], seed=seed)
-    ends = pursuit.first()
-    if ends.settled.mean() < _SETTLED:
+    (tracked_paths,) = track_all([system], seed=seed)
+    ends = tracked_paths.first()
+    if ends.converged.mean() < _SETTLED:
         return None
-    points = ends.points[ends.settled]
+    points = ends.points[ends.converged]
     real = look_real(points)
     size = np.sqrt((points[:, :4] ** 2).sum(axis=-1, keepdims=True))
     return Solved(platform, system, points / np.where(size, size, 1.0), real)

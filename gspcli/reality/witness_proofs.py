@@ -31,11 +31,11 @@ from gspcli.reality.recognition import look_real
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.problem import Problem
-from gspcli.solver.strategies.careful_paths import careful_paths
+from gspcli.solver.strategies.stored_start import careful_paths
 from gspcli.solver.tracking import (
     poses_by_paths,
-    pursue_each,
     solve_by_tracking,
+    track_platforms,
 )
 
 Array = NDArray[np.float64]
@@ -155,7 +155,7 @@ def certified_real(instance: Instance, enough: int | None = None, *, jobs: int =
         return int(found.real.sum())
     if enough is not None and (real := quickly_certified_real(instance, enough)) >= enough:
         return real
-    found = poses_by_paths(problem.arrangement, problem.pursuits)
+    found = poses_by_paths(problem.arrangement, problem.tracked)
     return certify(instance, found.R[found.real], found.T[found.real]).real
 
 
@@ -166,9 +166,9 @@ def quickly_certified_real(instance: Instance, enough: int) -> int:
     """
     points, real = np.zeros((0, 8)), 0
     for seed in range(SEED, SEED + _ATTEMPTS):
-        ((arrangement, pursuits),) = pursue_each([Arrangement.of(instance)], seed=seed)
-        ends = (pursuit.first() for pursuit in pursuits)
-        more = np.concatenate([end.points[end.settled] for end in ends])
+        ((arrangement, tracked),) = track_platforms([Arrangement.of(instance)], seed=seed)
+        ends = (tracked_paths.first() for tracked_paths in tracked)
+        more = np.concatenate([end.points[end.converged] for end in ends])
         points = np.concatenate((points, made_real(more[look_real(more)])))
         if len(points) >= enough or seed == SEED + _ATTEMPTS - 1:
             R, T = pose_from_study(points[:, :4], points[:, 4:])
@@ -180,9 +180,9 @@ def quickly_certified_real(instance: Instance, enough: int) -> int:
 
 def _real_count(instance: Instance) -> int:
     """Return how many poses look real at the first attempt at the paths."""
-    ((_, pursuits),) = pursue_each([Arrangement.of(instance)], seed=SEED)
-    ends = (pursuit.first() for pursuit in pursuits)
-    return sum(int(look_real(end.points[end.settled]).sum()) for end in ends)
+    ((_, tracked),) = track_platforms([Arrangement.of(instance)], seed=SEED)
+    ends = (tracked_paths.first() for tracked_paths in tracked)
+    return sum(int(look_real(end.points[end.converged]).sum()) for end in ends)
 
 
 def _scaled(platform: Platforms, length: float) -> Platforms:

@@ -3,38 +3,24 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Iterator
 from itertools import chain, islice
-from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from gspcli.catalogue.types import MAX_ANGLES
-from gspcli.certification.equations.local_frames import Centring
-from gspcli.defaults import PATIENCE, SEED
+from gspcli.certification.equations.local_frames import LocalFrames
+from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.numbers import Number
-from gspcli.solver.arguments import problems_of, value_rows, whole
-from gspcli.solver.batch import Block, PoseBatch, joined
+from gspcli.solver.all_poses import all_poses
+from gspcli.solver.arguments import value_rows, whole
+from gspcli.solver.batch import PoseBatch, joined
+from gspcli.solver.pose_blocks import pose_blocks
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.problem import Problem
 from gspcli.solver.result import SolveResult
-from gspcli.solver.solved_starts import STARTS
-from gspcli.solver.solving import solved
-
-if TYPE_CHECKING:
-    from gspcli.certification.counting import ExactCount
-    from gspcli.certification.poses.many_values import ValueProofs
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
-
-#: So many answers of the closed form are put together.
-_BLOCK = 64
+from gspcli.solver.solved_starts import STARTS, SolvedStarts
 
 
 def solve(
@@ -44,6 +30,7 @@ def solve(
     jobs: int = 1,
     certify: bool = True,
     prove: bool | None = None,
+    starts: SolvedStarts = STARTS,
 ) -> SolveResult:
     """Return all poses of an instance, proved, with an account of every path.
 
@@ -68,6 +55,9 @@ def solve(
         Whether to count the poses of a special platform however long it takes (True), not at
         all (False), or if it takes no longer than `PATIENCE` (None). Without a count only
         as many certified poses as the type has prove that there are no others.
+    starts
+        What is kept of solved platforms: nothing but time depends on it. By default that of the
+        process.
 
     Raises
     ------
@@ -76,26 +66,14 @@ def solve(
     """
     checked(instance)
     seed, jobs = whole(seed, "seed", least=0), whole(jobs, "jobs", least=1)
-    centring = Centring.of(instance)
+    local_frames = LocalFrames.of(instance)
     # Far from the bodies doubles have few digits left for what is asked.
-    near = instance if centring.is_none else centring.applied(instance)
-    problem = Problem(near, seed=seed, jobs=jobs, certify=certify, prove=prove)
-    poses = _solved(problem)
-    if centring.is_none:
+    near = instance if local_frames.is_none else local_frames.applied(instance)
+    problem = Problem(near, seed=seed, jobs=jobs, certify=certify, prove=prove, starts=starts)
+    poses = all_poses(problem).in_order(problem.arrangement.length)
+    if local_frames.is_none:
         return SolveResult(instance, problem.arrangement, poses, seed)
-    return SolveResult(instance, Arrangement.of(instance), poses.taken_back(centring), seed)
-
-
-def _solved(problem: Problem) -> PoseSet:
-    """Return all poses of a platform near the origins, in order."""
-    poses = solved(problem)
-    if problem.limit != 0 and poses.account.verdict == "infinite":
-        if not any(motion.real for motion in poses.motions):
-            from gspcli.solver.real_statements import lone_real_poses
-
-            found = lone_real_poses(problem.instance, lambda other: _solved(problem.like(other)))
-            poses = replace(poses, motions=(*(found or ()), *poses.motions))
-    return poses.in_order(problem.arrangement.length)
+    return SolveResult(instance, Arrangement.of(instance), poses.taken_back(local_frames), seed)
 
 
 def solve_values(
@@ -105,6 +83,7 @@ def solve_values(
     seed: int = SEED,
     jobs: int = 1,
     certify: bool = True,
+    starts: SolvedStarts = STARTS,
 ) -> Iterator[PoseSet]:
     """Yield all poses of an instance for each of many sets of values, in order.
 
@@ -117,7 +96,7 @@ def solve_values(
         The geometry, units and sides.
     values
         Distances and angles in the units and order of the instance, shape (batch, 6).
-    seed, jobs
+    seed, jobs, starts
         As for `solve`.
     certify
         Whether to prove each pose, and whether it is real, and so that there are no others. That
@@ -129,7 +108,9 @@ def solve_values(
         If an argument is of another sort or shape. A set of values that is wrong (not a number,
         a negative distance) only spoils its own `PoseSet`, whose `problem` says so.
     """
-    return chain.from_iterable(_blocks(instance, values, seed, jobs, certify=certify))
+    return chain.from_iterable(
+        pose_blocks(instance, values, seed=seed, jobs=jobs, certify=certify, starts=starts)
+    )
 
 
 def solve_batch(
@@ -139,6 +120,7 @@ def solve_batch(
     seed: int = SEED,
     jobs: int = 1,
     certify: bool = True,
+    starts: SolvedStarts = STARTS,
     progress: Iterable[object] = (),
 ) -> PoseBatch:
     """Return all poses of an instance for each of many sets of values, as arrays.
@@ -147,7 +129,7 @@ def solve_batch(
 
     Parameters
     ----------
-    instance, values, seed, jobs, certify
+    instance, values, seed, jobs, certify, starts
         As for `solve_values`.
     progress
         Consumed one item a set of values.
@@ -158,126 +140,9 @@ def solve_batch(
         As for `solve_values`.
     """
     blocks, steps = [], iter(progress)
-    for block in _blocks(instance, values, seed, jobs, certify=certify):
+    for block in pose_blocks(
+        instance, values, seed=seed, jobs=jobs, certify=certify, starts=starts
+    ):
         blocks.append(block)
         deque(islice(steps, len(block)), maxlen=0)
     return joined(Arrangement.of(instance), value_rows(values), blocks)
-
-
-def _blocks(
-    instance: Instance, values: ArrayLike, seed: int, jobs: int, *, certify: bool
-) -> Iterator[Block]:
-    """Return the poses for each set of values, wrong ones included."""
-    checked(instance)
-    seed, jobs = whole(seed, "seed", least=0), whole(jobs, "jobs", least=1)
-    rows = value_rows(values)
-    wrong = {
-        k: PoseSet.unsolved(instance.expected, problem)
-        for k, problem in problems_of(instance, rows).items()
-    }
-    if wrong:
-        # Any right values do in their place.
-        right = np.delete(rows, list(wrong), axis=0)
-        rows = rows.copy()
-        rows[list(wrong)] = right[0] if len(right) else np.nan
-    if len(wrong) == len(rows):
-        return iter([Block.of(list(wrong.values()))] if wrong else [])
-    centring = Centring.of(instance, _distances(instance, rows))
-    near = centring.applied(instance)
-    blocks = _solve_rows(near, rows, wrong, seed, jobs, certify=certify)
-    return blocks if centring.is_none else (block.taken_back(centring) for block in blocks)
-
-
-def _distances(instance: Instance, rows: Array) -> list[float]:
-    """Return those of the set of values whose largest distance is the smallest."""
-    distances = [i for i, c in enumerate(instance.constraints) if c.kind.is_distance]
-    lengths = np.abs(rows[:, distances])
-    return list(lengths[lengths.max(axis=1).argmin()])
-
-
-def _solve_rows(
-    instance: Instance,
-    rows: Array,
-    wrong: Mapping[int, PoseSet],
-    seed: int,
-    jobs: int,
-    *,
-    certify: bool,
-) -> Iterator[Block]:
-    """Yield the poses for each set of values; those of special platforms are proved."""
-    arrangement = Arrangement.of(instance)
-    begin = 0
-    for block, special in _quick_blocks(instance, arrangement, rows, seed, jobs, certify=certify):
-        others = dict(block.others)
-        for k in special.tolist():
-            row = rows[begin + k]
-            given = instance.with_values({i: Number.of(x) for i, x in enumerate(row.tolist())})
-            problem = Problem(
-                given, arrangement.with_values(row), seed=seed, jobs=jobs, certify=certify
-            )
-            others[k] = wrong.get(begin + k) or _solved(problem)
-        others |= {k - begin: wrong[k] for k in wrong if begin <= k < begin + len(block)}
-        yield replace(block, others=others)
-        begin += len(block)
-
-
-def _quick_blocks(
-    instance: Instance,
-    arrangement: Arrangement,
-    rows: Array,
-    seed: int,
-    jobs: int,
-    *,
-    certify: bool,
-) -> Iterator[tuple[Block, Index]]:
-    """Yield the poses for sets of values, and which of them are not found for certain."""
-    if len(arrangement.angles) == MAX_ANGLES:
-        yield from _closed_form_blocks(instance, arrangement, rows, certify=certify)
-        return
-    from gspcli.certification.poses.many_values import ValueProofs
-    from gspcli.solver.row_groups import solve_rows
-
-    def count() -> ExactCount | None:
-        return STARTS.count(instance, seed, PATIENCE)
-
-    def proofs(group: Array) -> ValueProofs | None:
-        return ValueProofs.of(instance, group)
-
-    for size, found in solve_rows(
-        arrangement, rows, count=count, proofs=proofs, seed=seed, jobs=jobs
-    ):
-        if found is None or (found.proof is None and certify):
-            yield Block.nothing(size), np.arange(size)
-        else:
-            poses = found.poses
-            fields = poses.quaternions, poses.R, poses.T, poses.real
-            yield Block(*fields, found.account, found.proof), np.flatnonzero(~poses.complete)
-
-
-def _closed_form_blocks(
-    instance: Instance, arrangement: Arrangement, rows: Array, *, certify: bool
-) -> Iterator[tuple[Block, Index]]:
-    """Yield the same for platforms with three angles."""
-    from gspcli.certification.poses.many_values import ValueProofs
-    from gspcli.solver.closed_form import solve_closed_forms
-    from gspcli.solver.closed_form_proofs import block_of, prove_closed_forms
-
-    proofs = ValueProofs.of(instance, rows) if certify else None
-    solved = solve_closed_forms(arrangement, rows)
-    for begin in range(0, len(rows), _BLOCK):
-        part = list(islice(solved, _BLOCK))
-        general = {k: poses for k, poses in enumerate(part) if poses is not None}
-        given = rows[begin : begin + len(part)]
-        proved = prove_closed_forms(proofs, arrangement, given, part) if proofs else None
-        if proved is None:
-            special = [k for k in range(len(part)) if certify or k not in general]
-            yield replace(Block.nothing(len(part)), others=general), np.array(special, np.intp)
-            continue
-        where, poses = proved
-        # What is not proved has a row of its own, in which anything may be.
-        source = np.zeros(len(part), np.intp)
-        source[where] = np.arange(len(where))
-        done = np.zeros(len(part), np.bool_)
-        done[where] = poses.complete
-        others = {k: one for k, one in general.items() if not done[k]}
-        yield replace(block_of(poses, source), others=others), np.flatnonzero(~done)

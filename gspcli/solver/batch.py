@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.equations.local_frames import Centring
+from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.continuation.paths import PathAccount
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.residuals import condition_numbers, proved_residuals, residuals
@@ -91,10 +91,10 @@ class Block:
     def __iter__(self) -> Iterator[PoseSet]:
         return map(self.pose_set, range(len(self)))
 
-    def taken_back(self, centring: Centring) -> Block:
+    def taken_back(self, local_frames: LocalFrames) -> Block:
         """Return poses that were found near the bodies in the frames of the instance."""
-        others = {k: poses.taken_back(centring) for k, poses in self.others.items()}
-        return replace(self, T=centring.doubles_back(self.R, self.T), others=others)
+        others = {k: poses.taken_back(local_frames) for k, poses in self.others.items()}
+        return replace(self, T=local_frames.doubles_back(self.R, self.T), others=others)
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import quaternion_product
 from gspcli.solver.batch import Block
 from gspcli.solver.pose_set import PoseSet
-from gspcli.solver.proof import Ground, Proof
+from gspcli.solver.proof import CountKind, Proof
 from gspcli.solver.study_systems import side_choices
 
 Array = NDArray[np.float64]
@@ -69,7 +69,7 @@ def block_of(poses: ProvedPoses, rows: Index) -> Block:
         T=poses.T[rows],
         real=poses.real[rows],
         account=PathAccount(expected=number, found=number, basis=Basis.COUNT),
-        proof=Proof(Ground.TYPE),
+        proof=Proof(CountKind.TYPE),
     )
 
 

@@ -13,19 +13,19 @@ from gspcli.certification.poses.collection import Collection
 from gspcli.certification.poses.multiple import MultiplePose, multiple_poses
 from gspcli.continuation.accounts import COUNTED
 from gspcli.continuation.paths import Basis, PathAccount
-from gspcli.continuation.pursuit import PursuedEnds
+from gspcli.continuation.tracked_paths import PathEnds
 from gspcli.geometry.quaternions import canonical_sign
 from gspcli.solver.pose_set import PoseSet
-from gspcli.solver.side import Side as Search
+from gspcli.solver.side import Side
 
 
-def complete(search: Search, solutions: int, distinct: int, spurious: int | None) -> PoseSet:
+def complete(side: Side, solutions: int, distinct: int, spurious: int | None) -> PoseSet:
     """Return all poses if the counts are reached; what is missing is lost.
 
     Parameters
     ----------
-    search
-        For the poses of the system.
+    side
+        The poses for a choice of sides.
     solutions, distinct
         How many solutions it has, with multiplicity and without; poses, if it is known how many
         others there are.
@@ -33,18 +33,18 @@ def complete(search: Search, solutions: int, distinct: int, spurious: int | None
         How many solutions are none, besides; None if that is not known.
     """
     multiple: list[MultiplePose] = []
-    candidates = _Candidates(search)
-    search.simple = solutions == distinct
-    while len(search.found) + len(multiple) < distinct:
+    candidates = _Candidates(side)
+    side.all_simple = solutions == distinct
+    while len(side.found) + len(multiple) < distinct:
         if solutions > distinct:
             multiple = [pose for pose in candidates.poses() if pose.is_pose or spurious is None]
-            if len(search.found) + len(multiple) >= distinct:
+            if len(side.found) + len(multiple) >= distinct:
                 break
-        if next(search.steps, None) is None:
+        if side.go_on() is None:
             break
-    numbers = _multiplicities(search.found, multiple, solutions, distinct)
+    numbers = _multiplicities(side.found, multiple, solutions, distinct)
     known = list(zip(multiple, numbers, strict=True)) if numbers else []
-    return _pose_set(search.found, known, search.pursuit.paths, solutions, spurious or 0)
+    return _pose_set(side.found, known, side.paths.count, solutions, spurious or 0)
 
 
 class _Candidates:
@@ -52,28 +52,28 @@ class _Candidates:
 
     Parameters
     ----------
-    search
-        For the poses of the system.
+    side
+        The poses for a choice of sides.
     """
 
-    def __init__(self, search: Search) -> None:
-        self._search = search
-        self._tried: PursuedEnds | None = None
+    def __init__(self, side: Side) -> None:
+        self._side = side
+        self._tried: PathEnds | None = None
         self._poses: list[MultiplePose] | None = None
 
     def poses(self) -> list[MultiplePose]:
         """Return the multiple poses that can be found by now."""
-        search, left = self._search, self._search.left
+        side, left = self._side, self._side.left
         if self._poses is None or left is not self._tried:
             self._tried = left
             if left is None:
-                ends = search.pursuit.solutions(COUNTED)
+                ends = side.paths.solutions(COUNTED)
                 chosen = ends.multiplicity > 1
                 points, paths = ends.points[chosen], ends.multiplicity[chosen].tolist()
                 low = np.zeros((len(points), 0, 8), complex)
             else:
                 points, low, paths = left.points, left.low, [1] * len(left.points)
-            found = multiple_poses(search.locator, points, low, paths, search.sides)
+            found = multiple_poses(side.locator, points, low, paths, side.sides)
             self._poses = list(found)
         return self._poses
 

@@ -7,16 +7,15 @@ infinity whatever the values. Which of the two is true the geometry's exact coun
 from __future__ import annotations
 
 from enum import Enum
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL, Kind
-from gspcli.continuation.pursuit import Pursuit, pursue
 from gspcli.continuation.quadrics import ComplexArray
-from gspcli.continuation.shifts import Shifts
+from gspcli.continuation.reduced_homotopy import ReducedHomotopy
 from gspcli.continuation.systems import EQUATIONS, System
+from gspcli.continuation.tracked_paths import TrackedPaths, track_all
 from gspcli.records import dataclass
 from gspcli.solver.start_pool import StartPool
 from gspcli.solver.study_systems import coefficients_of, complex_system
@@ -27,11 +26,9 @@ Array = NDArray[np.float64]
 #: that nothing about it is special. Anything from a third to three standard deviations of the
 #: parameters asked for makes paths about as short.
 _SPREAD = (0.7, 1.3)
-#: So many starts are kept for the process, those used last.
-_KEPT = 64
 
 
-class Way(Enum):
+class StartMethod(Enum):
     """How the solutions of a start are found."""
 
     SOLVED = "by short paths from a solved platform of the geometry; there may be others"
@@ -77,7 +74,6 @@ class SolvedSystem:
     points: ComplexArray
 
 
-@lru_cache(maxsize=_KEPT)
 def geometry_start(
     kinds: tuple[Kind, ...],
     geometry: bytes,
@@ -85,7 +81,7 @@ def geometry_start(
     spread: tuple[float, ...],
     seed: int,
     *,
-    way: Way,
+    way: StartMethod,
     solved: SolvedSystem | None = None,
 ) -> GeometryStart | None:
     """Return the start of a geometry with the finite solutions that paths lead to.
@@ -110,40 +106,44 @@ def geometry_start(
     system = complex_system(kinds, y, x, u, v, parameters)
     structure = system.structure
     solutions: ComplexArray | None = None
-    shifts = None
+    homotopy = None
     if not structure.is_product.any() and DLL not in kinds:
         _, plain = coefficients_of(kinds, y, x, u, v, np.zeros((1, len(kinds))))
-        shifts = Shifts.of(plain.g[0].real)
-    if way is Way.SOLVED:
-        solutions = _ends_from_solved(shifts, solved, parameters)
+        homotopy = ReducedHomotopy.of(plain.g[0].real)
+    if way is StartMethod.SOLVED:
+        solutions = _ends_from_solved(homotopy, solved, parameters)
     else:
-        pursuit = next(pursue([system], seed=seed))
-        solutions = _all_finite(pursuit) if way is Way.CAREFUL else pursuit.distinct_simple()
+        tracked_paths = next(track_all([system], seed=seed))
+        solutions = (
+            _all_finite(tracked_paths)
+            if way is StartMethod.CAREFUL
+            else tracked_paths.distinct_simple()
+        )
     if solutions is None or not len(solutions):
         return None
     balanced, scale = system.coefficients.balanced()
     points = solutions.copy()
     points[:, 4:] /= scale
-    pool = None if shifts is None else _pool(shifts, parameters, solutions)
+    pool = None if homotopy is None else _pool(homotopy, parameters, solutions)
     return GeometryStart(System(system.structure, balanced), points, scale, pool)
 
 
-def _pool(shifts: Shifts, parameters: ComplexArray, points: ComplexArray) -> StartPool:
-    return StartPool(shifts, parameters[None], shifts.points(points[None]), np.ones(EQUATIONS))
+def _pool(homotopy: ReducedHomotopy, parameters: ComplexArray, points: ComplexArray) -> StartPool:
+    return StartPool(homotopy, parameters[None], homotopy.points(points[None]), np.ones(EQUATIONS))
 
 
 def _ends_from_solved(
-    shifts: Shifts | None, solved: SolvedSystem | None, parameters: ComplexArray
+    homotopy: ReducedHomotopy | None, solved: SolvedSystem | None, parameters: ComplexArray
 ) -> ComplexArray | None:
     """Return where all poses of a solved platform lead; None if some are lost or meet."""
-    if shifts is None or solved is None:
+    if homotopy is None or solved is None:
         return None
-    real = _pool(shifts, solved.parameters.astype(complex), solved.points)
+    real = _pool(homotopy, solved.parameters.astype(complex), solved.points)
     return real.solutions_at(parameters)
 
 
-def _all_finite(pursuit: Pursuit) -> ComplexArray | None:
+def _all_finite(tracked_paths: TrackedPaths) -> ComplexArray | None:
     """Return all finite solutions, None unless they are simple and every path is accounted for."""
-    solutions = pursuit.solutions()
+    solutions = tracked_paths.solutions()
     simple = (solutions.multiplicity == 1).all() and not solutions.singular.any()
     return solutions.points if solutions.account.verdict == "complete" and simple else None

@@ -11,12 +11,13 @@ import numpy as np
 from gspcli.certification import decide
 from gspcli.continuation.accounts import BESIDE_CURVES
 from gspcli.continuation.paths import Basis, PathAccount
-from gspcli.continuation.pursuit import Pursuit
+from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import Field
 from gspcli.geometry.residuals import residuals
 from gspcli.solver.pose_set import Motion, PoseSet
+from gspcli.solver.problem import Problem
 from gspcli.solver.proof import Proof
 from gspcli.solver.self_motion import local_motion
 from gspcli.solver.tracking import poses_by_paths, poses_of
@@ -27,12 +28,7 @@ _ON_MOTION = 1e-8
 _TRIED = 16
 
 
-def solve_infinite(
-    instance: Instance,
-    arrangement: Arrangement,
-    pursuits: Sequence[Pursuit],
-    proof: Proof | None,
-) -> PoseSet:
+def solve_infinite(problem: Problem, proof: Proof | None) -> PoseSet:
     """Return sample motions and isolated poses of a platform.
 
     The equation of a DLL holds wherever its lines are parallel, at any distance: then infinitely
@@ -41,16 +37,15 @@ def solve_infinite(
 
     Parameters
     ----------
-    instance, arrangement
-        The platform, exactly and in floating point.
-    pursuits
-        The paths to its poses, for each choice of sides.
+    problem
+        The platform.
     proof
         What proves the set of poses to be infinite; None if only that of the equations is.
     """
-    best = _cleaned(arrangement, poses_by_paths(arrangement, pursuits, BESIDE_CURVES))
+    instance, arrangement, tracked = problem.instance, problem.arrangement, problem.tracked
+    best = _cleaned(arrangement, poses_by_paths(arrangement, tracked, BESIDE_CURVES))
     best = best.decided(decide(instance, best.R, best.T)) if len(best.R) else best
-    motions = _with_real_motion(arrangement, best.motions, pursuits)
+    motions = _with_real_motion(arrangement, best.motions, tracked)
     if best.motions:
         best = _isolated(best)
         # Without a proof the count may mean parallel lines: the samples are evidence.
@@ -91,7 +86,7 @@ def along_points(
 
 
 def _with_real_motion(
-    arrangement: Arrangement, motions: tuple[Motion, ...], pursuits: Sequence[Pursuit]
+    arrangement: Arrangement, motions: tuple[Motion, ...], tracked: Sequence[TrackedPaths]
 ) -> tuple[Motion, ...]:
     """Return motions with a real one, even if no path has ended at one of its poses.
 
@@ -99,7 +94,7 @@ def _with_real_motion(
     """
     if any(motion.real for motion in motions):
         return motions
-    for R, T in islice(_places(arrangement, motions, pursuits), _TRIED):
+    for R, T in islice(_places(arrangement, motions, tracked), _TRIED):
         near = local_motion(arrangement, R, T)
         if near is not None and near.real and _holds(arrangement, near):
             return (near, *motions)
@@ -107,13 +102,13 @@ def _with_real_motion(
 
 
 def _places(
-    arrangement: Arrangement, motions: Sequence[Motion], pursuits: Sequence[Pursuit]
+    arrangement: Arrangement, motions: Sequence[Motion], tracked: Sequence[TrackedPaths]
 ) -> Iterator[tuple[Field, Field]]:
     for motion in motions[: _TRIED // 2]:
         yield motion.R[0], motion.T[0]
-    for pursuit in pursuits:
+    for tracked_paths in tracked:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            R, T = poses_of(arrangement, pursuit.first().points)
+            R, T = poses_of(arrangement, tracked_paths.first().points)
         finite = np.isfinite(R).all(axis=(1, 2)) & np.isfinite(T).all(axis=1)
         yield from zip(R[finite], T[finite], strict=True)
 

@@ -9,14 +9,19 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from gspcli.certification.equations.frames import Frames
+from gspcli.certification.poses.many_values import ProvedPoses
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.solver.pose_set import PoseSet, joined, on_sides
 from gspcli.solver.problem import Problem
-from gspcli.solver.proof import Ground, Proof
+from gspcli.solver.proof import CountKind, Proof
 
 if TYPE_CHECKING:
     from gspcli.solver.side import Side
+
+
+#: What `ProvedPoses` has of each pose.
+_OF_POSES = tuple(name for name in ProvedPoses._fields if name != "complete")
 
 
 class Ends(NamedTuple):
@@ -69,7 +74,9 @@ class Ledger:
             return
         for k, side in enumerate(self.sides):
             each = slice(k * ends.points.shape[1], (k + 1) * ends.points.shape[1])
-            side.add_proved(*(part[0][each] for part in found[:-1]))
+            side.add_proved(
+                found._replace(**{name: getattr(found, name)[:, each] for name in _OF_POSES})
+            )
 
     def __len__(self) -> int:
         """Return how many poses are proved."""
@@ -81,12 +88,12 @@ class Ledger:
         """Return what says that there are so many poses."""
         problem = self.problem
         if number == problem.expected:
-            return Proof(Ground.TYPE)
-        count = problem.geometry_count if problem.knows_geometry else None
+            return Proof(CountKind.TYPE)
+        count = problem.geometry_count if problem.knows_geometry_count else None
         # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md).
         if count is None or count.solutions != number or not count.has_lone_lines:
             return None
-        return Proof.modulo(Ground.GEOMETRY, count.error)
+        return Proof.modulo(CountKind.GEOMETRY, count.error)
 
     @property
     def complete(self) -> PoseSet | None:

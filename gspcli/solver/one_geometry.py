@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from functools import partial
 from math import ceil, log2
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -21,16 +22,17 @@ from gspcli.certification.poses.many_values import ProvedPoses, ValueProofs
 from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.quadrics import ComplexArray
-from gspcli.continuation.shifts import SHORT_STEPS, VALUE_STEPS
+from gspcli.continuation.reduced_homotopy import SHORT_STEPS, VALUE_STEPS
 from gspcli.continuation.start import path_count
 from gspcli.continuation.systems import Coefficients
 from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import apply, study_from_pose
 from gspcli.records import dataclass
-from gspcli.solver.geometry_start import GeometryStart, SolvedSystem, Way, geometry_start
+from gspcli.solver.geometry_start import GeometryStart, SolvedSystem, StartMethod, geometry_start
 from gspcli.solver.pose_set import PoseSet
-from gspcli.solver.proof import Ground, Proof
+from gspcli.solver.proof import CountKind, Proof
+from gspcli.solver.solved_starts import SolvedStarts, Sort
 from gspcli.solver.start_pool import StartPool
 from gspcli.solver.study_systems import coefficients_of, side_choices
 
@@ -71,12 +73,13 @@ def geometry_among(
     count: Callable[[], ExactCount | None],
     seed: int,
     jobs: int,
+    starts: SolvedStarts,
 ) -> Geometry | None:
     """Return a geometry with a start among sets of values; None if that is not safe.
 
     Parameters
     ----------
-    arrangement, count, seed, jobs
+    arrangement, count, seed, jobs, starts
         As for `row_groups.solve_rows`.
     rows
         Sets of values with the same distances zero, shape (b, 6).
@@ -89,7 +92,9 @@ def geometry_among(
     spread = np.exp2(np.rint(np.log2(np.maximum(parameters.std(axis=0), _LEAST_DEVIATION))))
     zero = (parameters == 0).all(axis=0)
     spread = np.where(zero, 0.0, spread)
-    found = geometry_about(given, length, mean, spread, count=count, seed=seed, ways=Way)
+    found = geometry_about(
+        given, length, mean, spread, count=count, seed=seed, starts=starts, ways=StartMethod
+    )
     if found is None or found.pool is None:
         return found
     return replace(found, pool=found.pool.about(parameters, jobs))
@@ -103,7 +108,8 @@ def geometry_about(
     *,
     count: Callable[[], ExactCount | None],
     seed: int,
-    ways: Iterable[Way],
+    starts: SolvedStarts,
+    ways: Iterable[StartMethod],
     solved: SolvedSystem | None = None,
 ) -> Geometry | None:
     """Return a geometry with a start about some parameters; None if that is not safe.
@@ -114,29 +120,32 @@ def geometry_about(
         The geometry, and its unit of length, a power of two.
     mean, spread
         Of the start's parameters, what the equations are linear in, in that unit, shape (6,).
-    count, seed
+    count, seed, starts
         As for `row_groups.solve_rows`.
     ways
         To the start, which are tried in turn.
     solved
-        A platform of the geometry for `Way.SOLVED`, in that unit.
+        A platform of the geometry for `StartMethod.SOLVED`, in that unit.
     """
     inner, choices = given.in_units_of(length), side_choices(given)
     geometry = np.array([inner.y, inner.x, inner.u, inner.v]).tobytes()
     about = (given.kinds, geometry, tuple(mean.tolist()), tuple(spread.tolist()), seed)
     for way in ways:
-        start = geometry_start(*about, way=way, solved=solved if way is Way.SOLVED else None)
+        made = partial(geometry_start, *about, way=way, solved=solved)
+        start = starts.kept(Sort.GEOMETRY, (*about, way, solved is None), made)
         if start is None:
             continue
         expected = path_count(start.system.structure) * len(choices)
         found = len(start.points) * len(choices)
-        proof: Proof | None = Proof(Ground.TYPE)
+        proof: Proof | None = Proof(CountKind.TYPE)
         if found < expected:
             counted = count()
             if counted is None or counted.solutions != found:
                 continue
             # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md).
-            proof = Proof.modulo(Ground.GEOMETRY, counted.error) if counted.has_lone_lines else None
+            proof = (
+                Proof.modulo(CountKind.GEOMETRY, counted.error) if counted.has_lone_lines else None
+            )
         return Geometry(given, inner, length, choices, start, start.pool, expected, proof)
     return None
 

@@ -13,10 +13,10 @@ from gspcli.continuation.paths import PathAccount
 from gspcli.geometry.ordering import stable_order
 from gspcli.geometry.quaternions import Field, quaternion_from_rotation
 from gspcli.records import dataclass
-from gspcli.solver.proof import Ground, Proof
+from gspcli.solver.proof import CountKind, Proof
 
 if TYPE_CHECKING:
-    from gspcli.certification.equations.local_frames import Centring
+    from gspcli.certification.equations.local_frames import LocalFrames
     from gspcli.certification.poses.decisions import Decisions
 
 Complex = NDArray[np.complex128]
@@ -101,7 +101,7 @@ class PoseSet:
     @property
     def proof_by_type(self) -> Proof | None:
         """The proof that there are no others, if as many are certified as the type has."""
-        return Proof(Ground.TYPE) if self.certified.sum() == self.account.expected else None
+        return Proof(CountKind.TYPE) if self.certified.sum() == self.account.expected else None
 
     @property
     def account_text(self) -> str:
@@ -152,20 +152,26 @@ class PoseSet:
     def decided(self, decisions: Decisions) -> PoseSet:
         """Return the poses with some of them certified, and proved to be real or not."""
         certified = decisions.certified
-        real = np.where(certified, decisions.real, self.real)
-        return replace(self, certified=certified, real=real)
+        return replace(
+            self,
+            quaternions=np.where(certified[:, None], decisions.quaternions, self.quaternions),
+            R=np.where(certified[:, None, None], decisions.R, self.R),
+            T=np.where(certified[:, None], decisions.T, self.T),
+            certified=certified,
+            real=np.where(certified, decisions.real, self.real),
+        )
 
     def on_sides(self, choices: NDArray[np.float64]) -> PoseSet:
         """Return the poses, found in equal parts for some choices of sides, shape (k, 6)."""
         return replace(self, signs=on_sides(choices, len(self.R)))
 
-    def taken_back(self, centring: Centring) -> PoseSet:
+    def taken_back(self, local_frames: LocalFrames) -> PoseSet:
         """Return poses that were found near the bodies in the frames of the instance."""
 
         def moved(motion: Motion) -> Motion:
-            return replace(motion, T=centring.doubles_back(motion.R, motion.T))
+            return replace(motion, T=local_frames.doubles_back(motion.R, motion.T))
 
-        T = centring.doubles_back(self.R, self.T)
+        T = local_frames.doubles_back(self.R, self.T)
         return replace(self, T=T, motions=tuple(map(moved, self.motions)))
 
     def in_order(self, length: float) -> PoseSet:

@@ -16,37 +16,30 @@ from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.instance import Instance
 from gspcli.solver.completion import complete
 from gspcli.solver.pose_set import PoseSet, joined
-from gspcli.solver.side import Side as Search
+from gspcli.solver.side import Side
 
 
 def complete_parts(
-    instance: Instance,
-    side: SideCount,
-    search: Search,
-    solve_points: Callable[[Instance], PoseSet],
+    side: Side, count: SideCount, solve_points: Callable[[Instance], PoseSet]
 ) -> PoseSet:
     """Return all poses for a choice of sides that was counted in parts.
 
     Parameters
     ----------
-    instance
-        The platform.
-    side
-        The count.
-    search
-        For the poses without parallel lines.
+    side, count
+        The poses without parallel lines, and how many there are of each sort.
     solve_points
         Returns all poses of an instance with points for lines.
     """
-    chosen = instance.on_sides(side.signs)
+    chosen = side.problem.instance.on_sides(count.signs)
     found = []
-    for part in side.parts:
+    for part in count.parts:
         if part.parallel and part.distinct:
             points = solve_points(by_points(chosen, part.parallel))
             found.append(_with_parallel_lines(chosen, part, points))
         elif part.solutions and part.distinct:
-            found.append(complete(search, part.solutions, part.distinct, 0))
-    paths = search.pursuit.paths
+            found.append(complete(side, part.solutions, part.distinct, 0))
+    paths = side.paths.count
     reached = min(sum(poses.account.found for poses in found), paths)
     lost = min(sum(poses.account.lost for poses in found), paths - reached)
     account = PathAccount(

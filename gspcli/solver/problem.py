@@ -9,21 +9,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DPH, DPP
+from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DPH, DPP
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.certification.equations.frames import Frames
 from gspcli.certification.poses.many_values import ValueProofs
-from gspcli.continuation.systems import Coefficients, ExtendedCoefficients, Structure, System
+from gspcli.continuation.systems import Coefficients, FineCoefficients, Structure, System
 from gspcli.defaults import PATIENCE, SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
-from gspcli.solver.solved_starts import STARTS
+from gspcli.geometry.numbers import Number
+from gspcli.solver.solved_starts import STARTS, SolvedStarts
 from gspcli.solver.study_systems import coefficients_at, coefficients_of, side_choices
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
     from gspcli.certification.poses.locator import Locator
-    from gspcli.continuation.pursuit import Pursuit
+    from gspcli.continuation.tracked_paths import TrackedPaths
 
 #: Whose equations are each one quadric that depends on e, e ^ f and f.f alone.
 _REDUCIBLE = frozenset({DPP, DPH, DHP, *ANGLE_KINDS})
@@ -36,8 +37,8 @@ class Problem:
     ----------
     instance, arrangement
         The platform, exactly and in floating point.
-    seed, jobs, certify, prove
-        As for `gspcli.solver.api.solve`.
+    seed, jobs, certify, prove, starts
+        As for `gspcli.solve`.
     """
 
     def __init__(
@@ -49,18 +50,33 @@ class Problem:
         jobs: int = 1,
         certify: bool = True,
         prove: bool | None = None,
+        starts: SolvedStarts = STARTS,
     ) -> None:
         self.instance = instance
         self.arrangement = Arrangement.of(instance) if arrangement is None else arrangement
-        self.seed, self.jobs, self.certify = seed, jobs, certify
+        self.seed, self.jobs, self.certify, self.starts = seed, jobs, certify, starts
         #: Work that a count may take, None for no limit; if it is zero, nothing is counted.
         self.limit = {True: None, False: 0.0, None: PATIENCE}[prove]
 
     def like(self, instance: Instance) -> Problem:
         """Return another platform, to be solved likewise."""
-        other = Problem(instance, seed=self.seed, certify=self.certify)
+        other = Problem(
+            instance, seed=self.seed, jobs=self.jobs, certify=self.certify, starts=self.starts
+        )
         other.limit = self.limit
         return other
+
+    def with_values(self, values: NDArray[np.float64]) -> Problem:
+        """Return the same geometry with other values (6,), doubles that are meant exactly."""
+        numbers = {i: Number.of(x) for i, x in enumerate(values.tolist())}
+        return Problem(
+            self.instance.with_values(numbers),
+            self.arrangement.with_values(values),
+            seed=self.seed,
+            jobs=self.jobs,
+            certify=self.certify,
+            starts=self.starts,
+        )
 
     @cached_property
     def choices(self) -> NDArray[np.float64]:
@@ -93,7 +109,7 @@ class Problem:
 
     @property
     def is_reducible(self) -> bool:
-        """Whether the equations can be solved for some unknowns first (`Shifts`)."""
+        """Whether the equations can be solved for some unknowns first (`ReducedHomotopy`)."""
         return _REDUCIBLE.issuperset(self.arrangement.kinds)
 
     @property
@@ -101,6 +117,13 @@ class Problem:
         """Whether the count and a start of its geometry are worth keeping."""
         given = self.arrangement
         return self.is_reducible and bool(given.values[given.distances].all())
+
+    @property
+    def has_kept_geometry(self) -> bool:
+        """Whether a solved platform of its geometry is kept, and may be used."""
+        return (
+            self.is_kept and self.limit != 0 and self.starts.platform(self.arrangement) is not None
+        )
 
     @cached_property
     def unit(self) -> float:
@@ -131,19 +154,15 @@ class Problem:
         return [System.of(structure, *rest) for rest in zip(*given, strict=True)]
 
     @cached_property
-    def pursuits(self) -> list[Pursuit]:
+    def tracked(self) -> list[TrackedPaths]:
         """The paths to all poses, followed in doubles with care, for each choice of sides."""
-        from gspcli.continuation.pursuit import pursue
+        from gspcli.continuation.tracked_paths import track_all
 
-        return list(pursue(self.systems, seed=self.seed, jobs=self.jobs))
+        return list(track_all(self.systems, seed=self.seed, jobs=self.jobs))
 
     @cached_property
     def proofs(self) -> ValueProofs | None:
-        """The equations of proofs for the kernel; None if they are others: of lines that meet."""
-        given = self.arrangement
-        pairs = zip(given.kinds, given.values.tolist(), strict=True)
-        if any(kind is DLL and not value for kind, value in pairs):
-            return None
+        """The equations of proofs for the kernel; None if the frames are too far away for it."""
         return ValueProofs.of(self.instance, None)
 
     @cached_property
@@ -153,7 +172,7 @@ class Problem:
 
         return Locator(self.instance, self.frames)
 
-    def target(self, k: int) -> ExtendedCoefficients:
+    def target(self, k: int) -> FineCoefficients:
         """Return the equations of paths for a choice of sides, from the exact numbers."""
         from gspcli.certification.equations.normalized import many_digits, normalized
 
@@ -165,16 +184,18 @@ class Problem:
             structure, found = coefficients_of(given.kinds, *numbers[:4], values[None])
             order = list(structure.order)
             exact = Coefficients(*(x[0, order] for x in found))
-            return ExtendedCoefficients.of(self.pursuits[k].balanced(exact))
+            return FineCoefficients.of(self.tracked[k].balanced(exact))
 
     @cached_property
     def geometry_count(self) -> ExactCount | None:
-        """The count of a geometry that is worth keeping, kept for the process."""
-        if not self.is_kept or self.limit == 0:
-            return None
-        return STARTS.count(self.instance, self.seed, self.limit)
+        """The count of a geometry that is worth keeping; None if it is not known."""
+        return self.count_geometry() if self.is_kept and self.limit != 0 else None
+
+    def count_geometry(self) -> ExactCount | None:
+        """Return the count of the geometry with values in general position."""
+        return self.starts.count(self.instance, self.seed, self.limit)
 
     @property
-    def knows_geometry(self) -> bool:
+    def knows_geometry_count(self) -> bool:
         """Whether that count has been asked for."""
         return "geometry_count" in self.__dict__

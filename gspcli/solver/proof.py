@@ -8,7 +8,7 @@ from typing import Any
 from gspcli.records import dataclass
 
 
-class Ground(StrEnum):
+class CountKind(StrEnum):
     """A count that certified poses can reach (docs/completeness.md)."""
 
     TYPE = "type count"
@@ -32,11 +32,11 @@ class Proof:
         count holds for every prime.
     """
 
-    by: Ground
+    by: CountKind
     error: float = 0.0
 
     @classmethod
-    def modulo(cls, by: Ground, error: float) -> Proof | None:
+    def modulo(cls, by: CountKind, error: float) -> Proof | None:
         """Return a proof by a count modulo a random prime; None if the bound of its error is 1."""
         return cls(by, error) if error < 1 else None
 

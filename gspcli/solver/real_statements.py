@@ -43,7 +43,7 @@ _ZERO, _ONE = Number.of(0), Number.of(1)
 _AXES: tuple[Vector, ...] = ((_ONE, _ZERO, _ZERO), (_ZERO, _ONE, _ZERO), (_ZERO, _ZERO, _ONE))
 
 
-def lone_real_poses(
+def isolated_real_poses(
     instance: Instance, solve: Callable[[Instance], PoseSet]
 ) -> tuple[Motion, ...] | None:
     """Return the real poses of a platform, each a motion of dimension zero.

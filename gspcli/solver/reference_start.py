@@ -11,7 +11,7 @@ Where the paths lead is proved afterwards; else it is forgotten.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cache, cached_property, lru_cache
+from functools import cache, cached_property
 from itertools import permutations
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind, Primitive
+from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.quadrics import (
     COEFFICIENTS,
     ComplexArray,
@@ -28,14 +29,13 @@ from gspcli.continuation.quadrics import (
 )
 from gspcli.continuation.start import StartSystem, path_count
 from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
-from gspcli.continuation.tracker import TrackerOptions
 from gspcli.geometry.quaternions import quaternion_product
 from gspcli.records import dataclass
-from gspcli.solver.solved_starts import STARTS
+from gspcli.solver.solved_starts import SolvedStarts, Sort
 from gspcli.solver.study_systems import complex_system
 
 if TYPE_CHECKING:
-    from gspcli.continuation.pursuit import Pursuit
+    from gspcli.continuation.tracked_paths import TrackedPaths
 
 Array = NDArray[np.float64]
 
@@ -55,8 +55,6 @@ _SEEDS = (0, 3, 1)
 #: The parameters, what the equations are linear in: a mean for squares of distances, and zero else,
 #: plus i times numbers between these with random signs.
 _MEAN, _SPREAD = 0.6, (0.2, 0.4)
-#: So many are kept for the process, those used last.
-_KEPT = 64
 #: In so many frames a reference is compared with a platform: four times as many take a twentieth
 #: off the steps, and longer to compare than that saves.
 _FRAMES = 64
@@ -69,7 +67,7 @@ class Reference:
     Attributes
     ----------
     start
-        Its system in canonical order; with products balanced.
+        Its system in canonical order, balanced.
     scale
         The unit of f in it.
     """
@@ -94,55 +92,47 @@ class Turned(NamedTuple):
     """The conjugate first factors, shape (27, 6 K), the frames last."""
 
 
-def reference_start(structure: Structure) -> Reference | None:
-    """Return the reference of a structure in canonical order, kept for the process.
+def reference_start(structure: Structure, starts: SolvedStarts) -> Reference | None:
+    """Return the reference of a structure in canonical order.
 
     It is solved when it is asked for a second time, because that takes as long as to solve
     a platform. None before, and where there is none.
     """
-    return _reference(structure) if STARTS.is_second(structure) else None
+    if not starts.is_second(structure):
+        return None
+    return starts.kept(Sort.REFERENCE, structure, lambda: _solved_reference(structure))
 
 
-@lru_cache(maxsize=_KEPT)
-def _reference(structure: Structure) -> Reference | None:
+def _solved_reference(structure: Structure) -> Reference | None:
     sorts = list(zip(structure.spaces, structure.products, strict=True))
     if any(sort not in _KINDS for sort in sorts):
         return None
     # The first platform of a process does without.
-    from gspcli.continuation.pursuit import pursue
+    from gspcli.continuation.tracked_paths import track_all
 
     for seed in _SEEDS:
         given = complex_platform(tuple(_KINDS[sort] for sort in sorts), seed)
-        pursuit = next(pursue([given], seed=seed))
-        points = pursuit.first().points
-        if not pursuit.is_regular or len(points) != path_count(structure):
+        tracked = next(track_all([given], seed=seed))
+        points = tracked.first().points
+        if not tracked.is_regular or len(points) != path_count(structure):
             continue
-        scale = 1.0
-        if any(structure.products):
-            balanced, unit = given.coefficients.balanced()
-            given, scale = System(structure, balanced), float(unit)
-            points[:, 4:] /= scale
+        balanced, unit = given.coefficients.balanced()
+        points[:, 4:] /= float(unit)
         points /= np.linalg.norm(points, axis=1, keepdims=True)
-        return Reference(StartSystem(given, points), scale)
+        return Reference(StartSystem(System(structure, balanced), points), float(unit))
     return None
 
 
-def complex_platform(
-    kinds: tuple[Kind, ...], seed: int, *, flat: tuple[bool, bool] = (False, False)
-) -> System:
+def complex_platform(kinds: tuple[Kind, ...], seed: int) -> System:
     """Return a platform with complex values, lengths of order one.
 
     Parameters
     ----------
     kinds, seed
         Of its constraints, and of its random numbers.
-    flat
-        Whether all points of the platform, and of the base, have the same height.
     """
     rng = np.random.default_rng([seed, len(kinds)])
     y, x = rng.uniform(-1, 1, (2, len(kinds), 3))
-    for points, same in zip((y, x), flat, strict=True):
-        points[:, 2] *= not same
     y, x = (z - z.mean(axis=0) for z in (y, x))
     length = np.sqrt(max((z**2).sum(axis=1).max() for z in (y, x)))
     u, v = rng.normal(size=(2, len(kinds), 3))
@@ -156,31 +146,30 @@ def complex_platform(
     return complex_system(kinds, y / length, x / length, u, v, parameters)
 
 
-def pursue_near(
+def track_near(
     reference: Reference,
     given: Coefficients,
     *,
     seed: int,
     jobs: int,
-    options: TrackerOptions,
-) -> Iterator[Pursuit]:
+) -> Iterator[TrackedPaths]:
     """Yield the first attempt at the paths from a reference to B systems of one platform.
 
     Parameters
     ----------
     reference, given
         With equations in canonical order; the systems differ in their sides alone.
-    seed, jobs, options
-        As for `pursue`.
+    seed, jobs
+        As for `track_all`.
     """
-    from gspcli.continuation.pursuit import Pursuit, first_attempts
+    from gspcli.continuation.tracked_paths import TrackedPaths, first_attempts
 
     start, inner = _nearest(reference, given.in_units(np.array(reference.scale)))
     targets = inner.normalized()
-    attempts = first_attempts(start.system, targets, start.points, options=options, jobs=jobs)
+    attempts = first_attempts(start.system, targets, start.points, options=SHORT, jobs=jobs)
     for i, (row, regular) in enumerate(attempts):
         target, sizes = System(start.system.structure, targets.take(i)), inner.take(i).sizes()
-        yield Pursuit(start, target, reference.scale, sizes, row, regular, seed, jobs)
+        yield TrackedPaths(start, target, reference.scale, sizes, row, regular, seed, jobs)
 
 
 def _turned(coefficients: Coefficients) -> Turned:

@@ -24,7 +24,7 @@ from gspcli.geometry.residuals import (
 )
 from gspcli.records import dataclass
 from gspcli.solver.pose_set import Motion, PoseSet
-from gspcli.solver.proof import Ground, Proof
+from gspcli.solver.proof import CountKind, Proof
 from gspcli.solver.solution import Counts, Solution
 
 if TYPE_CHECKING:
@@ -141,9 +141,9 @@ class SolveResult:
 
         It is computed when it is asked for, except where the poses prove it to be the type's.
         """
-        if self.proof is not None and self.proof.by is Ground.TYPE:
+        if self.proof is not None and self.proof.by is CountKind.TYPE:
             return self.expected
-        if self.proof is not None and self.proof.by is Ground.GEOMETRY:
+        if self.proof is not None and self.proof.by is CountKind.GEOMETRY:
             return len(self.R)
         if self.exact_count is None and self.verdict != "infinite":
             return None

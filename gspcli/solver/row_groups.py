@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from gspcli.certification.poses.many_values import ProvedPoses, ValueProofs
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.one_geometry import Geometry, Solved, geometry_among
+from gspcli.solver.solved_starts import STARTS, SolvedStarts
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
@@ -44,6 +45,7 @@ def solve_rows(
     proofs: Callable[[Array], ValueProofs | None],
     seed: int,
     jobs: int = 1,
+    starts: SolvedStarts = STARTS,
 ) -> Iterator[tuple[int, Solved | None]]:
     """Yield all poses of one geometry with each of many sets of values, in order.
 
@@ -64,6 +66,8 @@ def solve_rows(
         Source of the random paths. Another seed gives the same sets of poses.
     jobs
         Threads. The result does not depend on them.
+    starts
+        What is kept of solved platforms.
 
     Yields
     ------
@@ -75,20 +79,20 @@ def solve_rows(
     groups: dict[_Key, list[int]] = {}
     for k, key in enumerate(zip(zero, sizes.tolist(), strict=True)):
         groups.setdefault(key, []).append(k)
-    starts: dict[_Key, tuple[Geometry, ValueProofs]] = {}
+    geometries: dict[_Key, tuple[Geometry, ValueProofs]] = {}
     for key, members in groups.items():
         if len(members) < _LEAST or _FACTOR ** key[1] >= _FAR:
             continue
         equations = proofs(rows[members])
         if equations is None:
             break
-        geometry = geometry_among(arrangement, rows[members], count, seed, jobs)
+        geometry = geometry_among(arrangement, rows[members], count, seed, jobs, starts)
         if geometry is not None:
-            starts[key] = geometry, equations
+            geometries[key] = geometry, equations
     begin = 0
     for pattern, group in groupby(zero):
         end = begin + len(list(group))
-        alike = {size: start for (zeros, size), start in starts.items() if zeros == pattern}
+        alike = {size: start for (zeros, size), start in geometries.items() if zeros == pattern}
         length = min((geometry.batch for geometry, _ in alike.values()), default=end - begin)
         for first in range(begin, end, length):
             part = slice(first, min(first + length, end))

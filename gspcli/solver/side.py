@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +12,14 @@ from gspcli.certification.poses.collection import Collection
 from gspcli.certification.poses.distinct import same
 from gspcli.certification.poses.isolation import Isolation
 from gspcli.certification.poses.locator import FIRST_PRECISION, AtInfinity, Locator
+from gspcli.certification.poses.many_values import ProvedPoses
 from gspcli.continuation.paths import Basis, PathAccount
-from gspcli.continuation.pursuit import PursuedEnds, Pursuit
-from gspcli.continuation.systems import ExtendedCoefficients
+from gspcli.continuation.systems import FineCoefficients
+from gspcli.continuation.tracked_paths import PathEnds, TrackedPaths
 from gspcli.geometry.quaternions import Field, canonical_sign, pose_from_study
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.problem import Problem
+from gspcli.solver.strategies import Further, further_strategies
 
 Bits = NDArray[np.bool_]
 Index = NDArray[np.intp]
@@ -25,21 +28,37 @@ Index = NDArray[np.intp]
 _KNOWN = 1e-13
 #: Points with smaller imaginary parts may be real.
 _NEARLY_REAL = 1e-6
+#: If at most one path in so many is missing, paths have jumped rather than that the platform is
+#: special: other paths find what is missing. Else no count says whether more would be found.
+FEW = 50
 
 
 class Side:
     """The poses of a platform for one choice of sides.
 
+    Parameters
+    ----------
+    problem, k
+        The platform, and which of its choices of sides.
+
     Attributes
     ----------
+    sides
+        For each constraint the index of its equation (`BallSystem.equations`).
     found
         The proved ones, simple and all different.
     infinite
         The simple solutions at infinity that were met, all different.
-    astray
-        The paths that have led to none of these.
+    reached
+        Which ends of the paths in double precision have led to poses of their own.
+    unresolved
+        The paths that have led to no pose.
     left
         The ends of those with 64 digits.
+    eliminated
+        How many eliminations have been done.
+    all_simple
+        Whether all poses are known to be simple ones.
     """
 
     def __init__(self, problem: Problem, k: int) -> None:
@@ -47,50 +66,83 @@ class Side:
         self.sides = problem.sides[k]
         self.found = Collection(problem.locator, self.sides)
         self.infinite: list[Isolation] = []
-        self.left: PursuedEnds | None = None
-        self.astray: Index = np.arange(0)
-        #: Which ends of the last paths in doubles have led to a pose of their own.
         self.reached: Bits = np.zeros(0, np.bool_)
-        #: Eliminations that have been done.
+        self.unresolved: Index = np.arange(0)
+        self.left: PathEnds | None = None
         self.eliminated = 0
-        #: Long strategies, run as far as somebody has asked for more.
-        self.steps: Iterator[int] = iter(())
-        self._target: ExtendedCoefficients | None = None
-        #: Whether all poses are to be simple ones.
-        self.simple = False
+        self.all_simple = False
+        self._further: Iterator[Further] | None = None
 
     @property
-    def pursuit(self) -> Pursuit:
+    def paths(self) -> TrackedPaths:
         """The paths."""
-        return self.problem.pursuits[self.k]
+        return self.problem.tracked[self.k]
 
     @property
     def locator(self) -> Locator:
         """The equations in balls."""
         return self.problem.locator
 
-    @property
-    def target(self) -> ExtendedCoefficients:
-        """The equations from the exact numbers, in 32 digits."""
-        if self._target is None:
-            self._target = self.problem.target(self.k)
-        return self._target
+    @cached_property
+    def target(self) -> FineCoefficients:
+        """The equations of paths from the exact numbers, in 32 digits."""
+        return self.problem.target(self.k)
 
-    def add_proved(
-        self, R: Field, T: Field, quaternions: Field, certified: Bits, real: Bits, off: Field
-    ) -> Index:
-        """Add what the kernel has proved of ends, and conjugates; return their places here, or -1."""
-        parts = R, T, quaternions, real, off
+    def go_on(self) -> Further | None:
+        """Go on with the further strategies to the next place where that may be enough.
+
+        Returns which of them comes next, or goes on; None if all have been tried.
+        """
+        if self._further is None:
+            self._further = further_strategies(self)
+        return next(self._further, None)
+
+    def go_on_until(self, last: Further | None, most: int | None = None) -> None:
+        """Go on as long as poses are missing.
+
+        Parameters
+        ----------
+        last
+            The last strategy that is worth it; None for those that have begun already.
+        most
+            How many poses there can be, if that is known.
+        """
+        paths = self.paths.count
+        while (place := self.go_on()) is not None:
+            found = len(self.found)
+            missing = min(paths - found - len(self.infinite), (most or paths) - found)
+            if missing <= 0 or last is None or place > last:
+                break
+            if place > Further.WITH_64_DIGITS and missing * FEW > paths:
+                break
+
+    def add_proved(self, found: ProvedPoses) -> Index:
+        """Add what the kernel has proved of ends, and conjugates; return their places here, or -1.
+
+        Parameters
+        ----------
+        found
+            Of one set of values and these sides: shapes (1, n, ...).
+        """
+        R, T, e, certified, real, rounded, off = (part[0] for part in found[:-1])
         place = np.full(len(R), -1)
-        place[certified] = self.found.add_proved(*(part[certified] for part in parts))
-        pairs = certified & ~real
-        self.found.add_proved(*(part[pairs].conj() for part in parts))
+        known = certified & rounded
+        place[known] = self.found.add_proved(R[known], T[known], e[known], real[known], off[known])
+        pairs = known & ~real
+        # Zero has one sign.
+        conjugates = (x[pairs].conj() + 0.0 for x in (R, T, e))
+        self.found.add_proved(*conjugates, real[pairs], off[pairs])
+        # Half-way between two doubles, or nearly.
+        for k in np.flatnonzero(certified & ~rounded).tolist():
+            if self.found.add([self.locator.near(R[k], T[k], self.sides)]):
+                place[k] = len(self.found) - 1
+        self.found.add_conjugates()
         self.reached = np.zeros(len(R), np.bool_)
         self.reached[np.unique(place, return_index=True)[1]] = True
         self.reached &= certified
         return place
 
-    def add(self, ends: PursuedEnds) -> Bits:
+    def add(self, ends: PathEnds) -> Bits:
         """Add the poses near ends, by the kernel or in balls; return which have led to new ones."""
         before = len(self.found)
         problem, new = self.problem, np.zeros(len(ends.points), np.bool_)
@@ -99,7 +151,7 @@ class Side:
         if problem.proofs is not None:
             choice = problem.choices[self.k : self.k + 1]
             found = problem.proofs.decide_own(choice, ends.points[None], problem.frames)
-            place = self.add_proved(*(part[0] for part in found[:-1]))
+            place = self.add_proved(found)
             first = np.unique(place, return_index=True)[1]
             new[first[place[first] >= before]] = True
         # What doubles do not tell from a known pose may be one beside it.
@@ -107,8 +159,8 @@ class Side:
         new[rest] = self.locate(ends.take(rest))
         return new
 
-    def locate(self, ends: PursuedEnds) -> Bits:
-        """Add the poses near ends in balls, and conjugates; return which ends have led to new ones."""
+    def locate(self, ends: PathEnds) -> Bits:
+        """Add the poses near ends in balls, and conjugates; return which have led to new ones."""
         if not len(ends.points):
             return np.zeros(0, np.bool_)
         new = ~self._is_known(ends.points)
@@ -123,9 +175,10 @@ class Side:
         new[index] = new[source]
         self.found.add_conjugates()
         for end in located:
-            if isinstance(end, AtInfinity):
-                if not any(same(end.isolation, other) for other in self.infinite):
-                    self.infinite.append(end.isolation)
+            if isinstance(end, AtInfinity) and not any(
+                same(end.isolation, other) for other in self.infinite
+            ):
+                self.infinite.append(end.isolation)
         return new
 
     def _is_known(self, points: Field) -> Bits:
@@ -189,7 +242,7 @@ def _sources(points: Field) -> Index:
             if np.abs(unit.imag / size).max() < _NEARLY_REAL:
                 continue
             gaps = np.abs((others / others[:, k : k + 1] - unit) / size).max(axis=1, initial=0.0)
-        same_ = np.flatnonzero(gaps < _KNOWN)
-        if len(same_):
-            source[i] = source[same_[0]]
+        alike = np.flatnonzero(gaps < _KNOWN)
+        if len(alike):
+            source[i] = source[alike[0]]
     return source

@@ -1,83 +1,134 @@
-"""What is kept of solved platforms: from where paths to the next one are short, and counts."""
+"""What is kept of solved platforms: starts from which paths to others are short, and counts.
+
+Nothing but time depends on it: a pose is proved wherever the path to it began, and is returned
+correctly rounded (`gspcli.certification.numbers.correct_rounding`).
+"""
 
 from __future__ import annotations
 
 from collections import OrderedDict
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Hashable
+from enum import Enum
+from threading import Lock
+from typing import TYPE_CHECKING, TypeVar, cast
 
 import numpy as np
 
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
-from gspcli.solver.pose_set import PoseSet
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
     from gspcli.continuation.systems import Structure
+    from gspcli.solver.pose_set import PoseSet
+
+_Entry = TypeVar("_Entry")
 
 #: So many of each sort are kept, those used last.
 _KEPT = 64
 _UNITS = Units("unit", AngleUnit.DEGREE)
 
 
-class _Last(OrderedDict[Any, Any]):
-    """The entries used last."""
+class Sort(Enum):
+    """What is kept."""
 
-    def fetch(self, key: Any) -> Any:
-        if key in self:
-            self.move_to_end(key)
-        return self.get(key)
-
-    def keep(self, key: Any, entry: Any) -> Any:
-        self[key] = entry
-        if len(self) > _KEPT:
-            self.popitem(last=False)
-        return entry
+    MET = "structures of equations that were solved once"
+    REFERENCE = "solved platforms with complex values, one a structure"
+    PLATFORM = "solved platforms of special geometries"
+    GEOMETRY = "solved systems of a geometry with complex values"
+    COUNT = "exact counts of geometries"
 
 
 class SolvedStarts:
-    """Platforms that were solved. Nothing but time depends on them."""
+    """Platforms that were solved.
+
+    `gspcli.solve` and its neighbours take one of their own; without it those of the process are
+    used (`STARTS`).
+    """
 
     def __init__(self) -> None:
-        self._platforms, self._counts, self._met = _Last(), _Last(), _Last()
+        self._kept: dict[Sort, OrderedDict[Hashable, object]] = {
+            sort: OrderedDict() for sort in Sort
+        }
+        self._lock = Lock()
+
+    def __repr__(self) -> str:
+        kept = ", ".join(f"{len(entries)} {sort.value}" for sort, entries in self._kept.items())
+        return f"<SolvedStarts: {kept}>"
+
+    @property
+    def sizes(self) -> dict[Sort, int]:
+        """How many of each sort are kept."""
+        return {sort: len(entries) for sort, entries in self._kept.items()}
 
     def clear(self) -> None:
         """Forget everything."""
-        for part in (self._platforms, self._counts, self._met):
-            part.clear()
+        with self._lock:
+            for entries in self._kept.values():
+                entries.clear()
+
+    def fetch(self, sort: Sort, key: Hashable) -> object | None:
+        """Return what is kept; None if nothing is."""
+        with self._lock:
+            entries = self._kept[sort]
+            if key in entries:
+                entries.move_to_end(key)
+            return entries.get(key)
+
+    def keep(self, sort: Sort, key: Hashable, entry: _Entry) -> _Entry:
+        """Keep an entry, and return it."""
+        with self._lock:
+            entries = self._kept[sort]
+            entries[key] = entry
+            entries.move_to_end(key)
+            if len(entries) > _KEPT:
+                entries.popitem(last=False)
+        return entry
+
+    def kept(self, sort: Sort, key: Hashable, make: Callable[[], _Entry]) -> _Entry:
+        """Return what is kept, made if nothing is."""
+        with self._lock:
+            known = key in self._kept[sort]
+        if known:
+            return cast(_Entry, self.fetch(sort, key))
+        return self.keep(sort, key, make())
 
     def is_second(self, structure: Structure) -> bool:
         """Return whether a platform of a structure was solved before."""
-        return bool(self._met.fetch(structure)) or not self._met.keep(structure, True)
+        if self.fetch(Sort.MET, structure):
+            return True
+        self.keep(Sort.MET, structure, True)
+        return False
 
-    def keep(self, arrangement: Arrangement, poses: PoseSet) -> None:
+    def keep_platform(self, arrangement: Arrangement, poses: PoseSet) -> None:
         """Keep all poses of a platform of a special geometry: its start is made from them."""
-        if self._platforms.fetch(key := _key(arrangement)) is None:
-            self._platforms.keep(key, (arrangement, poses))
+        self.kept(Sort.PLATFORM, _geometry(arrangement), lambda: (arrangement, poses))
 
     def platform(self, arrangement: Arrangement) -> tuple[Arrangement, PoseSet] | None:
         """Return the solved platform of a geometry, as well as doubles tell."""
-        return self._platforms.fetch(_key(arrangement)) if self._platforms else None
+        if not self._kept[Sort.PLATFORM]:
+            return None
+        found = self.fetch(Sort.PLATFORM, _geometry(arrangement))
+        return cast("tuple[Arrangement, PoseSet] | None", found)
 
     def count(self, instance: Instance, seed: int, limit: float | None) -> ExactCount | None:
         """Return the count of an instance's geometry; None if it is not known."""
         rows = tuple((row.kind, row.platform, row.base, row.side) for row in instance.constraints)
-        key = rows, seed, limit
-        if key in self._counts:
-            return self._counts.fetch(key)
-        from gspcli.certification.counting import geometry_count
 
-        given = tuple(
-            Constraint(kind=kind, platform=platform, base=base, value=Number.of(1), side=side)
-            for kind, platform, base, side in rows
-        )
-        return self._counts.keep(
-            key, geometry_count(Instance(given, _UNITS), seed=seed, limit=limit)
-        )
+        def counted() -> ExactCount | None:
+            from gspcli.certification.counting import geometry_count
+
+            given = tuple(
+                Constraint(kind=kind, platform=platform, base=base, value=Number.of(1), side=side)
+                for kind, platform, base, side in rows
+            )
+            return geometry_count(Instance(given, _UNITS), seed=seed, limit=limit)
+
+        return self.kept(Sort.COUNT, (rows, seed, limit), counted)
 
 
-def _key(given: Arrangement) -> tuple[Any, ...]:
+def _geometry(given: Arrangement) -> Hashable:
     parts = (given.y, given.x, given.u, given.v, given.sides)
     return (given.kinds, *(np.asarray(part).tobytes() for part in parts))
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.quadrics import ComplexArray
-from gspcli.continuation.shifts import QUICK, SHORT_STEPS, ShiftEnds, Shifts
+from gspcli.continuation.reduced_homotopy import QUICK, SHORT_STEPS, ReducedEnds, ReducedHomotopy
 from gspcli.continuation.tracker import PathStatus, TrackerOptions
 from gspcli.records import dataclass
 
@@ -33,7 +33,7 @@ class StartPool:
 
     Attributes
     ----------
-    shifts
+    homotopy
         The equations.
     parameters
         What they are linear in, of each member, shape (s, 6).
@@ -43,7 +43,7 @@ class StartPool:
         In which differences of each parameter are measured, shape (6,).
     """
 
-    shifts: Shifts
+    homotopy: ReducedHomotopy
     parameters: ComplexArray
     points: ComplexArray
     unit: Array
@@ -64,7 +64,7 @@ class StartPool:
         unit = np.where(deviation > 0, deviation, 1.0)
         if not len(good):
             return self
-        return StartPool(self.shifts, members[good], ends.points[good], unit)
+        return StartPool(self.homotopy, members[good], ends.points[good], unit)
 
     def follow(self, parameters: Array, options: TrackerOptions, jobs: int) -> ComplexArray:
         """Return the ends of paths from the nearest member to each set of parameters (b, 6).
@@ -86,9 +86,9 @@ class StartPool:
 
     def _follow(
         self, parameters: ComplexArray, start: NDArray[np.int32], options: TrackerOptions, jobs: int
-    ) -> ShiftEnds:
+    ) -> ReducedEnds:
         given = self.parameters, self.points, start, parameters
-        return self.shifts.track(*given, options=options, jobs=jobs)
+        return self.homotopy.track(*given, options=options, jobs=jobs)
 
     def _nearest(self, parameters: Array) -> NDArray[np.int32]:
         """Return which member is nearest to each set of parameters (b, 6)."""
@@ -101,7 +101,7 @@ class StartPool:
         return nearest
 
 
-def _all_different(ends: ShiftEnds) -> NDArray[np.bool_]:
+def _all_different(ends: ReducedEnds) -> NDArray[np.bool_]:
     """Return to which targets (b,) all paths lead, to different solutions."""
     points = ends.study / np.linalg.norm(ends.study, axis=-1, keepdims=True)
     overlaps = np.abs(points.conj() @ points.swapaxes(1, 2))

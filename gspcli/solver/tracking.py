@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from gspcli.continuation.accounts import ACCOUNTS, AccountOptions
 from gspcli.continuation.paths import PathAccount
-from gspcli.continuation.pursuit import Pursuit, pursue
 from gspcli.continuation.solutions import SystemSolutions
 from gspcli.continuation.systems import System
+from gspcli.continuation.tracked_paths import TrackedPaths, track_all
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.conjugates import find_real_points, made_real
 from gspcli.geometry.quaternions import (
@@ -54,14 +54,14 @@ def solve_each_by_tracking(
     jobs
         Threads. The result does not depend on them.
     """
-    for arrangement, pursuits in pursue_each(arrangements, seed=seed, jobs=jobs):
-        yield poses_by_paths(arrangement, pursuits)
+    for arrangement, tracked in track_platforms(arrangements, seed=seed, jobs=jobs):
+        yield poses_by_paths(arrangement, tracked)
 
 
-def pursue_each(
+def track_platforms(
     arrangements: Iterable[Arrangement], *, seed: int, jobs: int = 1
-) -> Iterator[tuple[Arrangement, list[Pursuit]]]:
-    """Yield each platform with the paths to its poses: a pursuit for each choice of sides.
+) -> Iterator[tuple[Arrangement, list[TrackedPaths]]]:
+    """Yield each platform with the paths to its poses: a tracked_paths for each choice of sides.
 
     Parameters
     ----------
@@ -76,17 +76,17 @@ def pursue_each(
             waiting.append((arrangement, len(targets)))
             yield from targets
 
-    pursuits = pursue(systems(), seed=seed, jobs=jobs)
-    for first in pursuits:
+    tracked = track_all(systems(), seed=seed, jobs=jobs)
+    for first in tracked:
         arrangement, count = waiting.popleft()
-        yield arrangement, [first, *islice(pursuits, count - 1)]
+        yield arrangement, [first, *islice(tracked, count - 1)]
 
 
 def poses_by_paths(
-    arrangement: Arrangement, pursuits: Sequence[Pursuit], options: AccountOptions = ACCOUNTS
+    arrangement: Arrangement, tracked: Sequence[TrackedPaths], options: AccountOptions = ACCOUNTS
 ) -> PoseSet:
     """Return where the paths for all sides end, by numerical path tracking alone."""
-    results = [pursuit.solutions(options) for pursuit in pursuits]
+    results = [tracked_paths.solutions(options) for tracked_paths in tracked]
     settled = [find_real_points(result.points) for result in results]
     points = np.concatenate([representatives for representatives, _ in settled])
     real = np.concatenate([real for _, real in settled])

@@ -160,7 +160,7 @@ def _side(fold: Fold, point: Array, part: arb, radius: arb) -> int:
         return 0
     guess = [*(a / scale for a in y), part]
     exact = at_time(equations, guess)
-    # From one patch to another distances grow at most fourfold.
+    # From one patch to another distances grow at most quad_double.
     if exact and all((a - b).abs_upper() < radius / 16 for a, b in zip(exact, guess, strict=True)):
         pose = exact
     else:

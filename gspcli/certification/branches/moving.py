@@ -45,7 +45,7 @@ _NORM_ERROR = 1e-9
 
 
 class Shape(IntEnum):
-    """Which equation a constraint is; the numbers are those of native/tubes.hpp."""
+    """Which equation a constraint is; the numbers are those of native/branch_follower.hpp."""
 
     PLAIN = 0
     PRODUCT = 1
@@ -53,7 +53,7 @@ class Shape(IntEnum):
 
 
 class Law(IntEnum):
-    """How the value gives c; the numbers are those of native/tubes.hpp."""
+    """How the value gives c; the numbers are those of native/branch_follower.hpp."""
 
     SQUARE = 0
     LINEAR = 1

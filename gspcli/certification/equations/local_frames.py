@@ -51,6 +51,13 @@ def length_scale(instance: Instance, distances: Iterable[float] | None = None) -
     return 2.0 ** math.frexp(size)[1] if 0 < size < math.inf else 1.0
 
 
+def length_scales(instance: Instance, distances: Array) -> Array:
+    """Return `length_scale` for each of many sets of distances (b, k), shape (b,)."""
+    sizes = np.maximum(_reach(instance), np.abs(distances).max(axis=1, initial=0))
+    known = (sizes > 0) & (sizes < math.inf)
+    return np.asarray(np.where(known, np.exp2(np.frexp(np.where(known, sizes, 1.0))[1]), 1.0))
+
+
 def _reach(instance: Instance) -> float:
     """Return the largest coordinate of a point, without its sign."""
     coordinates = instance.coordinates
@@ -61,7 +68,7 @@ _NOWHERE = (Fraction(0),) * 3
 
 
 @dataclass(frozen=True)
-class Centring:
+class LocalFrames:
     """Where the frames begin: ``T_centred = T + R platform - base``.
 
     Attributes
@@ -74,7 +81,7 @@ class Centring:
     base: tuple[Fraction, Fraction, Fraction]
 
     @classmethod
-    def of(cls, instance: Instance, distances: Sequence[float] | None = None) -> Centring:
+    def of(cls, instance: Instance, distances: Sequence[float] | None = None) -> LocalFrames:
         """Return origins near the primitives of both bodies; zero unless that is far away.
 
         Parameters
@@ -122,7 +129,7 @@ class Centring:
         return replace(instance, constraints=tuple(map(moved, instance.constraints)))
 
     @classmethod
-    def none(cls) -> Centring:
+    def none(cls) -> LocalFrames:
         """Return the origins of the frames of the instance."""
         return cls(_NOWHERE, _NOWHERE)
 

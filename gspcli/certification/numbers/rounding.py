@@ -12,4 +12,4 @@ ROUNDING = 2.0**-45
 #: A coefficient differs from its double by at most this part of its bound.
 CONVERSION = 2.0**-50
 #: Bits of what the kernel proves.
-ISOLATED, REAL, COMPLEX = 1, 2, 4
+ISOLATED, REAL, COMPLEX, ROUNDED = 1, 2, 4, 8

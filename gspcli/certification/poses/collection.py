@@ -5,14 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from flint import ctx
 from numpy.typing import NDArray
 
-from gspcli.certification.equations import study
 from gspcli.certification.poses.distinct import places, same
 from gspcli.certification.poses.locator import (
-    FIRST_PRECISION,
-    LAST_PRECISION,
     AtInfinity,
     Located,
     Locator,
@@ -156,11 +152,7 @@ class Collection:
     def _exactly(self, k: int) -> Located | None:
         """Return a pose with all its digits, if they can be had."""
         if self._located[k] is None:
-            scale = self.locator.scale
-            points, _ = study.study_points(self.R[k][None], self.T[k][None] / scale)
-            with ctx.workprec(LAST_PRECISION):
-                start = self.locator.exactly(points[0])
-            found = self.locator.locate_exactly(start, self.sides, FIRST_PRECISION)
+            found = self.locator.near(self.R[k], self.T[k], self.sides)
             if isinstance(found, Located) and self._is_near(k, found):
                 self._located[k] = found
         return self._located[k]

@@ -1,26 +1,27 @@
-"""What `gsp solve` asks of each pose: whether it is certified, and whether it is real."""
+"""Which of many poses of an instance are proved, and which are proved to be real."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import numpy as np
-from flint import ctx
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DLL
-from gspcli.certification.equations.ball_system import BallSystem
-from gspcli.certification.equations.local_frames import Centring
-from gspcli.certification.equations.skew_lines import are_skew
-from gspcli.certification.poses.distinct import all_different
-from gspcli.certification.poses.floating import prove
-from gspcli.certification.poses.pose_proofs import FIRST_PRECISION, certify_equations
-from gspcli.defaults import TOLERANCE
+from gspcli.certification.equations import study
+from gspcli.certification.equations.frames import OWN
+from gspcli.certification.poses.collection import Collection
+from gspcli.certification.poses.locator import Locator
+from gspcli.certification.poses.many_values import ValueProofs
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.primitives import Line
+from gspcli.geometry.quaternions import quaternion_from_rotation
+from gspcli.geometry.residuals import sides_of
 
 Complex = NDArray[np.complex128]
-#: Sine (squared, of complex lines the bilinear one) below which lines are no business of doubles.
+#: Squared sine (of complex lines the bilinear one) below which lines are too nearly parallel for
+#: double precision.
 _PARALLEL = 1e-4
 
 
@@ -34,57 +35,78 @@ class Decisions(NamedTuple):
         other certified poses, and proved to be real or not to be; shape (n,).
     real
         Whether it is proved to be real, shape (n,).
-    deviation
-        Bound of how far a certified pose is off, in any entry of R, and of T by the scale of the
-        equations; shape (n,).
+    R, T, quaternions
+        The poses, the certified ones rounded correctly; (n, 3, 3), (n, 3), (n, 4).
     """
 
     certified: NDArray[np.bool_]
     real: NDArray[np.bool_]
-    deviation: NDArray[np.float64]
+    R: Complex
+    T: Complex
+    quaternions: Complex
 
 
 def decide(instance: Instance, R: ArrayLike, T: ArrayLike) -> Decisions:
     """Certify the poses of an instance, and decide which are real.
 
-    Most poses are proved in floating point, many at a time; the others, and those that are not
-    proved different from them, by `certify`. What is proved is the same.
+    Most are proved by the kernel, many at a time; the others in balls. Poses that are not proved
+    to be different count once.
 
     Parameters
     ----------
     instance, R, T
         As for `certify`.
     """
-    rotations = np.asarray(R, dtype=np.complex128).reshape(-1, 3, 3)
-    translations = np.asarray(T, dtype=np.complex128).reshape(-1, 3)
-    if not Centring.of(instance).is_none:
-        return _by_balls(instance, rotations, translations)
-    with ctx.workprec(FIRST_PRECISION):
-        system = BallSystem(instance, FIRST_PRECISION)
-        places = translations / system.scale
-        proofs = prove(system, rotations, places)
-    entries = np.concatenate((rotations.reshape(-1, 9), places), axis=1)
-    tolerance = TOLERANCE * np.maximum(1, np.abs(entries).max(axis=1, initial=0))
-    certified = proofs.isolated & (proofs.real | proofs.complex) & (proofs.deviation <= tolerance)
-    certified &= are_skew(instance, rotations, proofs.deviation)
-    real, deviation = certified & proofs.real, proofs.deviation
-    rest = np.flatnonzero(~certified)
-    others = certify_equations(instance, rotations[rest], translations[rest]) if len(rest) else ()
-    for k, one in zip(rest, others, strict=True):
-        decided = one.certified and one.real is not None
-        certified[k] = decided and one.same_as is None and not one.unresolved
-        real[k], deviation[k] = bool(one.real), one.deviation or 0.0
-    if all_different(entries[certified], deviation[certified]):
-        return Decisions(certified, certified & real, deviation)
-    return _by_balls(instance, rotations, translations)
+    rotations = np.array(R, dtype=np.complex128).reshape(-1, 3, 3)
+    translations = np.array(T, dtype=np.complex128).reshape(-1, 3)
+    count = len(rotations)
+    found = Decisions(
+        np.zeros(count, np.bool_),
+        np.zeros(count, np.bool_),
+        rotations,
+        translations,
+        quaternion_from_rotation(rotations).astype(complex),
+    )
+    if count:
+        locator, proofs = Locator(instance, OWN), ValueProofs.of(instance, None)
+        signs = sides_of(Arrangement.of(instance), rotations, translations)
+        for choice in np.unique(signs, axis=0):
+            chosen = np.flatnonzero((signs == choice).all(axis=1))
+            _decide_side(locator, proofs, choice, chosen, found)
+    return found
 
 
-def _by_balls(instance: Instance, rotations: Complex, translations: Complex) -> Decisions:
-    every = certify_equations(instance, rotations, translations)
-    single = [c.certified and c.same_as is None and not c.unresolved for c in every]
-    certified = np.array(single, bool) & np.array([c.real is not None for c in every], bool)
-    real = certified & np.array([bool(c.real) for c in every], bool)
-    return Decisions(certified, real, np.array([c.deviation or 0.0 for c in every]))
+def _decide_side(
+    locator: Locator,
+    proofs: ValueProofs | None,
+    choice: NDArray[np.int64],
+    chosen: NDArray[np.intp],
+    found: Decisions,
+) -> None:
+    """Decide about those of the poses that are on some sides."""
+    points, _ = study.study_points(found.R[chosen], found.T[chosen])
+    sides = locator.sides(choice.tolist())
+    collection = Collection(locator, sides)
+    places = np.full(len(chosen), -1)
+    if proofs is not None:
+        signs = np.where(choice == 0, 1.0, choice)
+        proved = proofs.decide_own(signs[None], points[None], OWN)
+        known = (proved.certified & proved.rounded)[0]
+        places[known] = collection.add_proved(
+            *(part[0][known] for part in (proved.R, proved.T, proved.quaternions)),
+            proved.real[0][known],
+            proved.deviation[0][known],
+        )
+    for k in np.flatnonzero(places < 0).tolist():
+        if collection.add(locator.locate(points[k : k + 1], None, sides)):
+            places[k] = len(collection) - 1
+    first = np.unique(places, return_index=True)[1]
+    kept = first[places[first] >= 0]
+    index, place = chosen[kept], places[kept]
+    found.certified[index] = True
+    found.real[index] = collection.real[place]
+    found.R[index], found.T[index] = collection.R[place], collection.T[place]
+    found.quaternions[index] = collection.quaternions[place]
 
 
 def nearly_parallel(instance: Instance, R: Complex) -> NDArray[np.bool_]:

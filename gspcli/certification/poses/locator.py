@@ -24,8 +24,10 @@ from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.equations.measures import as_stated
 from gspcli.certification.equations.pose_balls import PoseBall, pose_of_point
 from gspcli.certification.numbers.balls import largest
+from gspcli.certification.numbers.correct_rounding import rounded
 from gspcli.certification.poses.isolation import Isolation, refine_point, step_length
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.quaternions import canonical_sign
 from gspcli.records import dataclass
 
 Complex = NDArray[np.complex128]
@@ -74,25 +76,43 @@ class Located:
         return replace(self, isolation=replace(self.isolation, centre=centre), pose=pose)
 
     @cached_property
-    def R(self) -> Complex:
-        """The rotation rounded to doubles, shape (3, 3)."""
-        return _rounded(list(chain(*self.pose.rotation)), self.real).reshape(3, 3)
+    def numbers(self) -> tuple[Complex, Complex, Complex] | None:
+        """R (3, 3), T (3,) in length units and the quaternion (4,), `rounded`.
 
-    @cached_property
-    def T(self) -> Complex:
-        """The translation rounded to doubles, in length units, shape (3,)."""
-        return _rounded([entry * self.scale for entry in self.pose.translation], self.real)
-
-    @cached_property
-    def quaternion(self) -> Complex:
-        """The quaternion with ``e.e = 1`` rounded to doubles, of either sign, shape (4,)."""
+        None if the balls are too large for that.
+        """
+        R = rounded(list(chain(*self.pose.rotation)), real=self.real)
+        T = rounded(self.pose.translation, real=self.real)
         # N may be as small as the digits of the proof can tell from zero.
         with ctx.workprec(2 * self.isolation.precision):
             e = self.isolation.point[:4]
             norm = dot4(e, e)
             # A ball across the negative numbers has no square root.
             root = norm.sqrt() if norm.real > 0 else (-norm).sqrt() * acb(0, 1)
-            return _rounded([entry / root for entry in e], self.real)
+            quaternion = rounded([entry / root for entry in e], real=self.real)
+        if R is None or T is None or quaternion is None:
+            return None
+        return R.reshape(3, 3), self.scale * T, canonical_sign(quaternion[None])[0]
+
+    @property
+    def R(self) -> Complex:
+        """The rotation, rounded, shape (3, 3)."""
+        return self._known[0]
+
+    @property
+    def T(self) -> Complex:
+        """The translation in length units, rounded, shape (3,)."""
+        return self._known[1]
+
+    @property
+    def quaternion(self) -> Complex:
+        """The quaternion with ``e.e = 1``, rounded, shape (4,)."""
+        return self._known[2]
+
+    @property
+    def _known(self) -> tuple[Complex, Complex, Complex]:
+        assert self.numbers is not None
+        return self.numbers
 
 
 @dataclass(frozen=True)
@@ -105,11 +125,6 @@ class AtInfinity:
 def dot4(a: Sequence[acb], b: Sequence[acb]) -> acb:
     """Return the bilinear product of two vectors of length four."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
-
-
-def _rounded(numbers: Sequence[acb], real: bool) -> Complex:
-    values = np.array([complex(number.mid()) for number in numbers])
-    return values.real.astype(complex) if real else values
 
 
 class Locator:
@@ -140,6 +155,13 @@ class Locator:
             self._systems[precision] = BallSystem(self.instance, precision)
         return self._systems[precision]
 
+    def sides(self, signs: Sequence[int]) -> tuple[int, ...]:
+        """Return for each constraint the index of its equation, by the signs of the distances."""
+        return tuple(
+            int(row.kind.has_sides and row.side is Side.BOTH and sign < 0 and row.value.value != 0)
+            for row, sign in zip(self.instance.constraints, signs, strict=True)
+        )
+
     def locate(
         self,
         points: Complex,
@@ -164,6 +186,13 @@ class Locator:
         with ctx.workprec(LAST_PRECISION):
             starts = [self.in_frames(point, more) for point, more in zip(points, rest, strict=True)]
         return [self.locate_exactly(start, sides, bits) for start in starts]
+
+    def near(self, R: Complex, T: Complex, sides: tuple[int, ...]) -> Located | AtInfinity | None:
+        """Return what is proved near a pose in the frames of the instance, R (3, 3) and T (3,)."""
+        points, _ = study.study_points(R[None], T[None] / self.scale)
+        with ctx.workprec(LAST_PRECISION):
+            start = self.exactly(points[0])
+        return self.locate_exactly(start, sides)
 
     @staticmethod
     def exactly(point: Complex) -> list[acb]:
@@ -256,28 +285,10 @@ class Locator:
 
 
 def _located(system: BallSystem, isolation: Isolation) -> Located | None:
-    """Return the pose of a solution if it is proved to be one and known well enough."""
+    """Return the pose of a solution if it is proved, and known well enough to be rounded."""
     real = isolation.real
     pose = pose_of_point(isolation.point)
-    if (
-        pose is None
-        or real is None
-        or not _is_known(pose)
-        or not as_stated(system, pose, real=real)
-    ):
+    if pose is None or real is None or not as_stated(system, pose, real=real):
         return None
-    return Located(isolation, pose, system.scale, real)
-
-
-#: Poses are located to this relative error of the largest entry of R and of T.
-_KNOWN = 2.0**-54
-
-
-def _is_known(pose: PoseBall) -> bool:
-    for part in (list(chain(*pose.rotation)), pose.translation):
-        size = largest(part)
-        if size.is_zero():
-            continue
-        if not all(entry.real.rad() + entry.imag.rad() <= _KNOWN * size for entry in part):
-            return False
-    return True
+    located = Located(isolation, pose, system.scale, real)
+    return None if located.numbers is None else located

@@ -32,11 +32,19 @@ from gspcli.catalogue.kinds import (
     Primitive,
 )
 from gspcli.certification.equations.frames import Frames
-from gspcli.certification.equations.local_frames import Centring, length_scale
+from gspcli.certification.equations.local_frames import LocalFrames, length_scale, length_scales
 from gspcli.certification.equations.skew_lines import are_skew
 from gspcli.certification.equations.study import form_hessians
 from gspcli.certification.numbers.doubled import ERROR, Doubled, doubled, quotients, two_product
-from gspcli.certification.numbers.rounding import COMPLEX, CONVERSION, ISOLATED, OUTWARD, REAL, TINY
+from gspcli.certification.numbers.rounding import (
+    COMPLEX,
+    CONVERSION,
+    ISOLATED,
+    OUTWARD,
+    REAL,
+    ROUNDED,
+    TINY,
+)
 from gspcli.certification.numbers.sines import SINE_ERROR, cosines, sines
 from gspcli.defaults import TOLERANCE
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
@@ -47,14 +55,16 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
 
-#: What a constraint is to the kernel (native/open_equations.hpp).
+#: What a constraint is to the kernel (native/open_equations.hpp), and what lines that meet are.
 _RELATIONS = {DPP: 0, DPH: 1, DHP: 2, DPL: 3, DLP: 4, DLL: 5, **dict.fromkeys(ANGLE_KINDS, 6)}
+_MEETING_LINES = 7
 #: A cosine errs by at most `SINE_ERROR`, which is this part of the unit of `converted`.
 _COSINE_ERROR = SINE_ERROR / CONVERSION
 #: What the bits of the kernel say.
-_BITS = np.arange(2 * max(ISOLATED, REAL, COMPLEX))
+_BITS = np.arange(2 * max(ISOLATED, REAL, COMPLEX, ROUNDED))
 _CERTIFIED = ((_BITS & ISOLATED) > 0) & ((_BITS & (REAL | COMPLEX)) > 0)
 _REAL = (_BITS & REAL) > 0
+_ROUNDED = (_BITS & ROUNDED) > 0
 
 
 class ProvedPoses(NamedTuple):
@@ -71,10 +81,13 @@ class ProvedPoses(NamedTuple):
         to be; shape (b, n).
     real
         Which of those are real, shape (b, n).
+    rounded
+        Of which of those every number is proved to be rounded correctly (`correct_rounding`),
+        shape (b, n).
     deviation
         Bounds of how far those are off, in any entry of R, and of T by the scale; shape (b, n).
     complete
-        For which sets all are certified and proved to be different solutions, shape (b,).
+        For which sets all are certified, proved to be different solutions and rounded, shape (b,).
     """
 
     R: Complex
@@ -82,6 +95,7 @@ class ProvedPoses(NamedTuple):
     quaternions: Complex
     certified: NDArray[np.bool_]
     real: NDArray[np.bool_]
+    rounded: NDArray[np.bool_]
     deviation: Array
     complete: NDArray[np.bool_]
 
@@ -102,21 +116,28 @@ class ValueProofs:
         self.instance = instance
         given = instance.constraints
         self.kinds = tuple([row.kind for row in given])
-        distances = [i for i, kind in enumerate(self.kinds) if kind.is_distance]
-        largest = None if rows is None else np.abs(rows[:, distances]).max(axis=0).tolist()
+        self._distances = [i for i, kind in enumerate(self.kinds) if kind.is_distance]
+        largest = None if rows is None else np.abs(rows[:, self._distances]).max(axis=0).tolist()
         self.scale = length_scale(instance, largest)
+        zero = [
+            row.value.fraction == 0 if rows is None else not rows[:, i].any()
+            for i, row in enumerate(given)
+        ]
+        meeting = tuple(
+            is_zero and kind is DLL for is_zero, kind in zip(zero, self.kinds, strict=True)
+        )
         numbers = _numbers(instance, self.kinds)
         # Exact: a power of two.
         numbers[:, :, :2] /= self.scale
         found = _kernel.open(
-            _relations(self.kinds), numbers, form_hessians(), tiny=TINY / CONVERSION
+            _relations(self.kinds, meeting), numbers, form_hessians(), tiny=TINY / CONVERSION
         )
         self._hessians, self._lows, self._moduli, self._table, self._weights, self._turned = found
 
     @classmethod
     def of(cls, instance: Instance, rows: Array | None) -> ValueProofs | None:
         """Return the equations; None if the frames are too far from the platform for doubles."""
-        return cls(instance, rows) if Centring.of(instance).is_none else None
+        return cls(instance, rows) if LocalFrames.of(instance).is_none else None
 
     def _cosines(self, kind: Kind, angles: Array) -> Array:
         """Return the values of ``R u . v`` that angles ask for (`Statement.cosine`)."""
@@ -155,7 +176,7 @@ class ValueProofs:
         Parameters
         ----------
         rows
-            Sets of values, shape (b, 6); none is zero where the geometry has lines at a distance.
+            Sets of values, shape (b, 6); a distance of lines is zero in all of them or in none.
         choices
             For each choice of sides the sign of each constraint, shape (k, 6).
         points
@@ -165,7 +186,8 @@ class ValueProofs:
         jobs
             Threads.
         """
-        return self._decide(self._values(rows, choices), points, frames, jobs)
+        units = length_scales(self.instance, rows[:, self._distances]) / self.scale
+        return self._decide(self._values(rows, choices), units, points, frames, jobs)
 
     def decide_own(self, choices: Array, points: Complex, frames: Frames) -> ProvedPoses:
         """Prove what double precision can of the values of the instance, exactly as written.
@@ -177,7 +199,8 @@ class ValueProofs:
         points
             Shape (k, m, 8).
         """
-        return self._decide(self._own_values(choices)[None], points[None], frames, jobs=1)
+        values = self._own_values(choices)[None]
+        return self._decide(values, np.ones(1), points[None], frames, jobs=1)
 
     def _own_values(self, choices: Array) -> Array:
         """Return what the kernel wants of the values of the instance, shape (k, 6, 6)."""
@@ -225,9 +248,15 @@ class ValueProofs:
             return Doubled.of(row.value).scaled(1 / self.scale)
         return Doubled.square(row.value).scaled(1 / self.scale**2)
 
-    def _decide(self, values: Array, points: Complex, frames: Frames, jobs: int) -> ProvedPoses:
-        """Return what the kernel proves about points (b, k, m, 8) for values (b, k, 6, 6)."""
+    def _decide(
+        self, values: Array, units: Array, points: Complex, frames: Frames, jobs: int
+    ) -> ProvedPoses:
+        """Return what the kernel proves about points (b, k, m, 8) for values (b, k, 6, 6).
+
+        The units (b,) of the last digits of translations are in lengths of the equations.
+        """
         count = len(values)
+        units = np.repeat(units, values.shape[1])
         values = values.reshape(-1, *values.shape[2:])
         points = np.ascontiguousarray(points.reshape(-1, *points.shape[2:]))
         R, T, quaternions, deviation, bits, complete = _kernel.decide(
@@ -238,6 +267,7 @@ class ValueProofs:
             self._weights,
             self._turned,
             values,
+            units,
             points,
             unit=frames.length / self.scale,
             origins=np.array((frames.base, frames.platform)) / self.scale,
@@ -258,8 +288,9 @@ class ValueProofs:
             skew = are_skew(self.instance, R.reshape(-1, 3, 3), deviation.ravel())
             certified &= skew.reshape(certified.shape)
         real = certified & _REAL[bits]
+        rounded = certified & _ROUNDED[bits]
         # Solutions of the equations of different sides are different ones: no distance is zero.
-        different &= certified.all(axis=1)
+        different &= rounded.all(axis=1)
 
         def together(part: NDArray[Any]) -> NDArray[Any]:
             return part if len(part) == count else part.reshape(count, -1, *part.shape[2:])
@@ -270,6 +301,7 @@ class ValueProofs:
             quaternions=together(quaternions),
             certified=together(certified),
             real=together(real),
+            rounded=together(rounded),
             deviation=together(deviation),
             complete=np.asarray(different.reshape(count, -1).all(axis=1)),
         )
@@ -307,6 +339,6 @@ def _places(kinds: tuple[Kind, ...]) -> tuple[Index, Index]:
 
 
 @cache
-def _relations(kinds: tuple[Kind, ...]) -> NDArray[np.int32]:
-    """Return what constraints are to the kernel, shape (6,)."""
-    return np.array([_RELATIONS[kind] for kind in kinds], np.int32)
+def _relations(kinds: tuple[Kind, ...], meeting: tuple[bool, ...]) -> NDArray[np.int32]:
+    """Return what constraints are to the kernel, some of them lines that meet, shape (6,)."""
+    return np.where(meeting, _MEETING_LINES, [_RELATIONS[kind] for kind in kinds]).astype(np.int32)

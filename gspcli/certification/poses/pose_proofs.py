@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.certification.equations import study
 from gspcli.certification.equations.ball_system import BallSystem
-from gspcli.certification.equations.local_frames import Centring, length_scale
+from gspcli.certification.equations.local_frames import LocalFrames, length_scale
 from gspcli.certification.equations.measures import Measurement, as_stated, measure, residual
 from gspcli.certification.equations.pose_balls import PoseBall, pose_of_floats, pose_of_point
 from gspcli.certification.numbers.balls import float_above, largest
@@ -212,12 +212,12 @@ def certify_equations(
     if len(rotations) != len(translations):
         message = f"found {len(translations)} translations for {len(rotations)} rotations"
         raise ArgumentError(message, "T")
-    centring = Centring.of(instance)
-    instance = centring.applied(instance)
+    local_frames = LocalFrames.of(instance)
+    instance = local_frames.applied(instance)
     scale = length_scale(instance)
     with ctx.workprec(FIRST_PRECISION):
         given = [
-            _in_frames(pose_of_floats(rotation, translation, 1.0), centring, scale)
+            _in_frames(pose_of_floats(rotation, translation, 1.0), local_frames, scale)
             for rotation, translation in zip(rotations, translations, strict=True)
         ]
     places = np.array([[complex(x.mid()) for x in pose.translation] for pose in given])
@@ -246,8 +246,8 @@ def certify_equations(
         precision *= 2
 
 
-def _in_frames(pose: PoseBall, centring: Centring, scale: float) -> PoseBall:
-    translation = centring.translation(pose.rotation, pose.translation)
+def _in_frames(pose: PoseBall, local_frames: LocalFrames, scale: float) -> PoseBall:
+    translation = local_frames.translation(pose.rotation, pose.translation)
     return PoseBall(pose.rotation, [entry / scale for entry in translation])
 
 

@@ -9,7 +9,7 @@ from itertools import chain
 from flint import arb, ctx
 
 from gspcli.certification.equations.ball_system import BallSystem
-from gspcli.certification.equations.local_frames import Centring
+from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.certification.equations.pose_balls import pose_of_point
 from gspcli.certification.numbers.balls import float_above
 from gspcli.certification.poses.certificates import Certificate
@@ -79,16 +79,16 @@ def refine(instance: Instance, certificate: Certificate, digits: int) -> Refined
         message = f"there is nothing to refine: {certificate.outcome.meaning}"
         raise ValueError(message)
     instance = certificate.equivalent or instance
-    centring = Centring.of(instance)
+    local_frames = LocalFrames.of(instance)
     centre = list(isolation.centre)
     precision = isolation.precision
     while precision <= _BITS_A_DIGIT * (digits + 16) + 2 * isolation.precision:
         with ctx.workprec(precision):
-            system = BallSystem(centring.applied(instance), precision)
+            system = BallSystem(local_frames.applied(instance), precision)
             result = refine_point(system, centre, isolation.patch, isolation.sides)
             if isinstance(result, Isolation):
                 centre = list(result.centre)
-                refined = _printed(certificate, result, system.scale, centring, digits)
+                refined = _printed(certificate, result, system.scale, local_frames, digits)
                 if refined is not None:
                     return refined
         precision *= 2
@@ -97,7 +97,11 @@ def refine(instance: Instance, certificate: Certificate, digits: int) -> Refined
 
 
 def _printed(
-    certificate: Certificate, result: Isolation, scale: float, centring: Centring, digits: int
+    certificate: Certificate,
+    result: Isolation,
+    scale: float,
+    local_frames: LocalFrames,
+    digits: int,
 ) -> RefinedPose | None:
     """Return the decimals, or None if the precision does not give that many yet."""
     pose = pose_of_point(result.point)
@@ -105,7 +109,7 @@ def _printed(
     if pose is None or proved is None or not proved.contains(result):
         return None
     turn = list(chain(*pose.rotation))
-    shift = centring.back(pose.rotation, [entry * scale for entry in pose.translation])
+    shift = local_frames.back(pose.rotation, [entry * scale for entry in pose.translation])
     size = max(*(float_above(entry) for entry in shift), scale * 10.0**-digits)
     places = max(0, digits - math.floor(math.log10(size)) - 1)
     real = bool(certificate.real or result.real)

@@ -55,7 +55,7 @@ def certify(
         Largest difference of a candidate from its solution in any entry of R, and of T divided by
         `Certificates.scale`; relative to the largest of them if that exceeds one. If the
         coordinates of a body are far from its origin, T is that of frames near the bodies
-        (`Centring`): the tolerance does not grow with the offset.
+        (`LocalFrames`): the tolerance does not grow with the offset.
     max_precision
         Largest number of bits to work with.
 

@@ -1,4 +1,4 @@
-"""Assembly modes followed while the values change, each step proved (native/tubes.cpp)."""
+"""Assembly modes followed while values change, each step proved (native/branch_follower.cpp)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from gspcli import _kernel
 from gspcli.catalogue.kinds import DLL
 from gspcli.certification.branches.moving import Law, MovingEquations, Shape, moving_equations
 from gspcli.certification.branches.taylor import MovingSystem
-from gspcli.certification.equations.local_frames import Centring
+from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.continuation.tracker import helpful
 from gspcli.geometry.coordinates import Coordinate
 from gspcli.geometry.instance import Instance
@@ -25,7 +25,7 @@ Index = NDArray[np.int64]
 
 
 class Stop(IntEnum):
-    """How a branch ended; the numbers are those of native/tubes.hpp."""
+    """How a branch ended; the numbers are those of native/branch_follower.hpp."""
 
     END = 0
     """After the last row."""
@@ -100,20 +100,20 @@ class Branches:
 class StudyUnits:
     """Study points with lengths in units of a scale, in frames near the bodies."""
 
-    def __init__(self, scale: float, centring: Centring) -> None:
+    def __init__(self, scale: float, local_frames: LocalFrames) -> None:
         self.scale = scale
-        self.centring = centring
+        self.local_frames = local_frames
 
     def points(self, R: Array, T: Array) -> Array:
         """Return Study points of norm one of poses, shape (..., 8)."""
-        places = self.centring.doubles(R, T)
+        places = self.local_frames.doubles(R, T)
         points = np.concatenate(study_from_pose(R, places / self.scale), axis=-1)
         return np.ascontiguousarray(points / np.linalg.norm(points, axis=-1, keepdims=True))
 
     def poses(self, points: Array) -> tuple[Array, Array]:
         """Return the poses (R, T) of Study points, ``(..., 8) -> (..., 3, 3), (..., 3)``."""
         R, T = pose_from_study(points[..., :4], points[..., 4:])
-        return R, self.centring.doubles_back(R, T * self.scale)
+        return R, self.local_frames.doubles_back(R, T * self.scale)
 
 
 def apart(instance: Instance) -> Instance:
@@ -137,19 +137,19 @@ class MovingPlatform(StudyUnits):
     instance
         The geometry and units. Its values are not used, except that a DLL of value zero stays so,
         and that they tell the size of the platform.
-    centring
+    local_frames
         Where the frames of the equations begin: near the bodies, if None is given.
     """
 
     #: No coordinates move.
     chosen: tuple[Coordinate, ...] = ()
 
-    def __init__(self, instance: Instance, centring: Centring | None = None) -> None:
+    def __init__(self, instance: Instance, local_frames: LocalFrames | None = None) -> None:
         self.instance = instance
-        centring = centring or Centring.of(instance)
-        self._near = centring.applied(instance)
+        local_frames = local_frames or LocalFrames.of(instance)
+        self._near = local_frames.applied(instance)
         self.equations: MovingEquations = moving_equations(self._near)
-        super().__init__(self.equations.scale, centring)
+        super().__init__(self.equations.scale, local_frames)
         self._angles = np.isin(self.equations.laws, (Law.COSINE, Law.SINE))
         radian = instance.units.angle.in_radians
         self._units = np.where(self._angles, radian, 1 / self.equations.scale)

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.equations.local_frames import Centring
+from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range
 from gspcli.motion.following.branch_follower import StudyUnits
@@ -128,7 +128,7 @@ def _between_rows(track: Track) -> list[LimitEvent]:
     for step in (1, -1):
         proofs = ConeProofs(track.followed, track.coordinates, rows[::step])
         modes = np.flatnonzero(born == (step < 0)).tolist()
-        points = StudyUnits(proofs.system.scale, Centring.none()).points(
+        points = StudyUnits(proofs.system.scale, LocalFrames.none()).points(
             track.R[modes], track.T[modes]
         )
         for m, stretches in zip(modes, proofs.stretches(points[:, ::step]), strict=True):

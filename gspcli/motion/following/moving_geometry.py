@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.certification.branches.taylor import MovingSystem
-from gspcli.certification.equations.local_frames import Centring
+from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.geometry.coordinates import Coordinate, moved
 from gspcli.geometry.instance import Instance
 from gspcli.motion.following.branch_follower import Branches, FollowOptions, StudyUnits
@@ -40,7 +40,7 @@ class MovingGeometry(StudyUnits):
         self.instance = instance
         self.chosen = tuple(chosen)
         self.system = MovingSystem(instance, chosen)
-        super().__init__(self.system.scale, Centring.none())
+        super().__init__(self.system.scale, LocalFrames.none())
 
     def internal(self, rows: Array) -> Array:
         """Return rows as they are."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gspcli.certification.equations.local_frames import Centring
+from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import (
@@ -92,7 +92,7 @@ def accuracy(given: Wrenches, tolerances: ArrayLike) -> Accuracy:
 
 def _bounds(instance: Instance, given: Wrenches, limits: Array) -> tuple[Array, Array, Array]:
     """Return proved bounds of each error (n, 6), of the rotation and of the distance (n,)."""
-    platform = MovingPlatform(apart(instance), Centring.none())
+    platform = MovingPlatform(apart(instance), LocalFrames.none())
     values = platform.internal(measure(instance, given.R, given.T))
     points = platform.points(given.R, given.T)
     box = Neighbourhood(platform, points, values).box(platform.internal(limits))

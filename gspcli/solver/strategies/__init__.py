@@ -1,68 +1,79 @@
 """Ways to the poses of a platform, in the order of what they cost: the contents of the solver.
 
-Short ones yield ends for all choices of sides, of which the ledger proves what the kernel
-can; they know no proof and no count. Long ones go on with one choice of sides from what is
-proved, and yield whenever somebody may have enough.
+The first ones yield ends for all choices of sides, of which the ledger proves what the kernel can;
+they know no proof and no count. The others go on from what is proved for one choice of sides, and
+yield whenever that may be enough.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
-
-from gspcli.solver.ledger import Ends
-from gspcli.solver.problem import Problem
-from gspcli.solver.solved_starts import STARTS
+from enum import IntEnum
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from gspcli.solver.ledger import Ends
+    from gspcli.solver.problem import Problem
     from gspcli.solver.side import Side
 
-Short = Callable[[Problem], Iterator[Ends]]
+    Strategy = Callable[[Problem], Iterator[Ends]]
 
 
-def short_strategies(problem: Problem) -> Iterator[Short]:
-    """Yield those that suit a platform; each is imported when it is needed."""
+class Further(IntEnum):
+    """Strategies for what the first ones leave, each named by its function."""
+
+    IN_BALLS = 0
+    """Ends that are simple beyond doubt, but which double precision does not prove."""
+    WITH_32_DIGITS = 1
+    """Paths that have led nowhere, with 32 digits."""
+    EARLY_ELIMINATION = 2
+    """Eigenvectors, where most paths lead nowhere."""
+    WITH_64_DIGITS = 3
+    """Paths that have still led nowhere, with 64 digits."""
+    BY_ELIMINATION = 4
+    """Eigenvectors with more and more bits."""
+    ALONG_OTHER_PATHS = 5
+    """All paths along other random ones, where some have jumped."""
+
+
+_ROOM = "gspcli.solver.strategies"
+_FURTHER = {
+    Further.IN_BALLS: "more_digits",
+    Further.WITH_32_DIGITS: "more_digits",
+    Further.EARLY_ELIMINATION: "elimination",
+    Further.WITH_64_DIGITS: "more_digits",
+    Further.BY_ELIMINATION: "elimination",
+    Further.ALONG_OTHER_PATHS: "more_digits",
+}
+
+
+def first_strategies(problem: Problem) -> Iterator[Strategy]:
+    """Yield those that suit a platform, each imported when it is needed."""
     if problem.has_closed_form:
-        # All rotations, then all translations.
-        from gspcli.solver.strategies.closed_form import closed_form
-
-        yield closed_form
-    elif STARTS.platform(problem.arrangement) and problem.is_kept and problem.limit != 0:
-        # Planar or symmetric bodies, shared joints: from the second time on.
-        from gspcli.solver.strategies.same_geometry import same_geometry
-
-        yield same_geometry
+        # Three angles: all rotations, then all translations.
+        yield _named("closed_form", "closed_form")
+    elif problem.has_kept_geometry:
+        # Planar or symmetric bodies, shared joints: from the second platform of a geometry on.
+        yield _named("same_geometry", "same_geometry")
     if problem.is_reducible and not problem.has_closed_form:
-        # Anything in general position.
-        from gspcli.solver.strategies.stored_start import quick_paths
-
-        yield quick_paths
+        # Points, planes and angles in general position.
+        yield _named("stored_start", "reduced_paths")
     elif not problem.has_closed_form:
-        from gspcli.solver.strategies.stored_start import short_series
-
-        yield short_series
-    from gspcli.solver.strategies.careful_paths import careful_paths
-
-    yield careful_paths
+        # Lines in general position.
+        yield _named("stored_start", "short_series")
+    # Everything else, with all the care that double precision allows.
+    yield _named("stored_start", "careful_paths")
 
 
-def long_strategies() -> tuple[Callable[[Side], Iterator[None]], ...]:
-    """Return the others, which most platforms do not need."""
-    from gspcli.solver.strategies import elimination, more_digits
-
-    return (
-        more_digits.simple_ends,  # in balls what the kernel does not prove
-        more_digits.with_32_digits,
-        elimination.early_elimination,  # where most paths lead nowhere
-        more_digits.with_64_digits,
-        elimination.elimination,
-        more_digits.along_other_paths,  # where paths have jumped
-    )
-
-
-def steps(side: Side) -> Iterator[int]:
-    """Run one long strategy after the other; yield the place of each before and within it."""
-    for place, strategy in enumerate(long_strategies()):
+def further_strategies(side: Side) -> Iterator[Further]:
+    """Run one of the others after the other; yield before each, and within it."""
+    for place, module in _FURTHER.items():
         yield place
-        for _ in strategy(side):
+        for _ in _named(module, place.name.lower())(side):
             yield place
+
+
+def _named(module: str, name: str) -> Callable[..., Iterator[Any]]:
+    strategy: Callable[..., Iterator[Any]] = getattr(import_module(f"{_ROOM}.{module}"), name)
+    return strategy

@@ -1,4 +1,4 @@
-"""All poses by eigenvectors, paths or not: what counts say are simple."""
+"""All poses by eigenvectors, paths or not: where counts say that they are simple."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from gspcli.certification.counting import poses_by_elimination
 from gspcli.solver.side import Side
 
-#: Bits in which all poses are computed, and the largest number for which that is worth it: some
-#: seconds; with the fewest bits, where most paths lead to none.
+#: Bits in which all poses are computed, and the largest number of paths for which that is worth it
+#: (some seconds); with the fewest bits, where most paths lead to none.
 _BITS = (512, 1024, 2048)
-ELIMINABLE, _MOST = 130, 200
+_ELIMINABLE, _MOST = 130, 200
 #: The first elimination takes as long as so many paths with 64 digits, or as this part of the cube
 #: of all paths.
 _PATHS = 8, 1 / 8000
@@ -18,23 +18,23 @@ _PATHS = 8, 1 / 8000
 
 def early_elimination(side: Side) -> Iterator[None]:
     """Eliminate where that is quicker than to follow many paths with 64 digits."""
-    paths, (few, of_cube) = side.pursuit.paths, _PATHS
+    paths, (few, of_cube) = side.paths.count, _PATHS
     # Where nothing is found at all, paths with more digits hardly find more.
-    many = len(side.astray) > (max(few, of_cube * paths**3) if len(side.found) else few)
-    if side.simple and paths <= _MOST and many:
+    many = len(side.unresolved) > (max(few, of_cube * paths**3) if len(side.found) else few)
+    if side.all_simple and paths <= _MOST and many:
         side.eliminated = 1
-        eliminate(side, _BITS[0])
+        _eliminate(side, _BITS[0])
         yield
 
 
-def elimination(side: Side) -> Iterator[None]:
+def by_elimination(side: Side) -> Iterator[None]:
     """Eliminate with more and more bits."""
-    for bits in _BITS[side.eliminated :] if side.pursuit.paths <= ELIMINABLE else ():
-        eliminate(side, bits)
+    for bits in _BITS[side.eliminated :] if side.paths.count <= _ELIMINABLE else ():
+        _eliminate(side, bits)
         yield
 
 
-def eliminate(side: Side, bits: int) -> None:
+def _eliminate(side: Side, bits: int) -> None:
     """Add the poses that eigenvectors give."""
     problem, locator = side.problem, side.problem.locator
     asked = problem.arrangement.sides.tolist()

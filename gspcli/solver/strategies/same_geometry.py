@@ -1,16 +1,16 @@
-"""A start of the platform's own geometry, kept: only the values move."""
+"""Paths from a solved platform of the same geometry: only the values move."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
+from gspcli.solver.kept_geometry import kept_geometry
 from gspcli.solver.ledger import Ends
 from gspcli.solver.problem import Problem
-from gspcli.solver.special_geometry import kept_geometry
 
 
 def same_geometry(problem: Problem) -> Iterator[Ends]:
-    """Yield the ends of paths from a start of the geometry."""
+    """Yield the ends of paths from a start of the geometry, where one is kept."""
     geometry = kept_geometry(problem)
     if geometry is not None:
         points, unit = geometry.quick_ends(problem.arrangement.values[None], 1)

@@ -1,46 +1,53 @@
-"""Paths from solved platforms of the same structure, kept or shipped: the shortest first."""
+"""Paths from the stored start system of a structure, or from a reference: the quickest first."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gspcli.continuation.shifts import FROM_START, LONG_STEPS, ends_from_start
-from gspcli.continuation.start import start_system
 from gspcli.solver.ledger import Ends
 from gspcli.solver.problem import Problem
-from gspcli.solver.reference_start import pursue_near, reference_start
+
+if TYPE_CHECKING:
+    from gspcli.continuation.tracked_paths import TrackedPaths
 
 
-def quick_paths(problem: Problem) -> Iterator[Ends]:
-    """Yield the ends of paths with fewer unknowns."""
-    structure, given = problem.equations
-    given = given.g[:, list(structure.order)]
-    structure = structure.canonical()
-    reference = reference_start(structure)
-    ways = [(start_system(structure), FROM_START)]
-    if reference is not None:
-        ways.insert(0, (reference.start, LONG_STEPS))
-    for start, options in ways:
-        found = [ends_from_start(start, quadrics, options) for quadrics in given]
-        ends = [points for points in found if points is not None]
-        if len(ends) == len(found):
-            yield Ends(np.array(ends), problem.frames)
+def reduced_paths(problem: Problem) -> Iterator[Ends]:
+    """Yield the ends of paths with fewer unknowns, of equations without products."""
+    from gspcli.continuation.reduced_homotopy import ends_from_start
+    from gspcli.continuation.start import start_system
+
+    structure, given = problem.canonical
+    start = start_system(structure)
+    found = [ends_from_start(start, quadrics) for quadrics in given.g]
+    ends = [points for points in found if points is not None]
+    if len(ends) == len(found):
+        yield Ends(np.array(ends), problem.frames)
 
 
 def short_series(problem: Problem) -> Iterator[Ends]:
-    """Yield the ends of paths with products, whose series have few terms."""
+    """Yield the ends of paths of products, with series of few terms: the shortest paths first."""
+    from gspcli.continuation.parameter_homotopy import SHORT
+    from gspcli.continuation.tracked_paths import track_all
+    from gspcli.solver.reference_start import reference_start, track_near
+
     structure, given = problem.canonical
     if not structure.is_product.any():
         return
-    from gspcli.continuation.parameter_homotopy import SHORT
-    from gspcli.continuation.pursuit import pursue
-    from gspcli.solver.strategies.careful_paths import ends_of
-
     seed, jobs = problem.seed, problem.jobs
-    reference = reference_start(structure)
+    reference = reference_start(structure, problem.starts)
     if reference is not None:
-        near = pursue_near(reference, given, seed=seed, jobs=jobs, options=SHORT)
-        yield ends_of(problem, list(near))
-    yield ends_of(problem, list(pursue(problem.systems, seed=seed, jobs=jobs, options=SHORT)))
+        yield ends_of(problem, list(track_near(reference, given, seed=seed, jobs=jobs)))
+    yield ends_of(problem, list(track_all(problem.systems, seed=seed, jobs=jobs, options=SHORT)))
+
+
+def careful_paths(problem: Problem) -> Iterator[Ends]:
+    """Yield the ends of all paths, followed with all the care that double precision allows."""
+    yield ends_of(problem, problem.tracked)
+
+
+def ends_of(problem: Problem, tracked: Sequence[TrackedPaths]) -> Ends:
+    """Return the ends of paths for each choice of sides."""
+    return Ends(np.stack([paths.first().points for paths in tracked]), problem.frames)

@@ -7,7 +7,7 @@ import pytest
 
 from gspcli.pictures.staging import scene_of
 from gspcli.solver import SolveResult, solve
-from gspcli.solver.real_statements import lone_real_poses
+from gspcli.solver.real_statements import isolated_real_poses
 from gspcli.spec import loads
 
 #: A ball in a seat at the origin, a ball in a groove along the x axis, a ball on the table: real
@@ -102,7 +102,7 @@ def test_distance_of_parallel_lines(apart: int, poses: int) -> None:
     """Its equation holds at any distance; what is stated does not."""
     text = SHAFT.format(unit="deg", angle=0, direction=1, gap=3)
     other = loads(text.replace("[E, hole], value: 0", f"[shaft, hole], value: {apart}"))
-    found = lone_real_poses(other, lambda platform: solve(platform).poses)
+    found = isolated_real_poses(other, lambda platform: solve(platform).poses)
     assert found is not None
     assert len(found) == poses
 

@@ -5,10 +5,10 @@ import pytest
 
 from gspcli.catalogue.parsing import parse_type
 from gspcli.continuation.parameter_homotopy import SHORT
-from gspcli.continuation.pursuit import pursue
-from gspcli.continuation.shifts import LONG_STEPS
+from gspcli.continuation.reduced_homotopy import LONG_STEPS
 from gspcli.continuation.start import distinct, path_count, start_system
 from gspcli.continuation.systems import Coefficients, Structure, System
+from gspcli.continuation.tracked_paths import track_all
 from gspcli.continuation.tracker import track
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver import direct, solve, tracking
@@ -51,13 +51,13 @@ def test_the_answer_is_that_of_the_stored_start(name, monkeypatch):
     stored, first, near = platforms(name, 3), platforms(name, 3), []
     known = solve(stored[0])
     solve(first[1])
-    follow = references.pursue_near
+    follow = references.track_near
 
     def watched(*args, **options):
         near.append(True)
         return follow(*args, **options)
 
-    monkeypatch.setattr(tracking, "pursue_near", watched)
+    monkeypatch.setattr(tracking, "track_near", watched)
     found = solve(first[0])
     assert near
     assert found.proof == known.proof is not None
@@ -73,11 +73,11 @@ def test_paths_are_shorter():
     for given in platforms("6PL", 3):
         structure, coefficients = coefficients_at(Arrangement.of(given).normalized)
         target = System.of(structure, *(part[0] for part in coefficients))
-        (far,) = pursue([target], seed=1, options=SHORT)
+        (far,) = track_all([target], seed=1, options=SHORT)
         references.reference_start(structure)
         reference = references.reference_start(structure)
         ordered = Coefficients(*(part[:, list(structure.order)] for part in coefficients))
-        (near,) = references.pursue_near(reference, ordered, seed=1, jobs=1, options=SHORT)
+        (near,) = references.track_near(reference, ordered, seed=1, jobs=1, options=SHORT)
         steps.append((near._results.steps.mean(), far._results.steps.mean()))
     near, far = np.mean(steps, axis=0)
     assert near < 0.65 * far
@@ -114,8 +114,8 @@ def test_the_frames_are_those_in_which_equations_are_most_alike():
             near, inner = references._nearest(each, ordered.in_units(np.array(each.scale)))
             parts = zip(inner.normalized()[:2], near.system.coefficients[:2], strict=True)
             likeness = sum((x[0] * y.conj()).sum().real for x, y in parts)
-            (pursuit,) = references.pursue_near(each, ordered, seed=1, jobs=1, options=SHORT)
-            found.append((likeness, pursuit._results.steps.mean()))
+            (tracked_paths,) = references.track_near(each, ordered, seed=1, jobs=1, options=SHORT)
+            found.append((likeness, tracked_paths._results.steps.mean()))
         assert found[0][0] >= found[1][0]
         steps.append([x for _, x in found])
     near, far = np.mean(steps, axis=0)
@@ -153,7 +153,7 @@ def test_normals_of_three_planes_do_not_become_dependent_on_the_way():
         structure, coefficients = coefficients_at(Arrangement.of(given).normalized)
         reference = references._reference(structure.canonical())
         ordered = Coefficients(*(part[:, list(structure.order)] for part in coefficients))
-        for near in references.pursue_near(reference, ordered, seed=1, jobs=1, options=SHORT):
+        for near in references.track_near(reference, ordered, seed=1, jobs=1, options=SHORT):
             lost += (near._results.status != 0).sum()
     assert lost == 0
 

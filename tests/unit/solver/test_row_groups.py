@@ -9,7 +9,7 @@ import pytest
 from matching import pose_set_distance
 
 from gspcli.catalogue.parsing import parse_type
-from gspcli.continuation.pursuit import Pursuit
+from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.solver import row_groups, search, solve, solve_batch
@@ -99,7 +99,7 @@ def test_a_start_that_proves_something_else_leaves_its_sets_to_others(monkeypatc
 def test_poses_nearly_at_infinity_are_not_followed_with_the_most_digits(monkeypatch):
     instance, rows = case()
     row = rows[0] * 1e8
-    monkeypatch.setattr(Pursuit, "deepest", None)
+    monkeypatch.setattr(TrackedPaths, "deepest", None)
     result = solve(given(instance, row))
     assert (result.account.verdict, result.account.found) == ("complete", 40)
     assert result.poses.certified.all()
@@ -109,13 +109,13 @@ def test_what_no_path_comes_near_is_not_tried_again(monkeypatch):
     instance, rows = case()
     monkeypatch.setattr(search, "_ELIMINABLE", 0)
     monkeypatch.setattr(search, "_MOST_ELIMINABLE", 0)
-    deepest, calls = Pursuit.deepest, []
+    deepest, calls = TrackedPaths.deepest, []
 
     def counting(*given):
         calls.append(given)
         return deepest(*given)
 
-    monkeypatch.setattr(Pursuit, "deepest", counting)
+    monkeypatch.setattr(TrackedPaths, "deepest", counting)
     result = solve(given(instance, rows[0] * 1e8))
     assert (result.account.verdict, result.account.lost) == ("incomplete", 40)
     assert result.poses.proof is None

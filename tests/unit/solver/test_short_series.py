@@ -6,7 +6,7 @@ import pytest
 from gspcli.catalogue.parsing import parse_type
 from gspcli.solver import solve, tracking
 from gspcli.solver.generate import random_instance
-from gspcli.solver.proof import Ground
+from gspcli.solver.proof import CountKind
 
 
 @pytest.fixture(scope="module")
@@ -21,9 +21,9 @@ def refused(*_, **__):
 
 @pytest.mark.parametrize("certify", [True, False])
 def test_proved_ends_of_short_series_are_the_answer(platform, certify, monkeypatch):
-    monkeypatch.setattr(tracking, "pursue_each", refused)
+    monkeypatch.setattr(tracking, "track_platforms", refused)
     found = solve(platform, certify=certify)
-    assert found.proof.by is Ground.TYPE
+    assert found.proof.by is CountKind.TYPE
     assert len(found.R) == found.certified.sum() == found.expected == 80
     assert found.residuals.max() < 1e-8
 
@@ -31,10 +31,10 @@ def test_proved_ends_of_short_series_are_the_answer(platform, certify, monkeypat
 @pytest.mark.parametrize("certify", [True, False])
 def test_mutual_moments_are_proved_too_without_being_asked(certify, monkeypatch):
     """Paths that are judged by eye take three times as long."""
-    monkeypatch.setattr(tracking, "pursue_each", refused)
+    monkeypatch.setattr(tracking, "track_platforms", refused)
     legs = random_instance(parse_type("6D 4PP PL LL"), np.random.default_rng(5))[0]
     found = solve(legs, certify=certify)
-    assert found.proof.by is Ground.TYPE
+    assert found.proof.by is CountKind.TYPE
     assert len(found.R) == found.certified.sum() == found.expected
 
 
@@ -43,14 +43,14 @@ def test_what_is_not_proved_is_followed_again(platform, monkeypatch):
     short = tracking.short_pursuits
 
     def spoilt(arrangement, *, seed, jobs):
-        for (pursuit,) in short(arrangement, seed=seed, jobs=jobs):
-            pursuit._results.points[0, 0] = pursuit._results.points[0, 1]
-            pursuit.is_regular = False
-            yield [pursuit]
+        for (tracked_paths,) in short(arrangement, seed=seed, jobs=jobs):
+            tracked_paths._results.points[0, 0] = tracked_paths._results.points[0, 1]
+            tracked_paths.is_regular = False
+            yield [tracked_paths]
 
     monkeypatch.setattr(tracking, "short_pursuits", spoilt)
     found = solve(platform)
-    assert found.proof.by is Ground.TYPE
+    assert found.proof.by is CountKind.TYPE
     np.testing.assert_allclose(found.T, known.T, atol=1e-9)
 
 

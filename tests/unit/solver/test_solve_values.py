@@ -18,7 +18,7 @@ from gspcli.geometry.residuals import condition_numbers, residuals
 from gspcli.solver import solve, solve_batch, solve_values
 from gspcli.solver.batch import Block
 from gspcli.solver.generate import random_instance
-from gspcli.solver.proof import Ground
+from gspcli.solver.proof import CountKind
 from gspcli.solver.row_groups import solve_rows
 from gspcli.solver.tracking import solve_by_tracking
 
@@ -175,7 +175,7 @@ def test_values_of_one_geometry_are_followed_from_its_own_start(name):
     for row, poses in zip(values, found, strict=True):
         alone = solve_by_tracking(arrangement.with_values(row), seed=4)
         assert poses.account == alone.account
-        assert poses.proof.by is Ground.TYPE
+        assert poses.proof.by is CountKind.TYPE
         assert poses.account.found == poses.account.expected == len(poses.R)
         assert _same(poses, alone, arrangement.length)
         assert not poses.R[poses.real].imag.any()
@@ -260,7 +260,7 @@ def test_batches_are_certified_as_single_platforms_are(name):
         single = solve(instance.with_values(numbers))
         assert poses.certified.all()
         assert poses.proof == single.proof
-        assert poses.proof.by is Ground.TYPE
+        assert poses.proof.by is CountKind.TYPE
         assert poses.real.sum() == single.counts.real
 
 
@@ -274,7 +274,7 @@ def test_the_closed_form_is_certified_on_both_sides_of_planes():
         numbers = {i: Number.of(float(value)) for i, value in enumerate(row)}
         single = solve(instance.with_values(numbers))
         assert poses.proof == single.proof
-        assert poses.proof.by is Ground.TYPE
+        assert poses.proof.by is CountKind.TYPE
         assert poses.certified.all()
         assert single.certified.all()
         assert poses.account == single.account
@@ -286,7 +286,7 @@ def test_a_special_geometry_is_certified_by_its_count():
     values = _near(instance, 0.02, 5, 16)
     for poses in solve_values(instance, values, certify=True):
         assert poses.certified.all()
-        assert poses.proof.by is Ground.GEOMETRY
+        assert poses.proof.by is CountKind.GEOMETRY
         assert (poses.account.found, poses.account.at_infinity) == (16, 24)
 
 

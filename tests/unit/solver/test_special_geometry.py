@@ -9,8 +9,8 @@ from gspcli.certification import counting
 from gspcli.geometry.numbers import Number
 from gspcli.resources import data_path
 from gspcli.solver import solve, special_geometry
-from gspcli.solver.geometry_start import Way, geometry_start
-from gspcli.solver.proof import Ground
+from gspcli.solver.geometry_start import StartMethod, geometry_start
+from gspcli.solver.proof import CountKind
 from gspcli.spec import load
 
 SPECIAL = {
@@ -31,7 +31,7 @@ def test_as_many_proved_poses_as_the_geometry_has_are_all(folder, name):
     instance = platform(folder, name)
     found, known = solve(instance), counting.exact_count(instance)
     assert found.verdict == "complete"
-    assert found.proof.by is Ground.GEOMETRY
+    assert found.proof.by is CountKind.GEOMETRY
     assert 0 <= found.proof.error < 1e-9
     assert len(found.R) == found.certified.sum() == SPECIAL[folder, name] == known.solutions
     assert found.geometry_count == known.solutions
@@ -54,7 +54,7 @@ def test_what_is_kept_changes_no_bit(monkeypatch):
 def test_the_count_of_a_geometry_is_told_of_its_platforms(name, monkeypatch):
     instance = platform("examples", name)
     first = solve(instance)
-    assert first.proof.by is Ground.EXACT
+    assert first.proof.by is CountKind.EXACT
     assert first.geometry_count == counting.geometry_count(instance).solutions
     if name == "singular-pose":  # Where a distance is zero nothing is kept.
         monkeypatch.setattr(counting, "geometry_count", None)
@@ -95,10 +95,10 @@ def test_the_first_of_a_geometry_needs_neither_a_start_nor_an_exact_count(name, 
     monkeypatch.setattr("gspcli.solver.one_geometry.geometry_start", seen)
     monkeypatch.setattr("gspcli.solver.special.exact_count", counted)
     first = solve(platform("platforms", name))
-    assert set(ways) == {Way.FLAT}
+    assert set(ways) == {StartMethod.FLAT}
     second = solve(platform("platforms", name))
-    assert Way.SOLVED in ways
-    assert Way.QUICK not in ways
+    assert StartMethod.SOLVED in ways
+    assert StartMethod.QUICK not in ways
     assert first.proof == second.proof
     assert len(first.R) == len(second.R) == SPECIAL["platforms", name]
 
@@ -109,15 +109,19 @@ def test_a_start_from_a_solved_platform_has_the_solutions_of_any_other(name, mon
 
     def each(*about, way, solved):
         start = geometry_start(*about, way=way, solved=solved)
-        if way is Way.SOLVED:
-            starts.update({way: start, Way.CAREFUL: geometry_start(*about, way=Way.CAREFUL)})
+        if way is StartMethod.SOLVED:
+            starts.update(
+                {way: start, StartMethod.CAREFUL: geometry_start(*about, way=StartMethod.CAREFUL)}
+            )
         return start
 
     special_geometry._visits.cache_clear()
     monkeypatch.setattr("gspcli.solver.one_geometry.geometry_start", each)
     for _ in range(2):
         solve(platform("platforms", name))
-    found, known = (start.points for start in (starts[Way.SOLVED], starts[Way.CAREFUL]))
+    found, known = (
+        start.points for start in (starts[StartMethod.SOLVED], starts[StartMethod.CAREFUL])
+    )
     found, known = (x / np.linalg.norm(x, axis=1, keepdims=True) for x in (found, known))
     # The points are the same up to factors: each has one of the other at a cosine of one.
     near = np.abs(found.conj() @ known.T) > 1 - 1e-9
@@ -141,7 +145,7 @@ def test_nearly_special_platforms_are_proved_by_their_geometry_too(monkeypatch):
     # Of its 36 poses doubles can prove 28.
     monkeypatch.setattr("gspcli.solver.special.exact_count", lambda *_, **__: None)
     found = solve(platform("platforms", "rubin-camera"))
-    assert found.proof.by is Ground.GEOMETRY
+    assert found.proof.by is CountKind.GEOMETRY
     assert len(found.R) == found.certified.sum() == 36
 
 
@@ -171,5 +175,5 @@ def test_a_count_of_the_geometry_that_proves_nothing_is_followed_by_that_of_the_
         "gspcli.solver.special.kept_count", lambda *about: replace(count(*about), error=1.0)
     )
     found = solve(platform("examples", "octahedral-3-3"))
-    assert found.proof.by is Ground.EXACT
+    assert found.proof.by is CountKind.EXACT
     assert len(found.R) == found.certified.sum() == 16

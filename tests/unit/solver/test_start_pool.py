@@ -9,7 +9,7 @@ import pytest
 
 from gspcli.catalogue.parsing import parse_type
 from gspcli.certification.poses.many_values import ValueProofs
-from gspcli.continuation.shifts import QUICK, VALUE_STEPS, Shifts
+from gspcli.continuation.reduced_homotopy import QUICK, VALUE_STEPS, ReducedHomotopy
 from gspcli.continuation.tracker import PathStatus
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
@@ -101,7 +101,7 @@ def test_members_whose_paths_went_wrong_are_left_out(wrong, monkeypatch):
 
 def test_what_long_steps_lose_is_found_by_short_ones(monkeypatch):
     instance, rows, geometry = case()
-    track = Shifts.track
+    track = ReducedHomotopy.track
     tolerances = []
 
     def losing(*given, options, jobs):
@@ -111,7 +111,7 @@ def test_what_long_steps_lose_is_found_by_short_ones(monkeypatch):
             ends.status[2, 3] = PathStatus.FAILED
         return ends
 
-    monkeypatch.setattr(Shifts, "track", losing)
+    monkeypatch.setattr(ReducedHomotopy, "track", losing)
     monkeypatch.setattr(one_geometry, "track", None)  # the paths of the equations as they are
     found = geometry.solve(rows[:4], ValueProofs.of(instance, rows), 1)
     assert found.poses.complete.all()

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gspcli.solver.search import Search
 
 from gspcli import load
 from gspcli.catalogue.kinds import KINDS_BY_NAME
@@ -21,9 +22,8 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point, vector
 from gspcli.solver import search, solve, special
 from gspcli.solver.generate import random_instance
-from gspcli.solver.proof import Ground
-from gspcli.solver.search import Search
-from gspcli.solver.tracking import pursue_each
+from gspcli.solver.proof import CountKind
+from gspcli.solver.tracking import track_platforms
 
 ORIGIN, X, Y, Z = (vector(*v) for v in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
 P = Point(ORIGIN)
@@ -67,7 +67,7 @@ def test_where_few_primes_leave_doubts_the_geometry_decides() -> None:
     assert count.error > 1e-9
     proof = solve(platform).proof
     assert proof is not None
-    assert (proof.by, proof.error < 1e-9) == (Ground.GEOMETRY, True)
+    assert (proof.by, proof.error < 1e-9) == (CountKind.GEOMETRY, True)
 
 
 def test_without_a_count_nothing_is_proved_to_be_at_infinity() -> None:
@@ -111,7 +111,7 @@ def test_large_general_platforms_are_not_counted(monkeypatch: pytest.MonkeyPatch
     platform, _ = random_instance(parse_type("6D PP PL PL PL LP HP"), np.random.default_rng(9))
     result = solve(platform)
     assert result.proof is not None
-    assert result.proof.by is Ground.TYPE
+    assert result.proof.by is CountKind.TYPE
     assert len(result.R) == result.certified.sum() == result.expected == 1280
 
 
@@ -127,8 +127,8 @@ def test_many_paths_astray_are_not_followed_before_a_count() -> None:
     """Half of the paths end elsewhere, as with every special geometry."""
     axis = one_axis("0.5")
     arrangement = Arrangement.of(axis)
-    [(_, pursuits)] = pursue_each([arrangement], seed=SEED)
+    [(_, tracked)] = track_platforms([arrangement], seed=SEED)
     locator = Locator(axis, Frames.of(arrangement))
-    each = [Search(arrangement, locator, pursuit, (0,) * 6) for pursuit in pursuits]
+    each = [Search(arrangement, locator, tracked_paths, (0,) * 6) for tracked_paths in tracked]
     assert special._as_many_as_the_type(arrangement, each) is None
     assert not any(len(one.found) for one in each)

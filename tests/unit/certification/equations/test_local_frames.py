@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gspcli.certification import certify, decide, refine
-from gspcli.certification.equations.local_frames import Centring
+from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import vector
@@ -110,9 +110,9 @@ def test_digits_are_those_in_the_frames_of_the_instance(dietmaier: tuple) -> Non
 
 def test_nothing_is_moved_without_need(dietmaier: tuple) -> None:
     instance, _, _ = dietmaier
-    assert Centring.of(instance).is_none
-    assert Centring.of(instance).applied(instance) is instance
-    assert not Centring.of(shifted(instance, 0, 100)).is_none
+    assert LocalFrames.of(instance).is_none
+    assert LocalFrames.of(instance).applied(instance) is instance
+    assert not LocalFrames.of(shifted(instance, 0, 100)).is_none
 
 
 def test_poses_of_a_nearly_dependent_platform_far_away_are_as_good_as_nearby() -> None:
@@ -158,10 +158,10 @@ def test_translations_taken_back_are_next_to_the_exact_ones() -> None:
     random = np.random.default_rng(7)
     R, T = (random.normal(size=(20, *shape, 2)) @ [1, 1j] for shape in ((3, 3), (3,)))
     origins = [[Fraction(x) for x in row] for row in (1e7 * random.normal(size=(2, 3))).tolist()]
-    centring = Centring(*map(tuple, origins))
+    local_frames = LocalFrames(*map(tuple, origins))
     # What cancels, too: the first is that of the origin of the platform.
     T[0] = (R[0] @ [*map(float, origins[0])]) - [*map(float, origins[1])]
-    found = centring.doubles_back(R, T)
+    found = local_frames.doubles_back(R, T)
     for k in range(20):
         for part in ("real", "imag"):
             rotation, place = (

@@ -1,4 +1,4 @@
-#include "shifts_module.hpp"
+#include "reduced_module.hpp"
 
 #include <nanobind/stl/string.h>
 
@@ -23,11 +23,11 @@ using Numbers = std::complex<double>;
 // Targets that a thread takes at a time, so that lanes are refilled.
 constexpr std::size_t kPiece = 32;
 
-TrackShifts* (*choose)(const std::string& build);
+TrackValues* (*choose)(const std::string& build);
 
-ShiftGeometry geometry_of(const Array<std::int32_t, 1>& pivots, const Array<std::int32_t, 1>& free,
+ReducedGeometry geometry_of(const Array<std::int32_t, 1>& pivots, const Array<std::int32_t, 1>& free,
                         const Array<double, 2>& forms, const Array<double, 2>& slopes) {
-  ShiftGeometry g{};
+  ReducedGeometry g{};
   const std::size_t scalars = free.shape(0), quantities = scalars + pivots.shape(0);
   g.has_h = quantities == kQuantities;
   require(scalars <= kMostScalars && (g.has_h ? scalars > 0 : quantities == kQuantities - 1),
@@ -52,13 +52,13 @@ ShiftGeometry geometry_of(const Array<std::int32_t, 1>& pivots, const Array<std:
   return g;
 }
 
-nb::tuple track_shifts(Array<std::int32_t, 1> pivots, Array<std::int32_t, 1> free,
+nb::tuple track_values(Array<std::int32_t, 1> pivots, Array<std::int32_t, 1> free,
                      Array<double, 2> forms, Array<double, 2> slopes,
                      Array<Numbers, 2> start_values, Array<Numbers, 3> starts,
                      Array<std::int32_t, 1> start, Array<Numbers, 2> values,
                      double predictor_tolerance, double contraction, double radius_fraction,
                      double min_step, int max_steps, int jobs, const std::string& build) {
-  const ShiftGeometry geometry = geometry_of(pivots, free, forms, slopes);
+  const ReducedGeometry geometry = geometry_of(pivots, free, forms, slopes);
   const std::size_t targets = values.shape(0), paths = starts.shape(1), d = 4 + geometry.scalars;
   const std::size_t eight = kVariables;
   require(start_values.shape(0) == starts.shape(0) && start_values.shape(1) == kEquations &&
@@ -66,22 +66,22 @@ nb::tuple track_shifts(Array<std::int32_t, 1> pivots, Array<std::int32_t, 1> fre
           "starts, their values and those of targets must have shapes that agree");
   for (std::size_t i = 0; i < targets; ++i)
     require(start(i) >= 0 && start(i) < static_cast<std::int32_t>(starts.shape(0)), "no such start");
-  const ShiftOptions options{predictor_tolerance, contraction, radius_fraction, min_step, max_steps};
+  const ReducedOptions options{predictor_tolerance, contraction, radius_fraction, min_step, max_steps};
   const auto plain = [](const Numbers* z) { return reinterpret_cast<const Complex*>(z); };
   std::vector<std::int32_t> order(targets);
   for (std::size_t i = 0; i < targets; ++i) order[i] = static_cast<std::int32_t>(i);
   std::stable_sort(order.begin(), order.end(),
                    [&](std::int32_t a, std::int32_t b) { return start(a) < start(b); });
-  const ShiftPaths given{static_cast<int>(paths), plain(start_values.data()), plain(starts.data()),
+  const ReducedPaths given{static_cast<int>(paths), plain(start_values.data()), plain(starts.data()),
                          start.data(), order.data(), plain(values.data()), nullptr};
   const std::size_t total = targets * paths;
   auto point = std::make_unique<Numbers[]>(total * d);
   auto study = std::make_unique<Numbers[]>(total * eight);
   auto status = std::make_unique<std::uint8_t[]>(total);
   auto steps = std::make_unique<std::int32_t[]>(total);
-  const ShiftEnds ends{reinterpret_cast<Complex*>(point.get()),
+  const ReducedEnds ends{reinterpret_cast<Complex*>(point.get()),
                      reinterpret_cast<Complex*>(study.get()), status.get(), steps.get()};
-  TrackShifts* const run = choose(build);
+  TrackValues* const run = choose(build);
   if (paths > 0) {
     nb::gil_scoped_release release;
     const std::size_t each = (targets + jobs - 1) / jobs;
@@ -104,7 +104,7 @@ nb::tuple track_shifts(Array<std::int32_t, 1> pivots, Array<std::int32_t, 1> fre
 constexpr double kNoImaginary = 1e-13;
 
 // The coefficients of solved quadrics, as the start or the end of a line.
-void put_line(const ReducedQuadrics& q, const std::int32_t* free, ShiftLine& line, bool ends) {
+void put_line(const ReducedQuadrics& q, const std::int32_t* free, ReducedLine& line, bool ends) {
   const auto put = [&](Complex& from, Complex& change, const Numbers& x) {
     if (ends)
       change = {x.real() - from.re, x.imag() - from.im};
@@ -124,7 +124,7 @@ void put_line(const ReducedQuadrics& q, const std::int32_t* free, ShiftLine& lin
 }
 
 // Takes imaginary parts that are multiples of N out of the forms, if there are no others.
-void split(ShiftLine& line, int scalars) {
+void split(ReducedLine& line, int scalars) {
   constexpr bool kDiagonal[kForms] = {true, false, false, false, true, false, false, true, false, true};
   double rest = 0.0, largest = 0.0;
   for (int j = 0; j < kEquations; ++j) {
@@ -144,7 +144,7 @@ void split(ShiftLine& line, int scalars) {
 }
 
 // A Study point in the coordinates e, of norm 1, and the free quantities.
-void place(const Numbers* z, const ShiftGeometry& geometry, Complex* out) {
+void place(const Numbers* z, const ReducedGeometry& geometry, Complex* out) {
   const Numbers *e = z, *f = z + 4;
   double size = 0.0;
   for (int i = 0; i < 4; ++i) size += std::norm(e[i]);
@@ -170,12 +170,12 @@ nb::object track_reduced(Array<Numbers, 2> start, Array<Numbers, 2> points, Arra
   if (!to.solve(target.data(), nullptr) || !from.solve(start.data(), &to)) return nb::none();
   const std::size_t scalars = to.free();
   if (scalars > kMostScalars || (to.quantities == kQuantities && scalars == 0)) return nb::none();
-  ShiftGeometry geometry{};
+  ReducedGeometry geometry{};
   geometry.scalars = to.free();
   geometry.has_h = to.quantities == kQuantities;
   std::copy(to.pivot, to.pivot + to.pivots, geometry.pivot);
   to.list_free(geometry.free);
-  ShiftLine line;
+  ReducedLine line;
   put_line(from, geometry.free, line, false);
   put_line(to, geometry.free, line, true);
   split(line, to.free());
@@ -187,10 +187,10 @@ nb::object track_reduced(Array<Numbers, 2> start, Array<Numbers, 2> points, Arra
   auto status = std::make_unique<std::uint8_t[]>(paths);
   std::vector<std::int32_t> steps(paths);
   const std::int32_t first = 0;
-  const ShiftOptions options{predictor_tolerance, contraction, radius_fraction, min_step, max_steps};
-  const ShiftPaths given{static_cast<int>(paths), nullptr, starts.data(), &first, &first, nullptr,
+  const ReducedOptions options{predictor_tolerance, contraction, radius_fraction, min_step, max_steps};
+  const ReducedPaths given{static_cast<int>(paths), nullptr, starts.data(), &first, &first, nullptr,
                          &line};
-  TrackShifts* const run = choose(build);
+  TrackValues* const run = choose(build);
   {
     nb::gil_scoped_release release;
     run(geometry, options, given, 0, 1,
@@ -201,17 +201,17 @@ nb::object track_reduced(Array<Numbers, 2> start, Array<Numbers, 2> points, Arra
 
 }  // namespace
 
-void bind_shifts(nb::module_& m, TrackShifts* (*choose_track)(const std::string& build)) {
+void bind_reduced(nb::module_& m, TrackValues* (*choose_track)(const std::string& build)) {
   choose = choose_track;
-  m.def("track_shifts", &track_shifts, "pivots"_a, "free"_a, "forms"_a, "slopes"_a,
+  m.def("track_values", &track_values, "pivots"_a, "free"_a, "forms"_a, "slopes"_a,
         "start_values"_a, "starts"_a, "start"_a, "values"_a, nb::kw_only(),
         "predictor_tolerance"_a, "contraction"_a, "radius_fraction"_a, "min_step"_a,
         "max_steps"_a, "jobs"_a = 1, "build"_a = "",
-        "Track quadrics of which only multiples of N move; see gspcli.continuation.shifts.");
+        "Track quadrics of which only multiples of N move; see gspcli.continuation.reduced_homotopy.");
   m.def("track_reduced", &track_reduced, "start"_a, "points"_a, "target"_a, nb::kw_only(),
         "predictor_tolerance"_a, "contraction"_a, "radius_fraction"_a, "min_step"_a,
         "max_steps"_a, "build"_a = "",
-        "Track quadrics that are solved for some quantities; see gspcli.continuation.shifts.");
+        "Track quadrics that are solved for some quantities; see gspcli.continuation.reduced_homotopy.");
 }
 
 }  // namespace gsp

@@ -1,5 +1,5 @@
-// Python bindings of tubes.hpp.
-#include "tubes_module.hpp"
+// Python bindings of branch_follower.hpp.
+#include "branch_module.hpp"
 
 #include <nanobind/stl/string.h>
 
@@ -13,7 +13,7 @@
 
 #include "bindings.hpp"
 #include "threads.hpp"
-#include "tubes.hpp"
+#include "branch_follower.hpp"
 
 using namespace nanobind::literals;
 
@@ -117,7 +117,7 @@ nb::tuple follow(Array<std::int32_t, 1> forms, Array<std::int32_t, 1> laws, Arra
 
 }  // namespace
 
-void bind_tubes(nb::module_& m, ChooseFollow* choose_follow) {
+void bind_branches(nb::module_& m, ChooseFollow* choose_follow) {
   choose = choose_follow;
   m.def("follow", &follow, "forms"_a, "laws"_a, "signs"_a, "largest"_a, "norms"_a, "hessians"_a,
         "spectral"_a, "moduli"_a, "values"_a, "trajectory"_a, "start"_a, "near"_a, nb::kw_only(),

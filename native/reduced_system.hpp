@@ -1,10 +1,10 @@
-// The equations of shifts.hpp, their derivatives and the Taylor series of paths, one in each lane.
+// The equations of reduced_homotopy.hpp, their derivatives and the Taylor series of paths, one in each lane.
 //
-// Included by each build of shifts.cpp: all in an anonymous namespace.
+// Included by each build of reduced_homotopy.cpp: all in an anonymous namespace.
 #pragma once
 
 #include "forms.hpp"
-#include "shifts_moving.hpp"
+#include "reduced_moving.hpp"
 
 namespace gsp {
 namespace {
@@ -54,11 +54,11 @@ struct System : Expansion<4 + M> {
   using At = Expansion<D>;
   using At::inverse, At::lower, At::n, At::q, At::row, At::slope, At::x;
 
-  const ShiftGeometry& geometry;
+  const ReducedGeometry& geometry;
   Moving moving;
   C f[D];                     // values of the equations
 
-  System(const ShiftGeometry& given, const ShiftPaths& paths)
+  System(const ReducedGeometry& given, const ReducedPaths& paths)
       : geometry(given), moving{given, paths} {}
 
   // The quantities, equations and Jacobian matrix at z.

@@ -7,16 +7,11 @@ geometry do not.
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
-from gspcli.geometry.arrangement import Arrangement
-from gspcli.solver.geometry_start import SolvedSystem, Way
+from gspcli.solver.geometry_start import StartMethod
 from gspcli.solver.one_geometry import Geometry, geometry_about, solved_system
-from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.problem import Problem
-from gspcli.solver.solved_starts import STARTS
 
 #: Squares of distances, in typical lengths, are about this; what has a sign is about zero.
 _SQUARE = 0.5
@@ -27,7 +22,7 @@ _SPREAD = 0.5
 def kept_geometry(problem: Problem) -> Geometry | None:
     """Return the geometry of a platform with a start; None where none is kept, or none is safe."""
     arrangement, length = problem.arrangement, problem.unit
-    known = STARTS.platform(arrangement)
+    known = problem.starts.platform(arrangement)
     if known is None:
         return None
     square = [kind.is_distance and not kind.has_sides for kind in arrangement.kinds]
@@ -38,13 +33,8 @@ def kept_geometry(problem: Problem) -> Geometry | None:
         np.full(len(square), _SPREAD),
         count=lambda: problem.geometry_count,
         seed=problem.seed,
-        ways=(Way.SOLVED, Way.QUICK),
-        solved=_system(*known, length),
+        starts=problem.starts,
+        ways=(StartMethod.SOLVED, StartMethod.QUICK),
+        solved=solved_system(known[0], length, known[1]),
     )
     return None if geometry is None or geometry.proof is None else geometry
-
-
-@lru_cache(maxsize=64)
-def _system(arrangement: Arrangement, poses: PoseSet, length: float) -> SolvedSystem:
-    """Return a solved platform in a unit of length, always the same object."""
-    return solved_system(arrangement, length, poses)

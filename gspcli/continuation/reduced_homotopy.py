@@ -2,7 +2,7 @@
 
 Without products, and without mutual moments of lines, each equation is linear in the monomials of
 e, in the six coordinates of ``w = e ^ f`` and in ``h = f.f``, times N the value. What is solved for
-by linear algebra need not be followed (native/shifts.hpp).
+by linear algebra need not be followed (native/reduced_homotopy.hpp).
 """
 
 from __future__ import annotations
@@ -25,24 +25,18 @@ _ZERO = 1e-12
 _SMALL = 1e-3
 #: So many quantities may be free: with more nothing is gained.
 _MOST_FREE = 3
-#: Study points whose cosine is nearer to one are the same to a few digits, ...
-_SAME = 1e-10
-#: ... and at most this part of the paths is a few.
-_FEW = 0.25
 #: The series have few terms, so that they are computed quickly; what is lost is seen.
 QUICK = replace(DEFAULT, predictor_tolerance=3e-3, contraction=0.1, min_step=1e-6, max_steps=200)
 #: Paths from the stored start are longer, and come nearer to others.
 FROM_START = replace(QUICK, min_step=1e-10)
-#: From a start with real geometry a few in a hundred platforms lose paths with such steps, ...
-LONG_STEPS = replace(FROM_START, predictor_tolerance=1e-2, contraction=0.25)
-#: Short paths, on which only values move, lose hardly more with still longer ones: of one or two of
+#: Short paths, on which only values move, lose hardly any with long steps: of one or two of
 #: a thousand platforms, ...
 VALUE_STEPS = replace(FROM_START, predictor_tolerance=2e-2, contraction=0.35, radius_fraction=0.8)
 #: ... which these find.
 SHORT_STEPS = replace(FROM_START, predictor_tolerance=1e-4, contraction=0.05, max_steps=1000)
 
 
-class ShiftEnds(NamedTuple):
+class ReducedEnds(NamedTuple):
     """The ends of P paths to each of B targets."""
 
     points: ComplexArray
@@ -56,7 +50,7 @@ class ShiftEnds(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Shifts:
+class ReducedHomotopy:
     """Six quadrics, solved for some of the quantities w and h.
 
     Attributes
@@ -76,7 +70,7 @@ class Shifts:
     combinations: FloatArray
 
     @classmethod
-    def of(cls, quadrics: FloatArray) -> Shifts | None:
+    def of(cls, quadrics: FloatArray) -> ReducedHomotopy | None:
         """Return six quadrics (6, 27), without their values, solved.
 
         None if they depend on more than w and h, on h and w alone by too little to solve for
@@ -123,7 +117,7 @@ class Shifts:
         *,
         options: TrackerOptions = QUICK,
         jobs: int = 1,
-    ) -> ShiftEnds:
+    ) -> ReducedEnds:
         """Track solutions for some values to those for many others along straight lines.
 
         Parameters
@@ -139,8 +133,8 @@ class Shifts:
         options, jobs
             As for `tracker.track`.
         """
-        return ShiftEnds(
-            *_kernel.track_shifts(
+        return ReducedEnds(
+            *_kernel.track_values(
                 self.pivots,
                 self.free,
                 np.ascontiguousarray(self.forms),
@@ -196,40 +190,6 @@ def ends_from_start(
     study, status = found
     study[status != PathStatus.REGULAR] = np.nan
     return np.asarray(study)
-
-
-def followed_again(
-    start: StartSystem, quadrics: ComplexArray, ends: ComplexArray
-) -> ComplexArray | None:
-    """Return ends of paths of which those that went wrong are followed again, with short steps.
-
-    A path is lost, or has jumped to the end of another, which is not told from it then.
-
-    Parameters
-    ----------
-    start, quadrics
-        As for `ends_from_start`, which did not return None.
-    ends
-        Of the paths from all points of the start, shape (paths, 8).
-
-    Returns
-    -------
-    ComplexArray or None
-        Likewise; None if none went wrong, or so many that the target is a special one.
-    """
-    lost = np.isnan(ends[:, 0])
-    points = np.where(lost[:, None], 1.0, ends)
-    points /= np.linalg.norm(points, axis=1, keepdims=True)
-    alike = np.abs(points.conj() @ points.T) > 1 - _SAME
-    wrong = lost | (alike.sum(axis=1) > 1)
-    if not 0 < wrong.sum() <= max(2, _FEW * len(wrong)):
-        return None
-    again = ends_from_start(StartSystem(start.system, start.points[wrong]), quadrics)
-    if again is None:
-        return None
-    mended = ends.copy()
-    mended[wrong] = again
-    return mended
 
 
 def _solved(quantities: FloatArray) -> tuple[NDArray[np.intp], FloatArray] | None:

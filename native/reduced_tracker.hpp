@@ -1,7 +1,7 @@
-// Tracking of the paths of shifts.hpp, one in each lane; included by shifts.cpp in each of its builds.
+// Tracking of the paths of reduced_homotopy.hpp, one in each lane; included by reduced_homotopy.cpp in each of its builds.
 #pragma once
 
-#include "shifts_system.hpp"
+#include "reduced_system.hpp"
 #include "steps.hpp"
 
 namespace gsp {
@@ -14,19 +14,19 @@ constexpr double kSettled = 1e-8;
 constexpr int kLastSteps = 4;
 
 template <int M, bool has_h, class Moving>
-class ShiftTracker {
+class ReducedTracker {
   static constexpr int D = 4 + M, kOrder = Moving::kOrder;
   static constexpr int kKept = sizeof(Expansion<D>) / sizeof(V);  // of each path at its start
 
  public:
-  ShiftTracker(const ShiftGeometry& geometry, const ShiftOptions& options, const ShiftPaths& paths,
-             int begin, int end, const ShiftEnds& ends)
+  ReducedTracker(const ReducedGeometry& geometry, const ReducedOptions& options, const ReducedPaths& paths,
+             int begin, int end, const ReducedEnds& ends)
       : options_(options), paths_(paths), ends_(ends), upcoming_(begin * paths.paths),
         first_(begin * paths.paths), last_(end * paths.paths),
         at_start_(new double[paths.paths * kKept]), w(geometry, paths) {}
-  ~ShiftTracker() { delete[] at_start_; }
-  ShiftTracker(const ShiftTracker&) = delete;
-  ShiftTracker& operator=(const ShiftTracker&) = delete;
+  ~ReducedTracker() { delete[] at_start_; }
+  ReducedTracker(const ReducedTracker&) = delete;
+  ReducedTracker& operator=(const ReducedTracker&) = delete;
 
   void run() {
     for (int k = 0; k <= kOrder; ++k)
@@ -139,7 +139,7 @@ class ShiftTracker {
     // What the second correction changes in the factors is of second order.
     for (int i = 0; i < D; ++i) w.x[i] = w.x[i] - second[i];
     s.learn(n1, n2, noise, accepted);
-    return settle(accepted);
+    return classify_endpoints(accepted);
   }
 
   Aims aims() const {
@@ -172,7 +172,7 @@ class ShiftTracker {
   }
 
   // Lanes whose paths are at their ends take the next; returns as `step`.
-  INLINE Mask settle(const Mask& accepted) {
+  INLINE Mask classify_endpoints(const Mask& accepted) {
     Mask chosen = accepted;
     const V gone = s.next - s.t, arrived = s.next;
     for (int l = 0; l < W; ++l) {
@@ -215,9 +215,9 @@ class ShiftTracker {
     }
   }
 
-  const ShiftOptions& options_;
-  const ShiftPaths& paths_;
-  const ShiftEnds& ends_;
+  const ReducedOptions& options_;
+  const ReducedPaths& paths_;
+  const ReducedEnds& ends_;
   int upcoming_;
   const int first_, last_;
   int under_way_ = 0;

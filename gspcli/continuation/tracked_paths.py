@@ -13,17 +13,17 @@ from gspcli.continuation.accounts import (
     ACCOUNTS,
     AccountOptions,
     all_regular,
+    classify_endpoints,
     random_start,
     regular_ends,
-    settle,
 )
 from gspcli.continuation.ends import infinite, regular_error
-from gspcli.continuation.mending import collided, mended
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.regularity import clearly_simple
+from gspcli.continuation.retracking import collided, retracked
 from gspcli.continuation.solutions import SystemSolutions, solutions_of
 from gspcli.continuation.start import StartSystem, start_system
-from gspcli.continuation.systems import Coefficients, ExtendedCoefficients, System
+from gspcli.continuation.systems import Coefficients, FineCoefficients, System
 from gspcli.continuation.tracker import (
     CAREFUL,
     DEEP,
@@ -38,21 +38,17 @@ from gspcli.continuation.tracker import (
 from gspcli.records import dataclass
 
 #: Newton's method converges where its last correction is not longer than this part of e.
-_SETTLED = 1e-3
-#: With 64 digits a simple solution is reached if the last correction is shorter.
-_CONVERGED = 1e-20
+_CONVERGES = 1e-3
 #: From so near to the target on doubles may not tell paths from each other, and 32 digits not.
 _NEAR, _NEARBY = 1e-3, 1e-8
 #: Steps within which most paths arrive that do not end at infinity, from near the target on.
 _FEW_STEPS = 12
-#: So often a few steps of Newton's method are taken from the ends in doubles.
-_ROUNDS = 3
 _BATCH = 256
 _BATCH_PATHS = 65_536
 
 
 @dataclass(frozen=True, eq=False)
-class PursuedEnds:
+class PathEnds:
     """Where k paths ended, simple solutions or not.
 
     Attributes
@@ -64,7 +60,7 @@ class PursuedEnds:
         none.
     simple
         Which are beyond doubt simple solutions of the system in doubles, shape (k,).
-    settled
+    converged
         At which Newton's method converges, with these digits, shape (k,).
     digits
         With how many digits they were computed.
@@ -73,32 +69,32 @@ class PursuedEnds:
     points: ComplexArray
     low: ComplexArray
     simple: NDArray[np.bool_]
-    settled: NDArray[np.bool_]
+    converged: NDArray[np.bool_]
     digits: int
 
-    def take(self, index: NDArray[np.bool_] | NDArray[np.intp]) -> PursuedEnds:
+    def take(self, index: NDArray[np.bool_] | NDArray[np.intp]) -> PathEnds:
         """Return some of the ends."""
-        return PursuedEnds(
+        return PathEnds(
             self.points[index],
             self.low[index],
             self.simple[index],
-            self.settled[index],
+            self.converged[index],
             self.digits,
         )
 
 
-def joined_ends(parts: Sequence[PursuedEnds]) -> PursuedEnds:
+def joined_ends(parts: Sequence[PathEnds]) -> PathEnds:
     """Return ends of several parts, computed with as many digits, in one."""
-    return PursuedEnds(
+    return PathEnds(
         np.concatenate([part.points for part in parts]),
         np.concatenate([part.low for part in parts]),
         np.concatenate([part.simple for part in parts]),
-        np.concatenate([part.settled for part in parts]),
+        np.concatenate([part.converged for part in parts]),
         parts[0].digits,
     )
 
 
-class Pursuit:
+class TrackedPaths:
     """The paths from the start system of a structure to one target.
 
     Parameters
@@ -140,26 +136,13 @@ class Pursuit:
         self._jobs = jobs
 
     @property
-    def paths(self) -> int:
+    def count(self) -> int:
         """The number of paths: the generic count of the structure."""
         return len(self._start.points)
 
-    def first(self) -> PursuedEnds:
+    def first(self) -> PathEnds:
         """Return the ends of the first attempt at all paths."""
         return self._ends(self._results, DEFAULT.digits)
-
-    def others(self, attempt: int) -> PursuedEnds:
-        """Return the ends of all paths from the same start points along other ways, in doubles.
-
-        Parameters
-        ----------
-        attempt
-            Chooses the ways; 0 are those of the first attempt.
-        """
-        origin = random_start(self._start, self.seed, attempt)
-        points = self._start.points
-        results = track(origin, self._target, points, options=CAREFUL, jobs=self._jobs)
-        return self._ends(results, CAREFUL.digits)
 
     def distinct_simple(self) -> ComplexArray:
         """Return the ends of the first attempt that no other path shares, shape (k, 8).
@@ -183,10 +166,10 @@ class Pursuit:
         """
         return given.in_units(np.array(self.scale)).divided(*self._sizes)
 
-    def deeply(
-        self, index: NDArray[np.intp], target: ExtendedCoefficients, attempt: int = 0
-    ) -> Iterator[tuple[NDArray[np.intp], PursuedEnds]]:
-        """Follow some paths with 32 digits up to the target itself, from where doubles may err.
+    def track(
+        self, index: NDArray[np.intp], target: FineCoefficients, *, digits: int, attempt: int = 0
+    ) -> Iterator[tuple[NDArray[np.intp], PathEnds]]:
+        """Follow some paths with more digits up to the target itself, from where fewer may err.
 
         Parameters
         ----------
@@ -194,6 +177,8 @@ class Pursuit:
             Which paths, shape (k,).
         target
             The equations (`balanced`).
+        digits
+            32 or 64.
         attempt
             Another number leads the same start points along other paths.
 
@@ -204,14 +189,9 @@ class Pursuit:
         """
         origin = random_start(self._start, self.seed, attempt)
         points, left = self._near(origin, target, index)
-        yield from self._in_parts(origin, target, points, None, left, DEEP)
-
-    def deepest(
-        self, index: NDArray[np.intp], target: ExtendedCoefficients, attempt: int = 0
-    ) -> Iterator[tuple[NDArray[np.intp], PursuedEnds]]:
-        """Follow some paths with 64 digits, from where 32 may err; as `deeply`."""
-        origin = random_start(self._start, self.seed, attempt)
-        points, left = self._near(origin, target, index)
+        if digits == DEEP.digits:
+            yield from self._in_parts(origin, target, points, None, left, DEEP)
+            return
         nearby = System(origin.structure, target.nearby(origin.coefficients, _NEARBY))
         # Of the shorter way less is left.
         rest = (left - _NEARBY) / (1 - _NEARBY)
@@ -224,12 +204,12 @@ class Pursuit:
     def _in_parts(
         self,
         origin: System,
-        target: ExtendedCoefficients,
+        target: FineCoefficients,
         points: ComplexArray,
         low: ComplexArray | None,
         left: FloatArray,
         options: TrackerOptions,
-    ) -> Iterator[tuple[NDArray[np.intp], PursuedEnds]]:
+    ) -> Iterator[tuple[NDArray[np.intp], PathEnds]]:
         """Yield which paths arrive after few steps, and their ends, then the same of the others.
 
         Parameters
@@ -263,78 +243,8 @@ class Pursuit:
                 x[0, ~arrived] for x in (results.points, results.low, results.left)
             )
 
-    def converged(
-        self, ends: PursuedEnds, target: ExtendedCoefficients
-    ) -> tuple[NDArray[np.intp], PursuedEnds]:
-        """Return to which ends Newton's method with 32 digits converges, and to what.
-
-        Parameters
-        ----------
-        ends
-            Of any paths, in doubles.
-        target
-            The equations (`balanced`).
-        """
-        points, low = ends.points.copy(), None
-        points[:, 4:] /= self.scale
-        rest, found = np.arange(len(points)), []
-        for _ in range(_ROUNDS):
-            if not len(rest):
-                break
-            results = self._improve(points, low, target, EXTENDED)
-            there = (results.correction[0] >= 0) & (results.correction[0] < _CONVERGED)
-            found.append((rest[there], self._ends(results, EXTENDED.digits).take(there)))
-            rest, points, low = rest[~there], results.points[0, ~there], results.low[0, ~there]
-        index = np.concatenate([np.zeros(0, np.intp), *(part for part, _ in found)])
-        return index, joined_ends([part for _, part in found]) if found else ends.take(index)
-
-    def improved(self, ends: PursuedEnds, target: ExtendedCoefficients) -> PursuedEnds:
-        """Return ends after Newton's method with 64 digits, those as they were where it errs.
-
-        Parameters
-        ----------
-        ends
-            Of any paths.
-        target
-            The equations (`balanced`).
-        """
-        points, low = ends.points.copy(), ends.low.copy()
-        for part in (points, low):
-            part[..., 4:] /= self.scale
-        results = self._improve(points, low if low.shape[1] else None, target, DEEPEST)
-        found = self._ends(results, DEEPEST.digits)
-        converged = (results.correction[0] < _CONVERGED)[:, None]
-        before = np.zeros_like(found.low)
-        before[:, : ends.low.shape[1]] = ends.low
-        return PursuedEnds(
-            np.where(converged, found.points, ends.points),
-            np.where(converged[:, None], found.low, before),
-            ends.simple,
-            ends.settled,
-            DEEPEST.digits,
-        )
-
-    def _improve(
-        self,
-        points: ComplexArray,
-        low: ComplexArray | None,
-        target: ExtendedCoefficients,
-        options: TrackerOptions,
-    ) -> PathResults:
-        """Return where a few steps of Newton's method lead."""
-        return track(
-            random_start(self._start, self.seed, 0),
-            target.high,
-            points,
-            more=target.more,
-            low=low,
-            left=np.zeros(len(points)),
-            options=options,
-            jobs=self._jobs,
-        )
-
     def _near(
-        self, origin: System, target: ExtendedCoefficients, index: NDArray[np.intp]
+        self, origin: System, target: FineCoefficients, index: NDArray[np.intp]
     ) -> tuple[ComplexArray, FloatArray]:
         """Return where some paths are as far as doubles can follow them, and what is left."""
         near = System(origin.structure, target.nearby(origin.coefficients, _NEAR))
@@ -349,27 +259,29 @@ class Pursuit:
         if self.is_regular:
             ends = regular_ends(self._results, 0)
         else:
-            ends = settle(self._start, self._target, self._results, self.seed, self._jobs, options)
+            ends = classify_endpoints(
+                self._start, self._target, self._results, self.seed, self._jobs, options
+            )
         return solutions_of(ends, self.scale, self.seed)
 
-    def _ends(self, results: PathResults, digits: int) -> PursuedEnds:
+    def _ends(self, results: PathResults, digits: int) -> PathEnds:
         points = results.points[0].copy()
         low = results.low[0].copy() if len(results.low) else np.zeros((len(points), 0, 8), complex)
         for part in (points, low):
             part[..., 4:] *= self.scale
         # Where it was not run the correction is negative.
         correction, e = results.correction[0], np.abs(results.points[0, :, :4]).max(axis=1)
-        settled = (correction >= 0) & (correction < _SETTLED * e)
-        return PursuedEnds(points, low, clearly_simple(results)[0], settled, digits)
+        converged = (correction >= 0) & (correction < _CONVERGES * e)
+        return PathEnds(points, low, clearly_simple(results)[0], converged, digits)
 
 
-def pursue(
+def track_all(
     targets: Iterable[System],
     *,
     seed: int,
     jobs: int = 1,
     options: TrackerOptions = DEFAULT,
-) -> Iterator[Pursuit]:
+) -> Iterator[TrackedPaths]:
     """Yield the first attempt at the paths of many systems, in order.
 
     Consecutive systems of one structure are tracked together, which is what makes this quicker
@@ -392,7 +304,9 @@ def pursue(
             for i, (row, regular) in enumerate(attempts):
                 target = System(start.system.structure, balanced.take(i))
                 divisors = sizes[0][i], sizes[1][i]
-                yield Pursuit(start, target, float(scale[i]), divisors, row, regular, seed, jobs)
+                yield TrackedPaths(
+                    start, target, float(scale[i]), divisors, row, regular, seed, jobs
+                )
 
 
 def first_attempts(
@@ -419,6 +333,6 @@ def first_attempts(
     for i, regular in enumerate(all_regular(results).tolist()):
         row = PathResults(*(getattr(results, f.name)[i : i + 1] for f in fields(results)))
         if not regular:
-            row = mended(origin, System(origin.structure, targets.take(i)), points, row, jobs)
+            row = retracked(origin, System(origin.structure, targets.take(i)), points, row, jobs)
             regular = bool(all_regular(row)[0])
         yield row, regular

@@ -29,7 +29,7 @@ def collided(points: ComplexArray, error: FloatArray, regular: Array) -> Array:
     return together
 
 
-def mended(
+def retracked(
     origin: System, target: System, points: ComplexArray, first: PathResults, jobs: int
 ) -> PathResults:
     """Return first results (1, P) in which the few paths that went wrong are followed again.

@@ -1,10 +1,10 @@
-// What moves along the paths of shifts.hpp: only values, or all coefficients.
+// What moves along the paths of reduced_homotopy.hpp: only values, or all coefficients.
 //
-// Included by each build of shifts.cpp: all in an anonymous namespace.
+// Included by each build of reduced_homotopy.cpp: all in an anonymous namespace.
 #pragma once
 
 #include "lanes.hpp"
-#include "shifts.hpp"
+#include "reduced_homotopy.hpp"
 
 namespace gsp {
 namespace {
@@ -47,8 +47,8 @@ struct Orders {
 // another in each lane.
 struct MovingValues {
   static constexpr int kOrder = 3;  // of the Taylor series
-  const ShiftGeometry& geometry;
-  const ShiftPaths& paths;
+  const ReducedGeometry& geometry;
+  const ReducedPaths& paths;
   C from[kEquations]{}, change[kEquations]{}, v[kEquations]{};
 
   INLINE void load(int l, int target) {
@@ -101,13 +101,13 @@ struct MovingValues {
 template <int M>
 struct MovingGeometry {
   static constexpr int kOrder = 4;
-  const ShiftGeometry& geometry;
-  const ShiftPaths& paths;
+  const ReducedGeometry& geometry;
+  const ReducedPaths& paths;
   C form[kEquations][kForms]{}, slopes[kEquations][M > 0 ? M : 1]{};
 
   INLINE void load(int, int) {}
   INLINE void go(const V& t) {
-    const ShiftLine& line = *paths.line;
+    const ReducedLine& line = *paths.line;
     const auto at = [&](const Complex& from, const Complex& change) {
       return C{from.re + t * change.re, from.im + t * change.im};
     };
@@ -132,7 +132,7 @@ struct MovingGeometry {
   }
   INLINE const C& slope(int j, int l) const { return slopes[j][l]; }
   INLINE C next(int j, int order, const Orders& at) const {
-    const ShiftLine& line = *paths.line;
+    const ReducedLine& line = *paths.line;
     C s{};
     for (int i = 0; i < kForms; ++i) add_product(s, line.form_change[j][i], at.before[i]);
     for (int l = 0; l < M; ++l) add_product(s, line.slope_change[j][l], at.scalars[l]);
@@ -146,14 +146,14 @@ struct MovingGeometry {
 template <int M>
 struct MovingPlatform {
   static constexpr int kOrder = 3;
-  const ShiftGeometry& geometry;
-  const ShiftPaths& paths;
+  const ReducedGeometry& geometry;
+  const ReducedPaths& paths;
   V form[kEquations][kForms]{}, slopes[kEquations][M > 0 ? M : 1]{};
   V v[kEquations]{};  // imaginary parts: the real ones are in the forms
 
   INLINE void load(int, int) {}
   INLINE void go(const V& t) {
-    const ShiftLine& line = *paths.line;
+    const ReducedLine& line = *paths.line;
     for (int j = 0; j < kEquations; ++j) {
       for (int i = 0; i < kForms; ++i)
         form[j][i] = line.form[j][i].re + t * line.form_change[j][i].re;
@@ -179,7 +179,7 @@ struct MovingPlatform {
   }
   INLINE const V& slope(int j, int l) const { return slopes[j][l]; }
   INLINE C next(int j, int order, const Orders& at) const {
-    const ShiftLine& line = *paths.line;
+    const ReducedLine& line = *paths.line;
     C s{};
     add_times_i(s, splat(line.value_change[j]), at.n_before);
     for (int i = 0; i < kForms; ++i) subtract_times(s, line.form_change[j][i].re, at.before[i]);

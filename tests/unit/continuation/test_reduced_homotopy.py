@@ -7,7 +7,7 @@ import pytest
 
 from gspcli import _kernel
 from gspcli.catalogue.parsing import parse_type
-from gspcli.continuation.shifts import Shifts, ends_from_start
+from gspcli.continuation.reduced_homotopy import ReducedHomotopy, ends_from_start
 from gspcli.continuation.solve import solve_system
 from gspcli.continuation.start import path_count, start_system
 from gspcli.continuation.systems import Coefficients, System
@@ -51,14 +51,14 @@ class Case:
         structure, coefficients = coefficients_of(*self.arguments, values[None])
         return System(structure, Coefficients(*(part[0] for part in coefficients)))
 
-    def track(self, shifts: Shifts):
+    def track(self, shifts: ReducedHomotopy):
         starts = shifts.points(self.solutions[None])
         targets = self.targets.astype(complex)
         return shifts.track(self.start[None], starts, np.zeros(len(targets), np.int32), targets)
 
 
 def _check(case: Case, free: int) -> None:
-    shifts = Shifts.of(case.quadrics)
+    shifts = ReducedHomotopy.of(case.quadrics)
     assert shifts is not None
     assert len(shifts.free) == free
     ends = case.track(shifts)
@@ -119,7 +119,7 @@ def test_what_is_not_of_this_sort_is_left_to_others(name):
     given = Arrangement.of(random_instance(parse_type(name), rng)[0]).normalized
     bodies = given.kinds, given.y, given.x, given.u, given.v
     quadrics = coefficients_of(*bodies, np.zeros((1, 6)))[1].g[0].real
-    assert Shifts.of(quadrics) is None
+    assert ReducedHomotopy.of(quadrics) is None
 
 
 def test_what_is_nearly_dependent_is_not_divided_by():
@@ -129,7 +129,7 @@ def test_what_is_nearly_dependent_is_not_divided_by():
     for k, (i, j) in enumerate([(0, 1), (0, 2), (0, 3), (2, 3), (3, 1), (1, 2)]):
         quadrics[:, 10 + 4 * i + j] += 1e-6 * noise[k]
         quadrics[:, 10 + 4 * j + i] -= 1e-6 * noise[k]
-    assert Shifts.of(quadrics) is None
+    assert ReducedHomotopy.of(quadrics) is None
 
 
 @pytest.mark.parametrize("build", ["portable", "avx2", "avx512"])
@@ -138,9 +138,9 @@ def test_every_build_follows_the_same_paths(build, monkeypatch):
     if order.index(build) > order.index(_kernel.build()):
         pytest.skip(f"this processor cannot run {build}")
     case = Case("DPP DPP DPP DPP DPP DPP")
-    shifts = Shifts.of(case.quadrics)
-    given = _kernel.track_shifts
+    shifts = ReducedHomotopy.of(case.quadrics)
+    given = _kernel.track_values
     best = case.track(shifts)
-    monkeypatch.setattr(_kernel, "track_shifts", lambda *a, **k: given(*a, **{**k, "build": build}))
+    monkeypatch.setattr(_kernel, "track_values", lambda *a, **k: given(*a, **{**k, "build": build}))
     other = case.track(shifts)
     np.testing.assert_allclose(other.points, best.points, atol=1e-5)

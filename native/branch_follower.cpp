@@ -1,5 +1,5 @@
 // Follows real branches of solutions in lanes, and has each segment proved (segment_proof.hpp).
-#include "tubes.hpp"
+#include "branch_follower.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -75,7 +75,7 @@ class Follower {
       march();
       if (options_.certify) prove_blocks();
       for (Cursor& cursor : cursors_)
-        if (cursor.branch) settle(cursor);
+        if (cursor.branch) classify_endpoints(cursor);
     }
   }
 
@@ -280,7 +280,7 @@ class Follower {
   }
 
   // Keeps the steps that hold, and chooses the next step size.
-  void settle(Cursor& cursor) {
+  void classify_endpoints(Cursor& cursor) {
     Branch& b = *cursor.branch;
     double worst = 0.0;
     int s = 0;

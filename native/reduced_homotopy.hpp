@@ -22,7 +22,7 @@ namespace gsp {
 
 constexpr int kQuantities = 7, kMostScalars = 3, kForms = 10;
 
-struct ShiftGeometry {
+struct ReducedGeometry {
   int scalars;
   bool has_h;
   std::int32_t pivot[kEquations];   // the quantity of each solved equation
@@ -31,14 +31,14 @@ struct ShiftGeometry {
   double slope[kEquations][kMostScalars];
 };
 
-struct ShiftOptions {
+struct ReducedOptions {
   double predictor_tolerance, contraction, radius_fraction, min_step;
   int max_steps;
 };
 
 // All coefficients along the way from a start (t = 0) to a target (1). If those of both are real but
 // for their values, the imaginary parts are in the values, and forms and slopes are taken as real.
-struct ShiftLine {
+struct ReducedLine {
   bool real;
   double value[kEquations], value_change[kEquations];  // imaginary parts
   Complex form[kEquations][kForms], form_change[kEquations][kForms];
@@ -47,17 +47,17 @@ struct ShiftLine {
 
 // Paths from solved systems to others, `paths` to each; arrays over systems have complex values, the
 // left sides of the equations solved for the pivots.
-struct ShiftPaths {
+struct ReducedPaths {
   int paths;
   const Complex* start_values;  // (starts, 6)
   const Complex* starts;        // (starts, paths, coordinates)
   const std::int32_t* start;    // from which of them, (targets,)
   const std::int32_t* order;    // in which targets are reached, (targets,): starts together
   const Complex* values;        // (targets, 6)
-  const ShiftLine* line;        // null: only values move; else there is one target, without values
+  const ReducedLine* line;        // null: only values move; else there is one target, without values
 };
 
-struct ShiftEnds {
+struct ReducedEnds {
   Complex* point;        // (targets, paths, coordinates), |e| = 1
   Complex* study;        // (targets, paths, 8), of any norm
   std::uint8_t* status;  // (targets, paths)
@@ -65,8 +65,8 @@ struct ShiftEnds {
 };
 
 // Tracks all paths to the targets that are from `begin` to before `end` in order.
-using TrackShifts = void(const ShiftGeometry&, const ShiftOptions&, const ShiftPaths&, int begin, int end,
-                       const ShiftEnds&);
-TrackShifts track_shifts_portable, track_shifts_avx2, track_shifts_avx512;
+using TrackValues = void(const ReducedGeometry&, const ReducedOptions&, const ReducedPaths&, int begin, int end,
+                       const ReducedEnds&);
+TrackValues track_values_portable, track_values_avx2, track_values_avx512;
 
 }  // namespace gsp

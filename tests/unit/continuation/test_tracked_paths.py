@@ -8,32 +8,32 @@ import numpy as np
 import pytest
 
 from gspcli.continuation.monodromy import random_quadrics
-from gspcli.continuation.pursuit import pursue
-from gspcli.continuation.systems import Coefficients, ExtendedCoefficients, Structure, System
+from gspcli.continuation.systems import Coefficients, FineCoefficients, Structure, System
+from gspcli.continuation.tracked_paths import track_all
 
 
 @pytest.fixture(scope="module")
-def pursuit():
+def tracked_paths():
     structure = Structure("pplsss", (False,) * 6).canonical()
     quadrics = random_quadrics(structure.spaces, np.random.default_rng(5))
-    return next(pursue([System.of(structure, quadrics)], seed=1))
+    return next(track_all([System.of(structure, quadrics)], seed=1))
 
 
 @pytest.fixture(scope="module")
-def target(pursuit):
-    exactly = Coefficients(*(x.astype(object) for x in pursuit._target.coefficients))
-    return ExtendedCoefficients.of(exactly)
+def target(tracked_paths):
+    exactly = Coefficients(*(x.astype(object) for x in tracked_paths._target.coefficients))
+    return FineCoefficients.of(exactly)
 
 
-def test_simple_ends_are_known_to_64_digits(pursuit, target):
-    ends = pursuit.first()
-    better = pursuit.improved(ends, target)
+def test_simple_ends_are_known_to_64_digits(tracked_paths, target):
+    ends = tracked_paths.first()
+    better = tracked_paths.improved(ends, target)
     assert better.digits == 64
-    assert better.low.shape == (pursuit.paths, 3, 8)
+    assert better.low.shape == (tracked_paths.paths, 3, 8)
     assert np.abs(better.points - ends.points).max() < 1e-12 * np.abs(ends.points).max()
     # Of the same end with an error Newton's method makes the same numbers, in any multiple.
     shaken = replace(ends, points=ends.points * (1 + 1e-9 * np.random.default_rng(2).random(8)))
-    again = pursuit.improved(shaken, target)
+    again = tracked_paths.improved(shaken, target)
     for one, other in zip(_ratios(better), _ratios(again), strict=True):
         assert abs(one - other) < 1e-50
 
@@ -50,36 +50,36 @@ def _ratios(ends):
         return [(a / b).mid() for a, b in sums]
 
 
-def test_what_newtons_method_does_not_settle_stays(pursuit, target):
-    ends = pursuit.first().take(np.arange(3))
+def test_what_newtons_method_does_not_settle_stays(tracked_paths, target):
+    ends = tracked_paths.first().take(np.arange(3))
     wrong = replace(ends, points=np.full_like(ends.points, np.nan))
-    same = pursuit.improved(wrong, target)
+    same = tracked_paths.improved(wrong, target)
     assert np.isnan(same.points).all()
     assert not same.low.any()
 
 
-def test_newtons_method_with_32_digits_says_where_it_converges(pursuit, target):
-    ends = pursuit.first().take(np.arange(6))
+def test_newtons_method_with_32_digits_says_where_it_converges(tracked_paths, target):
+    ends = tracked_paths.first().take(np.arange(6))
     shaken = ends.points * (1 + 1e-6 * np.random.default_rng(3).random(8))
     shaken[4] = np.nan
-    index, better = pursuit.converged(replace(ends, points=shaken), target)
+    index, better = tracked_paths.converged(replace(ends, points=shaken), target)
     assert sorted(index.tolist()) == [0, 1, 2, 3, 5]
     assert better.digits == 32
     units = [x / np.linalg.norm(x, axis=1)[:, None] for x in (better.points, ends.points[index])]
     overlap = np.abs((units[0] * units[1].conj()).sum(axis=1))
     assert overlap.min() > 1 - 1e-12
-    none, nothing = pursuit.converged(ends.take(np.zeros(6, np.bool_)), target)
+    none, nothing = tracked_paths.converged(ends.take(np.zeros(6, np.bool_)), target)
     assert len(none) == len(nothing.points) == 0
 
 
 @pytest.mark.parametrize("few", [1, 12])
-def test_paths_that_arrive_early_come_first_and_each_once(pursuit, target, few, monkeypatch):
-    monkeypatch.setattr("gspcli.continuation.pursuit._FEW_STEPS", few)
+def test_paths_that_arrive_early_come_first_and_each_once(tracked_paths, target, few, monkeypatch):
+    monkeypatch.setattr("gspcli.continuation.tracked_paths._FEW_STEPS", few)
     index = np.arange(8)
-    parts = list(pursuit.deeply(index, target))
+    parts = list(tracked_paths.deeply(index, target))
     assert len(parts) == (1 if few > 1 else 2)
     assert sorted(np.concatenate([which for which, _ in parts]).tolist()) == index.tolist()
-    first = pursuit.first().points[:8]
+    first = tracked_paths.first().points[:8]
     for which, ends in parts:
         assert ends.settled.all()
         units = [x / np.linalg.norm(x, axis=1)[:, None] for x in (ends.points, first[which])]

@@ -1,14 +1,14 @@
-#include "shifts.hpp"
+#include "reduced_homotopy.hpp"
 
-#include "shifts_tracker.hpp"
+#include "reduced_tracker.hpp"
 
 namespace gsp {
 
-void GSP_TRACK_SHIFTS(const ShiftGeometry& geometry, const ShiftOptions& options, const ShiftPaths& paths,
-                    int begin, int end, const ShiftEnds& ends) {
+void GSP_TRACK_VALUES(const ReducedGeometry& geometry, const ReducedOptions& options, const ReducedPaths& paths,
+                    int begin, int end, const ReducedEnds& ends) {
   const auto run = [&]<int M, bool has_h>() {
     const auto with = [&]<class Moving>() {
-      ShiftTracker<M, has_h, Moving>(geometry, options, paths, begin, end, ends).run();
+      ReducedTracker<M, has_h, Moving>(geometry, options, paths, begin, end, ends).run();
     };
     if (!paths.line)
       with.template operator()<MovingValues>();

@@ -1,0 +1,236 @@
+"""Platforms in special or nearly special position: each system of sides by what its count says."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from gspcli.catalogue.kinds import DLL
+from gspcli.certification.counting import (
+    ExactCount,
+    SideCount,
+    by_points,
+    exact_count,
+    geometry_count,
+)
+from gspcli.continuation.paths import Basis, PathAccount
+from gspcli.geometry.instance import Instance
+from gspcli.solver.completion import complete
+from gspcli.solver.infinite import along_points, solve_infinite
+from gspcli.solver.ledger import Ledger
+from gspcli.solver.pose_set import PoseSet, joined
+from gspcli.solver.poses_in_parts import complete_parts
+from gspcli.solver.problem import Problem
+from gspcli.solver.proof import CountKind, Proof
+from gspcli.solver.real_statements import isolated_real_poses
+from gspcli.solver.side import FEW, Side
+from gspcli.solver.strategies import Further
+from gspcli.solver.tracking import poses_by_paths
+
+#: A count takes longer than to follow this part of the paths with 32 digits, for each path that
+#: there is; and the part of which more are not followed: then the platform is a special one.
+_LONG, _MOST = 1 / 2500, 1 / 5
+#: Counts that mislead with a larger probability are worth another one.
+_DOUBTFUL = 1e-9
+
+
+def poses_by_count(
+    problem: Problem, ledger: Ledger, solve: Callable[[Problem], PoseSet]
+) -> PoseSet:
+    """Return all poses of a platform of which fewer are proved than its type has.
+
+    Parameters
+    ----------
+    problem, ledger
+        The platform, and what is proved; its careful paths have been followed.
+    solve
+        Returns all poses of another platform.
+    """
+    if not problem.certify and all(paths.is_regular for paths in problem.tracked):
+        return poses_by_paths(problem.arrangement, problem.tracked)
+    count = None
+    if problem.limit != 0:
+        if (poses := _by_geometry_or_type(problem, ledger)) is not None:
+            return poses
+        suspect = any(_unresolved(side) * FEW > side.paths.count for side in ledger.sides)
+        count = exact_count(
+            problem.instance, seed=problem.seed, limit=problem.limit, suspect=suspect
+        )
+    if count is None:
+        return _uncounted(problem, ledger)
+    if any(side.solutions is None and not side.parallel for side in count.sides):
+        return _infinitely_many(problem, count, solve)
+    parts = [
+        _of_side(side, counted, solve).on_sides(problem.choices[k : k + 1])
+        for k, (side, counted) in enumerate(zip(ledger.sides, count.sides, strict=True))
+    ]
+    # A set without a sample of it may have real poses that are isolated, such as lines that
+    # coincide.
+    if any(part.account.on_curves and not part.motions for part in parts):
+        return _infinitely_many(problem, count, solve)
+    return _with_better_proof(problem, _proved(joined(parts), count))
+
+
+def _by_geometry_or_type(problem: Problem, ledger: Ledger) -> PoseSet | None:
+    """Return as many proved poses as the geometry or the type has; None if fewer are found soon."""
+    counted = problem.geometry_count
+    if counted is not None and counted.solutions:
+        for last in (None, Further.IN_BALLS):
+            _go_on(ledger.sides, last, counted.solutions // len(ledger.sides))
+            if (poses := ledger.complete) is not None:
+                problem.starts.keep_platform(problem.arrangement, poses)
+                return poses
+    # Paths that went wrong are followed with 32 digits as long as a count would take longer.
+    if not any(_too_many_unresolved(side) for side in ledger.sides):
+        _go_on(ledger.sides, Further.WITH_32_DIGITS)
+        return ledger.complete
+    return None
+
+
+def _infinitely_many(
+    problem: Problem, count: ExactCount, solve: Callable[[Problem], PoseSet]
+) -> PoseSet:
+    """Return motions and isolated poses of a platform with infinitely many."""
+    instance, proof = problem.instance, _infinite(problem.instance, count)
+    if (moving := _moving_with_parallel_lines(instance, count)) is not None:
+        samples = solve(problem.like(moving)).motions
+        poses = along_points(instance, problem.arrangement, samples, proof)
+    else:
+        poses = solve_infinite(problem, proof)
+    if poses.account.verdict != "infinite" or any(motion.real for motion in poses.motions):
+        return poses
+    isolated = isolated_real_poses(
+        instance, lambda other: solve(problem.like(other)).in_order(problem.arrangement.length)
+    )
+    return replace(poses, motions=(*(isolated or ()), *poses.motions))
+
+
+def _with_better_proof(problem: Problem, poses: PoseSet) -> PoseSet:
+    """Return poses with the count of the geometry as proof, where that misleads less often."""
+    exact = poses.proof
+    if poses.account.verdict == "incomplete" or (exact is not None and exact.error < _DOUBTFUL):
+        return poses
+    # Angles with many decimals leave few primes to count exactly with, but not for the geometry.
+    geometry = geometry_count(problem.instance, seed=problem.seed, limit=problem.limit)
+    proofs = [proof for proof in (exact, _by_geometry(poses, geometry)) if proof is not None]
+    return replace(poses, proof=min(proofs, key=_error) if proofs else None)
+
+
+def _of_side(side: Side, count: SideCount, solve: Callable[[Problem], PoseSet]) -> PoseSet:
+    """Return the poses for a choice of sides by its count."""
+
+    def solve_points(same: Instance) -> PoseSet:
+        return solve(side.problem.like(same))
+
+    if count.parallel:
+        return _with_parallel_lines(side, count, solve_points)
+    if count.parts:
+        return complete_parts(side, count, solve_points)
+    return _counted(side, count)
+
+
+def _go_on(sides: Sequence[Side], last: Further | None, most: int | None = None) -> None:
+    for side in sides:
+        side.go_on_until(last, most)
+
+
+def _unresolved(side: Side) -> int:
+    """Return how many paths in double precision do not end at simple solutions."""
+    ends = side.paths.first()
+    return int((~(ends.simple & ends.converged)).sum())
+
+
+def _too_many_unresolved(side: Side) -> bool:
+    paths = side.paths.count
+    return not paths or _unresolved(side) > min(max(1 / FEW, _LONG * paths), _MOST) * paths
+
+
+def _infinite(instance: Instance, count: ExactCount) -> Proof | None:
+    """Return what proves that there are infinitely many poses, as they are stated."""
+    if all(row.kind is not DLL for row in instance.constraints):
+        return Proof.modulo(CountKind.EXACT, count.error)
+    # The equations alone may be infinitely many because lines are parallel.
+    errors = [side.infinite_part.error for side in count.sides if side.infinite_part]
+    return Proof.modulo(CountKind.EXACT, min(errors)) if errors else None
+
+
+def _moving_with_parallel_lines(instance: Instance, count: ExactCount) -> Instance | None:
+    """Return the platform with points for lines that are parallel at infinitely many poses."""
+    for side in count.sides:
+        part = side.infinite_part
+        if part is not None and part.parallel:
+            return by_points(instance.on_sides(side.signs), part.parallel)
+    return None
+
+
+def _counted(side: Side, count: SideCount) -> PoseSet:
+    """Return the poses for a choice of sides for which they were counted."""
+    assert count.solutions is not None
+    # Where distinct solutions were not counted, only simple ones can be all.
+    solutions, distinct = count.solutions, count.distinct
+    if distinct is None:
+        distinct = solutions
+    elif count.spurious is not None and count.spurious_distinct is not None:
+        solutions, distinct = solutions - count.spurious, distinct - count.spurious_distinct
+    known = None if count.distinct is None else count.spurious
+    return complete(side, solutions, distinct, known)
+
+
+def _with_parallel_lines(
+    side: Side, count: SideCount, solve_points: Callable[[Instance], PoseSet]
+) -> PoseSet:
+    """Return the poses for a choice of sides where some lines are parallel at all of them.
+
+    They are those of the platform with points for lines. All else is in the set where the
+    equations hold because the lines are parallel.
+    """
+    instance = side.problem.instance
+    poses = solve_points(by_points(instance.on_sides(count.signs), count.parallel))
+    return replace(poses, account=_among(side.paths.count, poses.account))
+
+
+def _among(paths: int, account: PathAccount) -> PathAccount:
+    """Return the account of paths that lead to the poses of another platform, or to no poses."""
+    # The other one may have more solutions: a point at distance zero from a line counts twice.
+    found = min(account.found, paths)
+    lost = min(account.lost, paths - found)
+    rest = {"on_curves" if account.on_curves else "spurious": paths - found - lost}
+    return PathAccount(expected=paths, found=found, lost=lost, basis=Basis.COUNT, **rest)
+
+
+def _uncounted(problem: Problem, ledger: Ledger) -> PoseSet:
+    """Return the poses of a platform that could not be counted exactly, by its geometry's count."""
+    instance, limit, sides = problem.instance, problem.limit, ledger.sides
+    count = geometry_count(instance, seed=problem.seed, limit=limit) if limit != 0 else None
+    most = None
+    # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md), and a
+    # geometry that has no pose for most values has infinitely many for others.
+    if count is not None and count.solutions and count.has_lone_lines:
+        # All choices of sides are alike.
+        most = count.solutions // len(sides)
+    _go_on(sides, Further.ALONG_OTHER_PATHS, most)
+    poses = joined([side.poses(most) for side in sides])
+    proof = None if most is None else _by_geometry(poses, count)
+    return _proved(poses, None) if proof is None else replace(poses, proof=proof)
+
+
+def _by_geometry(poses: PoseSet, count: ExactCount | None) -> Proof | None:
+    """Return the proof that poses are all, if they are as many as the geometry has."""
+    if count is None or not count.solutions or not count.has_lone_lines:
+        return None
+    is_all = poses.certified.sum() == count.solutions < poses.account.expected
+    return Proof.modulo(CountKind.GEOMETRY, count.error) if is_all else None
+
+
+def _error(proof: Proof) -> float:
+    return proof.error
+
+
+def _proved(poses: PoseSet, count: ExactCount | None) -> PoseSet:
+    """Return poses with what proves that they are all, or infinitely many."""
+    proof = poses.proof_by_type
+    if proof is None and count is not None and poses.account.verdict != "incomplete":
+        # Multiple poses need the count of the distinct ones, too.
+        multiple = (poses.multiplicity > 1).any()
+        proof = Proof.modulo(CountKind.EXACT, count.distinct_error if multiple else count.error)
+    return replace(poses, proof=proof, exact_count=count.solutions if count else None)
