@@ -9,7 +9,7 @@ namespace {
 // value, their product and the sum.
 constexpr double kParts = 4.0;
 constexpr int kSteps = 0, kMoreSteps = 3;      // before the proof: paths have had theirs
-constexpr double kValueRounding = 0x1p-90;     // of values with 32 digits
+constexpr double kValueRounding = 0x1p-94;     // of values with 32 digits (FinePoints)
 constexpr int kEntries = 12, kNumbers = 16;    // of R and of T; and with the quaternion
 
 // The Hessian matrices and moduli for one set of values.

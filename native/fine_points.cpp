@@ -201,14 +201,27 @@ struct Rounded {
 
 // The double nearest to a number that is known up to an error; of numbers below kSmall units the
 // nearest multiple of kGrid units.
-INLINE Rounded round_entry(const V& x, const D& error, double unit) {
+INLINE Rounded round_entry(const V& x, const D& error, const D& unit) {
   const D size = x.hi < 0.0 ? -x.hi : x.hi, none = D{};
-  const D base = size < kSmall * unit ? none + 1.5 * kSmall * unit : none;
+  const D base = size < kSmall * unit ? 1.5 * kSmall * unit : none;
   const V s = exact_sum(base, x.hi);
   const D rest = s.lo + x.lo, reach = kOutward * (error + 0x1p-50 * (rest < 0.0 ? -rest : rest));
   const D up = s.hi + (rest + reach), down = s.hi + (rest - reach);
   // Zero has one sign.
   return {(up - base) + 0.0, up == down};
+}
+
+// The power of two above the largest part of some numbers, rounded, but not less than another one.
+INLINE D unit_of(const C* numbers, int count, double least) {
+  D largest = D{} + 0.5 * least;
+  for (int i = 0; i < count; ++i)
+    for (int k = 0; k < 2; ++k) {
+      const V& x = k ? numbers[i].im : numbers[i].re;
+      const D part = x.hi + x.lo, size = part < 0.0 ? -part : part;
+      largest = size > largest ? size : largest;
+    }
+  constexpr long long kExponent = 0x7ff0000000000000, kOne = 0x0010000000000000;
+  return (D)(((Mask)largest & kExponent) + kOne);
 }
 
 // How far the pose of a point may be from that of another within an error, and the quaternion.
@@ -231,9 +244,11 @@ INLINE Reach reach_of(const C* z, const D& error, const C& norm) {
 // The numbers of poses that are known up to errors (16), rounded.
 void put_rounded(const C* entry, const D* error, const Mask& real, double unit, const FinePoses& out) {
   D re[kEntries], im[kEntries], deviation = D{};
+  const D turning = unit_of(entry, kOfR, 0.0), moving = unit_of(entry + kOfR, kOfPose - kOfR, unit),
+          quaternion = unit_of(entry + kOfPose, kEntries - kOfPose, 0.0);
   Mask sure = real | ~real;
   for (int i = 0; i < kEntries; ++i) {
-    const double here = i >= kOfR && i < kOfPose ? unit : 1.0;
+    const D here = i < kOfR ? turning : i < kOfPose ? moving : quaternion;
     const Rounded a = round_entry(entry[i].re, error[i], here), b = round_entry(entry[i].im, error[i], here);
     re[i] = a.value, im[i] = real ? D{} : b.value;
     sure &= a.sure & (b.sure | real);

@@ -43,13 +43,13 @@ struct FinePoses {
 struct FinePoints {
   // The coefficients (quadrics, 27) of one set of values, and what double precision leaves of them.
   void (*coefficients)(const FineGeometry&, const FineValues&, double* high, double* low);
-  // The monomials (27) and the seven equations (7) at points (8). The equations err by less than 2^-90
-  // times the sum of the moduli of their terms.
+  // The monomials (27) and the seven equations (7) at points (8). The equations err by less than 2^-94
+  // times the sum of the moduli of their terms: coefficients by 2^-96, products and sums by 2^-99.
   void (*values)(int quadrics, const ProofEquation*, const double* high, const double* low,
                  const FineNumbers& point, const FineNumbers& monomials, const LaneNumbers& value);
   // The poses of these points less a change (8), that are known up to an error each then, real (1) or not
-  // (0). Numbers below 2^-12 (of T: times the unit, a power of two) are rounded to multiples of 2^-64
-  // (times the unit), others to the nearest double.
+  // (0). Numbers below 2^-12 units are rounded to multiples of 2^-64 units, others to the nearest double; the
+  // unit is a power of two above all numbers of R, of T (but not below the one given), of the quaternion.
   void (*poses)(const FineNumbers& point, const FineNumbers& monomials, const LaneNumbers& change,
                 const double* error, const double* real, double unit, const FinePoses&);
 };

@@ -15,6 +15,7 @@ def all_poses(problem: Problem) -> PoseSet:
         for ends in strategy(problem):
             ledger.add(ends)
             if (poses := ledger.complete) is not None:
+                problem.keep(poses)
                 return poses
     from gspcli.solver.by_count import poses_by_count
 

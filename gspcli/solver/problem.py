@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
     from gspcli.certification.poses.locator import Locator
     from gspcli.continuation.tracked_paths import TrackedPaths
+    from gspcli.solver.pose_set import PoseSet
 
 #: Whose equations are each one quadric that depends on e, e ^ f and f.f alone.
 _REDUCIBLE = frozenset({DPP, DPH, DHP, *ANGLE_KINDS})
@@ -159,6 +160,11 @@ class Problem:
         from gspcli.continuation.tracked_paths import track_all
 
         return list(track_all(self.systems, seed=self.seed, jobs=self.jobs))
+
+    def keep(self, poses: PoseSet) -> None:
+        """Keep all poses for platforms of the same geometry, if no quick paths have led to them."""
+        if self.is_kept and "tracked" in self.__dict__:
+            self.starts.keep_platform(self.arrangement, poses)
 
     @cached_property
     def proofs(self) -> ValueProofs | None:

@@ -26,6 +26,8 @@ Index = NDArray[np.intp]
 
 #: Poses that agree to this part of their largest entry are not worth locating again.
 _KNOWN = 1e-13
+#: Bits for poses that 32 digits do not round correctly.
+_MANY_BITS = 256
 #: Points with smaller imaginary parts may be real.
 _NEARLY_REAL = 1e-6
 #: If at most one path in so many is missing, paths have jumped rather than that the platform is
@@ -132,11 +134,13 @@ class Side:
         # Zero has one sign.
         conjugates = (x[pairs].conj() + 0.0 for x in (R, T, e))
         self.found.add_proved(*conjugates, real[pairs], off[pairs])
-        # Half-way between two doubles, or nearly.
+        # What 32 digits do not tell; mostly pairs of conjugates, which are one after the other.
         for k in np.flatnonzero(certified & ~rounded).tolist():
-            if self.found.add([self.locator.near(R[k], T[k], self.sides)]):
-                place[k] = len(self.found) - 1
-        self.found.add_conjugates()
+            place[k] = self.found.place_near(R[k], T[k], off[k])
+            if place[k] < 0:
+                self.found.add([self.locator.near(R[k], T[k], self.sides, _MANY_BITS)])
+                self.found.add_conjugates()
+                place[k] = self.found.place_near(R[k], T[k], off[k])
         self.reached = np.zeros(len(R), np.bool_)
         self.reached[np.unique(place, return_index=True)[1]] = True
         self.reached &= certified

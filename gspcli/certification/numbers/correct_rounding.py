@@ -2,12 +2,14 @@
 
 Below `SMALL` units a number is rounded to the nearest multiple of `GRID` units, so that what is
 exactly zero needs no other proof than that it is nearly zero; else to the nearest double. The unit
-is 1 for rotations, and the length scale of the platform for translations. The kernel does the same
-(native/fine_points.cpp): the result depends on the exact number alone.
+is the power of two above all numbers of a rotation, of a quaternion, or of a translation and the
+length scale of its platform. The kernel does the same (native/fine_points.cpp): the result depends
+on the exact numbers alone.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from fractions import Fraction
 
@@ -20,7 +22,7 @@ SMALL, GRID, _TIE = Fraction(1, 2**12), Fraction(1, 2**64), Fraction(1, 2**900)
 
 
 def rounded(
-    numbers: Sequence[acb], *, real: bool, unit: float = 1.0
+    numbers: Sequence[acb], *, real: bool, least_unit: float = 0.0
 ) -> NDArray[np.complex128] | None:
     """Return the numbers in balls, rounded correctly; None if some balls are too large to tell.
 
@@ -30,19 +32,21 @@ def rounded(
         Balls of n complex numbers.
     real
         Whether they are real, whatever their imaginary parts.
-    unit
-        A power of two.
+    least_unit
+        The unit is not below this power of two.
     """
     parts = [[x.real, arb(0) if real else x.imag] for x in numbers]
-    found = [[_rounded(x, Fraction(unit)) for x in both] for both in parts]
+    if not all(x.is_finite() for both in parts for x in both):
+        return None
+    largest = max([abs(float(x.mid())) for both in parts for x in both])
+    unit = Fraction(max(least_unit, 2.0 ** math.frexp(largest)[1]))
+    found = [[_rounded(x, unit) for x in both] for both in parts]
     if any(x is None for both in found for x in both):
         return None
     return np.array(found, np.float64).view(np.complex128)[:, 0]
 
 
 def _rounded(number: arb, unit: Fraction) -> float | None:
-    if not number.is_finite():
-        return None
     middle, radius = _fraction(number.mid()), _fraction(number.rad())
     if radius < _TIE * unit:
         # An exact number may well be half-way between two doubles.

@@ -127,6 +127,15 @@ class Collection:
                 self._paired.add(len(self) - 1)
         return len(self) - before
 
+    def place_near(self, R: Complex, T: Complex, off: float) -> int:
+        """Return the place of the only pose that may be one known up to a bound; else -1."""
+        entries, here = (
+            _entries(x, y / self.locator.scale) for x, y in ((self.R, self.T), (R[None], T[None]))
+        )
+        gaps = np.abs(entries - here).max(axis=1, initial=0)
+        near = np.flatnonzero(gaps <= 2 * (self._deviations + off))
+        return int(near[0]) if len(near) == 1 else -1
+
     def _near(self, R: Complex, T: Complex) -> tuple[NDArray[np.intp], float]:
         """Return which poses doubles do not tell from a located one, and how far that is off."""
         scale = self.locator.scale

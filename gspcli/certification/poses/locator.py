@@ -82,7 +82,7 @@ class Located:
         None if the balls are too large for that.
         """
         R = rounded(list(chain(*self.pose.rotation)), real=self.real)
-        T = rounded(self.pose.translation, real=self.real)
+        T = rounded(self.pose.translation, real=self.real, least_unit=1.0)
         # N may be as small as the digits of the proof can tell from zero.
         with ctx.workprec(2 * self.isolation.precision):
             e = self.isolation.point[:4]
@@ -187,12 +187,17 @@ class Locator:
             starts = [self.in_frames(point, more) for point, more in zip(points, rest, strict=True)]
         return [self.locate_exactly(start, sides, bits) for start in starts]
 
-    def near(self, R: Complex, T: Complex, sides: tuple[int, ...]) -> Located | AtInfinity | None:
-        """Return what is proved near a pose in the frames of the instance, R (3, 3) and T (3,)."""
+    def near(
+        self, R: Complex, T: Complex, sides: tuple[int, ...], bits: int = FIRST_PRECISION
+    ) -> Located | AtInfinity | None:
+        """Return what is proved near a pose in the frames of the instance, R (3, 3) and T (3,).
+
+        The sides and the first precision are those of `locate`.
+        """
         points, _ = study.study_points(R[None], T[None] / self.scale)
         with ctx.workprec(LAST_PRECISION):
             start = self.exactly(points[0])
-        return self.locate_exactly(start, sides)
+        return self.locate_exactly(start, sides, bits)
 
     @staticmethod
     def exactly(point: Complex) -> list[acb]:
