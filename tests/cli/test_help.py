@@ -20,9 +20,9 @@ HEADINGS = [f"{heading}:" for heading in dict.fromkeys(COMMANDS.values())]
 
 @pytest.mark.parametrize("name", ["commands.md", "errata.md"])
 def test_generated_pages_are_up_to_date(name: str, load_tool: Callable) -> None:
-    module = load_tool("build_docs")
+    module = load_tool("build.docs")
     page = (module.DOCS / name).read_text(encoding="utf-8")
-    assert page == module.PAGES[name](), "run python tools/build_docs.py"
+    assert page == module.PAGES[name](), "run python -m tools.build.docs"
 
 
 @pytest.mark.parametrize("name", COMMANDS)

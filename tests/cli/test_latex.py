@@ -22,7 +22,7 @@ def _writes_latex(name: str) -> bool:
 
 
 def test_no_command_is_forgotten(load_tool: Callable) -> None:
-    compiled = {call.split()[0] for call in load_tool("verify_latex").CALLS}
+    compiled = {call.split()[0] for call in load_tool("verify.latex").CALLS}
     assert {name for name in COMMANDS if _writes_latex(name)} <= compiled
 
 
@@ -36,6 +36,6 @@ def _has_latex() -> bool:
 @pytest.mark.skipif(not _has_latex(), reason="needs pdflatex with booktabs")
 @pytest.mark.parametrize("call", ["table 1", "show 421", "solve @no-real-pose --legend"])
 def test_it_compiles(load_tool: Callable, call: str) -> None:
-    tool = load_tool("verify_latex")
+    tool = load_tool("verify.latex")
     assert tool.complaint(tool.written(call)) is None
     assert tool.complaint(r"\undefined") is not None

@@ -51,7 +51,7 @@ def test_other_output_has_the_published_form(
 
 
 def test_every_command_is_described(load_tool: Callable) -> None:
-    described = {command.split()[0] for command in load_tool("output_schemas").SAMPLES}
+    described = {command.split()[0] for command in load_tool("build.output_schemas").SAMPLES}
     assert set(COMMANDS) - WITHOUT == described
 
 
@@ -65,8 +65,6 @@ def test_every_form_of_the_code_has_a_schema() -> None:
 
 
 def test_the_page_is_up_to_date() -> None:
-    tool = ROOT / "tools" / "build_output_reference.py"
-    done = subprocess.run(
-        [sys.executable, str(tool), "--check"], capture_output=True, text=True, check=False
-    )
+    command = [sys.executable, "-m", "tools.build.output_reference", "--check"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0, done.stdout + done.stderr
