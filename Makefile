@@ -58,7 +58,7 @@ verify-exports: $(STAMP) msolve ## 100 random types in MuJoCo, 50 in programs fo
 	$(BIN)/python -m pytest -q -rs -n $(JOBS) -m slow tests/oracles/test_mujoco.py tests/oracles/test_exported_systems.py
 
 count-families: $(STAMP) ## a random platform of each of 626 families counted exactly (minutes)
-	$(BIN)/python -m tools.verify.families --check
+	$(BIN)/python -m tools.verify.counts families --check
 
 bench: $(STAMP) msolve ## gsp against msolve, PHCpack and Macaulay2; writes docs/benchmarks.md (15 minutes; PEER=fksgp=FOLDER: fkSGP, too)
 	$(BIN)/python -m bench $(addprefix --peer ,$(PEER)) --output docs

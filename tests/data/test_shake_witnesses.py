@@ -18,7 +18,7 @@ KINDS = FAMILY.types[0].kinds
 @pytest.fixture
 def shake(load_tool, monkeypatch, tmp_path):
     """Run the program for the family with a random platform in the journal; return the journal."""
-    program, known = load_tool("witnesses.shake"), load_tool("witnesses.known")
+    program, known = load_tool("witnesses.__main__"), load_tool("witnesses.known")
     monkeypatch.setattr(known, "recorded", dict)
     journal = tmp_path / "journal"
     first = solved(reduced(random_platforms(KINDS, 1, np.random.default_rng(1)))[0])
@@ -26,7 +26,7 @@ def shake(load_tool, monkeypatch, tmp_path):
     known.add_entry(journal, known.result(FAMILY, first))
 
     def run(*options: str) -> list[dict]:
-        command = ["shake", str(journal), "PP PP PP PP PP PP", *options]
+        command = ["witnesses", "shake", str(journal), "PP PP PP PP PP PP", *options]
         monkeypatch.setattr(sys, "argv", command)
         assert program.main() == 0
         return known.read_journal(journal)

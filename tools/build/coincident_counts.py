@@ -12,14 +12,11 @@ of parallel manipulators*, 1995, treat the same classes.
 from __future__ import annotations
 
 import csv
-import hashlib
 import json
-import platform as machine
 import sys
 from collections.abc import Iterator, Sequence
 from itertools import islice
 
-import flint
 import numpy as np
 
 from gspcli import dumps
@@ -35,7 +32,7 @@ from gspcli.solver.generate import random_instance
 from tools.oracle import singular
 from tools.oracle.homomorphisms import fields
 from tools.oracle.quaternion_counts import count as groebner_count
-from tools.recording import ROOT, csv_text, parser, report, sampled, save
+from tools.recording import ROOT, csv_text, parser, report, sampled, save, sha256, versions
 
 TARGET = ROOT / "data" / "verification" / "coincident-platforms.csv"
 COMMAND = "python -m tools.build.coincident_counts"
@@ -66,7 +63,7 @@ def record(sharing: Sharing, planar: bool, instance: Instance) -> dict[str, obje
         "dimension": 0,
         "complex": count.solutions,
         "distinct": count.distinct,
-        "instance_sha256": hashlib.sha256(dumps(instance).encode()).hexdigest(),
+        "instance_sha256": sha256(dumps(instance)),
     }
 
 
@@ -111,12 +108,8 @@ def main() -> int:
     manifest = {
         "command": COMMAND,
         "seed": SEED,
-        "sha256": hashlib.sha256(text.encode()).hexdigest(),
-        "versions": {
-            "python-flint": flint.__version__,
-            "numpy": np.__version__,
-            "python": machine.python_version(),
-        },
+        "sha256": sha256(text),
+        "versions": versions("python-flint", "numpy"),
     }
     document = json.dumps(manifest, indent=1) + "\n"
     return save(

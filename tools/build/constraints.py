@@ -8,14 +8,11 @@ Every recorded degree is proved to be the lowest first.
 from __future__ import annotations
 
 import json
-import platform
 import sys
-
-import sympy
 
 from gspcli.catalogue.kinds import KINDS
 from gspcli.symbolic.facts import constraint_facts, unproved_degrees
-from tools.recording import ROOT, canonical_sha256, parser, report, save
+from tools.recording import ROOT, canonical_sha256, parser, report, save, versions
 
 TARGET = ROOT / "data" / "constraints.json"
 COMMAND = "python -m tools.build.constraints"
@@ -29,7 +26,7 @@ def main() -> int:
         return report(unproved, "")
     manifest = {
         "command": COMMAND,
-        "versions": {"sympy": sympy.__version__, "python": platform.python_version()},
+        "versions": versions("sympy"),
         "sha256": canonical_sha256(constraints),
     }
     text = json.dumps(

@@ -15,8 +15,7 @@ from gspcli.catalogue.parsing import parse_type
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.sample import histogram
 from gspcli.reality.sampling import Sample, Tally, sample
-from gspcli.workers import Workers
-from tools.recording import ROOT, parser, save, with_section
+from tools.recording import ROOT, add_workers, parser, save, with_section, workers_of
 
 PAGE = ROOT / "docs" / "real-counts.md"
 PICTURE = ROOT / "docs" / "images" / "real-6-6.svg"
@@ -72,10 +71,10 @@ def table(tally: Tally) -> str:
 def main() -> int:
     """Write or compare the table and the picture; return the exit code."""
     options = parser(__doc__)
-    options.add_argument("--jobs", type=int, default=1, help="processes")
+    add_workers(options)
     arguments = options.parse_args()
     tally = Tally()
-    pieces = sample(WANTED, Workers(arguments.jobs))
+    pieces = sample(WANTED, workers_of(arguments))
     for part in progress(pieces, total=len(WANTED.pieces), label="solving platforms"):
         tally.add(part)
     return save(

@@ -20,15 +20,11 @@ otherwise, both must agree.
 
 from __future__ import annotations
 
-import hashlib
 import json
-import platform
 import sys
 from itertools import islice
 from pathlib import Path
 from typing import Any
-
-import flint
 
 from gspcli.certification.counting import (
     ExactCount,
@@ -44,7 +40,7 @@ from gspcli.spec import load
 from tools.oracle import singular
 from tools.oracle.homomorphisms import fields
 from tools.oracle.quaternion_counts import count as groebner_count
-from tools.recording import ROOT, parser, report, sampled, save
+from tools.recording import ROOT, parser, report, sampled, save, sha256, versions
 
 EXAMPLES, PLATFORMS = FOLDERS = tuple(ROOT / "data" / name for name in INSTANCE_FOLDERS)
 RECORD = "expected.json"
@@ -69,7 +65,7 @@ def counts(path: Path) -> dict[str, Any]:
     if not count.finite:
         own["dimension"], _ = dimension_exactly(instance)
     record = {
-        "sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
+        "sha256": sha256(path.read_bytes()),
         "type": instance.type.id,
         **own,
         "proved": count.error == 0,
@@ -162,13 +158,9 @@ def main() -> int:
             del entries[name]
     for name in progress(wanted, total=len(wanted), label="counting solutions"):
         records[files[name].parent][name] = counts(files[name])
-    versions = {
-        "python-flint": flint.__version__,
-        "python": platform.python_version(),
-    }
     documents = {
         folder / RECORD: {
-            "manifest": {"command": COMMAND, "versions": versions},
+            "manifest": {"command": COMMAND, "versions": versions("python-flint")},
             "examples": dict(sorted(entries.items())),
         }
         for folder, entries in records.items()

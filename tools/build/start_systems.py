@@ -9,10 +9,8 @@ solutions are tracked to the systems that are stored. The same command gives the
 
 from __future__ import annotations
 
-import hashlib
 import io
 import json
-import platform
 import sys
 
 import numpy as np
@@ -29,7 +27,7 @@ from gspcli.continuation.monodromy import (
 from gspcli.continuation.quadrics import LETTERS, ComplexArray
 from gspcli.continuation.start import canonical_monomials, distinct, generic_factors, pack_points
 from gspcli.continuation.systems import EQUATIONS
-from tools.recording import ROOT, parser, sampled, save
+from tools.recording import ROOT, parser, sampled, save, sha256, versions
 
 FOLDER = ROOT / "data" / "start-systems"
 SEEDS = (1, 2, 3)
@@ -100,8 +98,8 @@ def main() -> int:
         "command": "python -m tools.build.start_systems",
         "seeds": list(SEEDS),
         "agreement": "every seed gave every count; every trace test had a defect below 1e-8",
-        "versions": {"numpy": np.__version__, "python": platform.python_version()},
-        "sha256": {name: hashlib.sha256(data).hexdigest() for name, data in files.items()},
+        "versions": versions("numpy"),
+        "sha256": {name: sha256(data) for name, data in files.items()},
         "solutions": sum(counts.values()),
         "counts": counts,
     }

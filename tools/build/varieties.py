@@ -11,16 +11,13 @@ agree.
 from __future__ import annotations
 
 import json
-import platform
 import sys
 from typing import Any
-
-import sympy
 
 from gspcli.symbolic.coordinate_systems import SYSTEMS, CoordinateSystem
 from gspcli.symbolic.varieties import equations
 from tools.oracle import singular
-from tools.recording import ROOT, canonical_sha256, parser, save
+from tools.recording import ROOT, canonical_sha256, parser, save, versions
 
 TARGET = ROOT / "data" / "varieties.json"
 COMMAND = "python -m tools.build.varieties"
@@ -83,11 +80,7 @@ def main() -> int:
     manifest = {
         "command": COMMAND,
         "characteristics": list(CHARACTERISTICS),
-        "versions": {
-            "Singular": singular.version(),
-            "sympy": sympy.__version__,
-            "python": platform.python_version(),
-        },
+        "versions": {"Singular": singular.version(), **versions("sympy")},
         "sha256": canonical_sha256(varieties),
     }
     text = json.dumps({"manifest": manifest, "varieties": varieties}, indent=1)

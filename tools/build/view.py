@@ -9,14 +9,13 @@ remains to be filled in, marked ``@@name@@``, is up to `gspcli.pictures.page`.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
-from tools.recording import ROOT, UNABLE, parser, save
+from tools.recording import ROOT, UNABLE, parser, save, sha256
 
 HERE = ROOT / "tools" / "view"
 SOURCES = HERE / "src"
@@ -62,7 +61,7 @@ def manifest(text: str) -> str:
     }
     record = {
         "manifest": {"command": COMMAND, "packages": packages},
-        "page": {"bytes": len(text.encode()), "sha256": hashlib.sha256(text.encode()).hexdigest()},
+        "page": {"bytes": len(text.encode()), "sha256": sha256(text)},
     }
     return json.dumps(record, indent=1) + "\n"
 

@@ -22,9 +22,8 @@ from types import FrameType
 
 from gspcli import dumps
 from gspcli.cli.progress_bars import progress
-from gspcli.workers import Workers
 from tools.oracle import msolve, singular
-from tools.recording import CONFIRMED, DIFFERENT, ROOT, UNABLE
+from tools.recording import CONFIRMED, DIFFERENT, ROOT, UNABLE, add_workers, workers_of
 from tools.special.answers import Answer, Judgement, answers
 from tools.special.counts import counted
 from tools.special.crowds import crowd
@@ -89,7 +88,7 @@ def main() -> int:
     )
     parser.add_argument("--count", type=int, default=200, metavar="N", help="how many platforms")
     parser.add_argument("--first", type=int, default=0, metavar="K", help="number of the first")
-    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes")
+    add_workers(parser)
     parser.add_argument("--most", type=int, default=96, metavar="POSES", help="of the types")
     parser.add_argument("--seeds", type=int, default=2, metavar="N", help="each solved so often")
     parser.add_argument("--slow", type=float, default=5.0, metavar="SECONDS", help="to be named")
@@ -103,7 +102,7 @@ def main() -> int:
         tried, most=arguments.most, seeds=arguments.seeds, with_real=arguments.with_real
     )
     chosen = range(arguments.first, arguments.first + arguments.count)
-    work = Workers(arguments.jobs).as_completed(asked, chosen)
+    work = workers_of(arguments).as_completed(asked, chosen)
     for name, row, found, failure in progress(work, total=len(chosen), label="attacking"):
         if row is None:
             uncounted += 1

@@ -28,8 +28,7 @@ from gspcli.motion.singularities.clearances import clearance
 from gspcli.motion.singularities.displacements import Displacements
 from gspcli.motion.singularities.pose_clearances import pose_clearance
 from gspcli.solver.generate import random_instance
-from gspcli.workers import Workers
-from tools.recording import ROOT, add_sample, parser, report, sampled, save
+from tools.recording import ROOT, add_sample, add_workers, parser, report, sampled, save, workers_of
 
 RECORD = ROOT / "data" / "verification" / "clearances.csv"
 #: The most that medians of the ratios may be: at once, refined.
@@ -98,11 +97,11 @@ def main() -> int:
     options = parser(__doc__)
     add_sample(options)
     options.add_argument("--count", type=int, default=20, help="how many platforms")
-    options.add_argument("--jobs", type=int, default=1, help="processes")
+    add_workers(options)
     arguments = options.parse_args()
     numbers = sampled(range(arguments.count), arguments.sample if arguments.check else None)
     keys = [(of, number) for of in OF for number in numbers]
-    examined = list(Workers(arguments.jobs).in_order(examine, keys))
+    examined = list(workers_of(arguments).in_order(examine, keys))
     rows = [row for row, _ in examined]
     wrong = [str(row) for row in rows if not row.holds]
     wrong += [f"{row}: the determinant changes its sign within" for row, one in examined if not one]

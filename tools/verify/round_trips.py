@@ -31,16 +31,17 @@ from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.motion import measure
 from gspcli.solver import SolveResult, solve
 from gspcli.solver.generate import random_instance
-from gspcli.workers import Workers
 from tools.recording import (
     ROOT,
     add_sample,
+    add_workers,
     csv_text,
     parser,
     report,
     sampled,
     save,
     sources_sha256,
+    workers_of,
 )
 
 RECORD = ROOT / "data" / "verification" / "round-trips.csv"
@@ -158,7 +159,7 @@ def main() -> int:
     options = parser(__doc__)
     add_sample(options)
     options.add_argument("--types", type=int, default=3850, help="how many types, evenly spread")
-    options.add_argument("--jobs", type=int, default=1, help="processes")
+    add_workers(options)
     options.add_argument("--work", type=Path, default=WORK, help="folder of the work file")
     arguments = options.parse_args()
     every = [gsp_type.number for gsp_type in all_types()]
@@ -170,7 +171,7 @@ def main() -> int:
         examine,
         decode=RoundTrip.of_entry,
         journal=arguments.work / f"round-trips-{sources_sha256(SOURCES)[:12]}.jsonl",
-        workers=Workers(arguments.jobs),
+        workers=workers_of(arguments),
         progress=progress,
         label="measuring and solving",
     )

@@ -39,8 +39,15 @@ from gspcli.errors import INTERRUPTED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver import PoseSet, SolveResult, solve
 from gspcli.solver.tracking import solve_by_tracking, solve_each_by_tracking
-from gspcli.workers import Workers
-from tools.recording import ROOT, add_sample, report, sampled, sources_sha256
+from tools.recording import (
+    ROOT,
+    add_sample,
+    add_workers,
+    report,
+    sampled,
+    sources_sha256,
+    workers_of,
+)
 from tools.verify.examination import Finding, examine
 from tools.verify.random_batches import batch_tasks, examine_batch
 from tools.verify.random_platforms import (
@@ -156,7 +163,7 @@ def options() -> argparse.ArgumentParser:
         command = add(name, help="all of them" if name == "all" else RUNS[name].help)
         for run in RUNS.values() if name == "all" else [RUNS[name]]:
             command.add_argument(f"--{run.option}", type=int, default=run.default, help=run.help)
-        command.add_argument("--jobs", type=int, default=1, help="processes")
+        add_workers(command)
         command.add_argument("--no-record", action="store_true", help="leave data/ as it is")
         command.add_argument("--check", action="store_true", help="compare with the record")
         add_sample(command)
@@ -187,7 +194,7 @@ def main() -> int:
             run.verify,
             decode=Examined.of_entry,
             journal=arguments.work / f"{run.record}-{origin[:12]}.jsonl",
-            workers=Workers(arguments.jobs),
+            workers=workers_of(arguments),
             progress=progress,
             label=f"solving {run.help}",
         )

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import csv
-import hashlib
 import json
-import platform as machine
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from platform import machine
 from typing import Any
-
-import numpy as np
 
 from gspcli import __version__
 from gspcli.defaults import SEED
-from tools.recording import ROOT, csv_text, save, with_section
+from tools.recording import ROOT, csv_text, save, sha256, versions, with_section
 from tools.verify.examination import Finding
 from tools.verify.random_platforms import Task
 
@@ -68,14 +65,10 @@ def write(name: str, command: str, origin: str, done: Sequence[Examined]) -> Non
     manifest[name] = {
         "command": command,
         "seed": SEED,
-        "versions": {
-            "gsp": __version__,
-            "numpy": np.__version__,
-            "python": machine.python_version(),
-        },
-        "machine": machine.machine(),
+        "versions": {"gsp": __version__, **versions("numpy")},
+        "machine": machine(),
         "sources_sha256": origin,
-        "sha256": hashlib.sha256(table.encode()).hexdigest(),
+        "sha256": sha256(table),
         "instances": len(findings),
         "poses": sum(finding.found for finding in findings),
         "expected": sum(finding.expected for finding in findings),
@@ -109,7 +102,7 @@ def differences(name: str, done: Sequence[Examined], *, whole: bool) -> Iterator
     """
     content = (RECORDS / f"{name}.csv").read_bytes()
     manifest = json.loads((RECORDS / "manifest.json").read_text(encoding="utf-8"))
-    if hashlib.sha256(content).hexdigest() != manifest[name]["sha256"]:
+    if sha256(content) != manifest[name]["sha256"]:
         yield f"{name}.csv: this is not the file of the manifest"
     if summary(manifest) not in PAGE.read_text(encoding="utf-8"):
         yield f"docs/{PAGE.name}: the record shown is another one"

@@ -29,17 +29,18 @@ from pathlib import Path
 from typing import Any
 
 from gspcli.cli.progress_bars import progress
-from gspcli.workers import Workers
 from tools.oracle.msolve import Count
 from tools.recording import (
     CONFIRMED,
     DIFFERENT,
     ROOT,
     add_sample,
+    add_workers,
     csv_text,
     report,
     sampled,
     with_section,
+    workers_of,
 )
 from tools.special import candidates, rows
 from tools.special.answers import Judgement, answers
@@ -63,7 +64,7 @@ def count(chosen: list[Platform], every: list[Platform], arguments: argparse.Nam
         chosen.sort(key=lambda p: int(known.get(p.id, {}).get("count") or 0))
         differences = []
     waiting = {p.id: p for p in chosen}
-    work = Workers(arguments.jobs).as_completed(
+    work = workers_of(arguments).as_completed(
         partial(
             _tried, with_real=arguments.with_real, known={} if arguments.check else dict(known)
         ),
@@ -126,7 +127,7 @@ def solve_all(chosen: list[Platform], every: list[Platform], arguments: argparse
     known = recorded()
     chosen = sampled([p for p in chosen if p.id in known], arguments.sample)
     judgement = Judgement()
-    work = Workers(arguments.jobs).as_completed(partial(answers, seeds=arguments.seeds), chosen)
+    work = workers_of(arguments).as_completed(partial(answers, seeds=arguments.seeds), chosen)
     for name, found, failure in progress(work, total=len(chosen), label="solving"):
         judgement.add(name, found, failure, known[name], arguments.slow)
     for name, remark in sorted(judgement.remarks.items()):
@@ -154,7 +155,7 @@ def attack(
     """Print what is not right about many questions; return the exit code."""
     tally: Counter[str] = Counter()
     chosen = sampled(items, arguments.sample)
-    work = Workers(arguments.jobs).as_completed(asked, chosen)
+    work = workers_of(arguments).as_completed(asked, chosen)
     for name, remarks in progress(work, total=len(chosen), label="asking"):
         tally.update(verdict for _, verdict, _ in remarks)
         for what, verdict, said in remarks:
@@ -214,7 +215,7 @@ def main() -> int:
     for name in ("count", "solve", "batches", "certify"):
         command = commands.add_parser(name)
         command.add_argument("--only", default="", metavar="PATTERN", help="of the ids")
-        command.add_argument("--jobs", type=int, default=1, metavar="N", help="processes")
+        add_workers(command)
         add_sample(command)
         if name == "count":
             command.add_argument("--check", action="store_true", help="compare with the record")

@@ -116,7 +116,7 @@ STEPS = (
     Step(
         "exact-counts",
         ("data/counts/families.csv",),
-        "tools.verify.families --check",
+        "tools.verify.counts families --check",
         sample="--sample 25",
     ),
     Step(

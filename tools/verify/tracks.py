@@ -43,16 +43,17 @@ from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import MovingPlatform, PoseFormat, Track, measure, read_values, track
 from gspcli.motion.following.branch_follower import Stop
 from gspcli.solver.generate import random_instance
-from gspcli.workers import Workers
 from tools.recording import (
     ROOT,
     add_sample,
+    add_workers,
     csv_text,
     parser,
     report,
     sampled,
     save,
     sources_sha256,
+    workers_of,
 )
 
 RECORD = ROOT / "data" / "verification" / "tracks.csv"
@@ -195,7 +196,7 @@ def main() -> int:
     add_sample(options)
     options.add_argument("--types", type=int, default=250, help="how many types")
     options.add_argument("--each", type=int, default=40, help="trajectories of each")
-    options.add_argument("--jobs", type=int, default=1, help="processes")
+    add_workers(options)
     options.add_argument("--work", type=Path, default=WORK, help="folder of the work file")
     arguments = options.parse_args()
     numbers = sampled(chosen(arguments.types), arguments.sample if arguments.check else None)
@@ -205,7 +206,7 @@ def main() -> int:
         partial(examine, arguments.each),
         decode=Row.of_entry,
         journal=arguments.work / f"{arguments.each}-{sources_sha256(SOURCES)[:12]}.jsonl",
-        workers=Workers(arguments.jobs),
+        workers=workers_of(arguments),
         progress=progress,
         label="following modes",
     )

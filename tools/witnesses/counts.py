@@ -13,10 +13,6 @@ platform again; it exits with 1 if a number differs.
 from __future__ import annotations
 
 import argparse
-import csv
-import hashlib
-import io
-import json
 import sys
 import time
 from collections.abc import Callable
@@ -28,14 +24,13 @@ from gspcli.catalogue.kinds import ALL, DHP, DLL, DPH
 from gspcli.catalogue.real_counts import Place, platform_at, recorded
 from gspcli.catalogue.types import CONSTRAINTS, Family
 from gspcli.catalogue.witnesses import best_real
-from gspcli.cli.progress_bars import progress
 from gspcli.geometry.instance import Instance
 from gspcli.reality.witness_proofs import certified_real, poses, witness_instance
 from gspcli.workers import Workers
-from tools.recording import ROOT, add_sample, report, sampled
+from tools.recording import CONFIRMED, add_sample, add_workers, workers_of
+from tools.witnesses.record import FOLDER, Record
 
-FOLDER = ROOT / "data" / "witnesses"
-FILE, MANIFEST = FOLDER / "counts.csv", FOLDER / "counts.manifest.json"
+COUNTS = Record(FOLDER / "counts.csv", FOLDER / "counts.manifest.json", ("family", "platforms"))
 #: Lines that are tried in vain for a family, and how often an interval is halved.
 _LINES, _HALVINGS = 40, 16
 
@@ -156,24 +151,18 @@ def build(most: int, minutes: float) -> None:
 
 def save(places: dict[Family, dict[int, Place]]) -> None:
     """Write the records and their manifest."""
-    buffer = io.StringIO()
-    writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(["family", "platforms"])
-    for family in all_families():
-        if places.get(family):
-            row = sorted(places[family].values())
-            writer.writerow([family.id, " ".join(map(str, row))])
-    FILE.write_text(buffer.getvalue(), encoding="utf-8")
-    manifest = {
-        "what": "numbers of real solutions that occur, each with a platform between random numbers"
-        " and the best witness of real.csv",
-        "command": "python -m tools.witnesses.counts build --most N",
-        "check": "python -m tools.witnesses.counts check",
-        "families": len(places),
-        "numbers": sum(map(len, places.values())),
-        "sha256": {FILE.name: hashlib.sha256(buffer.getvalue().encode()).hexdigest()},
-    }
-    MANIFEST.write_text(json.dumps(manifest, indent=1) + "\n", encoding="utf-8")
+    rows = [(f.id, sorted(places[f].values())) for f in all_families() if places.get(f)]
+    COUNTS.write(
+        [(name, " ".join(map(str, row))) for name, row in rows],
+        {
+            "what": "numbers of real solutions that occur, each with a platform between random"
+            " numbers and the best witness of real.csv",
+            "command": "python -m tools.witnesses.counts build --most N",
+            "check": "python -m tools.witnesses.counts check",
+            "families": len(places),
+            "numbers": sum(map(len, places.values())),
+        },
+    )
 
 
 def wrong(one: tuple[Family, Place]) -> str:
@@ -186,31 +175,26 @@ def wrong(one: tuple[Family, Place]) -> str:
 def check(size: int | None, workers: Workers) -> int:
     """Certify the recorded platforms again; return the exit code."""
     known = [(family, place) for family, row in recorded() for place in row]
-    chosen = sampled(known, size)
-    again = workers.in_order(wrong, chosen)
-    problems = list(filter(None, progress(again, total=len(chosen), label="certifying platforms")))
-    recorded_sum = json.loads(MANIFEST.read_text(encoding="utf-8"))["sha256"][FILE.name]
-    if hashlib.sha256(FILE.read_bytes()).hexdigest() != recorded_sum:
-        problems.append(f"{FILE.name} is not the file of the manifest")
-    return report(problems, f"{len(chosen)} of {len(known)} numbers that occur certified")
+    return COUNTS.check(wrong, known, size, workers, said=lambda _: "numbers that occur certified")
 
 
 def main() -> int:
     """Run the part that the command line asks for."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parts = parser.add_subparsers(dest="part", required=True)
     part = parts.add_parser("build")
-    part.add_argument("--most", type=int, default=64)
-    part.add_argument("--minutes", type=float, default=60)
+    part.add_argument("--most", type=int, default=64, metavar="SOLUTIONS")
+    part.add_argument("--minutes", type=float, default=60, metavar="N")
     part = parts.add_parser("check")
     add_sample(part)
-    part.add_argument("--jobs", type=int, default=1)
-    part.add_argument("--scheduler", metavar="ADDRESS")
+    add_workers(part)
     arguments = parser.parse_args()
     if arguments.part == "check":
-        return check(arguments.sample, Workers(arguments.jobs, arguments.scheduler))
+        return check(arguments.sample, workers_of(arguments))
     build(arguments.most, arguments.minutes)
-    return 0
+    return CONFIRMED
 
 
 if __name__ == "__main__":

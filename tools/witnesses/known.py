@@ -1,6 +1,6 @@
 """The best platforms of the families, on record in `data/witnesses/` or in a journal.
 
-A journal is a work file of the programs that look for witnesses: a line of JSON for each reduced
+A journal is a work file of the ways to look for witnesses: a line of JSON for each reduced
 platform that was found, with its family, its number of real solutions and its numbers.
 """
 
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 import json
+import sys
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -24,9 +25,9 @@ from gspcli.reality.limits import limits
 from gspcli.reality.platforms import Platforms, multiplier
 from gspcli.reality.solved_platforms import Solved
 from gspcli.reality.witness_proofs import witness_instance
-from tools.recording import ROOT
+from tools.witnesses.record import FOLDER, Record
 
-FOLDER = ROOT / "data" / "witnesses"
+REAL = Record(FOLDER / "real.csv", FOLDER / "manifest.json", ("family", "real", "numbers"))
 
 
 def canonical_families() -> list[Family]:
@@ -76,10 +77,9 @@ def by_dependents() -> list[Family]:
 
 def recorded() -> dict[str, Witness]:
     """Return what is recorded, by the names of the families."""
-    path = FOLDER / "real.csv"
-    if not path.exists():
+    if not REAL.file.exists():
         return {}
-    rows = csv.DictReader(path.read_text(encoding="utf-8").splitlines())
+    rows = csv.DictReader(REAL.file.read_text(encoding="utf-8").splitlines())
     return {row["family"]: read_row(row) for row in rows}
 
 
@@ -122,6 +122,7 @@ class Known:
     """The best reduced platforms by their families, on record or in a journal."""
 
     def __init__(self, journal: Path) -> None:
+        self.journal = journal
         self.counts: dict[str, int] = {}
         self._sources: dict[str, Witness | dict[str, Any]] = {}
         for name, found in recorded().items():
@@ -133,6 +134,19 @@ class Known:
         """Keep a platform if it is the best of its family."""
         if count > self.counts.get(name, 0):
             self.counts[name], self._sources[name] = count, source
+
+    def improve(self, family: Family, found: Solved | None, remark: str = "") -> None:
+        """Say what was found for a family; keep it, also in the journal, if it is better."""
+        now, real = self.counts.get(family.id, 0), 0 if found is None else found.count
+        sys.stderr.write(f"{family.id}: {now} -> {real} of {solutions(family)}{remark}\n")
+        if found is not None and real > now:
+            entry = result(family, found)
+            add_entry(self.journal, entry)
+            self.add(family.id, real, entry)
+
+    def is_open(self, family: Family, below: float) -> bool:
+        """Return whether less than a share of the solutions of a family is known to be real."""
+        return self.counts.get(family.id, 0) < below * solutions(family)
 
     def count(self, kinds: tuple[Kind, ...]) -> int:
         """Return the most real solutions known of constraints of kinds in any order."""

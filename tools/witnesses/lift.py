@@ -1,18 +1,11 @@
 """Lift platforms with many real solutions to types that have them in the limit.
 
-    python -m tools.witnesses.lift JOURNAL [--most SOLUTIONS] [--below SHARE]
-
 For each family whose solutions are not all known to be real: take the best platforms of its simpler
-families (`gspcli.reality.limits`), on record or in the journal, and go from there to platforms of
-the family, as long as that finds better ones. The results go to the journal of
-`python -m tools.witnesses`, whose part `write` rounds and certifies them.
+families (`gspcli.reality.limits`), and go from there to platforms of the family, as long as that
+finds better ones.
 """
 
 from __future__ import annotations
-
-import argparse
-import sys
-from pathlib import Path
 
 import numpy as np
 
@@ -22,7 +15,7 @@ from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.limits import Limit, limits
 from gspcli.reality.platforms import Platforms
 from gspcli.reality.solved_platforms import Solved, quickly_solved
-from tools.witnesses.known import Known, add_entry, canonical_families, kinds_of, result, solutions
+from tools.witnesses.known import Known, canonical_families, kinds_of, solutions
 
 #: How far away far points are, in units of the size of the set of places.
 _REACHES = tuple(3.0 * 2.5**k for k in range(12))
@@ -53,31 +46,24 @@ def _depth(family: Family) -> int:
     return sum({DPP: 2, DPH: 1, DHP: 1}.get(kind, 0) for kind in family.distances)
 
 
-def lift(journal: Path, most: int, below: float) -> None:
+def lift(known: Known, most: int, below: float) -> None:
     """Go through the families until nothing gets better.
 
     Families with more than `most` solutions are left out, and those of which not less than a share
     `below` is known to be real.
     """
-    known = Known(journal)
     tried: dict[tuple[str, Limit], int] = {}
 
     def try_all(family: Family) -> bool:
-        kinds, total = kinds_of(family), solutions(family)
-        now = before = known.counts.get(family.id, 0)
-        for limit in sorted(limits(kinds), key=lambda one: -known.count(one.remaining)):
-            count = known.count(limit.remaining)
-            if now >= below * total or count <= max(now, tried.get((family.id, limit), 0)):
-                continue
-            tried[family.id, limit] = count
-            found = lifted(limit, known.platform(limit.remaining), count)
-            real = 0 if found is None else found.count
-            sys.stderr.write(f"{family.id}: {now} -> {real} of {total}, {count} in the limit\n")
-            if found is not None and real > now:
-                now, entry = real, result(family, found)
-                add_entry(journal, entry)
-                known.add(family.id, real, entry)
-        return now > before
+        before = known.counts.get(family.id, 0)
+        for limit in sorted(limits(kinds_of(family)), key=lambda one: -known.count(one.remaining)):
+            count, now = known.count(limit.remaining), known.counts.get(family.id, 0)
+            is_new = count > max(now, tried.get((family.id, limit), 0))
+            if is_new and known.is_open(family, below):
+                tried[family.id, limit] = count
+                found = lifted(limit, known.platform(limit.remaining), count)
+                known.improve(family, found, f", {count} in the limit")
+        return known.counts.get(family.id, 0) > before
 
     # Simpler ones first.
     families = sorted(
@@ -86,18 +72,3 @@ def lift(journal: Path, most: int, below: float) -> None:
     )
     while sum(map(try_all, families)):
         pass
-
-
-def main() -> int:
-    """Lift."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("journal", type=Path)
-    parser.add_argument("--most", type=int, default=10_000)
-    parser.add_argument("--below", type=float, default=1.0)
-    arguments = parser.parse_args()
-    lift(arguments.journal, arguments.most, arguments.below)
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
