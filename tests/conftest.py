@@ -16,13 +16,13 @@ settings.register_profile("gsp", deadline=None, derandomize=True, max_examples=5
 settings.load_profile("gsp")
 
 
-ROOT = Path(__file__).resolve().parents[1]
+# The programs of tools/ are found there; the package is the installed one.
+sys.path.append(str(Path(__file__).resolve().parents[1]))
 
 
 @pytest.fixture(scope="session")
 def load_tool() -> Callable[[str], ModuleType]:
     """Import a program of tools/ by name: `load_tool("verify.special")`."""
-    sys.path.append(str(ROOT))
     return lambda name: importlib.import_module(f"tools.{name}")
 
 

@@ -12,7 +12,8 @@ from collections.abc import Callable
 
 import click
 
-from gspcli.cli.main import COMMANDS, cli, run
+from gspcli.cli.commands import COMMANDS
+from gspcli.cli.main import cli, run
 from tools.build import platform_page
 from tools.recording import ROOT, parser, save
 

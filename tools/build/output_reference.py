@@ -9,7 +9,8 @@ import json
 import sys
 
 from tools.build.output_keys import KEYS
-from tools.build.output_schemas import DIALECT, SAMPLES, Printed, printed
+from tools.build.output_schemas import DIALECT, Printed, printed
+from tools.build.samples import described
 from tools.recording import ROOT, parser, save
 
 DOCS = ROOT / "docs"
@@ -33,23 +34,24 @@ def main() -> int:
     arguments = parser(__doc__).parse_args()
     page, files = HEAD, {}
     missing: set[str] = set()
-    for command in SAMPLES:
-        page += f"\n## gsp {command}\n"
-        for schema_id, found in printed(command).items():
-            name = f"{schema_id.removeprefix('gsp.').partition('/')[0]}.schema.json"
-            page += section(command, schema_id, found, name, missing)
+    commands = described()
+    for name, command in commands.items():
+        page += f"\n## gsp {name}\n"
+        for schema_id, found in printed(name, command).items():
+            file = f"{schema_id.removeprefix('gsp.').partition('/')[0]}.schema.json"
+            page += section(name, schema_id, found, file, missing)
             schema = {"$schema": DIALECT, "title": schema_id, **found.shape.schema()}
-            files[DOCS / "schemas" / name] = json.dumps(schema, indent=1) + "\n"
+            files[DOCS / "schemas" / file] = json.dumps(schema, indent=1) + "\n"
     if missing:
         print("tools/build/output_keys.py says nothing of:", *sorted(missing), sep="\n  ")
         return 1
     files[DOCS / "output.md"] = page
-    return save(files, check=arguments.check, confirmed=f"what {len(SAMPLES)} commands print")
+    return save(files, check=arguments.check, confirmed=f"what {len(commands)} commands print")
 
 
-def section(command: str, schema_id: str, found: Printed, name: str, missing: set[str]) -> str:
+def section(command: str, schema_id: str, found: Printed, file: str, missing: set[str]) -> str:
     """Return what is said of one form; keys that nothing is said of are added to `missing`."""
-    text = f"\n`{schema_id}`: [JSON Schema](schemas/{name}).\n"
+    text = f"\n`{schema_id}`: [JSON Schema](schemas/{file}).\n"
     text += "\n| key | type | |\n|---|---|---|\n"
     for path, types in found.shape.rows():
         text += f"| `{path}` | {types} | {meaning(command, path, missing)} |\n"

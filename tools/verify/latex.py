@@ -8,55 +8,31 @@ ends with 4 without it, and with 1 if anything does not compile.
 
 from __future__ import annotations
 
-import contextlib
-import io
+import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from gspcli.catalogue.kinds import KINDS
-from gspcli.cli.main import run
-from gspcli.resources import data_directory
-from tools.recording import CONFIRMED, DIFFERENT, UNABLE, parser
+from tools.build.samples import choices, described, output, samples, words
+from tools.recording import UNABLE, parser, report
 
-_LOOP = data_directory() / "trajectories" / "mode-change"
-#: A call of every command that writes LaTeX; `tests/cli/test_latex.py` sees to that.
-CALLS = (
+#: Calls besides the samples of the commands.
+MORE = (
     "enumerate --limit 40",
     "enumerate --count",
     "enumerate --coincident --only PP",
-    "enumerate --coincident 6PP --limit 9",
-    "show DPL DPL DLP ALL ALH AHH",
-    "bound 421",
-    "bound 1 17 3850",
-    "constraint",
     *(f"constraint {kind.name}" for kind in KINDS),
-    "realize DPL DPL DLP ALL ALH AHH",
-    "realize 6-3",
     "table all",
-    "table errata",
     "derive AAA",
-    "derive PSC",
     "derive PSC --expand",
     "derive 6.2",
     "derive 6.8",
-    "atlas summary",
-    "example",
-    "check @dietmaier @example-6.8",
-    "count @planar-hexagons",
-    "solve @example-6.8",
-    "solve @dietmaier --all --digits 20",
     "solve @no-real-pose --legend",
-    "sample 3D3A PH PH PH --count 20 --jobs 1",
-    "clearance @octahedral-3-3 --mode 1",
     "scan @octahedral-3-3 --vary 1=1.4:1.6:3 --vary 2=1:2:2",
-    "scan @octahedral-3-3 --vary 1=1:2:5 --folds",
-    f"track {_LOOP}.yaml {_LOOP}.csv --allow-loss --clearance",
-    "measure @dietmaier --pose 0.1,0.2,1.5,1,0.1,0,0",
-    "workspace @workspace-study",
-    "workspace @workspace-study --over x,z",
     "analyze @octahedral-3-3 --mode 1 --load 0,0,-9.81 --tolerance 0.001",
 )
 _DOCUMENT = r"""\documentclass{article}
@@ -70,12 +46,17 @@ _DOCUMENT = r"""\documentclass{article}
 """
 
 
-def written(call: str) -> str:
+def calls(folder: Path) -> Iterator[list[str]]:
+    """Yield calls of every command that writes LaTeX; files that they read are in a folder."""
+    for name, command in described().items():
+        if "latex" in choices(command, "format"):
+            yield from (words(name, sample, folder) for sample in samples(name, command))
+    yield from map(shlex.split, MORE)
+
+
+def written(call: Sequence[str]) -> str:
     """Return what a command writes as LaTeX."""
-    printed = io.StringIO()
-    with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(io.StringIO()):
-        run([*call.split(), "--format", "latex"])
-    return printed.getvalue()
+    return output([*call, "--format", "latex"])
 
 
 def complaint(text: str) -> str | None:
@@ -101,14 +82,10 @@ def main() -> int:
     if shutil.which("pdflatex") is None:
         print("pdflatex is missing: nothing could be compiled", file=sys.stderr)
         return UNABLE
-    wrong = 0
-    for call in CALLS:
-        found = complaint(written(call))
-        if found is not None:
-            wrong += 1
-            print(f"gsp {call}: {found}", file=sys.stderr)
-    print(f"{len(CALLS) - wrong} of {len(CALLS)} compile")
-    return DIFFERENT if wrong else CONFIRMED
+    with tempfile.TemporaryDirectory() as folder:
+        found = {shlex.join(call): complaint(written(call)) for call in calls(Path(folder))}
+    wrong = [f"gsp {call}: {said}" for call, said in found.items() if said is not None]
+    return report(wrong, f"LaTeX of {len(found)} calls compiles")
 
 
 if __name__ == "__main__":
