@@ -86,13 +86,23 @@ def line_pairs(draws: Draw) -> Iterator[Named]:
             yield f"{number}/1e-{power}", assembled([nearly, *others], at, one_sided=sided)
 
 
+#: The balls of a kinematic coupling.
+_BALLS = [exact(0, "18.5", 0), exact("-16.021", "-9.25", 0), exact("16.021", "-9.25", 0)]
+
+
 def couplings(draws: Draw) -> Iterator[Named]:
     """Yield kinematic couplings: three balls in three vees, and cone, vee and flat."""
-    balls = [exact(0, "18.5", 0), exact("-16.021", "-9.25", 0), exact("16.021", "-9.25", 0)]
+    yield from _vees(draws)
+    yield from _planes(draws)
+    yield from _mirrors(draws)
+
+
+def _vees(draws: Draw) -> Iterator[Named]:
+    """Yield three balls in three vees of two slopes."""
     towards = [exact(1, 0, 0), exact(1, -2, 0), exact(1, 2, 0)]
     for number, slope in enumerate((Fraction(1), Fraction(3, 4)), 1):
         vees = []
-        for ball, (a, b, _) in zip(balls, towards, strict=True):
+        for ball, (a, b, _) in zip(_BALLS, towards, strict=True):
             for sign in (1, -1):
                 normal = exact(sign * a * slope, sign * b * slope, 1)
                 vees.append(
@@ -122,9 +132,13 @@ def couplings(draws: Draw) -> Iterator[Named]:
                         length="mm",
                     ),
                 )
+
+
+def _planes(draws: Draw) -> Iterator[Named]:
+    """Yield cone, vee and flat (Kelvin's coupling), and a block on six points."""
     cone = [exact(0, 3, 2), exact(-2, -1, 2), exact(2, -1, 2)]
     normals = [*cone, exact(-2, 1, 2), exact(2, -1, 2), exact(0, 0, 1)]
-    where = [balls[0]] * 3 + [balls[1]] * 2 + [balls[2]]
+    where = [_BALLS[0]] * 3 + [_BALLS[1]] * 2 + [_BALLS[2]]
     flats = [
         Leg(DPH, ball, plus(ball, n, -1), exact(0, 0, 0), n)
         for ball, n in zip(where, normals, strict=True)
@@ -150,7 +164,10 @@ def couplings(draws: Draw) -> Iterator[Named]:
                 f"{name}/{text}",
                 assembled(moved, HOME, one_sided=range(6), length="mm"),
             )
-    # Six actuators of a mirror: four planes and two links.
+
+
+def _mirrors(draws: Draw) -> Iterator[Named]:
+    """Yield a mirror on six actuators: four planes and two links."""
     mirror = [
         Leg(DPH, exact(*p), exact(*p), exact(0, 0, 0), exact(*n))
         for p, n in (
