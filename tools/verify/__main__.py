@@ -25,11 +25,9 @@ from pathlib import Path
 from gspcli.cli.output import Column, Output, Table, emit
 from gspcli.errors import INTERRUPTED
 from tools.recording import CONFIRMED, DIFFERENT, ROOT, UNABLE, sources_sha256
+from tools.verify.campaigns import SOURCES, WORK
 from tools.verify.steps import STEPS, Step
 
-WORK = ROOT / "build" / "verify"
-#: What the answers come from: work files of other sources are not used.
-SOURCES = ("native", "gspcli", "data/start-systems")
 #: Where `make verify` puts msolve.
 MSOLVE = "build/peers/lib/python*/site-packages/sage_wheels/bin"
 

@@ -13,11 +13,8 @@ matrix, computed apart, must have one sign. The record is ``data/verification/cl
 
 from __future__ import annotations
 
-import csv
-import io
 import sys
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from statistics import median
 
 import numpy as np
@@ -28,7 +25,8 @@ from gspcli.motion.singularities.clearances import clearance
 from gspcli.motion.singularities.displacements import Displacements
 from gspcli.motion.singularities.pose_clearances import pose_clearance
 from gspcli.solver.generate import random_instance
-from tools.recording import ROOT, add_sample, add_workers, parser, report, sampled, save, workers_of
+from tools.recording import ROOT, add_workers, csv_text, parser, sampled, workers_of
+from tools.verify.campaigns import conclude
 
 RECORD = ROOT / "data" / "verification" / "clearances.csv"
 #: The most that medians of the ratios may be: at once, refined.
@@ -83,19 +81,9 @@ def one_sign(home: Displacements, size: float) -> bool:
     return len(set(np.sign(home.determinants(s)).tolist())) == 1
 
 
-def written(rows: Sequence[Row]) -> str:
-    """Return the record."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, [field.name for field in fields(Row)], lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(asdict(row) for row in rows)
-    return text.getvalue()
-
-
 def main() -> int:
     """Measure, compare or write; return the exit code."""
-    options = parser(__doc__)
-    add_sample(options)
+    options = parser(__doc__, sample=True)
     options.add_argument("--count", type=int, default=20, help="how many platforms")
     add_workers(options)
     arguments = options.parse_args()
@@ -114,12 +102,8 @@ def main() -> int:
         ):
             wrong.append(f"of the {of}: the medians are above {MOST}")
     summary = f"{len(numbers)} platforms: median ratio " + "; ".join(parts)
-    if arguments.check:
-        lines = set(RECORD.read_text(encoding="utf-8").splitlines())
-        differs = [line for line in written(rows).splitlines() if line not in lines]
-        return report([*differs, *wrong], summary)
-    save({RECORD: written(rows)}, check=False, confirmed="")
-    return report(wrong, summary)
+    text = csv_text(list(map(asdict, rows)))
+    return conclude(RECORD, text, wrong, summary, check=arguments.check)
 
 
 if __name__ == "__main__":

@@ -15,14 +15,11 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from gspcli.atlas.journal import carry_out
 from gspcli.catalogue.types import all_types, type_by_number
-from gspcli.cli.progress_bars import progress
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED
 from gspcli.geometry.instance import Instance, Side
@@ -31,23 +28,10 @@ from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.motion import measure
 from gspcli.solver import SolveResult, solve
 from gspcli.solver.generate import random_instance
-from tools.recording import (
-    ROOT,
-    add_sample,
-    add_workers,
-    csv_text,
-    parser,
-    report,
-    sampled,
-    save,
-    sources_sha256,
-    workers_of,
-)
+from tools.recording import ROOT, csv_text, sampled
+from tools.verify.campaigns import conclude, options, results
 
 RECORD = ROOT / "data" / "verification" / "round-trips.csv"
-WORK = ROOT / "build" / "verify-round-trips"
-#: What the answers come from: work files of other sources have other names.
-SOURCES = ("native", "gspcli", "data/start-systems")
 #: How far from the pose the nearest one may be; a thousandth of this times its condition number.
 EXACT = 1e-9
 
@@ -156,36 +140,25 @@ def met(result: SolveResult, R: np.ndarray, T: np.ndarray) -> bool:
 
 def main() -> int:
     """Measure and solve, compare or write; return the exit code."""
-    options = parser(__doc__)
-    add_sample(options)
-    options.add_argument("--types", type=int, default=3850, help="how many types, evenly spread")
-    add_workers(options)
-    options.add_argument("--work", type=Path, default=WORK, help="folder of the work file")
-    arguments = options.parse_args()
+    parser = options(__doc__)
+    parser.add_argument("--types", type=int, default=3850, help="how many types, evenly spread")
+    arguments = parser.parse_args()
     every = [gsp_type.number for gsp_type in all_types()]
     chosen = [every[k * len(every) // arguments.types] for k in range(arguments.types)]
     numbers = sampled(chosen, arguments.sample if arguments.check else None)
-    arguments.work.mkdir(parents=True, exist_ok=True)
-    results = carry_out(
+    done = results(
         numbers,
         examine,
-        decode=RoundTrip.of_entry,
-        journal=arguments.work / f"round-trips-{sources_sha256(SOURCES)[:12]}.jsonl",
-        workers=workers_of(arguments),
-        progress=progress,
+        RoundTrip.of_entry,
+        arguments,
+        name="round-trips",
         label="measuring and solving",
     )
-    done = [results[number] for number in numbers]
-    text = csv_text([trip.row for trip in done])
     twice = sum(trip.two_sided is not None for trip in done)
     summary = f"{len(done)} poses of {len(done)} types found again, {twice} also on both sides"
     wrong = [f"{trip.row}" for trip in done if not trip.holds]
-    if arguments.check:
-        lines = set(RECORD.read_text(encoding="utf-8").splitlines())
-        wrong += [line for line in text.splitlines() if line not in lines]
-    else:
-        save({RECORD: text}, check=False, confirmed="")
-    return report(wrong, summary)
+    text = csv_text([trip.row for trip in done])
+    return conclude(RECORD, text, wrong, summary, check=arguments.check)
 
 
 if __name__ == "__main__":

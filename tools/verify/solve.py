@@ -12,7 +12,7 @@ many sets of values of each of 50 geometries, all of which are to be proved comp
 has a hidden real pose, from which its values are measured; what must hold of every answer is in
 `examination`. 3D3A platforms are solved twice, in closed form and by tracking paths.
 
-Work goes through a journal in ``build/verify-solve/``: interrupted, the same command takes it up
+Work goes through a journal in ``build/verify/``: interrupted, the same command takes it up
 again, unless the solver has changed. A finished run is written to ``data/verification/`` and
 docs/completeness.md; it does not depend on ``--jobs``. The exit code is 1 if anything does not
 hold; with ``--check``, if anything but a rounding error differs from the record, of which
@@ -27,27 +27,23 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 
 from gspcli import dumps
-from gspcli.atlas.journal import carry_out
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import DPP
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES, GspType
-from gspcli.cli.progress_bars import progress
 from gspcli.errors import INTERRUPTED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver import PoseSet, SolveResult, solve
 from gspcli.solver.tracking import solve_by_tracking, solve_each_by_tracking
 from tools.recording import (
-    ROOT,
     add_sample,
     add_workers,
     report,
     sampled,
     sources_sha256,
-    workers_of,
 )
+from tools.verify.campaigns import add_work, results
 from tools.verify.examination import Finding, examine
 from tools.verify.random_batches import batch_tasks, examine_batch
 from tools.verify.random_platforms import (
@@ -61,7 +57,6 @@ from tools.verify.random_platforms import (
 )
 from tools.verify.solve_record import Examined, differences, write
 
-JOURNALS = ROOT / "build" / "verify-solve"
 #: What the answers come from: journals of other sources have other names.
 SOURCES = (
     "native",
@@ -167,7 +162,7 @@ def options() -> argparse.ArgumentParser:
         command.add_argument("--no-record", action="store_true", help="leave data/ as it is")
         command.add_argument("--check", action="store_true", help="compare with the record")
         add_sample(command)
-        command.add_argument("--work", type=Path, default=JOURNALS, help="folder of the journals")
+        add_work(command)
     show = add("show", help="print an instance of a run")
     show.add_argument("task")
     show.add_argument("instance", type=int)
@@ -180,32 +175,29 @@ def main() -> int:
     if arguments.command == "show":
         print(dumps(shown(arguments.task, arguments.instance)), end="")
         return 0
-    origin = sources_sha256(SOURCES)
     bad, platforms = 0, 0
     different: list[str] = []
-    arguments.work.mkdir(parents=True, exist_ok=True)
     for name in RUNS if arguments.command == "all" else [arguments.command]:
         run = RUNS[name]
         size = getattr(arguments, run.option)
         every = run.tasks(size)
         tasks = sampled(every, arguments.sample if arguments.check else None)
-        results = carry_out(
+        done = results(
             tasks,
             run.verify,
-            decode=Examined.of_entry,
-            journal=arguments.work / f"{run.record}-{origin[:12]}.jsonl",
-            workers=workers_of(arguments),
-            progress=progress,
+            Examined.of_entry,
+            arguments,
+            name=run.record,
             label=f"solving {run.help}",
+            sources=SOURCES,
         )
-        done = [results[task] for task in tasks]
         if arguments.check:
             different += differences(run.record, done, whole=len(tasks) == len(every))
             platforms += sum(len(examined.findings) for examined in done)
             continue
         if not arguments.no_record:
             command = f"python -m tools.verify.solve {name} --{run.option} {size}"
-            write(run.record, command, origin, done)
+            write(run.record, command, sources_sha256(SOURCES), done)
         bad += told(run.record, done)
     if arguments.check:
         return report(different, f"all poses of {platforms} random platforms, as recorded")

@@ -27,39 +27,23 @@ import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import gspcli
-from gspcli.atlas.journal import carry_out
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.types import GspType, all_types, type_by_number
-from gspcli.cli.progress_bars import progress
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import MovingPlatform, PoseFormat, Track, measure, read_values, track
 from gspcli.motion.following.branch_follower import Stop
 from gspcli.solver.generate import random_instance
-from tools.recording import (
-    ROOT,
-    add_sample,
-    add_workers,
-    csv_text,
-    parser,
-    report,
-    sampled,
-    save,
-    sources_sha256,
-    workers_of,
-)
+from tools.recording import ROOT, csv_text, sampled
+from tools.verify.campaigns import conclude, options, results
 
 RECORD = ROOT / "data" / "verification" / "tracks.csv"
-WORK = ROOT / "build" / "verify-tracks"
-#: What the answers come from: work files of other sources have other names.
-SOURCES = ("native", "gspcli", "data/start-systems")
 TRAJECTORIES = ROOT / "data" / "trajectories"
 #: Types with more poses on one side take too long to solve at both ends.
 MOST = 64
@@ -185,44 +169,27 @@ def loop_problems() -> list[str]:
     return [] if apart[0] < SAME and apart[1] > SAME else ["mode-change: mode 2 is not mode 1"]
 
 
-def written(rows: Mapping[int, Row]) -> str:
-    """Return the record."""
-    return csv_text([asdict(rows[number]) for number in sorted(rows)])
-
-
 def main() -> int:
     """Follow, compare or write; return the exit code."""
-    options = parser(__doc__)
-    add_sample(options)
-    options.add_argument("--types", type=int, default=250, help="how many types")
-    options.add_argument("--each", type=int, default=40, help="trajectories of each")
-    add_workers(options)
-    options.add_argument("--work", type=Path, default=WORK, help="folder of the work file")
-    arguments = options.parse_args()
+    parser = options(__doc__)
+    parser.add_argument("--types", type=int, default=250, help="how many types")
+    parser.add_argument("--each", type=int, default=40, help="trajectories of each")
+    arguments = parser.parse_args()
     numbers = sampled(chosen(arguments.types), arguments.sample if arguments.check else None)
-    arguments.work.mkdir(parents=True, exist_ok=True)
-    rows = carry_out(
-        numbers,
+    rows = results(
+        sorted(numbers),
         partial(examine, arguments.each),
-        decode=Row.of_entry,
-        journal=arguments.work / f"{arguments.each}-{sources_sha256(SOURCES)[:12]}.jsonl",
-        workers=workers_of(arguments),
-        progress=progress,
+        Row.of_entry,
+        arguments,
+        name=f"tracks-{arguments.each}",
         label="following modes",
     )
-    total = {
-        field.name: sum(getattr(row, field.name) for row in rows.values())
-        for field in fields(Row)[2:]
-    }
+    total = {field.name: sum(getattr(row, field.name) for row in rows) for field in fields(Row)[2:]}
     summary = ", ".join(f"{value} {name.replace('_', ' ')}" for name, value in total.items())
-    wrong = [f"{row.id}: {row.problems} problems" for row in rows.values() if row.problems]
+    wrong = [f"{row.id}: {row.problems} problems" for row in rows if row.problems]
     wrong += loop_problems()
-    if arguments.check:
-        lines = set(RECORD.read_text(encoding="utf-8").splitlines())
-        differs = [line for line in written(rows).splitlines() if line not in lines]
-        return report([*differs, *wrong], f"{len(rows)} types: {summary}")
-    save({RECORD: written(rows)}, check=False, confirmed="")
-    return report(wrong, f"{len(rows)} types: {summary}")
+    text, summary = csv_text(list(map(asdict, rows))), f"{len(rows)} types: {summary}"
+    return conclude(RECORD, text, wrong, summary, check=arguments.check)
 
 
 if __name__ == "__main__":
