@@ -46,19 +46,19 @@ docs: $(STAMP) ## the site: these pages, all commands, the Python reference (bui
 
 JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 verify-fast: $(STAMP) msolve ## a sample of the data derived again and compared (a minute)
-	$(BIN)/python tools/verify.py --fast --jobs $(JOBS)
+	$(BIN)/python -m tools.verify --fast --jobs $(JOBS)
 
 verify: $(STAMP) msolve ## all data derived again and compared (hours; taken up where it stopped)
-	$(BIN)/python tools/verify.py --jobs $(JOBS)
+	$(BIN)/python -m tools.verify --jobs $(JOBS)
 
 verify-solve: $(STAMP) ## random platforms of every family solved completely, recorded (40 minutes)
-	$(BIN)/python tools/verify_solve.py all --jobs $(JOBS)
+	$(BIN)/python -m tools.verify.solve all --jobs $(JOBS)
 
 verify-exports: $(STAMP) msolve ## 100 random types in MuJoCo, 50 in programs for polynomial systems (half an hour)
 	$(BIN)/python -m pytest -q -rs -n $(JOBS) -m slow tests/oracles/test_mujoco.py tests/oracles/test_exported_systems.py
 
 count-families: $(STAMP) ## a random platform of each of 626 families counted exactly (minutes)
-	$(BIN)/python tools/count_families.py --check
+	$(BIN)/python -m tools.verify.counts families --check
 
 bench: $(STAMP) msolve ## gsp against msolve, PHCpack and Macaulay2; writes docs/benchmarks.md (15 minutes; PEER=fksgp=FOLDER: fkSGP, too)
 	$(BIN)/python -m bench $(addprefix --peer ,$(PEER)) --output docs

@@ -15,8 +15,8 @@ from bench.peers import Answer, no_answer
 from bench.processes import run
 from gspcli.errors import SpecError
 from gspcli.export.answers import read_msolve
+from gspcli.export.formats.msolve import msolve_input
 from gspcli.export.polynomials import Polynomial
-from gspcli.export.programs import msolve_input
 from gspcli.geometry.instance import Instance
 
 #: The virtual environment of the peers that come from PyPI.

@@ -23,8 +23,8 @@ from bench.homotopy import (
 from bench.peers import Answer, no_answer
 from bench.processes import run
 from gspcli.export.answers import read_phcpack
+from gspcli.export.formats.phcpack import phcpack_input
 from gspcli.export.polynomials import Style
-from gspcli.export.programs import phcpack_input
 from gspcli.geometry.instance import Instance
 
 _RULE = "=" * 75

@@ -34,7 +34,7 @@ _ROOT = Path(__file__).resolve().parents[1]
 _README = _ROOT / "README.md"
 html_css_files = ["gallery.css"]
 html_static_path = ["static"]
-sys.path.append(str(_ROOT / "tools"))
+sys.path.append(str(_ROOT))
 _LITERAL = re.compile(r"(?<![`\w:])`([^`\n]+)`(?!`|_)")
 
 
@@ -57,7 +57,7 @@ def _gallery(app, name, source):
     """Put the drawings into their page."""
     del app
     if name == "gallery":
-        import site_gallery
+        from tools.build import site_gallery
 
         source[0] = source[0].partition("<!--")[0] + site_gallery.grid()
 
@@ -65,7 +65,7 @@ def _gallery(app, name, source):
 def _views(app, exception):
     """Write the pages to which the gallery leads."""
     if exception is None and app.builder.name == "html":
-        import site_gallery
+        from tools.build import site_gallery
 
         site_gallery.write(Path(app.outdir))
 

@@ -16,14 +16,14 @@ settings.register_profile("gsp", deadline=None, derandomize=True, max_examples=5
 settings.load_profile("gsp")
 
 
-TOOLS = Path(__file__).resolve().parents[1] / "tools"
+# The programs of tools/ are found there; the package is the installed one.
+sys.path.append(str(Path(__file__).resolve().parents[1]))
 
 
 @pytest.fixture(scope="session")
 def load_tool() -> Callable[[str], ModuleType]:
-    """Import a program of tools/ by name: `load_tool("verify")`."""
-    sys.path.append(str(TOOLS))
-    return importlib.import_module
+    """Import a program of tools/ by name: `load_tool("verify.special")`."""
+    return lambda name: importlib.import_module(f"tools.{name}")
 
 
 @dataclass(frozen=True)

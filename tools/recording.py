@@ -12,12 +12,15 @@ import hashlib
 import io
 import json
 from collections.abc import Iterable, Mapping, Sequence
+from importlib.metadata import version
 from pathlib import Path
+from platform import python_version
 from random import Random
 from typing import Any, TypeVar
 
 from gspcli.defaults import SEED
 from gspcli.errors import CheckFailed, IncompleteError
+from gspcli.workers import Workers
 
 ROOT = Path(__file__).resolve().parents[1]
 CONFIRMED, DIFFERENT, UNABLE = 0, CheckFailed.exit_code, IncompleteError.exit_code
@@ -42,6 +45,18 @@ def add_sample(to: argparse.ArgumentParser) -> None:
     """Add the option ``--sample N``."""
     help_text = "with --check: only so many, drawn at random; of the rest nothing is said"
     to.add_argument("--sample", type=int, metavar="N", help=help_text)
+
+
+def add_workers(to: argparse.ArgumentParser) -> None:
+    """Add the options ``--jobs N`` and ``--scheduler ADDRESS``."""
+    to.add_argument("--jobs", type=int, default=1, metavar="N", help="processes that work at once")
+    help_text = "let the workers of this Dask scheduler do it, which run in this checkout"
+    to.add_argument("--scheduler", metavar="ADDRESS", help=help_text)
+
+
+def workers_of(arguments: argparse.Namespace) -> Workers:
+    """Return who does the work, as these options say."""
+    return Workers(arguments.jobs, arguments.scheduler)
 
 
 def sampled(items: Iterable[Item], size: int | None) -> list[Item]:
@@ -122,10 +137,20 @@ def with_section(page: Path, name: str, content: str) -> str:
     return f"{before}{begin}\n{content.strip()}\n\n{end}{after}"
 
 
+def versions(*packages: str) -> dict[str, str]:
+    """Return the versions of Python and of some packages, as manifests have them."""
+    return {"python": python_version()} | {name: version(name) for name in packages}
+
+
+def sha256(content: str | bytes) -> str:
+    """Return the sha256 of a text in UTF-8, or of bytes."""
+    data = content.encode() if isinstance(content, str) else content
+    return hashlib.sha256(data).hexdigest()
+
+
 def canonical_sha256(content: object) -> str:
     """Return the sha256 of a JSON value in its canonical form."""
-    text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return sha256(json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False))
 
 
 def sources_sha256(places: Iterable[str]) -> str:

@@ -14,7 +14,7 @@ from enum import Enum
 from functools import cache
 
 from gspcli.catalogue.intersection_numbers import intersection_number
-from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.types import CLASSES, CONSTRAINTS, Family, GspType, PlatformClass, families
 from gspcli.errors import DataError
 from gspcli.resources import data_path
@@ -24,10 +24,6 @@ FAMILIES_FILE = "families.csv"
 NUMBERS_FILE = "intersection-numbers.csv"
 #: The spaces of quadrics in Study coordinates, in their canonical order.
 LETTERS = "apqls"
-#: The space of each kind of distance; the angles are of space a.
-LETTER: dict[Kind, str] = {DPP: "s", DPL: "p", DLP: "q", DPH: "p", DHP: "q", DLL: "l"}
-#: The kinds that are products of two quadrics of their space.
-PRODUCTS = frozenset({DPL, DLP, DLL})
 
 
 class Method(Enum):
@@ -84,7 +80,7 @@ def letters(distances: tuple[Kind, ...]) -> str:
     >>> letters((DPP, DPL, DLP, DLL))
     'aapqls'
     """
-    chosen = "".join(sorted((LETTER[kind] for kind in distances), key=LETTERS.index))
+    chosen = "".join(sorted((kind.space for kind in distances), key=LETTERS.index))
     return "a" * (CONSTRAINTS - len(distances)) + chosen
 
 
@@ -99,7 +95,7 @@ def law(distances: tuple[Kind, ...]) -> int:
     >>> law((DPL, DPL, DLP))
     64
     """
-    products = sum(kind in PRODUCTS for kind in distances)
+    products = sum(kind.is_product for kind in distances)
     return int(2**products * intersection_number(letters(distances)))
 
 

@@ -24,6 +24,31 @@ class Quantity(Enum):
     ANGLE = "A"
 
 
+class Law(Enum):
+    """What the polynomial of a constraint is of its value d (paper, Section 4).
+
+    The polynomial of an angle is ``R u . v`` of the unit directions, and the angle of two planes
+    that of one normal and the opposite of the other.
+    """
+
+    SQUARE = "d^2"
+    SIGNED = "d"
+    MOMENT = "d times the sine of the angle of the lines"
+    COSINE = "cos d"
+    SINE = "sin d"
+    SUPPLEMENT = "-cos d"
+
+    @property
+    def is_cosine(self) -> bool:
+        """Whether the angle is an arc cosine, up to the sign, or else an arc sine."""
+        return self is not Law.SINE
+
+    @property
+    def sign(self) -> int:
+        """The sign of cosine or sine."""
+        return -1 if self is Law.SUPPLEMENT else 1
+
+
 @dataclass(frozen=True, eq=False)
 class Kind:
     """A kind of constraint, such as DPL: the distance of a platform point to a base line.
@@ -36,12 +61,21 @@ class Kind:
         The primitive on the moving platform and the one on the base.
     order
         Position in the canonical order of the kinds, from 0.
+    law
+        What its polynomial is of the value.
+    space
+        The space of quadrics in Study coordinates that its equation is of (docs/counts.md).
+    is_product
+        Whether the equation is a product of two such quadrics, not one.
     """
 
     quantity: Quantity
     platform: Primitive
     base: Primitive
     order: int
+    law: Law
+    space: str
+    is_product: bool = False
 
     @cached_property
     def name(self) -> str:
@@ -90,15 +124,25 @@ def _kind(name: str) -> Kind:
     return KINDS_BY_NAME[name]
 
 
-def _kinds(names: str) -> tuple[Kind, ...]:
-    return tuple(
-        Kind(Quantity(name[0]), Primitive(name[1]), Primitive(name[2]), order)
-        for order, name in enumerate(names.split())
-    )
-
-
-#: All kinds in canonical order: distances first, each group in the order of the paper.
-KINDS: tuple[Kind, ...] = _kinds("DPP DPL DLP DPH DHP DLL ALL ALH AHL AHH")
+_ONE, _PRODUCT = False, True
+#: All kinds in canonical order, distances first, each group in the order of the paper: law, space,
+#: and whether the equation is a product.
+_TABLE = {
+    "DPP": (Law.SQUARE, "s", _ONE),
+    "DPL": (Law.SQUARE, "p", _PRODUCT),
+    "DLP": (Law.SQUARE, "q", _PRODUCT),
+    "DPH": (Law.SIGNED, "p", _ONE),
+    "DHP": (Law.SIGNED, "q", _ONE),
+    "DLL": (Law.MOMENT, "l", _PRODUCT),
+    "ALL": (Law.COSINE, "a", _ONE),
+    "ALH": (Law.SINE, "a", _ONE),
+    "AHL": (Law.SINE, "a", _ONE),
+    "AHH": (Law.SUPPLEMENT, "a", _ONE),
+}
+KINDS: tuple[Kind, ...] = tuple(
+    Kind(Quantity(name[0]), Primitive(name[1]), Primitive(name[2]), order, *facts)
+    for order, (name, facts) in enumerate(_TABLE.items())
+)
 KINDS_BY_NAME: dict[str, Kind] = {kind.name: kind for kind in KINDS}
 DISTANCE_KINDS: tuple[Kind, ...] = tuple(kind for kind in KINDS if kind.is_distance)
 ANGLE_KINDS: tuple[Kind, ...] = tuple(kind for kind in KINDS if not kind.is_distance)

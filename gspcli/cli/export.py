@@ -11,20 +11,28 @@ from gspcli.cli.names import load_instance
 from gspcli.cli.output import Output, check_writable, write
 from gspcli.cli.progress_bars import working
 from gspcli.errors import GspError
-from gspcli.export.programs import PROGRAMS
+from gspcli.export.format import PoseFormat, SystemFormat
+from gspcli.export.formats import FORMATS
 from gspcli.wording import listed
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
+    from gspcli.solver import Solution
 
-_MODEL = "mjcf"
+#: What is given a pose, and what is given equations.
+_POSES = {name: form for name, form in FORMATS.items() if isinstance(form, PoseFormat)}
+_SYSTEMS = {name: form for name, form in FORMATS.items() if isinstance(form, SystemFormat)}
 _COORDINATES = ("study", "study-affine", "rt")
 
 
 @click.command()
 @click.argument("spec", metavar="SPEC")
 @click.option(
-    "--to", "target", type=click.Choice((_MODEL, *PROGRAMS)), required=True, help="For which."
+    "--to",
+    "target",
+    type=click.Choice((*_POSES, *_SYSTEMS)),
+    required=True,
+    help="For which.",
 )
 @click.option(
     "--set",
@@ -37,7 +45,8 @@ _COORDINATES = ("study", "study-affine", "rt")
     "--mode",
     type=click.IntRange(min=1),
     metavar="K",
-    help="For mjcf: the real pose to build, in the order of `gsp solve`.  [default: 1]",
+    help=f"For {listed(_POSES, 'and')}: the real pose to build, in the order of `gsp solve`.  "
+    "[default: 1]",
 )
 @click.option(
     "--coordinates",
@@ -67,10 +76,7 @@ def command(
 ) -> None:
     """Write a platform as a file for another program.
 
-    mjcf is a model for MuJoCo: the platform as a free body in one assembly mode, held by
-    six chains of joints. The joint value_k is what constraint k measures, in metres or radians;
-    the equality hold_k keeps it (its first coefficient is the change), and without it the
-    actuator drive_k moves it.
+    {poses}
 
     The others are systems of polynomials for programs that solve them, with rational
     coefficients exactly as in SPEC: study are unit dual quaternions q, f (each pose twice),
@@ -93,48 +99,47 @@ def command(
     if file is not None:
         check_writable(file)
     instance = set_values(load_instance(spec), settings)
-    if target == _MODEL:
-        text = _model(instance, mode)
+    if target in _POSES:
+        text = _POSES[target].write(instance, _pose(instance, mode or 1))
     else:
-        text = _system(instance, target, coordinates, digits)
+        text = _system(instance, _SYSTEMS[target], coordinates, digits)
     write(Output(target, file), text)
 
 
 def _irrational() -> str:
     """Return what irrational numbers become for which programs."""
     names: dict[str, list[str]] = {"exact": [], "decimals": [], "doubles": []}
-    for name, program in PROGRAMS.items():
-        names[program.irrational].append(name)
+    for name, form in _SYSTEMS.items():
+        names[form.irrational].append(name)
     return ", ".join(f"{how} for {listed(those, 'and')}" for how, those in names.items())
 
 
-command.help = str(command.help).format(irrational=_irrational())
+command.help = str(command.help).format(
+    poses="\n\n".join(form.what for form in _POSES.values()), irrational=_irrational()
+)
 
 
-def _model(instance: Instance, mode: int | None) -> str:
-    from gspcli.export.mjcf import mjcf
+def _pose(instance: Instance, number: int) -> Solution:
+    """Return the real pose with a number, from 1."""
     from gspcli.solver import solve
 
     with working("solving"):
         real = solve(instance, certify=False).real_solutions
-    number = mode or 1
     if number > len(real):
         found = f"{len(real)} real pose" + "s" * (len(real) != 1)
         message = f"found {found}, expected one with the number {number} (`gsp solve` lists them)"
         raise GspError(message)
-    pose = real[number - 1]
-    return mjcf(instance, pose.R.real, pose.T.real)
+    return real[number - 1]
 
 
-def _system(instance: Instance, target: str, coordinates: str, digits: int) -> str:
+def _system(instance: Instance, form: SystemFormat, coordinates: str, digits: int) -> str:
     from gspcli.export.motion_coordinates import MOTIONS
     from gspcli.export.polynomial_systems import system
 
-    program = PROGRAMS[target]
     found = system(instance, MOTIONS[coordinates]())
-    if found.constants and program.irrational != "exact":
-        how = f"decimals of {digits} digits" if program.irrational == "decimals" else "doubles"
+    if found.constants and form.irrational != "exact":
+        how = f"decimals of {digits} digits" if form.irrational == "decimals" else "doubles"
         count = len(found.constants)
         numbers = "1 irrational number" if count == 1 else f"{count} irrational numbers"
         click.echo(f"{numbers} became {how}", err=True)
-    return program.write(found, digits)
+    return form.write(found, digits)

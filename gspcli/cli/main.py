@@ -11,46 +11,11 @@ import click
 
 from gspcli import __version__
 from gspcli.cli.colour import coloured
-from gspcli.cli.sentences import SENTENCES
+from gspcli.cli.commands import BY_HEADING, COMMANDS
 from gspcli.errors import INTERRUPTED, GspError
 from gspcli.wording import similar
 
-_TYPES = "What types are"
-_PLATFORM = "One platform"
-_REAL = "How many solutions can be real"
-_MOVING = "Platforms that move"
-_ALONG = "To look at and take along"
-#: The subcommands in the order of the help, and the heading that each stands under; each is
-#: `command` of the module of its name (a dash is an underscore there).
-COMMANDS = {
-    "enumerate": _TYPES,
-    "show": _TYPES,
-    "bound": _TYPES,
-    "constraint": _TYPES,
-    "realize": _TYPES,
-    "table": _TYPES,
-    "derive": _TYPES,
-    "atlas": _TYPES,
-    "new": _PLATFORM,
-    "example": _PLATFORM,
-    "check": _PLATFORM,
-    "count": _PLATFORM,
-    "solve": _PLATFORM,
-    "certify": _PLATFORM,
-    "sample": _REAL,
-    "maximize-real": _REAL,
-    "measure": _MOVING,
-    "track": _MOVING,
-    "analyze": _MOVING,
-    "clearance": _MOVING,
-    "scan": _MOVING,
-    "workspace": _MOVING,
-    "view": _ALONG,
-    "export": _ALONG,
-}
-
 INTERNAL_ERROR = 70
-_WHOLE_SENTENCE = 1000
 
 
 class CommandGroup(click.Group):
@@ -85,19 +50,11 @@ class CommandGroup(click.Group):
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the subcommands under their headings, with their first sentences, whole."""
+        del ctx
         widest = max(map(len, COMMANDS))
-        for heading in dict.fromkeys(COMMANDS.values()):
-            rows = [
-                (name.ljust(widest), SENTENCES.get(name) or self._sentence(ctx, name))
-                for name, its_heading in COMMANDS.items()
-                if its_heading == heading
-            ]
+        for heading, commands in BY_HEADING.items():
             with formatter.section(heading):
-                formatter.write_dl(rows)
-
-    def _sentence(self, ctx: click.Context, name: str) -> str:
-        command = self.get_command(ctx, name)
-        return "" if command is None else command.get_short_help_str(limit=_WHOLE_SENTENCE)
+                formatter.write_dl([(name.ljust(widest), said) for name, said in commands.items()])
 
 
 def _unknown_command(name: str) -> str:

@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind, Law
 from gspcli.records import dataclass
 
 Vector = NDArray[np.float64]
@@ -77,7 +77,7 @@ def chain(kind: Kind, x: Vector, v: Vector, y: Vector, w: Vector) -> Chain:
         Those of the platform's primitive at the pose, in the base's frame.
     """
     if not kind.is_distance:
-        return _angle(kind, v, y, w)
+        return _angle(kind.law, v, y, w)
     if kind is DPP:
         return _leg(x, y)
     if kind is DPH:
@@ -156,20 +156,17 @@ def _two_lines(x: Vector, v: Vector, y: Vector, w: Vector) -> Chain:
     return (Link(far, joints),)
 
 
-def _angle(kind: Kind, v: Vector, y: Vector, w: Vector) -> Chain:
+def _angle(law: Law, v: Vector, y: Vector, w: Vector) -> Chain:
     normal = np.cross(v, w)
     sine = float(np.linalg.norm(normal))
     n = normal / sine if sine > _SMALL else _across(v)[0]
     between = float(np.arctan2(sine, v @ w))
     # The angle of the directions, or its supplement between planes, its complement of a line
     # and a plane (Section 4): both of the latter fall when the directions open.
-    if kind is ALL:
+    if law is Law.COSINE:
         value, axis = between, n
-    elif kind not in (ALH, AHL, AHH):
-        raise ValueError(kind)
     else:
-        value = (np.pi if kind.platform is kind.base else np.pi / 2) - between
-        axis = -n
+        value, axis = (np.pi if law.is_cosine else np.pi / 2) - between, -n
     slides = tuple(Joint("slide", unit, y) for unit in _AXES)
     turns = (Joint("hinge", v, y), Joint("hinge", axis, y, value), Joint("hinge", w, y))
     return (Link(y, slides + turns),)

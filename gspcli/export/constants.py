@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from fractions import Fraction
 from math import isqrt
 
-from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL
 from gspcli.export.polynomials import Polynomial, dot
 from gspcli.geometry.instance import AngleUnit, Constraint
 from gspcli.geometry.numbers import Number
@@ -94,14 +93,9 @@ class Constants:
 
     def cosine(self, constraint: Constraint, unit: AngleUnit) -> Polynomial:
         """Return the value of ``R u . v`` that an angle asks for, by Section 4."""
-        angle, kind = constraint.value, constraint.kind
-        if kind.platform is kind.base:
-            if kind not in (ALL, AHH):
-                raise ValueError(kind)
-            cosine = self._cosine(angle, unit)
-            return -cosine if kind is AHH else cosine
-        if kind not in (ALH, AHL):
-            raise ValueError(kind)
+        angle, law = constraint.value, constraint.kind.law
+        if law.is_cosine:
+            return self._cosine(angle, unit) * law.sign
         quarter = Number.of(90) if unit is AngleUnit.DEGREE else Number("/", (_PI, Number.of(2)))
         function = _undone("asin", angle, unit)
         if function is not None:

@@ -10,7 +10,9 @@ primes in `gspcli.atlas` and those for Singular in `tools/`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
+from gspcli import __version__
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.export.constants import Constants
 from gspcli.export.motion_coordinates import SymbolicMotion
@@ -43,6 +45,25 @@ class PolynomialSystem:
     names: tuple[str, ...]
     polynomials: tuple[Polynomial, ...]
     constants: Mapping[str, Number]
+
+    def rounded(self, digits: int) -> PolynomialSystem:
+        """Return it with decimal fractions, of so many digits, for its irrational constants."""
+        from gspcli.certification.numbers.balls import decimal_near
+
+        values = {name: decimal_near(number, digits) for name, number in self.constants.items()}
+        rows = tuple(row.replaced(values) for row in self.polynomials)
+        return replace(self, polynomials=rows, constants={})
+
+    @property
+    def title(self) -> str:
+        """How many polynomials and unknowns, by which version."""
+        sizes = f"{len(self.polynomials)} polynomials in {len(self.names)} unknowns"
+        return f"gsp {__version__}: {sizes}"
+
+    @property
+    def heading(self) -> str:
+        """The heading of solutions as CSV, as `gsp certify` reads them."""
+        return ",".join(f"{name},{name}_imag" for name in self.names)
 
 
 def system(instance: Instance, motion: SymbolicMotion) -> PolynomialSystem:

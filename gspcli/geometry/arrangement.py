@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli import _kernel
-from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, Kind, Primitive
+from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.primitives import Point, unit_vectors
 from gspcli.geometry.quaternions import Field, apply
@@ -21,16 +21,14 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 _SIGNS = {Side.POSITIVE: 1, Side.NEGATIVE: -1, Side.BOTH: 0}
-#: Of which angles the value of ``R u . v`` is the cosine or the sine, and its sign (Section 4).
-_ANGLES = {ALL: (True, 1.0), ALH: (False, 1.0), AHL: (False, 1.0), AHH: (True, -1.0)}
 #: Points so many times as far as usual are left out of the centre of a body.
 _FAR = 100.0
 
 
 def angle_of(kind: Kind, cosine: float) -> float:
     """Return the angle of a kind, in radians, that asks for a value of ``R u . v``."""
-    is_cosine, sign = _ANGLES[kind]
-    return math.acos(sign * cosine) if is_cosine else math.asin(sign * cosine)
+    law = kind.law
+    return math.acos(law.sign * cosine) if law.is_cosine else math.asin(law.sign * cosine)
 
 
 class Placed(NamedTuple):
@@ -89,15 +87,15 @@ class _Layout(NamedTuple):
 
 @cache
 def _layout(kinds: tuple[Kind, ...]) -> _Layout:
-    angles = [_ANGLES[kind] for kind in kinds if not kind.is_distance]
+    angles = [kind.law for kind in kinds if not kind.is_distance]
     parts = [*[kind.platform for kind in kinds], *[kind.base for kind in kinds]]
     layout = _Layout(
         distances=np.array([i for i, kind in enumerate(kinds) if kind.is_distance], int),
         angles=np.array([i for i, kind in enumerate(kinds) if not kind.is_distance], int),
         sided=np.array([kind.has_sides for kind in kinds], bool),
         directed=np.array([part is not Primitive.POINT for part in parts], bool).reshape(2, -1),
-        cosine=np.array([is_cosine for is_cosine, _ in angles], bool),
-        sign=np.array([sign for _, sign in angles], float),
+        cosine=np.array([law.is_cosine for law in angles], bool),
+        sign=np.array([law.sign for law in angles], float),
     )
     for part in layout:
         part.setflags(write=False)

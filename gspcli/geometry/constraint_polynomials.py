@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.geometry.quaternions import Field, cross, dot
 
 _IDENTITY = np.eye(3)
@@ -66,9 +66,9 @@ def polynomial(kind: Kind) -> ConstraintPolynomial:
     Raises
     ------
     KeyError
-        If the kind is none of the ten.
+        If the kind is a distance that is none of the six.
     """
-    return _POLYNOMIALS[kind]
+    return _POLYNOMIALS[kind] if kind.is_distance else COSINE
 
 
 def perpendicular(r: Field, axis: Field) -> Field:
@@ -185,8 +185,4 @@ _POLYNOMIALS = {
     DPH: _point_plane(),
     DHP: _plane_point(),
     DLL: _line_line(),
-    ALL: COSINE,
-    ALH: COSINE,
-    AHL: COSINE,
-    AHH: COSINE,
 }

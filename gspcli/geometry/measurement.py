@@ -15,7 +15,7 @@ from functools import cache
 
 import numpy as np
 
-from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.catalogue.kinds import DPL, Kind, Law
 from gspcli.geometry.arrangement import Bodies
 from gspcli.geometry.constraint_polynomials import COSINE, Gradient, Hessian, polynomial
 from gspcli.geometry.quaternions import Field, cross, dot
@@ -148,15 +148,15 @@ def _root(square: Field) -> Field:
 
 
 def _value(kind: Kind, r: Field, w: Field, v: Field) -> Field:
-    if kind in (DPP, DPL, DLP):
+    if kind.law is Law.SQUARE:
         return _root(polynomial(kind).value(r, w, v))
-    if kind in (DPH, DHP):
+    if kind.law is Law.SIGNED:
         return polynomial(kind).value(r, w, v)
-    if kind is DLL:
+    if kind.law is Law.MOMENT:
         square, parallel = _sine_square(w, v)
-        skew = polynomial(DLL).value(r, w, v) / np.sqrt(np.where(parallel, 1.0, square))
+        skew = polynomial(kind).value(r, w, v) / np.sqrt(np.where(parallel, 1.0, square))
         return np.where(parallel, _value(DPL, r, w, v), skew)
-    return _angle(kind, w, v)
+    return _angle(kind.law, w, v)
 
 
 def _sine_square(w: Field, v: Field) -> tuple[Field, Field]:
@@ -166,9 +166,9 @@ def _sine_square(w: Field, v: Field) -> tuple[Field, Field]:
     return square, np.abs(square) < _PARALLEL**2
 
 
-def _angle(kind: Kind, w: Field, v: Field) -> Field:
+def _angle(law: Law, w: Field, v: Field) -> Field:
     """Return the angle of directions by half angles, exact also near 0 and 180 degrees."""
-    w = -w if kind is AHH else w
+    w = -w if law.sign < 0 else w
     near, far = w - v, w + v
     sine, cosine = dot(near, near), dot(far, far)
     if np.iscomplexobj(sine):
@@ -184,23 +184,19 @@ def _angle(kind: Kind, w: Field, v: Field) -> Field:
         half = np.where(small, half, np.pi / 2 - half)
     else:
         half = np.arctan2(sine, cosine)
-    if kind in (ALL, AHH):
-        return 2 * half
-    if kind in (ALH, AHL):
-        return np.pi / 2 - 2 * half
-    raise ValueError(kind)
+    return 2 * half if law.is_cosine else np.pi / 2 - 2 * half
 
 
 def _gradient(kind: Kind, r: Field, w: Field, v: Field) -> Gradient:
     """Return the derivatives of what is measured by r, w and v."""
     gradient = polynomial(kind).gradient(r, w, v)
-    if kind in (DPP, DPL, DLP):
+    if kind.law is Law.SQUARE:
         return _times(0.5 / _root(polynomial(kind).value(r, w, v)), gradient)
-    if kind in (DPH, DHP):
+    if kind.law is Law.SIGNED:
         return gradient
-    if kind is DLL:
+    if kind.law is Law.MOMENT:
         # The moment m over the sine s = (1 - c^2)^(1/2), whose inverse has the derivative c / s^3.
-        m, turning = polynomial(DLL).value(r, w, v), COSINE.gradient(r, w, v)
+        m, turning = polynomial(kind).value(r, w, v), COSINE.gradient(r, w, v)
         square, parallel = _sine_square(w, v)
         s = np.sqrt(np.where(parallel, 1.0, square))
         skew = _plus(_times(1 / s, gradient), _times(m * COSINE.value(r, w, v) / s**3, turning))
@@ -209,40 +205,36 @@ def _gradient(kind: Kind, r: Field, w: Field, v: Field) -> Gradient:
         beside = _times(0.5 / np.where(distance == 0, 1.0, distance), flat.gradient(r, w, v))
         chosen = parallel[..., None]
         return Gradient(*(np.where(chosen, b, s) for b, s in zip(beside, skew, strict=True)))
-    if kind in _ANGLE_SIGNS:
-        return _times(_ANGLE_SIGNS[kind] / _root(_sine_square(w, v)[0]), gradient)
-    raise ValueError(kind)
+    return _times(_falling(kind.law) / _root(_sine_square(w, v)[0]), gradient)
 
 
-#: The sign of the derivative of an angle by ``w . v``: the first is an arc cosine, the last that
-#: of the negative, the others are arc sines.
-_ANGLE_SIGNS = {ALL: -1.0, ALH: 1.0, AHL: 1.0, AHH: 1.0}
+def _falling(law: Law) -> float:
+    """Return the sign of the derivative of an angle by ``w . v``: an arc cosine of it falls."""
+    return -law.sign if law.is_cosine else law.sign
 
 
 def _hessian(kind: Kind, r: Field, w: Field, v: Field) -> Hessian:
     """Return the second derivatives of what is measured by r and w."""
     gradient = polynomial(kind).gradient(r, w, v)
     hessian = polynomial(kind).hessian(r, w, v)
-    if kind in (DPP, DPL, DLP):
+    if kind.law is Law.SQUARE:
         # The root f of p: f' = p' / 2f, f'' = p'' / 2f - p' p' / 4f^3.
         f = _root(polynomial(kind).value(r, w, v))
         return _sum(_times_all(0.5 / f, hessian), _squared(-0.25 / f**3, gradient, gradient))
-    if kind in (DPH, DHP):
+    if kind.law is Law.SIGNED:
         return hessian
-    if kind is DLL:
+    if kind.law is Law.MOMENT:
         # The moment m over the sine s = (1 - c^2)^(1/2): with k = 1 / s by c, k' = c / s^3 and
         # k'' = (1 + 2 c^2) / s^5.
-        m, c = polynomial(DLL).value(r, w, v), COSINE.value(r, w, v)
+        m, c = polynomial(kind).value(r, w, v), COSINE.value(r, w, v)
         square, parallel = _sine_square(w, v)
         s = np.sqrt(np.where(parallel, np.nan, square))
         turning = COSINE.gradient(r, w, v)
         both = _squared(c / s**3, gradient, turning), _squared(c / s**3, turning, gradient)
         last = _squared(m * (1 + 2 * c**2) / s**5, turning, turning)
         return _sum(_times_all(1 / s, hessian), *both, last)
-    if kind in _ANGLE_SIGNS:
-        c, s = COSINE.value(r, w, v), _root(_sine_square(w, v)[0])
-        return _squared(_ANGLE_SIGNS[kind] * c / s**3, gradient, gradient)
-    raise ValueError(kind)
+    c, s = COSINE.value(r, w, v), _root(_sine_square(w, v)[0])
+    return _squared(_falling(kind.law) * c / s**3, gradient, gradient)
 
 
 def _times(factor: Field, gradient: Gradient) -> Gradient:

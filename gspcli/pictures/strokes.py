@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.geometry.quaternions import cross, dot
 from gspcli.pictures.scene import Stroke, StrokeStyle
 
@@ -123,12 +123,8 @@ def angle_strokes(kind: Kind, ends: Ends, sizes: Sizes) -> Iterator[Stroke]:
 def arms(kind: Kind, ends: Ends) -> tuple[Array, Array]:
     """Return the unit directions between which an angle lies, from the base on, (n, 3) each."""
     w, v = ends.w, ends.v
-    if kind is ALL:
-        return v, w
-    if kind is AHH:
-        return v, -w
-    if kind not in (ALH, AHL):
-        raise ValueError(kind)
+    if kind.law.is_cosine:
+        return v, kind.law.sign * w
     line, normal = (w, v) if kind.base.value == "H" else (v, w)
     flat = line - dot(line, normal)[:, None] * normal
     norm = np.linalg.norm(flat, axis=1, keepdims=True)

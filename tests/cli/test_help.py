@@ -11,18 +11,18 @@ import click
 import pytest
 
 from gspcli.cli.colour import coloured
-from gspcli.cli.main import COMMANDS, cli
-from gspcli.cli.sentences import SENTENCES
+from gspcli.cli.commands import BY_HEADING, COMMANDS
+from gspcli.cli.main import cli
 
 Run = Callable[..., object]
-HEADINGS = [f"{heading}:" for heading in dict.fromkeys(COMMANDS.values())]
+HEADINGS = [f"{heading}:" for heading in BY_HEADING]
 
 
 @pytest.mark.parametrize("name", ["commands.md", "errata.md"])
 def test_generated_pages_are_up_to_date(name: str, load_tool: Callable) -> None:
-    module = load_tool("build_docs")
+    module = load_tool("build.docs")
     page = (module.DOCS / name).read_text(encoding="utf-8")
-    assert page == module.PAGES[name](), "run python tools/build_docs.py"
+    assert page == module.PAGES[name](), "run python -m tools.build.docs"
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -48,18 +48,18 @@ def test_help_exits_with_0_and_lists_every_command(gsp: Run) -> None:
     assert "..." not in outcome.out.split("What types are:")[1]
 
 
-@pytest.mark.parametrize("name", SENTENCES)
+@pytest.mark.parametrize("name", COMMANDS)
 def test_the_sentences_are_those_of_the_help(name: str) -> None:
     command = cli.get_command(click.Context(cli), name)
     assert command is not None
-    assert SENTENCES[name] == command.get_short_help_str(limit=1000)
+    assert COMMANDS[name] == command.get_short_help_str(limit=1000)
 
 
 def test_help_imports_no_command() -> None:
     code = "import sys; from gspcli.cli.main import run; run(['--help']); print(*sys.modules)"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     loaded = set(run.stdout.splitlines()[-1].split())
-    commands = {f"gspcli.cli.{name.replace('-', '_')}" for name in SENTENCES}
+    commands = {f"gspcli.cli.{name.replace('-', '_')}" for name in COMMANDS}
     assert not loaded & commands
 
 

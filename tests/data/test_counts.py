@@ -15,7 +15,6 @@ from gspcli.catalogue.counts import (
     FAMILIES_FILE,
     FOLDER,
     NUMBERS_FILE,
-    PRODUCTS,
     Method,
     all_families,
     family_counts,
@@ -106,7 +105,7 @@ def test_no_family_with_three_angles_has_another_count_than_table_3_by_hand() ->
     # Eight rotations; planes and at most one sphere for T; two factors for each product.
     for family in all_families():
         if family.platform_class.angles == 3:
-            products = sum(kind in PRODUCTS for kind in family.distances)
+            products = sum(kind.is_product for kind in family.distances)
             spheres = 2 if DPP in family.distances else 1
             assert family_counts(family).one_sided == 8 * spheres * 2**products
 

@@ -20,14 +20,14 @@ CHAIN = tuple(named_family(" ".join(["PH"] * n)) for n in (3, 4, 5))
 @pytest.fixture
 def lift(load_tool, monkeypatch, tmp_path) -> Callable[..., list[dict]]:
     """Run the program for the chain, only the first of which is on record; return the journal."""
-    program, known = load_tool("lift_witnesses"), load_tool("known_platforms")
+    program, known = load_tool("witnesses.__main__"), load_tool("witnesses.known")
     record = {CHAIN[0].id: known.recorded()[CHAIN[0].id]}
     monkeypatch.setattr(known, "recorded", lambda: record)
-    monkeypatch.setattr(program, "canonical_families", lambda: CHAIN[::-1])
+    monkeypatch.setattr(load_tool("witnesses.lift"), "canonical_families", lambda: CHAIN[::-1])
     journal: Path = tmp_path / "journal"
 
     def run(*options: str) -> list[dict]:
-        monkeypatch.setattr(sys, "argv", ["lift_witnesses.py", str(journal), *options])
+        monkeypatch.setattr(sys, "argv", ["witnesses", "lift", str(journal), *options])
         assert program.main() == 0
         return known.read_journal(journal)
 

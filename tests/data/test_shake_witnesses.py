@@ -18,7 +18,7 @@ KINDS = FAMILY.types[0].kinds
 @pytest.fixture
 def shake(load_tool, monkeypatch, tmp_path):
     """Run the program for the family with a random platform in the journal; return the journal."""
-    program, known = load_tool("shake_witnesses"), load_tool("known_platforms")
+    program, known = load_tool("witnesses.__main__"), load_tool("witnesses.known")
     monkeypatch.setattr(known, "recorded", dict)
     journal = tmp_path / "journal"
     first = solved(reduced(random_platforms(KINDS, 1, np.random.default_rng(1)))[0])
@@ -26,7 +26,7 @@ def shake(load_tool, monkeypatch, tmp_path):
     known.add_entry(journal, known.result(FAMILY, first))
 
     def run(*options: str) -> list[dict]:
-        command = ["shake_witnesses.py", str(journal), "PP PP PP PP PP PP", *options]
+        command = ["witnesses", "shake", str(journal), "PP PP PP PP PP PP", *options]
         monkeypatch.setattr(sys, "argv", command)
         assert program.main() == 0
         return known.read_journal(journal)
@@ -50,7 +50,7 @@ def test_without_tries_nothing_is_found(shake) -> None:
 
 
 def test_points_far_away_move_further(load_tool) -> None:
-    program = load_tool("shake_witnesses")
+    program = load_tool("witnesses.shake")
     platform = random_platforms(KINDS, 1, np.random.default_rng(1))[0]
     far = platform.x.copy()
     far[0] = 1e6

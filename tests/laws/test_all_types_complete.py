@@ -18,7 +18,7 @@ MANY = 256
 
 @pytest.fixture(scope="module")
 def tool(load_tool):
-    return load_tool("verify_solve")
+    return load_tool("verify.solve")
 
 
 def test_random_platforms_with_six_dpp_are_solved_completely(tool):
@@ -139,7 +139,7 @@ def test_the_record_of_a_chunk_is_derived_again(tool):
 
 
 def test_a_record_that_is_not_the_manifests_is_seen(load_tool, tmp_path, monkeypatch):
-    tool = load_tool("solve_record")
+    tool = load_tool("verify.solve_record")
     for path in tool.RECORDS.iterdir():
         (tmp_path / path.name).write_bytes(path.read_bytes())
     monkeypatch.setattr(tool, "RECORDS", tmp_path)

@@ -16,7 +16,7 @@ from gspcli.motion import measure
 from gspcli.solver import solve
 from gspcli.solver.generate import random_instance
 
-#: Types with more poses are left to tools/verify_round_trips.py, which takes all types.
+#: Types with more poses are left to tools/verify/round_trips.py, which takes all types.
 FEW = 64
 
 

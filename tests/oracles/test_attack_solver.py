@@ -1,4 +1,4 @@
-"""Random crowded platforms (tools/attack_solver.py): always the same, and counted right."""
+"""Random crowded platforms (tools/fuzz/solver.py): always the same, and counted right."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ COUNTED = (1, 4, 10, 12)
 
 @pytest.fixture(scope="module")
 def attack(load_tool: Callable) -> ModuleType:
-    return load_tool("attack_solver")
+    return load_tool("fuzz.solver")
 
 
 def test_platforms_are_the_same_by_their_numbers(attack: ModuleType) -> None:

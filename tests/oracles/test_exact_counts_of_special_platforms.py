@@ -1,7 +1,7 @@
 """Exact counts against the Gröbner bases recorded for special and nearly special platforms.
 
 Those are of msolve and Singular, from other equations modulo other primes
-(tools/special_counts.py). Of the 800 platforms a sample is counted; all with ``-m slow``.
+(tools/special/counts.py). Of the 800 platforms a sample is counted; all with ``-m slow``.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def disagreement(instance: Instance, record: dict[str, str]) -> str | None:
 
 
 def compare(load_tool: Callable, chosen: Callable[[int, str], bool]) -> dict[str, str]:
-    tool = load_tool("special_platforms")
+    tool = load_tool("special.platforms")
     records = tool.recorded()
     platforms = [p for k, p in enumerate(tool.platforms()) if p.id in records and chosen(k, p.id)]
     assert len(platforms) > 50

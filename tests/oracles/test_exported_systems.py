@@ -25,9 +25,9 @@ from gspcli.catalogue.types import all_types
 from gspcli.certification import Certificates, certify
 from gspcli.export.answers import read_answer
 from gspcli.export.candidates import read_candidates
+from gspcli.export.formats import FORMATS
 from gspcli.export.motion_coordinates import MOTIONS
 from gspcli.export.polynomial_systems import system
-from gspcli.export.programs import PROGRAMS
 from gspcli.geometry.instance import Instance
 from gspcli.resources import data_path
 from gspcli.solver import SolveResult, solve
@@ -105,7 +105,7 @@ def _answered(name: str, program: str, coordinates: str, folder: Path) -> tuple[
     if not present:
         pytest.skip(f"{program} is not installed")
     path = folder / "system"
-    text = PROGRAMS[program].write(system(instance, MOTIONS[coordinates]()), 40)
+    text = FORMATS[program].write(system(instance, MOTIONS[coordinates]()), 40)
     path.write_text(text, encoding="utf-8")
     answer = run(path)
     found = read_answer(answer, program) or read_candidates(answer, program)
@@ -152,7 +152,7 @@ def test_fifty_types_have_equal_counts(name: str, program: str, tmp_path: Path) 
 def test_sympy_reads_the_exact_system(tmp_path: Path) -> None:
     """A pose of an instance with square roots and cosines satisfies it."""
     instance = load(data_path("examples", "surfaces-pps.yaml"))
-    text = PROGRAMS["sympy"].write(system(instance, MOTIONS["rt"]()), 40)
+    text = FORMATS["sympy"].write(system(instance, MOTIONS["rt"]()), 40)
     (tmp_path / "system.py").write_text(text, encoding="utf-8")
     pose = solve(instance).real_solutions[0]
     values = [*pose.R.real.ravel().tolist(), *pose.T.real.tolist()]

@@ -1,4 +1,4 @@
-"""Special and nearly special platforms against exact counts (`tools/verify_special.py`)."""
+"""Special and nearly special platforms against exact counts (`tools/verify/special.py`)."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ SAMPLE = {
 
 @pytest.mark.parametrize("group", SAMPLE)
 def test_nearly_special_platforms_are_what_they_are(group: str, load_tool: Callable) -> None:
-    made = load_tool("special_platforms")
-    judge = load_tool("special_answers")
+    made = load_tool("special.platforms")
+    judge = load_tool("special.answers")
     wanted = {f"{group}/{name}" for name in SAMPLE[group]}
     chosen = [platform for platform in made.platforms([group]) if platform.id in wanted]
     assert len(chosen) == len(wanted)
@@ -58,7 +58,7 @@ def test_a_pose_that_one_path_missed_is_found_by_following_paths(
         raise AssertionError
 
     monkeypatch.setattr("gspcli.solver.search.Search._eliminate", eliminated)
-    made = load_tool("special_platforms")
+    made = load_tool("special.platforms")
     group = name.partition("/")[0]
     [platform] = [x for x in made.platforms([group]) if x.id == name]
     found = solve(platform.instance, seed=seed)
@@ -67,8 +67,8 @@ def test_a_pose_that_one_path_missed_is_found_by_following_paths(
 
 
 def test_nothing_said_depends_on_the_seed(load_tool: Callable) -> None:
-    made = load_tool("special_platforms")
-    judge = load_tool("special_answers")
+    made = load_tool("special.platforms")
+    judge = load_tool("special.answers")
     wanted = {"double/axis-2/-1e-14", "line-pairs/1/1e-9", "joints/6-4/spatial/1e-12"}
     groups = sorted({name.partition("/")[0] for name in wanted})
     chosen = [platform for platform in made.platforms(groups) if platform.id in wanted]
@@ -92,7 +92,7 @@ def test_nothing_said_depends_on_the_seed(load_tool: Callable) -> None:
     ],
 )
 def test_batches_with_special_values_say_nothing_wrong(prefix: str, load_tool: Callable) -> None:
-    made, rows = load_tool("special_platforms"), load_tool("special_rows")
+    made, rows = load_tool("special.platforms"), load_tool("special.rows")
     chosen = [p for p in made.platforms([prefix.partition("/")[0]]) if p.id.startswith(prefix)]
     for geometry in rows.geometries(chosen)[:1]:
         _, remarks = rows.attacked(geometry)
@@ -113,7 +113,7 @@ def test_batches_with_special_values_say_nothing_wrong(prefix: str, load_tool: C
     ],
 )
 def test_certify_takes_what_solve_prints_and_nothing_wrong(name: str, load_tool: Callable) -> None:
-    made, candidates = load_tool("special_platforms"), load_tool("special_candidates")
+    made, candidates = load_tool("special.platforms"), load_tool("special.candidates")
     [platform] = [p for p in made.platforms([name.partition("/")[0]]) if p.id == name]
     _, remarks = candidates.attacked(platform)
     assert len(remarks) > 60
@@ -123,7 +123,7 @@ def test_certify_takes_what_solve_prints_and_nothing_wrong(name: str, load_tool:
 
 def test_two_poses_that_doubles_do_not_tell_apart_are_not_called_one(load_tool: Callable) -> None:
     """With the base 6e7 away T has 8 digits less than two poses 3e-10 apart need."""
-    made, candidates = load_tool("special_platforms"), load_tool("special_candidates")
+    made, candidates = load_tool("special.platforms"), load_tool("special.candidates")
     [platform] = [p for p in made.platforms(["zero"]) if p.id == "zero/1/1e-10"]
     _, remarks = candidates.attacked(platform)
     assert {verdict for _, verdict, _ in remarks} <= set(candidates.HONEST)
@@ -133,7 +133,7 @@ def test_two_poses_that_doubles_do_not_tell_apart_are_not_called_one(load_tool: 
 
 def test_a_side_that_doubles_do_not_tell_is_not_contradicted(load_tool: Callable) -> None:
     """T of 3e12 lengths is written to 1e-4; solutions on other sides are 3e-7 apart."""
-    made = load_tool("special_platforms")
+    made = load_tool("special.platforms")
     [platform] = [p for p in made.platforms(["parallels"]) if p.id == "parallels/DHP-1/1e-6"]
     solved = solve(platform.instance)
     names = {Side.POSITIVE: 1, Side.NEGATIVE: -1, None: 0}
@@ -153,7 +153,7 @@ def test_a_side_that_doubles_do_not_tell_is_not_contradicted(load_tool: Callable
 def test_residuals_of_lines_next_to_parallel_are_as_small_as_doubles_allow(
     load_tool: Callable,
 ) -> None:
-    made = load_tool("special_platforms")
+    made = load_tool("special.platforms")
     for platform in made.platforms(["line-pairs"]):
         digits = platform.id.removeprefix("line-pairs/1/1e-")
         if digits in ("4", "7", "10"):

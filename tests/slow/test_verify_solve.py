@@ -8,14 +8,13 @@ from pathlib import Path
 
 import pytest
 
-TOOL = Path(__file__).parents[2] / "tools" / "verify_solve.py"
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("run", [["platforms", "--count", "5000"], ["families", "--each", "1"]])
 def test_random_platforms_are_solved_completely(run):
-    done = subprocess.run(
-        [sys.executable, str(TOOL), *run, "--no-record"], capture_output=True, text=True
-    )
+    command = [sys.executable, "-m", "tools.verify.solve", *run, "--no-record"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0, done.stderr
     assert done.stdout.endswith("0 with problems\n")

@@ -53,7 +53,7 @@ def test_every_page_is_in_the_contents_of_the_site() -> None:
 
 
 def test_the_gallery_has_every_instance_file(load_tool: Callable) -> None:
-    gallery = load_tool("site_gallery")
+    gallery = load_tool("build.site_gallery")
     shown = re.findall(r'<a href="views/(.+)\.html"><img src="views/\1\.svg"', gallery.grid())
     assert sorted(shown) == sorted(instance_files())
 

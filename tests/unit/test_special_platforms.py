@@ -39,7 +39,7 @@ def instance(angle: str, other: str = "30", unit: str = "deg") -> Instance:
 
 @pytest.fixture(scope="module")
 def homomorphisms(load_tool: Callable) -> ModuleType:
-    return load_tool("homomorphisms")
+    return load_tool("oracle.homomorphisms")
 
 
 def test_square_roots_keep_their_products_and_are_those_of_cosines(
@@ -107,13 +107,13 @@ def test_the_judge_sees_what_is_wrong(
     judgement: str,
     load_tool: Callable,
 ) -> None:
-    tool = load_tool("special_answers")
+    tool = load_tool("special.answers")
     answer = tool.Answer(verdict, found, multiple, real, certified, "none", 0.1)
     assert tool.judged(answer, RIGHT) == judgement
 
 
 def test_what_is_infinite_must_be_said_to_be(load_tool: Callable) -> None:
-    tool = load_tool("special_answers")
+    tool = load_tool("special.answers")
     exact = {"finite": "no", "count": "", "distinct": "", "real": ""}
     said = {v: tool.Answer(v, 0, 0, 0, 0, "none", 0.1) for v in ("infinite", "complete")}
     assert tool.judged(said["infinite"], exact) == "right"
@@ -121,7 +121,7 @@ def test_what_is_infinite_must_be_said_to_be(load_tool: Callable) -> None:
 
 
 def test_answers_that_depend_on_the_seed_are_wrong(load_tool: Callable) -> None:
-    tool = load_tool("special_answers")
+    tool = load_tool("special.answers")
     judgement = tool.Judgement()
     answers = [tool.Answer("incomplete", n, n, 2, n, "none", 0.1) for n in (30, 31)]
     judgement.add("group/a", answers, "", RIGHT, 5.0)
@@ -134,7 +134,7 @@ def test_answers_that_depend_on_the_seed_are_wrong(load_tool: Callable) -> None:
 
 
 def test_the_table_is_of_the_platforms_as_they_are_made(load_tool: Callable) -> None:
-    tool = load_tool("special_platforms")
+    tool = load_tool("special.platforms")
     rows = tool.recorded()
     assert len(rows) >= 800
     for platform in tool.platforms(["hexagons", "double", "dependent"]):

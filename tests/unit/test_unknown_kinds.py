@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 
-from gspcli import Line, Plane, Point, certify, distance, measure, solve
+from gspcli import Line, Plane, Point, distance, measure, solve
 from gspcli.atlas.modular_equations import FramedPrimitive, equation
-from gspcli.catalogue.counts import law
-from gspcli.catalogue.kinds import DPP, Kind, Primitive, Quantity
+from gspcli.catalogue.kinds import ANGLE_KINDS, Kind, Law, Primitive, Quantity
 from gspcli.certification.counting import count_exactly
-from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.equations.frames import OWN
 from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.export.chains import chain
@@ -23,16 +22,13 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.constraint_polynomials import polynomial
 from gspcli.geometry.distance_forms import measures
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
-from gspcli.geometry.measurement import jacobian, measured
+from gspcli.geometry.measurement import jacobian
 from gspcli.geometry.numbers import Number
-from gspcli.pictures.strokes import Ends, arms, connection
+from gspcli.pictures.strokes import connection
 from gspcli.solver.study_systems import target_systems
 
-#: What a wider definition might add: the distance of two planes, and other angles than the four
-#: (the same primitives, but not the same kinds).
-PLANES = Kind(Quantity.DISTANCE, Primitive.PLANE, Primitive.PLANE, 10)
-LINES = Kind(Quantity.ANGLE, Primitive.LINE, Primitive.LINE, 11)
-MIXED = Kind(Quantity.ANGLE, Primitive.LINE, Primitive.PLANE, 12)
+#: What a wider definition might add: the distance of two parallel planes.
+PLANES = Kind(Quantity.DISTANCE, Primitive.PLANE, Primitive.PLANE, 10, Law.SIGNED, "a")
 BODY = FramedPrimitive((0, 0, 1), ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
 Z, UNIT = np.zeros(3), np.array([0.0, 0.0, 1.0])
 ONE = np.ones((1, 6))
@@ -53,38 +49,37 @@ def arrangement(kind: Kind) -> Arrangement:
     return Arrangement.of(platform(kind))
 
 
-DISTANCES: dict[str, Callable[[Kind], Any]] = {
-    "equation modulo a prime": lambda kind: equation(kind, BODY, BODY, 1),
-    "generic count": lambda kind: law((kind, *[DPP] * 5)),
-    "forms of distances": lambda kind: measures(arrangement(kind)),
-    "connection in a picture": lambda kind: connection(kind, Z, UNIT, Z, UNIT),
-}
-ANGLES: dict[str, Callable[[Kind], Any]] = {
-    "angle in a picture": lambda kind: arms(kind, Ends(Z, Z, UNIT, UNIT)),
-    "cosine in balls": lambda kind: BallSystem(platform(kind), 64).statements[0].cosine,
-}
-EITHER: dict[str, Callable[[Kind], Any]] = {
+STATEMENTS: dict[str, Callable[[Kind], Any]] = {
     "polynomial": polynomial,
-    "measured": lambda kind: measured(arrangement(kind), np.eye(3)[None], np.zeros((1, 3))),
-    "jacobian": lambda kind: jacobian(arrangement(kind), np.eye(3)[None], np.zeros((1, 3))),
-    "measure": lambda kind: measure(platform(kind), np.eye(3), np.zeros(3)),
+    "forms of distances": lambda kind: measures(arrangement(kind)),
     "quadrics": lambda kind: target_systems(arrangement(kind).normalized),
-    "solve": lambda kind: solve(platform(kind)),
-    "certify": lambda kind: certify(platform(kind), np.eye(3)[None], np.zeros((1, 3))),
     "proofs of values": lambda kind: ValueProofs(platform(kind), ONE).decide(
         ONE, ONE, np.zeros((1, 1, 1, 8), complex), OWN
     ),
     "exact count": lambda kind: count_exactly(platform(kind)),
+    "equation modulo a prime": lambda kind: equation(kind, BODY, BODY, 1),
     "exported system": lambda kind: system(platform(kind), study()),
     "exported chain": lambda kind: chain(kind, Z, UNIT, UNIT, UNIT),
+    "connection in a picture": lambda kind: connection(kind, Z, UNIT, Z, UNIT),
+}
+#: They follow from these.
+DERIVED: dict[str, Callable[[Kind], Any]] = {
+    "measure": lambda kind: measure(platform(kind), np.eye(3), np.zeros(3)),
+    "jacobian": lambda kind: jacobian(arrangement(kind), np.eye(3)[None], np.zeros((1, 3))),
+    "solve": lambda kind: solve(platform(kind)),
 }
 
 
-@pytest.mark.parametrize("kind", [PLANES, LINES, MIXED], ids=str)
-@pytest.mark.parametrize("what", [*DISTANCES, *ANGLES, *EITHER])
-def test_an_unknown_kind_is_an_error(kind: Kind, what: str) -> None:
-    use = EITHER | (DISTANCES if kind.is_distance else ANGLES)
-    if what not in use:
-        return
-    with pytest.raises((ValueError, KeyError), match=kind.name):
-        use[what](kind)
+@pytest.mark.parametrize("what", [*STATEMENTS, *DERIVED])
+def test_an_unknown_distance_is_an_error(what: str) -> None:
+    with pytest.raises((ValueError, KeyError), match=PLANES.name):
+        (STATEMENTS | DERIVED)[what](PLANES)
+
+
+@pytest.mark.parametrize("kind", ANGLE_KINDS, ids=str)
+def test_the_law_of_an_angle_is_that_of_its_equation(kind: Kind) -> None:
+    """The law in the table of the kinds against the angle of the wedge of the two primitives."""
+    planes = (kind.platform, kind.base).count(Primitive.PLANE)
+    for angle in (0.3, 1.1, 2.5):
+        stated = kind.law.sign * (math.cos(angle) if kind.law.is_cosine else math.sin(angle))
+        assert stated == pytest.approx(math.cos(planes * math.pi / 2 - angle), abs=1e-15)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
 
@@ -17,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 @pytest.fixture(scope="module")
 def verify(load_tool: Callable) -> ModuleType:
-    return load_tool("verify")
+    return load_tool("verify.__main__")
 
 
 def test_every_file_of_the_data_is_derived_again_by_a_step(verify: ModuleType) -> None:
@@ -33,7 +35,8 @@ def test_every_step_is_a_program_that_compares(verify: ModuleType) -> None:
         for fast in (False, True):
             words = step.words(fast=fast, jobs=2, work=Path("w"))
             assert {"--check", "check", "verify"} & set(words), step.name
-            assert words[1] == "-m" or Path(words[1]).is_file()
+            assert words[1] == "-m"
+            assert find_spec(words[2]) is not None
 
 
 ENDS = {
@@ -64,10 +67,12 @@ def test_the_summary_and_the_exit_code(
 ) -> None:
     for name in names:
         (tmp_path / f"{name}.py").write_text(ENDS[name])
-    steps = tuple(verify.Step(name, (), str(tmp_path / f"{name}.py")) for name in names)
+    path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
+    monkeypatch.setenv("PYTHONPATH", path)
+    steps = tuple(verify.Step(name, (), name) for name in names)
     monkeypatch.setattr(verify, "STEPS", steps)
     monkeypatch.setattr(verify, "WORK", tmp_path / "work")
-    monkeypatch.setattr(sys, "argv", ["verify.py"])
+    monkeypatch.setattr(sys, "argv", ["verify"])
     assert verify.main() == code
     printed = capfd.readouterr()
     rows = {line.split()[0]: line for line in printed.out.splitlines() if line}
@@ -90,7 +95,7 @@ def test_the_summary_and_the_exit_code(
 def test_unknown_steps_are_wrong_usage(
     verify: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(sys, "argv", ["verify.py", "varietys"])
+    monkeypatch.setattr(sys, "argv", ["verify", "varietys"])
     with pytest.raises(SystemExit) as ended:
         verify.main()
     assert ended.value.code == 2
@@ -131,59 +136,59 @@ needs_singular = pytest.mark.skipif(
     ("command", "name", "change"),
     [
         pytest.param(
-            "build_varieties.py --check",
+            "tools.build.varieties --check",
             "data/varieties.json",
             _replaced('"degree": 40', '"degree": 42'),
             marks=needs_singular,
         ),
         pytest.param(
-            "build_example_counts.py --check --groebner octahedral-3-3",
+            "tools.build.example_counts --check --groebner octahedral-3-3",
             "data/examples/expected.json",
             _replaced('"distinct": 16', '"distinct": 14'),
             marks=needs_singular,
         ),
         (
-            "build_example_counts.py --check octahedral-3-3",
+            "tools.build.example_counts --check octahedral-3-3",
             "data/examples/expected.json",
             _replaced('"distinct": 16', '"distinct": 14'),
         ),
         (
-            "build_coincident_counts.py --check",
+            "tools.build.coincident_counts --check",
             "data/verification/coincident-platforms.csv",
             _replaced(",40,40,", ",40,39,"),
         ),
-        ("build_start_systems.py --check --sample 1", "data/start-systems/points.npy", _one_bit),
+        ("tools.build.start_systems --check --sample 1", "data/start-systems/points.npy", _one_bit),
         (
-            "build_witnesses.py check --sample 1",
+            "tools.witnesses check --sample 1",
             "data/witnesses/real.csv",
             _replaced("6D PP PP PP PP PP PP,40", "6D PP PP PP PP PP PP,42"),
         ),
         (
-            "build_real_counts.py check --sample 1",
+            "tools.witnesses.counts check --sample 1",
             "data/witnesses/counts.csv",
             _replaced(" 38:", " 39:"),
         ),
         (
-            "build_schema.py --check",
+            "tools.build.schema --check",
             "docs/instance.schema.json",
             _replaced('"additionalProperties": false', '"additionalProperties": true'),
         ),
-        ("build_counts.py --docs --check", "docs/images/counts.svg", _replaced("<use", "<Use")),
-        ("build_pictures.py --check", "docs/images/enumerate.svg", _replaced("1120", "1220")),
+        ("tools.build.counts --docs --check", "docs/images/counts.svg", _replaced("<use", "<Use")),
+        ("tools.build.pictures --check", "docs/images/enumerate.svg", _replaced("1120", "1220")),
     ],
-    ids=lambda value: value.split()[0] if isinstance(value, str) and ".py" in value else "",
+    ids=lambda value: value.split()[0] if str(value).startswith("tools.") else "",
 )
 def test_what_is_spoilt_is_rejected(
     command: str, name: str, change: Callable[[Path], None], checkout: Path
 ) -> None:
-    tool, *words = command.split()
+    words = command.split()
 
     def check() -> subprocess.CompletedProcess[str]:
         return subprocess.run(
-            [sys.executable, str(checkout / "tools" / tool), *words],
+            [sys.executable, "-m", *words],
             capture_output=True,
             text=True,
-            cwd=ROOT,
+            cwd=checkout,
         )
 
     confirmed = check()
@@ -198,8 +203,8 @@ def test_what_is_spoilt_is_rejected(
 def test_a_witness_with_fewer_poses_is_wrong(load_tool: Callable) -> None:
     from dataclasses import replace
 
-    tool = load_tool("build_witnesses")
-    found = next(w for w in tool.recorded().values() if w.real < 20)
+    tool, known = load_tool("witnesses.best"), load_tool("witnesses.known")
+    found = next(w for w in known.recorded().values() if w.real < 20)
     assert tool.wrong(found) == ""
     assert f"{found.real} certified" in tool.wrong(replace(found, real=found.real + 2))
 

@@ -19,7 +19,8 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.catalogue import kinds
+from gspcli.catalogue.kinds import Kind
 from gspcli.certification.equations import study
 from gspcli.certification.equations.ball_system import (
     Form,
@@ -172,28 +173,17 @@ def moving_equation(
     is_zero
         Whether the value is zero, always.
     """
-    if kind in _ANGLES:
-        law, sign = _ANGLES[kind]
-        return Shape.PLAIN, law, sign, [rotation_form(v, u)]
-    if kind is DPP:
-        return Shape.PLAIN, Law.SQUARE, 1.0, [square_distance(a, b, arb(0))]
-    if kind is DLL:
+    if not kind.is_distance:
+        law = Law.COSINE if kind.law.is_cosine else Law.SINE
+        return Shape.PLAIN, law, float(kind.law.sign), [rotation_form(v, u)]
+    if kind.law is kinds.Law.MOMENT:
         moment = mutual_moment(a, b, u, v)
         if is_zero:
             return Shape.PLAIN, Law.LINEAR, 1.0, [moment]
         return Shape.LINES, Law.SQUARE, 1.0, [moment, rotation_form(v, u)]
-    height = base_height(a, b, v) if v else platform_height(a, b, u)
-    if kind in (DPL, DLP):
+    if kind.law is kinds.Law.SQUARE and not (u or v):
+        return Shape.PLAIN, Law.SQUARE, 1.0, [square_distance(a, b, arb(0))]
+    height = platform_height(a, b, u) if u else base_height(a, b, v)
+    if kind.law is kinds.Law.SQUARE:
         return Shape.PRODUCT, Law.SQUARE, 1.0, [square_distance(a, b, arb(0)), height]
-    if kind in (DPH, DHP):
-        sign = 1 if kind is DPH else -1
-        return Shape.PLAIN, Law.LINEAR, 1.0, [scaled(height, arb(sign))]
-    raise ValueError(kind)
-
-
-_ANGLES = {
-    ALL: (Law.COSINE, 1.0),
-    ALH: (Law.SINE, 1.0),
-    AHL: (Law.SINE, 1.0),
-    AHH: (Law.COSINE, -1.0),
-}
+    return Shape.PLAIN, Law.LINEAR, 1.0, [scaled(height, arb(-1 if u else 1))]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, Kind
+from gspcli.catalogue.kinds import Kind, Law
 from gspcli.certification.counting.elements import Element
 from gspcli.certification.counting.exact_numbers import Angle, element, in_radians, squared
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
@@ -133,7 +133,7 @@ def _value(
 ) -> Element:
     kind = constraint.kind
     if not kind.is_distance:
-        cosine = _cosine(kind, in_radians(constraint.value, unit))
+        cosine = _cosine(kind.law, in_radians(constraint.value, unit))
         return cosine if cosine.is_zero else cosine * (_square(u) * _square(v)).sqrt()
     if not kind.has_sides:
         return squared(constraint.value)
@@ -155,10 +155,7 @@ def _square(vector: tuple[Element, ...]) -> Element:
     return sum((x * x for x in vector), _ZERO)
 
 
-def _cosine(kind: Kind, angle: Angle) -> Element:
+def _cosine(law: Law, angle: Angle) -> Element:
     """Return the value of ``R u . v`` of unit vectors (paper, Section 4)."""
-    if kind in (ALH, AHL):
-        return angle.sin()
-    if kind not in (ALL, AHH):
-        raise ValueError(kind)
-    return -angle.cos() if kind is AHH else angle.cos()
+    value = angle.cos() if law.is_cosine else angle.sin()
+    return value if law.sign > 0 else -value

@@ -25,7 +25,7 @@ import numpy as np
 from flint import acb, acb_mat, arb, arb_mat, fmpz_mat
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
+from gspcli.catalogue.kinds import Law
 from gspcli.certification.equations import study
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.equations.pose_balls import PoseBall
@@ -114,27 +114,25 @@ class BallSystem:
         return bool(np.isfinite(self._moduli).all())
 
     def _equations(self, given: Statement) -> tuple[BallEquation, ...]:
-        kind, a, b, u, v = given.kind, given.a, given.b, given.u, given.v
-        if not kind.is_distance:
+        law, a, b, u, v = given.kind.law, given.a, given.b, given.u, given.v
+        if not given.kind.is_distance:
             form = rotation_form(v, u)
             form[study.NORM] = -given.cosine * norm(u) * norm(v)
             return (BallEquation(self._add(form)),)
-        if kind is DPP:
-            return (BallEquation(self._add(square_distance(a, b, given.value))),)
-        if kind is DLL:
+        if law is Law.MOMENT:
             return (self._distance_of_lines(given),)
-        # Of the other four, the point's height over the line's foot or over the plane.
-        height = base_height(a, b, v) if v else platform_height(a, b, u)
-        if kind in (DPL, DLP):
+        axis = u or v
+        if law is Law.SQUARE and not axis:
+            return (BallEquation(self._add(square_distance(a, b, given.value))),)
+        # The point's height over the line's foot or over the plane.
+        height = platform_height(a, b, u) if u else base_height(a, b, v)
+        if law is Law.SQUARE:
             square = square_distance(a, b, given.value)
-            axis = u or v
             main = self._add(scaled(square, dot(axis, axis)))
             return (BallEquation(main, (self._add(height),)),)
-        if kind not in (DPH, DHP):
-            raise ValueError(kind)
-        if kind is DHP:
+        if u:
             height = scaled(height, arb(-1))
-        value = given.value * norm(u or v)
+        value = given.value * norm(axis)
         return tuple(
             BallEquation(self._add({**height, study.NORM: height[study.NORM] - sign * value}))
             for sign in (_SIGNS[given.side] if not given.is_zero else (1,))

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from flint import acb, arb
 
-from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP
+from gspcli.catalogue.kinds import DLL, Law
 from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.equations.pose_balls import PoseBall
 from gspcli.certification.equations.statement import Statement
@@ -50,26 +50,19 @@ def _measure(given: Statement, R: list[list[arb]], T: list[arb]) -> Measurement:
     u = rotated(R, given.u) if given.u else []
     if not kind.is_distance:
         angle = _angle(u, given.v)
-        if kind in (ALH, AHL):
-            angle = arb.pi() / 2 - angle
-        elif kind is AHH:
-            angle = arb.pi() - angle
-        elif kind is not ALL:
-            raise ValueError(kind)
+        if kind.law is not Law.COSINE:
+            angle = (arb.pi() if kind.law.is_cosine else arb.pi() / 2) - angle
         return Measurement(angle * given.unit, stated)
     w = [x + t - y for x, t, y in zip(rotated(R, given.a), T, given.b, strict=True)]
-    if kind is DPP:
-        return Measurement(norm(w) * given.unit, stated)
-    if kind is DLL:
+    if kind.law is Law.MOMENT:
         common = cross(u, given.v)
         return Measurement(abs(dot(w, common)) / norm(common) * given.unit, stated)
     axis = u or given.v
-    if kind in (DPL, DLP):
-        return Measurement(norm(cross(w, axis)) / norm(axis) * given.unit, stated)
-    if kind not in (DPH, DHP):
-        raise ValueError(kind)
+    if kind.law is Law.SQUARE:
+        distance = norm(cross(w, axis)) / norm(axis) if axis else norm(w)
+        return Measurement(distance * given.unit, stated)
     height = dot(w, axis) / norm(axis) * given.unit
-    height = height if kind is DPH else -height
+    height = -height if u else height
     return Measurement(abs(height), stated, height)
 
 

@@ -6,7 +6,7 @@ from functools import cached_property
 
 from flint import arb
 
-from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, Kind
+from gspcli.catalogue.kinds import Kind, Law
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.numbers.balls import ball, power_of_two
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
@@ -48,22 +48,16 @@ class Statement:
     @cached_property
     def cosine(self) -> arb:
         """``R u . v`` of an angle constraint, for unit vectors (paper, Section 4)."""
-        return _cosine(self.kind, self.value)
+        return _cosine(self.kind.law, self.value)
 
 
-def _cosine(kind: Kind, angle: arb) -> arb:
-    if kind is ALL:
-        return angle.cos()
-    if kind in (ALH, AHL):
-        return angle.sin()
-    if kind is AHH:
-        return -angle.cos()
-    raise ValueError(kind)
+def _cosine(law: Law, angle: arb) -> arb:
+    return law.sign * (angle.cos() if law.is_cosine else angle.sin())
 
 
 def cosine(constraint: Constraint, unit: AngleUnit) -> arb:
     """Return `Statement.cosine` of an angle constraint."""
-    return _cosine(constraint.kind, ball(constraint.value) * _radians(unit))
+    return _cosine(constraint.kind.law, ball(constraint.value) * _radians(unit))
 
 
 def _radians(unit: AngleUnit) -> arb:

@@ -17,10 +17,6 @@ from numpy.typing import NDArray
 
 from gspcli import _kernel
 from gspcli.catalogue.kinds import (
-    AHH,
-    AHL,
-    ALH,
-    ALL,
     ANGLE_KINDS,
     DHP,
     DLL,
@@ -142,11 +138,8 @@ class ValueProofs:
     def _cosines(self, kind: Kind, angles: Array) -> Array:
         """Return the values of ``R u . v`` that angles ask for (`Statement.cosine`)."""
         degrees = self.instance.units.angle is AngleUnit.DEGREE
-        if kind in (ALH, AHL):
-            return sines(angles, degrees=degrees)
-        if kind not in (ALL, AHH):
-            raise ValueError(kind)
-        return cosines(angles, degrees=degrees) * (-1 if kind is AHH else 1)
+        function = cosines if kind.law.is_cosine else sines
+        return function(angles, degrees=degrees) * kind.law.sign
 
     def _values(self, rows: Array, choices: Array) -> Array:
         """Return what the kernel wants of each value (native/ends.hpp), shape (b, k, 6, 6)."""

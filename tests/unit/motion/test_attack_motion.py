@@ -17,7 +17,7 @@ NAMES = ["t", "1", "2", "3", "4", "5", "6"]
 
 @pytest.fixture(scope="module")
 def tool(load_tool):
-    return load_tool("attack_motion")
+    return load_tool("fuzz.motion")
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import pytest
 
 @pytest.fixture(scope="module")
 def tool(load_tool):
-    return load_tool("attack_motion_files")
+    return load_tool("fuzz.motion_files")
 
 
 @pytest.fixture(scope="module")

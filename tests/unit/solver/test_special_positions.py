@@ -2,47 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
+from positions import ORIGIN, P, X, Y, Z, angles, at, cylinders, solved, spheres
 
-from gspcli.catalogue.kinds import KINDS_BY_NAME
-from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
-from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Line, Plane, Point, vector
+from gspcli.geometry.instance import Side
+from gspcli.geometry.primitives import Line, Plane, vector
 from gspcli.geometry.residuals import residuals
-from gspcli.solver import SolveResult, solve
-
-ORIGIN, X, Y, Z = (vector(*v) for v in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
-P = Point(ORIGIN)
-
-
-def at(x: object, y: object, z: object) -> Point:
-    return Point(vector(x, y, z))
-
-
-def solved(*rows: tuple[Any, ...]) -> SolveResult:
-    constraints = tuple(
-        Constraint(KINDS_BY_NAME[kind], platform, base, Number.of(value), *rest)
-        for kind, platform, base, value, *rest in rows
-    )
-    result = solve(Instance(constraints, Units("m", AngleUnit.DEGREE)), certify=False)
-    assert int(result.multiplicity.sum()) == result.account.found
-    return result
-
-
-def angles(value: float) -> tuple[tuple[Any, ...], ...]:
-    """The angles of Example 6.2: three orthogonal lines each; eight rotations for 60 degrees."""
-    return tuple(("ALL", Line(ORIGIN, d), Line(ORIGIN, d), value) for d in (Z, Y, X))
-
-
-def cylinders(*radii: float) -> tuple[tuple[Any, ...], ...]:
-    return tuple(("DPL", P, Line(ORIGIN, d), r) for d, r in zip((Z, Y, X), radii, strict=True))
-
-
-def spheres(*rows: tuple[Point, float]) -> tuple[tuple[Any, ...], ...]:
-    return tuple(("DPP", P, centre, radius) for centre, radius in rows)
 
 
 def test_example_6_8_has_64_real_poses():
@@ -285,64 +251,6 @@ def test_distances_of_zero_are_reported_without_a_warning(kind):
     assert result.verdict == "complete"
     document = result.to_json(everything=True)
     assert len(document["solutions"]) == result.counts.found > result.expected / 2
-
-
-def free_angles(name: str) -> tuple[tuple[Any, ...], ...]:
-    """Angles that leave a rotation free."""
-    x, y, z = (Line(ORIGIN, d) for d in (X, Y, Z))
-    back, diagonal = Line(ORIGIN, vector(-1, 0, 0)), Line(ORIGIN, vector(1, 1, 0))
-    rows = {
-        "one axis twice": ((x, x, 60), (x, x, 60), (z, z, 60)),
-        "one axis and its opposite": ((x, x, 60), (back, x, 120), (z, z, 60)),
-        "one axis three times": ((x, x, 60), (x, x, 60), (x, x, 60)),
-        "one line of the base": ((x, z, 60), (y, z, 60), (z, z, 45)),
-        "coplanar lines and one of the base": ((x, z, 60), (y, z, 60), (diagonal, z, 45)),
-        "right angles with one line": ((x, x, 90), (y, x, 90), (z, y, 90)),
-    }
-    return tuple(("ALL", *row) for row in rows[name])
-
-
-SURFACES = {
-    "spheres": tuple(
-        ("DPP", at(*y), at(*x), 2)
-        for y, x in (((0, 0, 0), (0, 0, 0)), ((1, 0, 0), (1, 1, 0)), ((0, 1, 0), (0, 1, 1)))
-    ),
-    "cylinders": cylinders(6, 4, 5),
-    "planes": tuple(("DPH", P, Plane(ORIGIN, d), 1) for d in (X, Y, Z)),
-}
-
-
-@pytest.mark.parametrize("surfaces", SURFACES)
-@pytest.mark.parametrize(
-    "name",
-    [
-        "one axis twice",
-        "one axis and its opposite",
-        "one axis three times",
-        "one line of the base",
-        "coplanar lines and one of the base",
-        "right angles with one line",
-    ],
-)
-def test_a_free_rotation_is_a_motion(name, surfaces):
-    result = solved(*SURFACES[surfaces], *free_angles(name))
-    assert result.verdict == "infinite"
-    # That there are infinitely many is proved by the count: of so special a set paths may be lost.
-    assert result.poses.proof is not None
-    assert result.account.lost < 8
-    motion = result.motions[0]
-    assert motion.real
-    assert residuals(result.arrangement, motion.R, motion.T).max() < 1e-9
-
-
-def test_a_free_rotation_without_any_translation_has_no_pose():
-    """Two concentric spheres: path tracking confirms what sample rotations only suggest."""
-    result = solved(
-        *spheres((at(0, 0, 0), 1), (at(0, 0, 0), 2), (at(1, 0, 0), 1)),
-        *free_angles("one axis twice"),
-    )
-    assert result.verdict == "complete"
-    assert (result.counts.found, result.account.at_infinity) == (0, 16)
 
 
 def test_nearly_equal_spheres_in_more_than_enough_places_still_add_up():

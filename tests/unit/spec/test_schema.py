@@ -18,7 +18,7 @@ VALIDATOR = jsonschema.Draft202012Validator(json_schema())
 
 def test_the_published_schema_is_up_to_date():
     recorded = json.loads(PUBLISHED.read_text(encoding="utf-8"))
-    assert recorded == json_schema(), "run python tools/build_schema.py"
+    assert recorded == json_schema(), "run python -m tools.build.schema"
     jsonschema.Draft202012Validator.check_schema(recorded)
 
 

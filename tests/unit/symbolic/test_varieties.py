@@ -33,7 +33,8 @@ from gspcli.symbolic.varieties import (
     sampled_hilbert_function,
 )
 
-TOOL = Path(__file__).parents[3] / "tools" / "build_varieties.py"
+ROOT = Path(__file__).parents[3]
+CHECK = [sys.executable, "-m", "tools.build.varieties", "--check"]
 NAMES = [coordinates.name for coordinates in SYSTEMS]
 
 
@@ -128,16 +129,15 @@ def test_manifest_has_the_digest_of_the_content(name: str, key: str) -> None:
 
 @pytest.mark.skipif(shutil.which("Singular") is None, reason="Singular is not installed")
 def test_singular_confirms_the_record() -> None:
-    run = subprocess.run(
-        [sys.executable, str(TOOL), "--check"], capture_output=True, text=True, check=False
-    )
+    run = subprocess.run(CHECK, capture_output=True, text=True, check=False, cwd=ROOT)
     assert run.returncode == 0, run.stderr
     assert "confirmed: dimension and degree of 10 varieties" in run.stdout
 
 
 def test_without_singular_the_tool_says_so() -> None:
     run = subprocess.run(
-        [sys.executable, str(TOOL), "--check"],
+        CHECK,
+        cwd=ROOT,
         capture_output=True,
         text=True,
         check=False,

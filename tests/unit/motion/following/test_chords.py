@@ -78,7 +78,7 @@ def test_proofs_in_other_norms_hold_in_the_euclidean_one(kinds, monkeypatch):
 
 
 def random_move(kinds, number, k):
-    """One of the moves of tools/verify_tracks.py."""
+    """One of the moves of tools/verify/tracks.py."""
     rng = np.random.default_rng((SEED, number, k))
     instance, (R, T) = random_instance(gspcli.parse_type(kinds), rng)
     turned = rotation_from_vector(0.3 * rng.normal(size=3)) @ R

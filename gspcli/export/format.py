@@ -1,0 +1,54 @@
+"""What a format of `gsp export` says of itself.
+
+Rational coefficients are exact everywhere. Irrational constants (square roots, cosines) are exact
+for SymPy; for programs that know only rational numbers they are decimal fractions of as many digits
+as are asked for, and for those that compute in doubles they are doubles.
+
+The scripts for Macaulay2, Singular and HomotopyContinuation.jl print a line ``# dimension ..,
+degree ..`` where they know it, and the solutions as CSV that `gsp certify` reads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Literal
+
+from gspcli.records import dataclass
+
+if TYPE_CHECKING:
+    from gspcli.export.polynomial_systems import PolynomialSystem
+    from gspcli.geometry.instance import Instance
+    from gspcli.solver import Solution
+
+
+@dataclass(frozen=True)
+class SystemFormat:
+    """The input of a program that solves systems of polynomials.
+
+    Attributes
+    ----------
+    write
+        Its text for a system and a number of digits.
+    irrational
+        What it has for irrational constants: the constants themselves, decimal fractions of so many
+        digits, or doubles.
+    """
+
+    write: Callable[[PolynomialSystem, int], str]
+    irrational: Literal["exact", "decimals", "doubles"]
+
+
+@dataclass(frozen=True)
+class PoseFormat:
+    """The input of a program that is given the platform in one real assembly mode.
+
+    Attributes
+    ----------
+    write
+        Its text for an instance and a pose of it.
+    what
+        What that is, for the help.
+    """
+
+    write: Callable[[Instance, Solution], str]
+    what: str

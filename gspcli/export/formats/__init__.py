@@ -1,0 +1,14 @@
+"""The formats of `gsp export`: each file declares one, under the name of the file."""
+
+from __future__ import annotations
+
+import pkgutil
+from importlib import import_module
+
+from gspcli.export.format import PoseFormat, SystemFormat
+
+#: By the names that the command line gives them.
+FORMATS: dict[str, PoseFormat | SystemFormat] = {
+    found.name: import_module(f"{__name__}.{found.name}").FORMAT
+    for found in pkgutil.iter_modules(__path__)
+}

@@ -1,0 +1,172 @@
+"""Runs of all commands, for the pages and checks that look at everything that is printed."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import re
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+
+from gspcli.cli.main import cli, run
+from gspcli.resources import data_directory, instance_files
+from gspcli.spec import load
+
+#: Runs that together print all keys of a command, where the examples of its help do not; POSES,
+#: TWICE, VALUES, REACH, LOOP and STATE are files made here.
+SAMPLES: dict[str, tuple[str, ...]] = {
+    "enumerate": (
+        "--class 6D --only PP,PH",
+        "--class 3D3A --only PH,HP,A",
+        "--class 5D1A --count",
+        "--coincident --class 4D2A",
+        "--coincident 6PP --limit 90",
+        "--coincident 'DLL DLL DLL ALL ALL ALH' --limit 40",
+    ),
+    "show": ("6PP", "421", "1007", "3D3A PH PH PH ALL ALL ALL"),
+    "bound": ("3D3A PL PL LP", "6PP", "3D3A PH PH PH ALL ALL ALL", "1 17"),
+    "constraint": ("DPL", "DLL", "ALH", "DPP"),
+    "realize": (
+        "6PP",
+        "DLL DLL DLL ALL ALL ALH",
+        "3000",
+        "@octahedral-3-3",
+        "'P1-p1 P1-p2 P1-p3 P1-p4 P2-p5 P3-p6'",
+    ),
+    "table": ("1", "2", "3", "errata --check"),
+    "derive": ("", "ppp", "ccc"),
+    "atlas summary": ("",),
+    "example": ("",),
+    "check": ("@dietmaier @three-vee-250mm @point-on-line @fixture-3-2-1",),
+    "solve": (
+        "@dietmaier --all",
+        "@figure-3 --all --digits 20",
+        "@planar-hexagons --all",
+        "@workspace-study-cones --set 6=79",
+        "@no-real-pose",
+        "@griffis-duffy",
+        "@singular-pose",
+    ),
+    "certify": ("@figure-3 POSES", "@figure-3 POSES --digits 20", "@figure-3 TWICE"),
+    "count": (
+        "@planar-hexagons @griffis-duffy @six-planes",
+        "@dietmaier --limit 0.000001",
+        "--type 6PP --geometry generic,3-3",
+    ),
+    "sample": ("6PP --count 20",),
+    "maximize-real": ("3D3A PH PH PH --attempts 1 --state STATE",),
+    "measure": ("@figure-3 POSES", "@t-top-head --pose 0,0,0.17,1,0,0,0 --cranks"),
+    "track": ("@rubin-m2 VALUES", "LOOP --allow-loss --all --clearance --pose-clearance", "REACH"),
+    "analyze": ("@rubin-m2", "@figure-3", "@figure-3 --geometry 0.01,0.001"),
+    "clearance": (
+        "@octahedral-3-3 --mode 1",
+        "@singular-pose --mode 1",
+        "@octahedral-3-3 --mode 1 --of pose",
+    ),
+    "scan": (
+        "@octahedral-3-3 --vary 1=1:2:5",
+        "@octahedral-3-3 --vary 1=1:2:3 --vary 2=1:2:3",
+        "@octahedral-3-3 --vary 1=1:2:5 --folds",
+        "@platform-6-6 --vary 1=2.2:2.4:2 --vary 4=1.6:1.8:2 --folds --jobs 1",
+        "@platform-6-6 --vary 1=2.4:2.6:3 --quantity clearance",
+        "@platform-6-6 --over x=-2:2:5 --over y=-2:2:5 --pose 0,0,0.5,1,0.2,0.1,0",
+        "@platform-6-6 --over x=-2:2:5 --over y=-2:2:5 --pose 0,0,0.5,1,0.2,0.1,0 --folds",
+        "@platform-6-6 --over x=-2:2:3 --pose 0,0,0.5,1,0.2,0.1,0 --quantity clearance",
+    ),
+    "workspace": (
+        "@workspace-study",
+        "@workspace-study --hold z=0:200:2",
+        "@workspace-study --over x,y --boxes --tolerance 0.5",
+        "@workspace-study --position 0,0,400 --tolerance 0.5",
+        "@workspace-study --over z --within z=0:100",
+    ),
+}
+#: Takes hours, or prints what only a wrong record makes it print.
+_LONG = {"atlas verify"}
+#: Values after which the platform is in another mode, and folds of others on the way.
+_LOOP = data_directory() / "trajectories" / "mode-change"
+#: Exit codes that go with complete output: done, a check failed, not finite, not completed.
+_ANSWERS = (0, 1, 3, 4)
+#: What stands in examples for a file of the reader, or needs a shell.
+_NOT_HERE = re.compile(r"\.[a-z]|[|<>]| -o ")
+
+
+def described() -> dict[str, click.Command]:
+    """Return the commands that print JSON, or write it to a file, by their names."""
+    return {
+        name: command
+        for name, command in commands()
+        if name not in _LONG and ("json" in choices(command, "format") or name in SAMPLES)
+    }
+
+
+def commands(group: click.Group = cli, above: str = "") -> Iterator[tuple[str, click.Command]]:
+    """Yield all commands by their names, such as ``atlas summary``, in the order of the help."""
+    with click.Context(group) as context:
+        for name in group.list_commands(context):
+            command = group.get_command(context, name)
+            if isinstance(command, click.Group):
+                yield from commands(command, f"{above}{name} ")
+            elif command is not None:
+                yield above + name, command
+
+
+def choices(command: click.Command, option: str) -> tuple[str, ...]:
+    """Return what can be chosen by an option of a command: nothing if it has no such option."""
+    found = (parameter.type for parameter in command.params if f"--{option}" in parameter.opts)
+    return next((tuple(t.choices) for t in found if isinstance(t, click.Choice)), ())
+
+
+def samples(name: str, command: click.Command) -> tuple[str, ...]:
+    """Return runs of a command, without its name."""
+    if name in SAMPLES:
+        return SAMPLES[name]
+    examples = re.findall(rf"^ *gsp {name}\b *(.*)$", command.help or "", re.M)
+    return tuple(example for example in examples if not _NOT_HERE.search(example))
+
+
+def words(name: str, sample: str, folder: Path) -> list[str]:
+    """Return a run of a command as words; files that it reads are written to a folder."""
+    names = {
+        "POSES": "poses.json",
+        "TWICE": "twice.json",
+        "VALUES": "values.csv",
+        "STATE": "s.json",
+    }
+    paths = {word: folder / name for word, name in names.items()}
+    if "POSES" in sample or "TWICE" in sample:
+        text = output(["solve", "@figure-3", "--format", "json"])
+        paths["POSES"].write_text(text, encoding="utf-8")
+        first = json.loads(text)["solutions"][0]
+        rough = first | {"certified": False, "T": [value + 3 for value in first["T"]]}
+        twice = {"schema": "gsp.solve/1", "solutions": [first, first, rough]}
+        paths["TWICE"].write_text(json.dumps(twice), encoding="utf-8")
+    if "VALUES" in sample:
+        rows = load(instance_files()["rubin-m2"]).constraints
+        lines = [",".join(repr(row.value.value + k / 1000) for row in rows) for k in range(3)]
+        paths["VALUES"].write_text("\n".join([",".join("123456"), *lines]) + "\n", encoding="utf-8")
+    if "REACH" in sample:
+        # To the side until legs leave their cones, then up until they are too long.
+        poses = [f"{x},0,{z},1,0,0,0" for x, z in ((0, 60), (60, 60), (0, 60), (0, 160))]
+        path = folder / "reach.csv"
+        path.write_text("\n".join(["x,y,z,qw,qx,qy,qz", *poses]) + "\n", encoding="utf-8")
+        sample = sample.replace("REACH", f"@workspace-study-cones {path} --near 0,0,60,1,0,0,0")
+    sample = sample.replace("LOOP", f"{_LOOP}.yaml {_LOOP}.csv")
+    for word, path in paths.items():
+        sample = sample.replace(word, str(path))
+    return [*name.split(), *shlex.split(sample)]
+
+
+def output(words: list[str]) -> str:
+    """Return what a command prints; that poses are infinitely many, or missing, is an answer."""
+    text = io.StringIO()
+    with contextlib.redirect_stdout(text), contextlib.redirect_stderr(io.StringIO()) as errors:
+        code = run(words)
+    if code not in _ANSWERS or not text.getvalue():
+        message = f"gsp {shlex.join(words)}: exit code {code}: {errors.getvalue()}"
+        raise SystemExit(message)
+    return text.getvalue()

@@ -1,0 +1,96 @@
+"""Construct platforms with many real solutions for types with DPL and DLP.
+
+For each family whose solutions are not all known to be real, and to which no simpler one with as
+many solutions leads (`lift.py`): split its DPL and DLP (`gspcli.reality.splitting`) in one of the
+ways that leave the most solutions, look for a platform of what remains with all of them real, some
+seconds of processor time for each pattern (`patterns.py`), and go from there to a platform of the
+family. What is known of the patterns is kept beside the journal.
+"""
+
+from __future__ import annotations
+
+import itertools
+import time
+
+import numpy as np
+
+from gspcli.catalogue.kinds import Kind
+from gspcli.geometry.quaternions import pose_from_study
+from gspcli.reality.solved_platforms import Solved, quickly_solved
+from gspcli.reality.splitting import Splitting, splittings
+from tools.witnesses.known import Known, by_dependents, kinds_of, solutions
+from tools.witnesses.patterns import Patterns, canonical, generic_count
+
+#: How far points that turn are away, in units of the largest distance of a place from their middle
+#: over the square of the cosine; the cosines, and the distances that are tried.
+_REACHES, _COSINES = (0.5, 2.0, 8.0), (0.4, 0.2, 0.1, 0.05, 0.025)
+_GAPS = (0.2, 0.1, 0.05, 0.025, 0.012, 0.006, 0.003, 0.001)
+#: A constraint that is not split has about this share of the real solutions of one that is.
+_UNSPLIT = 0.6
+#: How many ways are tried for a family.
+_WAYS = 3
+
+
+def _sizes(*, turned: bool, carried: bool) -> list[tuple[float, float, float]]:
+    """Return what is tried, reach, cosine and gap: first what needs the fewest digits."""
+    every = itertools.product(
+        _REACHES if turned else _REACHES[:1],
+        _COSINES if turned else _COSINES[:1],
+        _GAPS if carried else _GAPS[:1],
+    )
+    return sorted(every, key=lambda one: one[0] / (one[1] ** 2 * one[2] ** 2))
+
+
+def constructed(splitting: Splitting, known: Solved, order: list[int]) -> Solved | None:
+    """Return the best platform near one of the pattern, whose constraints have another order."""
+    R, T = pose_from_study(known.points[known.real, :4], known.points[known.real, 4:])
+    R, T = R.real, T.real
+    U = -np.einsum("nji,nj->ni", R, T)
+    spread = max(float(np.linalg.norm(x - x.mean(axis=0), axis=1).max()) for x in (T, U))
+    platform = known.platform.permuted(np.argsort(order).tolist())
+    best: Solved | None = None
+    turned, carried = bool(splitting.turned), bool(splitting.carried)
+    for reach, cosine, gap in _sizes(turned=turned, carried=carried):
+        far = float(f"{reach * max(spread, 0.05) / cosine**2:.1g}")
+        lifted = splitting.lifted(platform, R, T, gap=gap, reach=far, cosine=cosine)
+        found = quickly_solved(lifted)
+        if found is not None and (best is None or found.count > best.count):
+            best = found
+        if best is not None and best.count == known.count * splitting.factor:
+            break
+    return best
+
+
+def _hope(splitting: Splitting, count: int) -> float:
+    """Return how many real solutions a way to split may give."""
+    return float(count * splitting.factor * _UNSPLIT**splitting.left)
+
+
+def best_ways(kinds: tuple[Kind, ...], patterns: Patterns) -> list[Splitting]:
+    """Return the most promising ways, counting solutions of as few patterns as possible."""
+    ways = {canonical(one.pattern)[0]: one for one in splittings(kinds) if one.factor > 1}
+    bounds = {one: _hope(one, generic_count(one.pattern.kinds)) for one in ways.values()}
+    found: list[tuple[float, int, Splitting]] = []
+    for way in sorted(bounds, key=lambda one: (-bounds[one], len(one.turned))):
+        if len(found) == _WAYS and bounds[way] <= found[-1][0]:
+            break
+        found.append((_hope(way, patterns.rest(way).count), -len(way.turned), way))
+        found = sorted(found, key=lambda one: one[:2], reverse=True)[:_WAYS]
+    return [way for _, _, way in found]
+
+
+def construct(known: Known, seconds: float, minutes: float, most: int, below: float) -> None:
+    """Go through the families once, those of which a smaller share is known to be real."""
+    end = time.monotonic() + 60 * minutes
+    patterns = Patterns(known.journal.with_suffix(".patterns"))
+    for family in by_dependents():
+        if solutions(family) > most or not known.is_open(family, below):
+            continue
+        for way in best_ways(kinds_of(family), patterns):
+            if time.monotonic() > end:
+                return
+            possible = patterns.rest(way).count * way.factor
+            if known.is_open(family, below) and possible > known.counts.get(family.id, 0):
+                best = patterns.search(way, seconds).best
+                platform = best and constructed(way, best, canonical(way.pattern)[1])
+                known.improve(family, platform, f", at most {possible} in this way")
