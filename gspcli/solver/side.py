@@ -132,8 +132,8 @@ class Side:
         place[known] = self.found.add_proved(R[known], T[known], e[known], real[known], off[known])
         pairs = known & ~real
         # Zero has one sign.
-        conjugates = (x[pairs].conj() + 0.0 for x in (R, T, e))
-        self.found.add_proved(*conjugates, real[pairs], off[pairs])
+        other_R, other_T, other_e = (x[pairs].conj() + 0.0 for x in (R, T, e))
+        self.found.add_proved(other_R, other_T, other_e, real[pairs], off[pairs])
         # What 32 digits do not tell; mostly pairs of conjugates, which are one after the other.
         for k in np.flatnonzero(certified & ~rounded).tolist():
             place[k] = self.found.place_near(R[k], T[k], off[k])

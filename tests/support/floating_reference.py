@@ -9,12 +9,12 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from gspcli.certification.poses.floating import Doubles, _quadrics
 from numpy.typing import NDArray
 
 from gspcli.certification.equations import study
 from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.numbers.rounding import OUTWARD, ROUNDING, TINY
-from gspcli.certification.poses.floating import Doubles, _quadrics
 from gspcli.certification.poses.isolation import REACH
 
 Array = NDArray[np.float64]

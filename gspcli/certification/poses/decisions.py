@@ -13,6 +13,7 @@ from gspcli.certification.equations.frames import OWN
 from gspcli.certification.poses.collection import Collection
 from gspcli.certification.poses.locator import Locator
 from gspcli.certification.poses.many_values import ValueProofs
+from gspcli.defaults import TOLERANCE
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.primitives import Line
@@ -31,8 +32,9 @@ class Decisions(NamedTuple):
     Attributes
     ----------
     certified
-        Whether exactly one simple solution is proved to be near, different from those near the
-        other certified poses, and proved to be real or not to be; shape (n,).
+        Whether exactly one simple solution is proved to be within the tolerance (of the largest
+        entry), different from those near the other certified poses, and proved to be real or not
+        to be; shape (n,).
     real
         Whether it is proved to be real, shape (n,).
     R, T, quaternions
@@ -92,17 +94,31 @@ def _decide_side(
         signs = np.where(choice == 0, 1.0, choice)
         proved = proofs.decide_own(signs[None], points[None], OWN)
         known = (proved.certified & proved.rounded)[0]
-        places[known] = collection.add_proved(
-            *(part[0][known] for part in (proved.R, proved.T, proved.quaternions)),
-            proved.real[0][known],
-            proved.deviation[0][known],
+        R, T, quaternions, real, off = (
+            part[0][known]
+            for part in (
+                proved.R,
+                proved.T,
+                proved.quaternions,
+                proved.real,
+                proved.deviation,
+            )
         )
+        places[known] = collection.add_proved(R, T, quaternions, real, off)
     for k in np.flatnonzero(places < 0).tolist():
         if collection.add(locator.locate(points[k : k + 1], None, sides)):
             places[k] = len(collection) - 1
     first = np.unique(places, return_index=True)[1]
     kept = first[places[first] >= 0]
     index, place = chosen[kept], places[kept]
+    # What Newton's method has moved farther was no approximation of it.
+    before, after = (
+        np.concatenate((R.reshape(-1, 9), T / locator.scale), axis=1)
+        for R, T in ((found.R[index], found.T[index]), (collection.R[place], collection.T[place]))
+    )
+    size = np.maximum(1, np.abs(before).max(axis=1, initial=0))
+    near = np.abs(after - before).max(axis=1, initial=0) <= TOLERANCE * size
+    index, place = index[near], place[near]
     found.certified[index] = True
     found.real[index] = collection.real[place]
     found.R[index], found.T[index] = collection.R[place], collection.T[place]

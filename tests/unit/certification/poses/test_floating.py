@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from flint import acb, arb, ctx
 from floating_reference import evaluated, reference
+from gspcli.certification.poses.floating import Doubles, Proofs, deviations, prove
 
 from gspcli.catalogue.kinds import DISTANCE_KINDS
 from gspcli.catalogue.types import all_types
@@ -19,7 +20,6 @@ from gspcli.certification.equations.pose_balls import pose_of_floats, pose_of_po
 from gspcli.certification.equations.study import TRANSLATION, study_points
 from gspcli.certification.numbers.rounding import ROUNDING
 from gspcli.certification.poses.distinct import all_different
-from gspcli.certification.poses.floating import Doubles, Proofs, deviations, prove
 from gspcli.certification.poses.isolation import Isolation, refine_point
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_quaternion
