@@ -32,8 +32,7 @@ class Decisions(NamedTuple):
     Attributes
     ----------
     certified
-        Whether exactly one simple solution is proved to be within the tolerance (of the largest
-        entry), different from those near the other certified poses, and proved to be real or not
+        Whether exactly one simple solution is proved to be within the tolerance, different from those near the other certified poses, and proved to be real or not
         to be; shape (n,).
     real
         Whether it is proved to be real, shape (n,).
@@ -71,10 +70,11 @@ def decide(instance: Instance, R: ArrayLike, T: ArrayLike) -> Decisions:
     )
     if count:
         locator, proofs = Locator(instance, OWN), ValueProofs.of(instance, None)
-        signs = sides_of(Arrangement.of(instance), rotations, translations)
+        arrangement = Arrangement.of(instance)
+        signs = sides_of(arrangement, rotations, translations)
         for choice in np.unique(signs, axis=0):
             chosen = np.flatnonzero((signs == choice).all(axis=1))
-            _decide_side(locator, proofs, choice, chosen, found)
+            _decide_side(locator, proofs, choice, chosen, found, arrangement.length)
     return found
 
 
@@ -84,6 +84,7 @@ def _decide_side(
     choice: NDArray[np.int64],
     chosen: NDArray[np.intp],
     found: Decisions,
+    length: float,
 ) -> None:
     """Decide about those of the poses that are on some sides."""
     points, _ = study.study_points(found.R[chosen], found.T[chosen])
@@ -112,12 +113,10 @@ def _decide_side(
     kept = first[places[first] >= 0]
     index, place = chosen[kept], places[kept]
     # What Newton's method has moved farther was no approximation of it.
-    before, after = (
-        np.concatenate((R.reshape(-1, 9), T / locator.scale), axis=1)
-        for R, T in ((found.R[index], found.T[index]), (collection.R[place], collection.T[place]))
-    )
-    size = np.maximum(1, np.abs(before).max(axis=1, initial=0))
-    near = np.abs(after - before).max(axis=1, initial=0) <= TOLERANCE * size
+    turned = np.abs(collection.R[place] - found.R[index]).max(axis=(1, 2), initial=0)
+    moved = np.abs(collection.T[place] - found.T[index]).max(axis=1, initial=0)
+    size = np.maximum(1, np.abs(found.R[index]).max(axis=(1, 2), initial=0))
+    near = np.maximum(turned, moved / length) <= TOLERANCE * size
     index, place = index[near], place[near]
     found.certified[index] = True
     found.real[index] = collection.real[place]
