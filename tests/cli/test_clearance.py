@@ -13,7 +13,7 @@ def test_table(gsp):
     assert (run.code, run.err) == (0, "")
     lines = run.out.splitlines()
     assert lines[0] == "General 6-6 platform: DPP DPP DPP DPP DPP DPP"
-    assert lines[2].split()[:5] == ["mode", "proved", "free", "fold", "at"]
+    assert lines[2].split()[:7] == ["mode", "proved", "free", "ends", "at", "ratio", "by"]
     assert [line.split()[0] for line in lines[4:6]] == ["1", "2"]
     assert lines[-1].startswith("clearances in units of 1 unit for distances, 1 deg for angles")
 
@@ -30,6 +30,19 @@ def test_refined_bounds_are_nearer(gsp):
         ratios.append(mode["ratio"])
     assert ratios[1] < ratios[0] < 4
     assert ratios[1] < 2
+
+
+def test_a_distance_that_becomes_zero_before_any_fold(gsp):
+    run = gsp("clearance", "@surfaces-ppp", "--mode", "1")
+    assert "0.71" in run.out
+    assert "end of range   3" in run.out
+    run = gsp("clearance", "@surfaces-ppp", "--mode", "1", "--format", "json")
+    (mode,) = json.loads(run.out)["modes"]
+    assert (mode["upper"], mode["by"], mode["constraint"]) == (
+        pytest.approx(0.71), "end of range", 3,
+    )  # fmt: skip
+    assert mode["values"][2] == 0
+    assert mode["R"] is None
 
 
 def test_a_column_of_track(gsp, tmp_path):
@@ -138,3 +151,21 @@ def test_poses_without_number(gsp, tmp_path):
     for of in ("values", "pose"):
         run = gsp("clearance", path, "--pose", "0,0,2,1,0,0,0", "--of", of, "--format", "json")
         assert json.loads(run.out)["modes"][0]["lower"] == 0
+
+
+def test_rows(gsp, tmp_path):
+    path = tmp_path / "poses.csv"
+    path.write_text("t,x,y,z,qw,qx,qy,qz\n3,0,0,0,1,0,0,0\n4,0,0,0.005,1,0,0,0\n", "utf-8")
+    run = gsp("clearance", "@rubin-m2", path, "--format", "csv")
+    head, *rows = run.out.splitlines()
+    assert head == "row,t,lower,upper,ratio,by,constraint,1,2,3,4,5,6"
+    assert [row.split(",")[:2] for row in rows] == [["1", "3.0"], ["2", "4.0"]]
+    alone = gsp("clearance", "@rubin-m2", "--pose", "0,0,0.005,1,0,0,0", "--format", "csv")
+    assert rows[1].split(",")[2:] == alone.out.splitlines()[1].split(",")[1:]
+    path.write_text("1\n2.53\n2.535\n", encoding="utf-8")
+    run = gsp("clearance", HEXAPOD, path, "--mode", "1", "--of", "pose", "--format", "json")
+    found = [(one["row"], one["t"], one["mode"]) for one in json.loads(run.out)["modes"]]
+    assert found == [(1, 1.0, 1), (2, 2.0, 1)]
+    path.write_text("base.B1.x\n0.01\n0.02\n", encoding="utf-8")
+    run = gsp("clearance", "@t-top-head", path)
+    assert "found base.B1.x, expected values only" in run.err
