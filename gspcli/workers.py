@@ -24,6 +24,7 @@ from typing import Any, TypeVar
 
 from gspcli.errors import GspError
 from gspcli.records import dataclass
+from gspcli.wording import shown
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -181,7 +182,7 @@ def _client(address: str) -> Iterator[Any]:
     try:
         client = distributed.Client(address, timeout=_CONNECTING_S)
     except (OSError, TimeoutError, ValueError) as error:
-        message = f"no Dask scheduler at {address!r}: start one by `dask scheduler`"
+        message = f"no Dask scheduler at {shown(address)}: start one by `dask scheduler`"
         raise GspError(message) from error
     with client:
         try:

@@ -12,6 +12,7 @@ import click
 
 from gspcli.cli.output import Column, Output, Table, emit, output_options, write_whole
 from gspcli.cli.progress_bars import progress
+from gspcli.cli.streams import say
 from gspcli.cli.worker_options import worker_options
 from gspcli.defaults import SEED
 from gspcli.errors import CheckFailed, IncompleteError
@@ -275,9 +276,9 @@ def build(
         if different := differences(folder, files):
             message = f"{folder}: what was built differs: {', '.join(different)}"
             raise CheckFailed(message)
-        click.echo(f"{folder}: {len(files)} files confirmed", err=True)
+        say(f"{folder}: {len(files)} files confirmed")
         return
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in files.items():
         write_whole(folder / name, text)
-    click.echo(f"{folder}: {len(results)} counts recorded", err=True)
+    say(f"{folder}: {len(results)} counts recorded")

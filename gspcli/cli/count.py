@@ -12,6 +12,7 @@ from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.progress_bars import progress
 from gspcli.defaults import SEED
 from gspcli.errors import NotFiniteError
+from gspcli.wording import shown
 
 if TYPE_CHECKING:
     from gspcli.catalogue.types import GspType
@@ -206,7 +207,9 @@ def _count_geometries(
     chosen = possible if names == "all" else [name.strip() for name in names.split(",")]
     for name in chosen:
         if name not in possible:
-            message = f"found --geometry {name}, expected of {gsp_type.id}: {', '.join(possible)}"
+            message = (
+                f"found --geometry {shown(name)}, expected of {gsp_type.id}: {', '.join(possible)}"
+            )
             raise click.BadParameter(message)
     rows = []
     for name in progress(chosen, total=len(chosen), label="counting solutions"):

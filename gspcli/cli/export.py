@@ -10,6 +10,7 @@ import click
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Output, check_writable, write
 from gspcli.cli.progress_bars import working
+from gspcli.cli.streams import say
 from gspcli.errors import GspError
 from gspcli.export.programs import PROGRAMS
 from gspcli.wording import listed
@@ -136,5 +137,5 @@ def _system(instance: Instance, target: str, coordinates: str, digits: int) -> s
         how = f"decimals of {digits} digits" if program.irrational == "decimals" else "doubles"
         count = len(found.constants)
         numbers = "1 irrational number" if count == 1 else f"{count} irrational numbers"
-        click.echo(f"{numbers} became {how}", err=True)
+        say(f"{numbers} became {how}")
     return program.write(found, digits)

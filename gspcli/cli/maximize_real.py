@@ -13,6 +13,7 @@ from click.core import ParameterSource
 from gspcli.cli.names import is_file, load_instance, read_type
 from gspcli.cli.output import Output, check_writable, write, write_whole
 from gspcli.cli.progress_bars import progress
+from gspcli.cli.streams import say
 from gspcli.cli.worker_options import worker_options
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED, CheckFailed, GspError, IncompleteError
@@ -136,14 +137,14 @@ def command(
     except _Interrupted as interruption:
         state, interrupted = interruption.state, True
     if interrupted and state.platform is None:
-        click.echo("interrupted before the end of an attempt", err=True)
+        say("interrupted before the end of an attempt")
         return INTERRUPTED
     if state.platform is None:
         message = "no platform was solved in the time given: use a greater --time"
         raise IncompleteError(message)
     instance, real = _witness(state, each, units, length)
     write(output, dumps(instance))
-    click.echo(f"{real} real poses, certified", err=True)
+    say(f"{real} real poses, certified")
     if interrupted:
         return INTERRUPTED
     if target is not None and real < target:
@@ -196,10 +197,9 @@ def _searched(
             if state_file is not None:
                 write_whole(Path(state_file), state.text())
             if found is not None:
-                click.echo(
+                say(
                     f"attempt {number}: {each * found.count} of {each * len(found.points)} real"
-                    f" (best: {each * state.real})" + (", cut short" if cut else ""),
-                    err=True,
+                    f" (best: {each * state.real})" + (", cut short" if cut else "")
                 )
             if state.real >= goal or cut or (most is not None and state.attempts >= most):
                 break

@@ -21,6 +21,7 @@ from gspcli.cli.output import (
     write,
     write_whole,
 )
+from gspcli.cli.streams import say
 from gspcli.cli.worker_options import worker_options
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED, GspError
@@ -103,7 +104,7 @@ def command(
             total.add(part)
     except KeyboardInterrupt:
         interrupted = True
-        click.echo(f"interrupted after {total.platforms} of {count} platforms", err=True)
+        say(f"interrupted after {total.platforms} of {count} platforms")
     if folder is not None:
         _save(folder, wanted, total)
     if output.format in DRAWINGS:

@@ -26,6 +26,7 @@ from gspcli.cli.output import (
 )
 from gspcli.cli.pose_options import pose_options
 from gspcli.cli.progress_bars import progress
+from gspcli.cli.streams import say
 from gspcli.cli.worker_options import worker_options
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED, GspError, IncompleteError
@@ -148,7 +149,7 @@ def command(
             limits = _boundary(found)
     except KeyboardInterrupt:
         interrupted = True
-        click.echo(f"interrupted after {(found.modes != MISSING).sum()} of {total} nodes", err=True)
+        say(f"interrupted after {(found.modes != MISSING).sum()} of {total} nodes")
     if output.format in DRAWINGS:
         from gspcli.pictures.maps import mode_map
 

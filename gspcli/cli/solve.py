@@ -15,6 +15,7 @@ from gspcli.cli.output import Output, emit, output_options
 from gspcli.cli.progress_bars import working
 from gspcli.defaults import SEED
 from gspcli.errors import GspError, IncompleteError, NotFiniteError
+from gspcli.wording import shortened
 
 if TYPE_CHECKING:
     from gspcli.cli.pose_tables import Shown
@@ -178,7 +179,7 @@ def _pose(near: str, euler: str | None, in_radians: float) -> tuple[Any, Any]:
             raise click.UsageError(message)
         table = read_pose(near, form, "--near")
     if len(table.R) != 1:
-        message = f"--near {near}: found {len(table.R)} poses, expected one"
+        message = f"--near {shortened(near)}: found {len(table.R)} poses, expected one"
         raise GspError(message)
     return table.R[0], table.T[0]
 

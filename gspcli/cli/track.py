@@ -12,6 +12,7 @@ from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
+from gspcli.cli.streams import say
 from gspcli.errors import GspError, IncompleteError
 from gspcli.wording import counted
 
@@ -172,9 +173,9 @@ def command(
     emit(output, _table(result, rows, limits), document=_document(result, rows, limits))
     if output.format != "json":
         for event in result.events:
-            click.echo(_sentence(event), err=True)
+            say(_sentence(event))
         for line in limit_sentences(result, limits):
-            click.echo(line, err=True)
+            say(line)
     if result.complete is False:
         message = (
             "the modes followed and the poses at the last row do not account for each other\n"

@@ -14,7 +14,9 @@ from gspcli.cli.names import load_instance
 from gspcli.cli.output import DRAWINGS, Output, check_writable, output_options, write
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
+from gspcli.cli.streams import say
 from gspcli.errors import GspError
+from gspcli.wording import shown
 
 if TYPE_CHECKING:
     from gspcli.pictures.projection import View
@@ -146,8 +148,8 @@ def _view(text: str | None) -> View | None:
         azimuth = elevation = math.nan
     if not (math.isfinite(azimuth) and abs(elevation) <= _UPRIGHT):
         message = (
-            f"--from {text}: expected two angles in degrees, azimuth,elevation, the second "
-            f"between -{_UPRIGHT} and {_UPRIGHT}"
+            f"--from: found {shown(text)}, expected two angles in degrees, azimuth,elevation, the "
+            f"second between -{_UPRIGHT} and {_UPRIGHT}"
         )
         raise GspError(message)
     return View(azimuth, elevation)
@@ -180,4 +182,4 @@ def _say(path: Path, scene: Scene, size: int) -> None:
         for series in scene.series
         if len(series)
     )
-    click.echo(f"{path}: {parts or 'no real pose'}, {size / 1000:.0f} kB", err=True)
+    say(f"{path}: {parts or 'no real pose'}, {size / 1000:.0f} kB")

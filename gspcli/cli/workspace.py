@@ -26,6 +26,7 @@ from gspcli.cli.progress_bars import progress
 from gspcli.cli.reachable_home import Home, home_pose
 from gspcli.cli.travel_tables import show_travels
 from gspcli.errors import GspError, IncompleteError
+from gspcli.wording import shown
 
 if TYPE_CHECKING:
     import numpy as np
@@ -204,7 +205,9 @@ def _free(
     if over is not None:
         names = tuple(name.strip() for name in over.split(","))
         if len(set(names)) < len(names) or not set(names) <= set(PARAMETERS):
-            message = f"--over: found {over!r}, expected one or more of {', '.join(PARAMETERS)}"
+            message = (
+                f"--over: found {shown(over)}, expected one or more of {', '.join(PARAMETERS)}"
+            )
             raise GspError(message)
         return names
     if orientation is not None and position is not None:
@@ -237,7 +240,7 @@ def _check(
 def _interval(text: str) -> tuple[str, tuple[float, float]]:
     name, low, high, count = span_of("within", text)
     if count is not None:
-        message = f"--within: found {text!r}, expected NAME=LOW:HIGH, such as z=60:140"
+        message = f"--within: found {shown(text)}, expected NAME=LOW:HIGH, such as z=60:140"
         raise GspError(message)
     return name, (low, high)
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from gspcli.errors import Location, Problem, SpecError
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.records import dataclass
+from gspcli.wording import shortened
 
 _SHAPES = {"R": (3, 3), "T": (3,), "quaternion": (4,)}
 #: Accepted spellings of the columns of a CSV file, by key.
@@ -205,7 +206,7 @@ def _pose(entry: object) -> _Pose:
     )
     claim = entry.get("real")
     if not (claim is None or isinstance(claim, bool)):
-        message = f"real: found {claim!r}, expected true or false, or nothing"
+        message = f"real: found {shortened(repr(claim))}, expected true or false, or nothing"
         raise ValueError(message)
     sides = _sides(entry.get("sides"))
     return _Pose(R if rotation == "R" else _rotation(R), T, claim, sides)
@@ -219,9 +220,8 @@ def _sides(claim: object) -> tuple[int, ...]:
         or not all(number in _NUMBERS for number in said)
         or not all(side in list(_SIGNS) for side in said.values())
     ):
-        message = (
-            f"sides: found {claim!r}, expected positive or negative by the number of a constraint"
-        )
+        what = shortened(repr(claim))
+        message = f"sides: found {what}, expected positive or negative by numbers of constraints"
         raise ValueError(message)
     return tuple(_SIGNS.get(said.get(number, ""), 0) for number in _NUMBERS)
 

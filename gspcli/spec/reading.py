@@ -17,6 +17,7 @@ from gspcli.spec.file_checks import FileChecker
 from gspcli.spec.ordinary import read_ordinary
 from gspcli.spec.plain import read_plainly
 from gspcli.spec.proportion import out_of_proportion
+from gspcli.wording import named
 
 if TYPE_CHECKING:
     from gspcli.spec.models import InstanceModel
@@ -86,7 +87,7 @@ def read(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> 
             content = sys.stdin.buffer.read() if str(source) == "-" else Path(source).read_bytes()
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or str(error)
-            message = f"{name}: cannot be read: {reason}"
+            message = f"{named(name)}: cannot be read: {reason}"
             raise SpecError([Problem(None, "", message)]) from error
     else:
         name = name or str(getattr(source, "name", "input"))

@@ -8,7 +8,7 @@ from gspcli.errors import ArgumentError, Problem, SpecError
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number, Real, parse_number
 from gspcli.geometry.ranges import wrong_value
-from gspcli.wording import shown
+from gspcli.wording import shortened, shown
 
 
 def set_values(instance: Instance, settings: Mapping[int, Real] | Iterable[Real]) -> Instance:
@@ -58,9 +58,10 @@ def _of_mapping(instance: Instance, settings: Mapping[int, Real]) -> dict[int, N
     count = len(instance.constraints)
     values = {}
     for number, value in settings.items():
-        where = f"settings[{number!r}]"
+        found = shortened(repr(number))
+        where = f"settings[{found}]"
         if isinstance(number, bool) or number not in range(1, count + 1):
-            message = f"found constraint {number!r}, expected a number from 1 to {count}"
+            message = f"found constraint {found}, expected a number from 1 to {count}"
             raise ArgumentError(message, where)
         values[int(number) - 1] = _value(instance, int(number) - 1, value, where)
     return values
