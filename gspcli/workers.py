@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 from collections.abc import Callable, Generator, Iterable, Iterator
@@ -20,6 +21,7 @@ from itertools import chain, islice
 from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.process import BaseProcess
 from threading import Thread
+from types import ModuleType
 from typing import Any, TypeVar
 
 from gspcli.errors import GspError
@@ -179,6 +181,25 @@ def _client(address: str) -> Iterator[Any]:
     except ModuleNotFoundError as error:
         message = "--scheduler needs Dask: pip install 'gspcli[cluster]'"
         raise GspError(message) from error
+    # It says at length on standard error what is said here in a line.
+    with _silenced("distributed.client"), _connected(distributed, address) as client:
+        yield client
+
+
+@contextmanager
+def _silenced(name: str) -> Iterator[None]:
+    """Let a library say nothing that is not critical."""
+    logger = logging.getLogger(name)
+    level = logger.level
+    logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
+
+
+@contextmanager
+def _connected(distributed: ModuleType, address: str) -> Iterator[Any]:
     try:
         client = distributed.Client(address, timeout=_CONNECTING_S)
     except (OSError, TimeoutError, ValueError) as error:
@@ -198,6 +219,9 @@ def _client(address: str) -> Iterator[Any]:
             raise GspError(message)
         try:
             yield client
-        except (distributed.KilledWorker, CancelledError) as error:
-            message = f"{address} lost too many workers, or its connection: {error}"
+        except distributed.KilledWorker as error:
+            message = f"{address} lost too many workers: {error}"
+            raise GspError(message) from error
+        except (CancelledError, OSError, TimeoutError) as error:
+            message = f"the connection to the Dask scheduler at {address} was lost"
             raise GspError(message) from error
