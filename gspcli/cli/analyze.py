@@ -11,6 +11,7 @@ import click
 
 from gspcli.cli.analysis_tables import details, overview
 from gspcli.cli.names import load_instance
+from gspcli.cli.number_types import Positive, Whole
 from gspcli.cli.output import Output, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options
 from gspcli.cli.real_poses import real_poses
@@ -34,7 +35,7 @@ _ZERO = 1e-12
 
 @click.command()
 @click.argument("spec", metavar="SPEC")
-@click.option("--mode", type=click.IntRange(min=1), metavar="K", help="Only mode K, in detail.")
+@click.option("--mode", type=Whole(1), metavar="K", help="Only mode K, in detail.")
 @click.option("--pose", metavar="NUMBERS", help="A pose instead: x,y,z,qw,qx,qy,qz.")
 @pose_options
 @click.option(
@@ -45,7 +46,7 @@ _ZERO = 1e-12
 )
 @click.option(
     "--length",
-    type=click.FloatRange(0, min_open=True),
+    type=Positive(),
     help="The length that makes angles and lengths comparable.  [default: the typical length]",
 )
 @click.option(

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from gspcli.cli.number_types import Positive
 from gspcli.cli.output import Column, Output, Table, emit, output_options, write_whole
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.streams import say
@@ -34,7 +35,7 @@ _work = click.option(
 )
 _timeout = click.option(
     "--timeout",
-    type=click.FloatRange(0, min_open=True),
+    type=Positive(),
     metavar="SECONDS",
     help="Give up a Gröbner basis after so long.",
 )

@@ -8,6 +8,7 @@ import click
 
 from gspcli.cli.analyze import poses_to_analyze
 from gspcli.cli.names import load_instance
+from gspcli.cli.number_types import Whole
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_options
 from gspcli.cli.progress_bars import progress
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("spec", metavar="SPEC")
-@click.option("--mode", type=click.IntRange(min=1), metavar="K", help="Only mode K.")
+@click.option("--mode", type=Whole(1), metavar="K", help="Only mode K.")
 @click.option("--pose", metavar="NUMBERS", help="A pose instead: x,y,z,qw,qx,qy,qz.")
 @pose_options
 @click.option(

@@ -8,6 +8,7 @@ import click
 
 from gspcli import __version__
 from gspcli.cli.names import load_instance, read_type
+from gspcli.cli.number_types import Positive, Seed
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.progress_bars import progress
 from gspcli.defaults import SEED
@@ -57,7 +58,7 @@ _LEGEND = (
     "--limit",
     default=60.0,
     show_default=True,
-    type=click.FloatRange(0, min_open=True),
+    type=Positive(),
     metavar="BILLIONS",
     help="Multiplications after which to give up; a billion takes a second or two.",
 )
@@ -65,7 +66,7 @@ _LEGEND = (
     "--seed",
     default=SEED,
     show_default=True,
-    type=click.IntRange(min=0),
+    type=Seed(),
     help="Seed of the prime and of random platforms.",
 )
 @output_options()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli.names import load_instance
+from gspcli.cli.number_types import Whole
 from gspcli.cli.output import Output, check_writable, write
 from gspcli.cli.progress_bars import working
 from gspcli.cli.streams import say
@@ -36,7 +37,7 @@ _COORDINATES = ("study", "study-affine", "rt")
 )
 @click.option(
     "--mode",
-    type=click.IntRange(min=1),
+    type=Whole(1),
     metavar="K",
     help="For mjcf: the real pose to build, in the order of `gsp solve`.  [default: 1]",
 )

@@ -11,6 +11,7 @@ import click
 from click.core import ParameterSource
 
 from gspcli.cli.names import is_file, load_instance, read_type
+from gspcli.cli.number_types import Positive, Seed, Whole
 from gspcli.cli.output import Output, check_writable, write, write_whole
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.streams import say
@@ -31,30 +32,28 @@ if TYPE_CHECKING:
 @click.option(
     "--real",
     "wanted_real",
-    type=click.IntRange(min=0),
+    type=Whole(0),
     help="With --show: a known platform with so many real poses.  [default: as many as known]",
 )
 @click.option(
     "--target",
-    type=click.IntRange(min=1),
+    type=Whole(1),
     help="Stop at so many real poses; exit code 1 if they are not reached.  [default: all]",
 )
 @click.option(
     "--time",
     "seconds",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Positive(),
     default=60.0,
     show_default=True,
     help="Stop after so many seconds.",
 )
-@click.option(
-    "--attempts", "most", type=click.IntRange(min=1), help="Stop after so many attempts in all."
-)
+@click.option("--attempts", "most", type=Whole(1), help="Stop after so many attempts in all.")
 @click.option(
     "--seed",
     default=SEED,
     show_default=True,
-    type=click.IntRange(min=0),
+    type=Seed(),
     help="Seed of the random numbers; attempts depend on it and on their number only.",
 )
 @worker_options

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gspcli.cli.number_types import Seed
 from gspcli.cli.output import Output, check_writable, write
 from gspcli.defaults import SEED
 
@@ -43,7 +44,7 @@ _TEMPLATE_HEAD = """\
     "--seed",
     default=SEED,
     show_default=True,
-    type=click.IntRange(min=0),
+    type=Seed(),
     help="Seed of the random numbers; the same seed gives the same file.",
 )
 @click.option(

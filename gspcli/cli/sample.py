@@ -10,6 +10,7 @@ import click
 
 from gspcli import __version__
 from gspcli.cli.names import read_type
+from gspcli.cli.number_types import Seed, Whole
 from gspcli.cli.output import (
     DRAWINGS,
     FORMATS,
@@ -44,14 +45,14 @@ _ALL_DIGITS = 17
     "--count",
     default=1000,
     show_default=True,
-    type=click.IntRange(min=1),
+    type=Whole(1),
     help="How many platforms to draw.",
 )
 @click.option(
     "--seed",
     default=SEED,
     show_default=True,
-    type=click.IntRange(min=0),
+    type=Seed(),
     help="Seed of the random numbers; the same seed gives the same numbers.",
 )
 @click.option(

@@ -11,6 +11,7 @@ import click
 
 from gspcli.cli.digits import decimals, digit_table, digits_option, refined
 from gspcli.cli.names import load_instance
+from gspcli.cli.number_types import MOST_JOBS, Seed, Whole
 from gspcli.cli.output import Output, emit, output_options
 from gspcli.cli.progress_bars import working
 from gspcli.defaults import SEED
@@ -44,14 +45,14 @@ _READABLE = ("table", "markdown", "latex")
 )
 @click.option(
     "--seed",
-    type=int,
+    type=Seed(),
     default=SEED,
     show_default=True,
     help="Seed of random choices; the answer does not depend on it.",
 )
 @click.option(
     "--jobs",
-    type=click.IntRange(min=1),
+    type=Whole(1, MOST_JOBS),
     default=1,
     show_default=True,
     metavar="N",

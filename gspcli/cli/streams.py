@@ -8,7 +8,7 @@ import os
 import re
 import sys
 from contextlib import suppress
-from typing import IO
+from typing import TextIO
 
 import click
 
@@ -51,7 +51,7 @@ def open_streams() -> None:
         stream.reconfigure(encoding=encoding, errors=HANDLER)  # type: ignore[union-attr]
 
 
-def _instead(number: int) -> IO[str]:
+def _instead(number: int) -> TextIO:
     """Return what stands for a closed stream; only standard error takes what is written."""
     opened = os.open(os.devnull, os.O_RDONLY if number == 1 else os.O_WRONLY)
     if opened != number:
@@ -94,12 +94,12 @@ def _in_ascii(error: UnicodeError) -> tuple[str, int]:
     return text, position
 
 
-def lacking(stream: IO[str]) -> bool:
+def lacking(stream: TextIO) -> bool:
     """Return whether there are characters that a stream cannot take."""
     return not (stream.encoding or "utf-8").lower().replace("-", "").startswith("utf")
 
 
-def representable(text: str, stream: IO[str]) -> str:
+def representable(text: str, stream: TextIO) -> str:
     """Return a text as it will be on a stream, which has to be known to lay it out."""
     if text.isascii() or not lacking(stream):
         return text
@@ -126,7 +126,7 @@ def say(message: str) -> None:
         discard(sys.stderr)
 
 
-def discard(stream: IO[str]) -> None:
+def discard(stream: TextIO) -> None:
     """Let a stream lead nowhere: the interpreter would complain when it flushes what is left."""
     with suppress(OSError, ValueError):
         nowhere = os.open(os.devnull, os.O_WRONLY)

@@ -9,6 +9,7 @@ import click
 
 from gspcli.cli.limit_sentences import cones_notes, limit_sentences, plain_limit
 from gspcli.cli.names import load_instance
+from gspcli.cli.number_types import MOST_JOBS, Whole
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
@@ -34,13 +35,13 @@ _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 @click.command()
 @click.argument("spec", metavar="SPEC")
 @click.argument("values", metavar="VALUES")
-@click.option("--mode", type=click.IntRange(min=1), metavar="K", help="Follow only mode K.")
+@click.option("--mode", type=Whole(1), metavar="K", help="Follow only mode K.")
 @click.option(
     "--near", metavar="NUMBERS", help="Follow only the mode nearest to x,y,z,qw,qx,qy,qz."
 )
 @click.option(
     "--steps",
-    type=click.IntRange(min=1),
+    type=Whole(1),
     default=1,
     show_default=True,
     metavar="N",
@@ -70,7 +71,12 @@ _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 @click.option("--no-certify", is_flag=True, help="Do not prove that no branch is changed.")
 @pose_options
 @click.option(
-    "--jobs", type=click.IntRange(min=1), default=1, show_default=True, metavar="N", help="Threads."
+    "--jobs",
+    type=Whole(1, MOST_JOBS),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="Threads.",
 )
 @output_options()
 def command(

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli.names import load_instance
+from gspcli.cli.number_types import Whole
 from gspcli.cli.output import DRAWINGS, Output, check_writable, output_options, write
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
@@ -39,7 +40,7 @@ _PAGE = "html"
 )
 @click.option(
     "--mode",
-    type=click.IntRange(min=1),
+    type=Whole(1),
     metavar="K",
     help="The mode that is shown first, as gsp solve numbers them.  [default: the best "
     "conditioned]",

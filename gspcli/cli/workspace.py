@@ -11,6 +11,7 @@ import click
 
 from gspcli.cli.grids import PARAMETERS, span_of
 from gspcli.cli.names import load_instance
+from gspcli.cli.number_types import MOST_JOBS, Whole
 from gspcli.cli.output import (
     DRAWINGS,
     FORMATS,
@@ -44,7 +45,7 @@ _MOST_SHOWN = 2_000_000
 
 @click.command()
 @click.argument("spec", metavar="SPEC")
-@click.option("--mode", type=click.IntRange(min=1), metavar="K", help="Home is mode K of SPEC.")
+@click.option("--mode", type=Whole(1), metavar="K", help="Home is mode K of SPEC.")
 @click.option("--pose", metavar="NUMBERS", help="Home is this pose: x,y,z,qw,qx,qy,qz.")
 @click.option(
     "--orientation",
@@ -80,7 +81,7 @@ _MOST_SHOWN = 2_000_000
 )
 @click.option(
     "--most-boxes",
-    type=click.IntRange(min=1),
+    type=Whole(1),
     default=100_000_000,
     show_default=True,
     metavar="N",
@@ -89,7 +90,12 @@ _MOST_SHOWN = 2_000_000
 @click.option("--boxes", "listed", is_flag=True, help="Write the boxes, not what they sum up to.")
 @pose_options
 @click.option(
-    "--jobs", type=click.IntRange(min=1), default=1, show_default=True, metavar="N", help="Threads."
+    "--jobs",
+    type=Whole(1, MOST_JOBS),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="Threads.",
 )
 @output_options(formats=(*FORMATS, *DRAWINGS))
 def command(

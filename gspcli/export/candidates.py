@@ -128,13 +128,15 @@ def _csv(text: str, name: str) -> tuple[list[Any], Places]:
         return [], []
     first = lines[0][1]
     delimiter = next((mark for mark in ",;\t" if mark in first), " ")
-    rows = [
-        [cell.strip() for cell in row]
-        for row in csv.reader(
-            (line.strip() for _, line in lines), delimiter=delimiter, skipinitialspace=True
-        )
-    ]
     places: Places = [(Location(name, number, 1), "") for number, _ in lines]
+    reader = csv.reader(
+        (line.strip() for _, line in lines), delimiter=delimiter, skipinitialspace=True
+    )
+    try:
+        rows = [[cell.strip() for cell in row] for row in reader]
+    except csv.Error as error:
+        place = places[reader.line_num - 1][0]
+        raise SpecError([Problem(place, "", f"found no row of CSV: {error}")]) from error
     if all(_is_number(cell) for cell in rows[0]):
         return [list(row) for row in rows], places
     heading = [cell.lower() for cell in rows[0]]
