@@ -35,7 +35,7 @@ def parse_class(text: str) -> PlatformClass:
     TypeNameError
         If there is no such class.
     """
-    found = _CLASSES_BY_ID.get(text.strip().upper())
+    found = _CLASSES_BY_ID.get(_joined(text).strip().upper())
     if found is None:
         message = f"unknown class {shown(text)}: the classes are {', '.join(_CLASSES_BY_ID)}"
         raise TypeNameError(message)
@@ -66,7 +66,7 @@ def parse_kinds(text: str) -> tuple[Kind, ...]:
     TypeNameError
         If there is no such kind.
     """
-    name = text.strip().upper()
+    name = _joined(text).strip().upper()
     found = tuple(kind for kind in KINDS if name in (kind.name, kind.short))
     if not found:
         _unknown_kind(text)
@@ -93,10 +93,18 @@ def _names(kinds: Sequence[Kind]) -> str:
     return " ".join(kind.name for kind in kinds)
 
 
+def _joined(text: str | Sequence[str]) -> str:
+    """Return a text, or several with blanks between."""
+    try:
+        return text if isinstance(text, str) else " ".join(text)
+    except TypeError as error:
+        message = f"found a {type(text).__name__}, expected a text, such as 6PP or DPL"
+        raise ArgumentError(message) from error
+
+
 def _words(text: str | Sequence[str]) -> list[str]:
-    joined = text if isinstance(text, str) else " ".join(text)
     words: list[str] = []
-    for word in _SEPARATORS.split(_APART.sub(r"\1", joined.strip().upper())):
+    for word in _SEPARATORS.split(_APART.sub(r"\1", _joined(text).strip().upper())):
         repeated = _REPEATED.fullmatch(word)
         if repeated and word not in _CLASSES_BY_ID:
             count, name = (repeated[1], repeated[2]) if repeated[1] else (repeated[4], repeated[3])
@@ -125,11 +133,8 @@ def parse_name(text: str | Sequence[str]) -> GspType | Family:
     ArgumentError
         If it is no text, nor several.
     """
-    try:
-        alias = find_alias(text if isinstance(text, str) else " ".join(text))
-    except TypeError as error:
-        message = f"found a {type(text).__name__}, expected the name of a type, such as 6PP"
-        raise ArgumentError(message) from error
+    text = _joined(text)
+    alias = find_alias(text)
     words = _words(text if alias is None else alias.type_name)
     if not words:
         message = "no type given: write six kinds, a number, or a family as 3D3A PL PL LP"

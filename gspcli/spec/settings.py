@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from gspcli.errors import ArgumentError, Problem, SpecError
+from gspcli.geometry.checking import expected
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number, Real, parse_number
 from gspcli.geometry.ranges import wrong_value
@@ -37,6 +38,7 @@ def set_values(instance: Instance, settings: Mapping[int, Real] | Iterable[Real]
     >>> [str(row.value) for row in set_values(made, {1: 5.2, 3: "sqrt(2)"}).constraints]
     ['5.2', '2', 'sqrt(2)', '4', '5', '6']
     """
+    expected(instance)
     if isinstance(settings, Mapping):
         return instance.with_values(_of_mapping(instance, settings))
     if not isinstance(settings, Iterable):
