@@ -97,7 +97,9 @@ class Workers:
         if self.scheduler is not None:
             with _client(self.scheduler) as client:
                 executor = client.get_executor(pure=False)
-                yield from _fed(executor, function, numbered, lambda: len(client.nthreads()))
+                yield from _fed(
+                    executor, function, numbered, lambda: len(client.nthreads()), cancel=True
+                )
         elif self.jobs == 1 or len(first) < 2:
             for number, item in numbered:
                 yield number, function(item)
@@ -115,8 +117,14 @@ def _fed(
     function: Callable[[Item], Result],
     numbered: Iterator[tuple[int, Item]],
     workers: Callable[[], int],
+    *,
+    cancel: bool = False,
 ) -> Iterator[tuple[int, Result]]:
-    """Keep an executor busy; yield the numbers of the items with their results."""
+    """Keep an executor busy; yield the numbers of the items with their results.
+
+    What runs when it is left can be cancelled. Of processes that are ended it must not be: the
+    thread that looks after them would complain that it cannot say so of a cancelled future.
+    """
     running: dict[Future[Result], int] = {}
     try:
         while True:
@@ -128,7 +136,7 @@ def _fed(
             for future in wait(running, return_when=FIRST_COMPLETED).done:
                 yield running.pop(future), future.result()
     finally:
-        for future in running:
+        for future in running if cancel else ():
             future.cancel()
 
 
@@ -144,7 +152,7 @@ def _processes(jobs: int) -> Iterator[Executor]:
         message = "a process was killed, perhaps for want of memory: use fewer --jobs"
         raise GspError(message) from error
     finally:
-        executor.shutdown(wait=False, cancel_futures=True)
+        executor.shutdown(wait=False)
         for process in set(active_children()) - others:
             _end(process)
 
