@@ -20,7 +20,6 @@ of files that were not finished. What does not hold is printed with its seed, an
 
 from __future__ import annotations
 
-import codecs
 import contextlib
 import errno
 import importlib
@@ -47,7 +46,7 @@ from recording import CONFIRMED, DIFFERENT, ROOT, csv_text, parser, save
 
 import gspcli
 from gspcli.cli.main import COMMANDS, run
-from gspcli.cli.streams import HANDLER, _in_ascii
+from gspcli.cli.streams import manner
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED
 
@@ -110,7 +109,7 @@ def within(hostile: Hostile, folder: Path, out: io.RawIOBase, encoding: str) -> 
     hostile_commands.write_files(hostile, folder)
     err = io.BytesIO()
     streams = [
-        io.TextIOWrapper(io.BufferedWriter(raw), encoding=encoding, errors=HANDLER)  # type: ignore[arg-type]
+        io.TextIOWrapper(io.BufferedWriter(raw), **manner(encoding))  # type: ignore[call-overload]
         for raw in (out, err)
     ]
     stdin = io.TextIOWrapper(io.BytesIO(hostile.stdin))
@@ -250,7 +249,6 @@ def attack(kind: str, seed: int) -> tuple[int, list[str]]:
 
 def attack_all(runs: dict[str, int], first: int) -> tuple[list[dict[str, object]], int]:
     """Make so many runs of each kind; return a row for each, and how many went wrong."""
-    codecs.register_error(HANDLER, _in_ascii)
     # An import that is interrupted leaves half a module behind.
     for name in (*_LIBRARIES, *(f"gspcli.cli.{name.replace('-', '_')}" for name in COMMANDS)):
         importlib.import_module(name)

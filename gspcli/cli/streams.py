@@ -42,13 +42,18 @@ def open_streams() -> None:
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         if getattr(sys, name) is None:
             setattr(sys, name, _instead(number))
-    codecs.register_error(HANDLER, _in_ascii)
     for stream in (sys.stdout, sys.stderr):
-        encoding = stream.encoding
-        if codecs.lookup(encoding).name == "ascii":
-            codecs.register(_found)
-            encoding = _ASCII
-        stream.reconfigure(encoding=encoding, errors=HANDLER)  # type: ignore[union-attr]
+        settings = manner(stream.encoding)
+        stream.reconfigure(**settings)  # type: ignore[union-attr]
+
+
+def manner(encoding: str) -> dict[str, str]:
+    """Return in which encoding a stream is written, and what becomes of errors."""
+    codecs.register_error(HANDLER, _in_ascii)
+    if codecs.lookup(encoding).name == "ascii":
+        codecs.register(_found)
+        encoding = _ASCII
+    return {"encoding": encoding, "errors": HANDLER}
 
 
 def _instead(number: int) -> TextIO:

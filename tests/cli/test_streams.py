@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from gspcli.cli.output.cells import cell_text
-from gspcli.cli.streams import _COUNTERPARTS, HANDLER, _in_ascii
+from gspcli.cli.streams import _COUNTERPARTS, manner
 from gspcli.wording import MOST_LINES, brief, named, shown
 
 Run = Callable[..., object]
@@ -69,10 +69,7 @@ def test_columns_stay_below_each_other_in_ascii() -> None:
     ],
 )
 def test_counterparts_in_ascii(text: str, written: str) -> None:
-    import codecs
-
-    codecs.register_error(HANDLER, _in_ascii)
-    assert text.encode("ascii", HANDLER).decode() == written
+    assert text.encode(**manner("ascii")).decode() == written
     assert all(counterpart.isascii() for counterpart in _COUNTERPARTS.values())
 
 
