@@ -12,8 +12,8 @@ from gspcli.wording import listed, shown
 #: What poses vary by: position of the pivot, turns.
 PARAMETERS = ("x", "y", "z", "rx", "ry", "rz")
 _MOST_NODES = 1_000_000
-_SPAN = re.compile(r"(r?[xyz])=([^:]+):([^:]+)(?::(\d+))?")
-_AXIS = re.compile(r"(\w+)=([^:]+):([^:]+):(\d+)")
+_SPAN = re.compile(r"(r?[xyz])=([^:]+):([^:]+)(?::(\d{1,9}))?")
+_AXIS = re.compile(r"(\w+)=([^:]+):([^:]+):(\d{1,9})")
 
 
 def axes_of(

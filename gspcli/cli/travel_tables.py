@@ -35,6 +35,9 @@ def _offsets(held: tuple[str, ...]) -> list[dict[str, float]]:
             if count is None or count < 1:
                 message = f"--hold: found {shown(text)}, expected NAME=VALUE or NAME=LOW:HIGH:COUNT"
                 raise GspError(message)
+            if count > _MOST_HELD:
+                message = f"--hold: found {count} values, expected at most {_MOST_HELD}"
+                raise GspError(message)
             values = np.linspace(low, high, count).tolist()
         choices.setdefault(name, []).extend(values)
     found = [dict(zip(choices, row, strict=True)) for row in product(*choices.values())]

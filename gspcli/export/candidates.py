@@ -128,15 +128,19 @@ def _csv(text: str, name: str) -> tuple[list[Any], Places]:
         return [], []
     first = lines[0][1]
     delimiter = next((mark for mark in ",;\t" if mark in first), " ")
-    places: Places = [(Location(name, number, 1), "") for number, _ in lines]
     reader = csv.reader(
         (line.strip() for _, line in lines), delimiter=delimiter, skipinitialspace=True
     )
-    try:
-        rows = [[cell.strip() for cell in row] for row in reader]
-    except csv.Error as error:
-        place = places[reader.line_num - 1][0]
-        raise SpecError([Problem(place, "", f"found no row of CSV: {error}")]) from error
+    rows: list[list[str]] = []
+    places: Places = []
+    while (begin := reader.line_num) < len(lines):
+        # Quotation marks may hold several lines together.
+        place = Location(name, lines[begin][0], 1)
+        try:
+            rows.append([cell.strip() for cell in next(reader)])
+        except csv.Error as error:
+            raise SpecError([Problem(place, "", f"found no row of CSV: {error}")]) from error
+        places.append((place, ""))
     if all(_is_number(cell) for cell in rows[0]):
         return [list(row) for row in rows], places
     heading = [cell.lower() for cell in rows[0]]

@@ -80,3 +80,27 @@ def test_a_cell_of_a_megabyte(gsp: Run, tmp_path: Path) -> None:
         outcome = gsp(*words)
         assert (outcome.code, outcome.out) == (2, "")
         assert len(outcome.err) < 300
+
+
+def test_a_row_over_several_lines(gsp: Run, tmp_path: Path) -> None:
+    path = tmp_path / "poses.csv"
+    path.write_text('x,y,z,qw,qx,qy,qz\n0,0,1,1,0,0,0\n0,b,",1,0,0,0\n0,0,1,1,0,0,0\n')
+    outcome = gsp("certify", "@dietmaier", path)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert outcome.err.startswith(f"error: {path}:3:1: ")
+
+
+def test_a_column_and_a_count_of_thousands_of_digits(gsp: Run, tmp_path: Path) -> None:
+    path = tmp_path / "values.csv"
+    path.write_text("t," + "9" * 5000 + ",1\n0,1,1\n1,1,1\n")
+    outcome = gsp("track", "@dietmaier", path)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "…, expected a constraint from 1 to 6" in outcome.err
+    for words in (
+        ("scan", "@dietmaier", "--vary", "1=1:2:" + "9" * 5000),
+        ("workspace", "@workspace-study", "--hold", "z=0:1:" + "9" * 5000),
+        ("workspace", "@workspace-study", "--hold", "z=0:1:999999999"),
+    ):
+        outcome = gsp(*words)
+        assert (outcome.code, outcome.out) == (2, "")
+        assert len(outcome.err) < 300
