@@ -1,6 +1,7 @@
 """Attack `gsp` with command lines, files, streams and signals that nobody should send.
 
-    python tools/attack_commands.py [--count 100] [--seed N] [--check | --record]
+    python tools/attack_commands.py [--count N] [--kind KIND] [--seed N] [--record]
+    python tools/attack_commands.py --check [--sample N]
 
 Four kinds of runs, by seeds:
 
@@ -21,11 +22,15 @@ of files that were not finished. What does not hold is printed with its seed, an
 from __future__ import annotations
 
 import contextlib
+import csv
 import errno
+import hashlib
 import importlib
 import io
+import json
 import os
 import pkgutil
+import platform
 import random
 import signal
 import subprocess
@@ -38,11 +43,12 @@ import warnings
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from importlib.metadata import version
 from pathlib import Path
 
 import hostile_commands
 from hostile_commands import Hostile
-from recording import CONFIRMED, DIFFERENT, ROOT, csv_text, parser, save
+from recording import ROOT, csv_text, parser, report, save
 
 import gspcli
 from gspcli.cli.main import COMMANDS, run
@@ -51,9 +57,11 @@ from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED
 
 TARGET = ROOT / "data" / "verification" / "hostile-runs.csv"
+MANIFEST = TARGET.with_suffix(".manifest.json")
 #: Runs of each kind in the record, and in a part of it.
-RECORDED = {"options": 5000, "inputs": 3500, "streams": 1200, "processes": 300}
-SAMPLED = {"options": 60, "inputs": 60, "streams": 20, "processes": 4}
+RECORDED = {"options": 3000, "inputs": 5500, "streams": 1200, "processes": 300}
+#: Of a part, for so many runs of the others there is one of the processes, which take long.
+_A_PROCESS = 20
 DOCUMENTED = (0, 1, 2, 3, 4, INTERRUPTED)
 LIMIT_S = 1.0
 MOST_LINES, MOST_CHARACTERS = 5, 700
@@ -247,14 +255,14 @@ def attack(kind: str, seed: int) -> tuple[int, list[str]]:
         return told.code, problems
 
 
-def attack_all(runs: dict[str, int], first: int) -> tuple[list[dict[str, object]], int]:
-    """Make so many runs of each kind; return a row for each, and how many went wrong."""
+def attack_all(runs: dict[str, int], first: int) -> list[dict[str, object]]:
+    """Make so many runs of each kind; return a row for each."""
     # An import that is interrupted leaves half a module behind.
     for name in (*_LIBRARIES, *(f"gspcli.cli.{name.replace('-', '_')}" for name in COMMANDS)):
         importlib.import_module(name)
     for info in pkgutil.walk_packages(gspcli.__path__, "gspcli."):
         importlib.import_module(info.name)
-    rows, failures = [], 0
+    rows: list[dict[str, object]] = []
     for kind, count in runs.items():
         codes: Counter[int] = Counter()
         bad = 0
@@ -266,29 +274,62 @@ def attack_all(runs: dict[str, int], first: int) -> tuple[list[dict[str, object]
                 print(f"{kind} {seed}: {problem}", flush=True)
         tally = {f"exit_{code}": codes[code] for code in DOCUMENTED}
         rows.append({"kind": kind, "first_seed": first, "runs": count, "wrong": bad, **tally})
-        failures += bad
         print(rows[-1], flush=True)
-    return rows, failures
+    return rows
 
 
 def main() -> int:
     """Attack; return the exit code."""
-    options = parser(__doc__)
+    options = parser(__doc__, sample=True)
     options.add_argument("--record", action="store_true", help="make all runs, write the record")
     options.add_argument("--count", type=int, help="runs of each kind")
     options.add_argument("--kind", choices=list(RECORDED), help="of one kind only")
     options.add_argument("--seed", type=int, default=SEED, help="of the first runs")
     arguments = options.parse_args()
-    runs = RECORDED if arguments.record else SAMPLED
-    if arguments.count is not None:
-        runs = dict.fromkeys(RECORDED, arguments.count)
+    runs = RECORDED
+    size = arguments.sample if arguments.check else arguments.count
+    if size is not None:
+        runs = dict.fromkeys(RECORDED, size) | {"processes": -(-size // _A_PROCESS)}
     if arguments.kind:
-        runs = {arguments.kind: runs[arguments.kind]}
-    rows, failures = attack_all(runs, arguments.seed)
-    if arguments.record and not failures:
-        save({TARGET: csv_text(rows)}, check=False, confirmed="")
-    print(f"{sum(runs.values())} runs, {failures} wrong")
-    return DIFFERENT if failures else CONFIRMED
+        runs = {arguments.kind: size or RECORDED[arguments.kind]}
+    rows = attack_all(runs, arguments.seed)
+    if arguments.record:
+        record(rows, arguments.seed)
+    differences = [f"{row['kind']}: {row['wrong']} wrong" for row in rows if row["wrong"]]
+    if arguments.check:
+        differences += recorded_otherwise()
+    return report(differences, f"{sum(runs.values())} runs")
+
+
+def record(rows: list[dict[str, object]], seed: int) -> None:
+    """Write the rows of some kinds, and keep those of the others."""
+    kept = {row["kind"]: row for row in _recorded()} | {row["kind"]: row for row in rows}
+    text = csv_text([kept[kind] for kind in RECORDED if kind in kept])
+    manifest = {
+        "command": "python tools/attack_commands.py --record",
+        "seed": seed,
+        "sha256": hashlib.sha256(text.encode()).hexdigest(),
+        "versions": {
+            "gsp": gspcli.__version__,
+            "click": version("click"),
+            "python": platform.python_version(),
+        },
+    }
+    save({TARGET: text, MANIFEST: json.dumps(manifest, indent=1) + "\n"}, check=False, confirmed="")
+
+
+def _recorded() -> list[dict[str, str]]:
+    return list(csv.DictReader(TARGET.open(encoding="utf-8"))) if TARGET.is_file() else []
+
+
+def recorded_otherwise() -> list[str]:
+    """Return how the record is not one of so many runs of each kind, none of them wrong.
+
+    How often each exit code occurs depends on how much is done in a second.
+    """
+    found = {row["kind"]: (int(row["runs"]), int(row["wrong"])) for row in _recorded()}
+    wanted = {kind: (runs, 0) for kind, runs in RECORDED.items()}
+    return [] if found == wanted else [f"recorded are {found}, expected {wanted}"]
 
 
 if __name__ == "__main__":

@@ -237,10 +237,10 @@ def _good(name: str, rng: Random) -> bytes:
 
 
 def inputs(rng: Random) -> Hostile:
-    """Return a command that reads a good file which was spoilt up to six times."""
+    """Return a command that reads a good file which was spoilt up to three times."""
     name = rng.choice(["spec.yaml", *READERS])
     content = _good(name, rng)
-    for _ in range(rng.randrange(1, 7)):
+    for _ in range(rng.randrange(1, 4)):
         content = rng.choice(_SPOILING)(content, rng)[:_MOST_BYTES]
     words = rng.choice(READERS[name])
     if rng.random() < 0.2 and name not in ("state.json", "work.jsonl"):
