@@ -88,7 +88,8 @@ def command(
     prime could have misled.
 
     With --type it counts random platforms with special geometries instead: planar, hexagons,
-    3-3, 6-4, congruent and others (--geometry all). Those of joints are for 6PP only.
+    3-3, 6-4, congruent and others (--geometry all). Those of joints are for 6PP only. A generic
+    geometry that is too large to count has the generic count, which is proved for its type.
 
     The exit code is 3 if the solutions of a SPEC are infinitely many, and 4 if they could not be
     counted.
@@ -200,8 +201,9 @@ def _count_geometries(
     gsp_type: GspType, names: str, limit: float, seed: int, output: Output
 ) -> None:
     from gspcli.atlas.geometries import CLASSES, random_geometry
+    from gspcli.catalogue.counts import generic_counts
     from gspcli.catalogue.kinds import DPP
-    from gspcli.certification.counting import count_geometry
+    from gspcli.certification.counting import NotCountedError, count_geometry
 
     six_legs = set(gsp_type.kinds) == {DPP}
     possible = [name for name, c in CLASSES.items() if c.points is None or six_legs]
@@ -214,18 +216,20 @@ def _count_geometries(
             raise click.BadParameter(message)
     rows = []
     for name in progress(chosen, total=len(chosen), label="counting solutions"):
+        row: dict[str, Any] = {"geometry": name, "meaning": CLASSES[name].meaning}
         instance = random_geometry(gsp_type, CLASSES[name], seed)
-        count = count_geometry(instance, seed=seed, limit=limit)
-        rows.append(
-            {
-                "geometry": name,
-                "count": count.solutions,
-                "distinct": count.distinct,
-                "meaning": CLASSES[name].meaning,
-                "proof": _words(count.error),
-                "modulo_random_prime": count.error or False,
-            }
-        )
+        try:
+            count = count_geometry(instance, seed=seed, limit=limit)
+        except NotCountedError:
+            if name != "generic":
+                raise
+            # What almost every platform has is proved for the type, however large.
+            number = generic_counts(gsp_type).two_sided
+            row |= {"count": number, "distinct": number, "proof": "proved for the type"}
+            rows.append(row | {"modulo_random_prime": False})
+            continue
+        row |= {"count": count.solutions, "distinct": count.distinct, "proof": _words(count.error)}
+        rows.append(row | {"modulo_random_prime": count.error or False})
     document = {
         "schema": "gsp.count-geometries/1",
         "type": gsp_type.to_json(),

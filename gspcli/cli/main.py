@@ -168,6 +168,9 @@ def _outcome(words: list[str]) -> tuple[int, str]:
         return error.exit_code, brief(_QUOTED.sub(_cut, text.getvalue().rstrip("\n")))
     except (click.Abort, KeyboardInterrupt):
         return INTERRUPTED, "error: interrupted"
+    except SystemExit as error:
+        # So click ends when nobody reads any more.
+        raise BrokenPipeError from error
     except OSError as error:
         if error.filename is None:
             # Of a standard stream.
