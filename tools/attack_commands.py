@@ -112,12 +112,13 @@ def _alarm(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGALRM, before)
 
 
-def within(hostile: Hostile, folder: Path, out: io.RawIOBase, encoding: str) -> Told:
+def within(hostile: Hostile, folder: Path, out: io.IOBase, encoding: str) -> Told:
     """Run a command within this process, in a folder."""
     hostile_commands.write_files(hostile, folder)
     err = io.BytesIO()
+    how = manner(encoding)
     streams = [
-        io.TextIOWrapper(io.BufferedWriter(raw), **manner(encoding))  # type: ignore[call-overload]
+        io.TextIOWrapper(io.BufferedWriter(raw), how["encoding"], how["errors"])
         for raw in (out, err)
     ]
     stdin = io.TextIOWrapper(io.BytesIO(hostile.stdin))
@@ -161,12 +162,14 @@ def attack_within(kind: str, rng: random.Random, folder: Path) -> tuple[Hostile,
         hostile = hostile_commands.inputs(rng)
     else:
         hostile = rng.choice((hostile_commands.options, hostile_commands.inputs))(rng)
-    out, encoding = io.BytesIO(), "utf-8"
+    out: io.IOBase = io.BytesIO()
+    encoding = "utf-8"
     if kind == "streams":
         encoding = rng.choice(("ascii", "cp1252", "utf-8"))
         numbers = errno.ENOSPC, errno.EPIPE, errno.EBADF, errno.EIO
-        out = rng.choice((out, _Full(rng.choice((0, 0, 100, 5000)), rng.choice(numbers))))
-    return hostile, within(hostile, folder, out, encoding)  # type: ignore[arg-type]
+        full = _Full(rng.choice((0, 0, 100, 5000)), rng.choice(numbers))
+        out = rng.choice((out, full))
+    return hostile, within(hostile, folder, out, encoding)
 
 
 _STREAMS = ("", ">/dev/full", "2>/dev/full", ">&-", "2>&-", ">&- 2>&-", "<&- >&- 2>&-", "<&-")
@@ -255,13 +258,17 @@ def attack(kind: str, seed: int) -> tuple[int, list[str]]:
         return told.code, problems
 
 
-def attack_all(runs: dict[str, int], first: int) -> list[dict[str, object]]:
-    """Make so many runs of each kind; return a row for each."""
-    # An import that is interrupted leaves half a module behind.
+def prepare() -> None:
+    """Import everything: an import that is interrupted leaves half a module behind."""
     for name in (*_LIBRARIES, *(f"gspcli.cli.{name.replace('-', '_')}" for name in COMMANDS)):
         importlib.import_module(name)
     for info in pkgutil.walk_packages(gspcli.__path__, "gspcli."):
         importlib.import_module(info.name)
+
+
+def attack_all(runs: dict[str, int], first: int) -> list[dict[str, object]]:
+    """Make so many runs of each kind; return a row for each."""
+    prepare()
     rows: list[dict[str, object]] = []
     for kind, count in runs.items():
         codes: Counter[int] = Counter()

@@ -195,6 +195,12 @@ STEPS = (
         "tools/verify_clearances.py --check --jobs {jobs}",
         sample="--sample 2",
     ),
+    Step(
+        "hostile-runs",
+        ("data/verification/hostile-runs*",),
+        "tools/attack_commands.py --check",
+        sample="--sample 20",
+    ),
     Step("view", ("data/view/*",), "tools/build_view.py --check"),
     Step(
         "distribution",
