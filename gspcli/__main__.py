@@ -4,7 +4,7 @@ import gc
 import os
 import sys
 
-from gspcli.cli.main import run
+from gspcli.errors import INTERRUPTED
 
 #: Start-up makes some hundred thousand objects and hardly any garbage.
 _OBJECTS = 100_000
@@ -17,7 +17,15 @@ def main() -> int:
     gc.set_threshold(_OBJECTS)
     for variable in _ONE_THREAD:
         os.environ.setdefault(variable, "1")
-    code = run()
+    # Start-up can be interrupted, too.
+    try:
+        from gspcli.cli.main import run
+        from gspcli.cli.streams import open_streams
+
+        open_streams()
+        code = run()
+    except KeyboardInterrupt:
+        code = INTERRUPTED
     # The process ends: no need to search what it leaves for garbage.
     gc.freeze()
     return code

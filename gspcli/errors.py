@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from gspcli.records import dataclass
+from gspcli.wording import brief, named
 
 #: Exit code of what the user interrupted; those of errors are `GspError.exit_code`.
 INTERRUPTED = 130
@@ -11,7 +12,7 @@ INTERRUPTED = 130
 class GspError(Exception):
     """Base class of every error that a user can cause or should read.
 
-    The text of an error is one to three lines: where, what was found, what was expected or
+    The text of an error is one to five lines: where, what was found, what was expected or
     what to do.
     """
 
@@ -31,7 +32,7 @@ class Location:
     column: int
 
     def __str__(self) -> str:
-        return f"{self.file}:{self.line}:{self.column}"
+        return f"{named(self.file)}:{self.line}:{self.column}"
 
 
 @dataclass(frozen=True)
@@ -58,11 +59,11 @@ class Problem:
 
 
 class SpecError(GspError):
-    """An instance file with mistakes; carries all of them."""
+    """An instance file with mistakes: the text has the first ones, `problems` all of them."""
 
     def __init__(self, problems: list[Problem]) -> None:
         self.problems = tuple(problems)
-        super().__init__("\n".join(str(problem) for problem in problems))
+        super().__init__(brief("\n".join(map(str, problems)), "mistake"))
 
 
 class ArgumentError(GspError, ValueError):

@@ -97,6 +97,8 @@ def _constructor(cls: type, fields: Fields) -> Callable[..., None]:
     exec(source, known)
     made: Callable[..., None] = known["__init__"]
     made.__qualname__ = f"{cls.__qualname__}.__init__"
+    # `help` looks for the module of what it describes.
+    made.__module__ = cls.__module__
     made.__annotations__ = {field.name: field.type for field in fields} | {"return": None}
     return made
 

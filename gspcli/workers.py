@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 from collections.abc import Callable, Generator, Iterable, Iterator
@@ -20,10 +21,12 @@ from itertools import chain, islice
 from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.process import BaseProcess
 from threading import Thread
+from types import ModuleType
 from typing import Any, TypeVar
 
 from gspcli.errors import GspError
 from gspcli.records import dataclass
+from gspcli.wording import shown
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -94,7 +97,9 @@ class Workers:
         if self.scheduler is not None:
             with _client(self.scheduler) as client:
                 executor = client.get_executor(pure=False)
-                yield from _fed(executor, function, numbered, lambda: len(client.nthreads()))
+                yield from _fed(
+                    executor, function, numbered, lambda: len(client.nthreads()), cancel=True
+                )
         elif self.jobs == 1 or len(first) < 2:
             for number, item in numbered:
                 yield number, function(item)
@@ -112,8 +117,14 @@ def _fed(
     function: Callable[[Item], Result],
     numbered: Iterator[tuple[int, Item]],
     workers: Callable[[], int],
+    *,
+    cancel: bool = False,
 ) -> Iterator[tuple[int, Result]]:
-    """Keep an executor busy; yield the numbers of the items with their results."""
+    """Keep an executor busy; yield the numbers of the items with their results.
+
+    What runs when it is left can be cancelled. Of processes that are ended it must not be: the
+    thread that looks after them would complain that it cannot say so of a cancelled future.
+    """
     running: dict[Future[Result], int] = {}
     try:
         while True:
@@ -125,7 +136,7 @@ def _fed(
             for future in wait(running, return_when=FIRST_COMPLETED).done:
                 yield running.pop(future), future.result()
     finally:
-        for future in running:
+        for future in running if cancel else ():
             future.cancel()
 
 
@@ -141,7 +152,7 @@ def _processes(jobs: int) -> Iterator[Executor]:
         message = "a process was killed, perhaps for want of memory: use fewer --jobs"
         raise GspError(message) from error
     finally:
-        executor.shutdown(wait=False, cancel_futures=True)
+        executor.shutdown(wait=False)
         for process in set(active_children()) - others:
             _end(process)
 
@@ -178,10 +189,29 @@ def _client(address: str) -> Iterator[Any]:
     except ModuleNotFoundError as error:
         message = "--scheduler needs Dask: pip install 'gspcli[cluster]'"
         raise GspError(message) from error
+    # It says at length on standard error what is said here in a line.
+    with _silenced("distributed.client"), _connected(distributed, address) as client:
+        yield client
+
+
+@contextmanager
+def _silenced(name: str) -> Iterator[None]:
+    """Let a library say nothing that is not critical."""
+    logger = logging.getLogger(name)
+    level = logger.level
+    logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
+
+
+@contextmanager
+def _connected(distributed: ModuleType, address: str) -> Iterator[Any]:
     try:
         client = distributed.Client(address, timeout=_CONNECTING_S)
     except (OSError, TimeoutError, ValueError) as error:
-        message = f"no Dask scheduler at {address!r}: start one by `dask scheduler`"
+        message = f"no Dask scheduler at {shown(address)}: start one by `dask scheduler`"
         raise GspError(message) from error
     with client:
         try:
@@ -197,6 +227,9 @@ def _client(address: str) -> Iterator[Any]:
             raise GspError(message)
         try:
             yield client
-        except (distributed.KilledWorker, CancelledError) as error:
-            message = f"{address} lost too many workers, or its connection: {error}"
+        except distributed.KilledWorker as error:
+            message = f"{address} lost too many workers: {error}"
+            raise GspError(message) from error
+        except (CancelledError, OSError, TimeoutError) as error:
+            message = f"the connection to the Dask scheduler at {address} was lost"
             raise GspError(message) from error

@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
-from collections.abc import Callable, Hashable, Iterable, Mapping
+import sys
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, ClassVar, Protocol, TypeVar
+from typing import Any, BinaryIO, ClassVar, Protocol, TypeVar
 
 from gspcli.errors import GspError
 from gspcli.progress import Progress, silent
-from gspcli.records import dataclass
+from gspcli.wording import named
 from gspcli.workers import HERE, Workers
 
 Item = TypeVar("Item")
+
+#: How a line begins, and how many bytes are read at a time to find where the last one does.
+_BEGIN, _STEP = b'{"', 1 << 16
+#: Where the lock is, on systems that lock parts of files.
+_FAR = 2**31 - 2
 
 
 class Done(Protocol):
@@ -30,11 +38,35 @@ class Done(Protocol):
 Result = TypeVar("Result", bound=Done)
 
 
-@dataclass(frozen=True)
 class Journal:
-    """A work file; it need not exist yet."""
+    """A work file that is open for this process alone."""
 
-    path: Path
+    def __init__(self, path: Path, file: BinaryIO) -> None:
+        self._path, self._file = path, file
+        self._whole = False
+
+    @classmethod
+    @contextmanager
+    def opened(cls, path: Path) -> Iterator[Journal]:
+        """Open a work file, which need not exist yet.
+
+        Raises
+        ------
+        GspError
+            If it cannot be opened, or another process works with it.
+        """
+        try:
+            # Every line goes out at once, and at the end.
+            file = path.open("a+b", buffering=0)
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            message = f"{named(path)}: cannot be opened: {reason}"
+            raise GspError(message) from error
+        with file:
+            if not _locked(file):
+                message = f"{path}: another process is at this work: wait, or use another file"
+                raise GspError(message)
+            yield cls(path, file)
 
     def read(self, decode: Callable[[dict[str, Any]], Item]) -> list[Item]:
         """Return what its lines stand for; a last line that was cut off is ignored.
@@ -50,28 +82,77 @@ class Journal:
         GspError
             If another line is none.
         """
-        if not self.path.is_file():
+        if not self._path.is_file():
             return []
-        items = []
-        lines = self.path.read_text(encoding="utf-8").split("\n")
+        self._file.seek(0)
         # Whatever follows the last end of line was being written when the work was interrupted.
-        for number, line in enumerate(lines[:-1], start=1):
+        *lines, rest = self._file.read().split(b"\n")
+        items = []
+        for number, line in enumerate(lines, start=1):
             try:
                 items.append(decode(json.loads(line)))
-            except (ValueError, TypeError, KeyError) as error:
-                message = f"{self.path}:{number}: this is not a line of a work file"
-                raise GspError(message) from error
+            except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+                raise self._no_line(number) from error
+        if not _BEGIN.startswith(rest[: len(_BEGIN)]):
+            raise self._no_line(len(lines) + 1)
         return items
 
     def append(self, entry: Mapping[str, Any]) -> None:
-        """Add a line."""
-        if self.path.is_file():
-            content = self.path.read_bytes()
-            # Drop a line that was cut off when the work was interrupted.
-            if content and not content.endswith(b"\n"):
-                os.truncate(self.path, content.rfind(b"\n") + 1)
-        with self.path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(entry) + "\n")
+        """Add a line.
+
+        Raises
+        ------
+        GspError
+            If there is no room for it, or the file is no work file.
+        """
+        try:
+            if not self._whole:
+                self._cut_off()
+                self._whole = True
+            line = json.dumps(entry).encode() + b"\n"
+            while line:
+                line = line[self._file.write(line) :]
+        except OSError as error:
+            message = f"{self._path}: cannot be written: {error.strerror}"
+            raise GspError(message) from error
+
+    def _cut_off(self) -> None:
+        """Drop a last line that was cut off when the work was interrupted."""
+        if not self._path.is_file():
+            return
+        end = start = self._file.seek(0, os.SEEK_END)
+        rest = b""
+        while start > 0 and b"\n" not in rest:
+            start, before = max(0, start - _STEP), start
+            self._file.seek(start)
+            rest = self._file.read(before - start) + rest
+        rest = rest[rest.rfind(b"\n") + 1 :]
+        if not _BEGIN.startswith(rest[: len(_BEGIN)]):
+            message = f"{self._path}: this is not a work file: choose another"
+            raise GspError(message)
+        self._file.truncate(end - len(rest))
+
+    def _no_line(self, number: int) -> GspError:
+        return GspError(f"{self._path}:{number}: this is not a line of a work file")
+
+
+def _locked(file: BinaryIO) -> bool:
+    """Take a file for this process, until it is closed; return whether that was possible."""
+    try:
+        if sys.platform == "win32":
+            import msvcrt
+
+            # Others may read it: what is locked is far behind its end.
+            file.seek(_FAR)
+            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+        else:
+            import fcntl
+
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        # A system of files without locks has no other process that respects them.
+        return error.errno not in (errno.EWOULDBLOCK, errno.EACCES, errno.EDEADLK)
+    return True
 
 
 def carry_out(
@@ -102,12 +183,12 @@ def carry_out(
         Who is told, and what it is called.
     """
     wanted = list(tasks)
-    work_file = Journal(journal) if journal else None
-    known = {result.task: result for result in work_file.read(decode)} if work_file else {}
-    results = {task: known[task] for task in wanted if task in known}
-    missing = [task for task in wanted if task not in results]
-    for result in progress(workers.as_completed(do, missing), total=len(missing), label=label):
-        results[result.task] = result
-        if work_file:
-            work_file.append(asdict(result))
+    with Journal.opened(journal) if journal else nullcontext() as work_file:
+        known = {result.task: result for result in work_file.read(decode)} if work_file else {}
+        results = {task: known[task] for task in wanted if task in known}
+        missing = [task for task in wanted if task not in results]
+        for result in progress(workers.as_completed(do, missing), total=len(missing), label=label):
+            results[result.task] = result
+            if work_file:
+                work_file.append(asdict(result))
     return results

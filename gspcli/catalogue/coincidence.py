@@ -27,6 +27,7 @@ from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind
 from gspcli.catalogue.types import GspType
 from gspcli.errors import TypeNameError
 from gspcli.records import dataclass
+from gspcli.wording import shown
 
 #: A vertex: the letter of its sort and its number among the primitives of that sort and body.
 Vertex = tuple[str, int]
@@ -195,7 +196,7 @@ def _parse_bond(word: str) -> Bond:
     match = _BOND.fullmatch(word)
     if match is None:
         message = (
-            f"{word!r} is no constraint between named primitives: write P1-p2 for a distance, "
+            f"{shown(word)} is no constraint between named primitives: write P1-p2 for a distance, "
             "L1^h2 for an angle\na capital is a primitive of the platform, a small letter one "
             "of the base"
         )
@@ -204,7 +205,7 @@ def _parse_bond(word: str) -> Bond:
     kind = KINDS_BY_NAME.get(_QUANTITIES[mark] + platform + base.upper())
     if kind is None:
         what = {"-": "distance", "^": "angle"}[mark]
-        message = f"{word!r}: there is no {what} of {platform} and {base.upper()}"
+        message = f"{shown(word)}: there is no {what} of {platform} and {base.upper()}"
         raise TypeNameError(message)
     return Bond(kind, int(i), int(j))
 

@@ -14,6 +14,7 @@ from gspcli.catalogue.types import GspType, PlatformClass, all_types
 from gspcli.catalogue.witnesses import best_real
 from gspcli.errors import GspError
 from gspcli.records import dataclass
+from gspcli.wording import shown
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -100,7 +101,7 @@ def column(key: str) -> TypeColumn:
     """
     found = COLUMNS_BY_KEY.get(key.strip().lower().replace("-", "_"))
     if found is None:
-        message = f"unknown column {key!r}: the columns are {', '.join(COLUMNS_BY_KEY)}"
+        message = f"unknown column {shown(key)}: the columns are {', '.join(COLUMNS_BY_KEY)}"
         raise GspError(message)
     return found
 

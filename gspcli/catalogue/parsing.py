@@ -16,8 +16,8 @@ from gspcli.catalogue.types import (
     PlatformClass,
     type_by_number,
 )
-from gspcli.errors import TypeNameError
-from gspcli.wording import similar
+from gspcli.errors import ArgumentError, TypeNameError
+from gspcli.wording import shown, similar
 
 _CLASSES_BY_ID = {platform_class.id: platform_class for platform_class in CLASSES}
 _SEPARATORS = re.compile(r"[\s,;+]+")
@@ -35,9 +35,9 @@ def parse_class(text: str) -> PlatformClass:
     TypeNameError
         If there is no such class.
     """
-    found = _CLASSES_BY_ID.get(text.strip().upper())
+    found = _CLASSES_BY_ID.get(_joined(text).strip().upper())
     if found is None:
-        message = f"unknown class {text!r}: the classes are {', '.join(_CLASSES_BY_ID)}"
+        message = f"unknown class {shown(text)}: the classes are {', '.join(_CLASSES_BY_ID)}"
         raise TypeNameError(message)
     return found
 
@@ -53,7 +53,7 @@ def parse_kind(text: str) -> Kind:
     found = parse_kinds(text)
     if len(found) > 1:
         names = " or ".join(kind.name for kind in found)
-        message = f"{text!r} is {names}: give the leading letter"
+        message = f"{shown(text)} is {names}: give the leading letter"
         raise TypeNameError(message)
     return found[0]
 
@@ -66,7 +66,7 @@ def parse_kinds(text: str) -> tuple[Kind, ...]:
     TypeNameError
         If there is no such kind.
     """
-    name = text.strip().upper()
+    name = _joined(text).strip().upper()
     found = tuple(kind for kind in KINDS if name in (kind.name, kind.short))
     if not found:
         _unknown_kind(text)
@@ -76,7 +76,7 @@ def parse_kinds(text: str) -> tuple[Kind, ...]:
 def _unknown_kind(text: str) -> NoReturn:
     name = text.strip().upper()
     names = [kind.name for kind in KINDS]
-    message = f"unknown constraint {text!r}"
+    message = f"unknown constraint {shown(text)}"
     swapped = name[:-2] + name[-2:][::-1]
     if len(name) == 3 and name[0] in "DA" and all(letter in "PLH" for letter in name[1:]):
         what, kinds = ("distance", DISTANCE_KINDS) if name[0] == "D" else ("angle", ANGLE_KINDS)
@@ -93,15 +93,23 @@ def _names(kinds: Sequence[Kind]) -> str:
     return " ".join(kind.name for kind in kinds)
 
 
+def _joined(text: str | Sequence[str]) -> str:
+    """Return a text, or several with blanks between."""
+    try:
+        return text if isinstance(text, str) else " ".join(text)
+    except TypeError as error:
+        message = f"found a {type(text).__name__}, expected a text, such as 6PP or DPL"
+        raise ArgumentError(message) from error
+
+
 def _words(text: str | Sequence[str]) -> list[str]:
-    joined = text if isinstance(text, str) else " ".join(text)
     words: list[str] = []
-    for word in _SEPARATORS.split(_APART.sub(r"\1", joined.strip().upper())):
+    for word in _SEPARATORS.split(_APART.sub(r"\1", _joined(text).strip().upper())):
         repeated = _REPEATED.fullmatch(word)
         if repeated and word not in _CLASSES_BY_ID:
             count, name = (repeated[1], repeated[2]) if repeated[1] else (repeated[4], repeated[3])
             if int(count) > CONSTRAINTS:
-                message = f"{word!r}: a platform has six constraints"
+                message = f"{shown(word)}: a platform has six constraints"
                 raise TypeNameError(message)
             words += [name] * int(count)
         elif word:
@@ -122,8 +130,11 @@ def parse_name(text: str | Sequence[str]) -> GspType | Family:
     ------
     TypeNameError
         With what is wrong, what is near and how to write it.
+    ArgumentError
+        If it is no text, nor several.
     """
-    alias = find_alias(text if isinstance(text, str) else " ".join(text))
+    text = _joined(text)
+    alias = find_alias(text)
     words = _words(text if alias is None else alias.type_name)
     if not words:
         message = "no type given: write six kinds, a number, or a family as 3D3A PL PL LP"

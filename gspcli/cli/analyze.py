@@ -12,6 +12,7 @@ import click
 from gspcli.cli.analysis_entries import Analysis
 from gspcli.cli.analysis_tables import details, overview
 from gspcli.cli.names import load_instance
+from gspcli.cli.number_types import Positive, Whole
 from gspcli.cli.output import Column, Output, emit, output_options
 from gspcli.cli.pose_options import pose_options
 from gspcli.cli.pose_rows import asked_poses, check_sources
@@ -48,7 +49,7 @@ _ZERO = 1e-12
 @click.argument("rows", metavar="[ROWS]", required=False)
 @click.option(
     "--mode",
-    type=click.IntRange(min=1),
+    type=Whole(1),
     metavar="K",
     help="Only mode K, in detail; of a file of values mode K at its first row.",
 )
@@ -62,7 +63,7 @@ _ZERO = 1e-12
 )
 @click.option(
     "--length",
-    type=click.FloatRange(0, min_open=True),
+    type=Positive(),
     help="The length that makes angles and lengths comparable.  [default: the typical length]",
 )
 @click.option(

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from gspcli.cli.number_types import Positive
 from gspcli.cli.output import Column, Output, Table, emit, output_options, write_whole
 from gspcli.cli.progress_bars import progress
+from gspcli.cli.streams import say
 from gspcli.cli.worker_options import worker_options
 from gspcli.defaults import SEED
 from gspcli.errors import CheckFailed, IncompleteError
@@ -33,7 +35,7 @@ _work = click.option(
 )
 _timeout = click.option(
     "--timeout",
-    type=click.FloatRange(0, min_open=True),
+    type=Positive(),
     metavar="SECONDS",
     help="Give up a Gröbner basis after so long.",
 )
@@ -275,9 +277,9 @@ def build(
         if different := differences(folder, files):
             message = f"{folder}: what was built differs: {', '.join(different)}"
             raise CheckFailed(message)
-        click.echo(f"{folder}: {len(files)} files confirmed", err=True)
+        say(f"{folder}: {len(files)} files confirmed")
         return
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in files.items():
         write_whole(folder / name, text)
-    click.echo(f"{folder}: {len(results)} counts recorded", err=True)
+    say(f"{folder}: {len(results)} counts recorded")

@@ -10,6 +10,7 @@ import click
 
 from gspcli.cli.digits import DECIMALS, decimals, digit_table, digits_option, refined
 from gspcli.cli.names import load_instance
+from gspcli.cli.number_types import Positive
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import text_of
 from gspcli.cli.progress_bars import working
@@ -48,7 +49,7 @@ _COLUMNS = (
     "--tolerance",
     default=TOLERANCE,
     show_default=True,
-    type=click.FloatRange(0, min_open=True),
+    type=Positive(),
     help="Largest difference of a pose from its solution, lengths by the platform's size; "
     "relative for numbers above one.",
 )
@@ -56,7 +57,7 @@ _COLUMNS = (
     "--max-precision",
     default=MAX_PRECISION,
     show_default=True,
-    type=click.IntRange(64),
+    type=click.IntRange(64, 1_000_000),
     metavar="BITS",
     help="Where to stop raising the precision.",
 )

@@ -9,6 +9,7 @@ import click
 from gspcli.cli.names import spec_source
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.errors import Problem, SpecError
+from gspcli.wording import MOST_LINES
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
@@ -67,6 +68,9 @@ def command(specs: tuple[str, ...], output: Output) -> None:
             found = [_problem(warning) for warning in reading.warnings]
             entries.append({"file": spec, "valid": True, **facts, "warnings": found})
             notes += [f"warning: {warning}" for warning in reading.warnings]
+    if len(problems) > MOST_LINES:
+        # The error has the first ones only.
+        notes += [f"mistake: {problem}" for problem in problems]
     document = {"schema": "gsp.check/1", "files": entries}
     emit(output, Table(_COLUMNS, rows, notes=notes), document=document)
     if problems:

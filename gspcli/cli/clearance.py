@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gspcli.cli.names import load_instance
+from gspcli.cli.number_types import Whole
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_options
 from gspcli.cli.pose_rows import asked_poses, check_sources
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 @click.argument("rows", metavar="[ROWS]", required=False)
 @click.option(
     "--mode",
-    type=click.IntRange(min=1),
+    type=Whole(1),
     metavar="K",
     help="Only mode K; of a file of values mode K at its first row.",
 )

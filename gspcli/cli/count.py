@@ -8,10 +8,12 @@ import click
 
 from gspcli import __version__
 from gspcli.cli.names import load_instance, read_type
+from gspcli.cli.number_types import Positive, Seed
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.progress_bars import progress
 from gspcli.defaults import SEED
 from gspcli.errors import NotFiniteError
+from gspcli.wording import shown
 
 if TYPE_CHECKING:
     from gspcli.catalogue.types import GspType
@@ -56,7 +58,7 @@ _LEGEND = (
     "--limit",
     default=60.0,
     show_default=True,
-    type=click.FloatRange(0, min_open=True),
+    type=Positive(),
     metavar="BILLIONS",
     help="Multiplications after which to give up; a billion takes a second or two.",
 )
@@ -64,7 +66,7 @@ _LEGEND = (
     "--seed",
     default=SEED,
     show_default=True,
-    type=click.IntRange(min=0),
+    type=Seed(),
     help="Seed of the prime and of random platforms.",
 )
 @output_options()
@@ -86,7 +88,8 @@ def command(
     prime could have misled.
 
     With --type it counts random platforms with special geometries instead: planar, hexagons,
-    3-3, 6-4, congruent and others (--geometry all). Those of joints are for 6PP only.
+    3-3, 6-4, congruent and others (--geometry all). Those of joints are for 6PP only. A generic
+    geometry that is too large to count has the generic count, which is proved for its type.
 
     The exit code is 3 if the solutions of a SPEC are infinitely many, and 4 if they could not be
     counted.
@@ -198,30 +201,35 @@ def _count_geometries(
     gsp_type: GspType, names: str, limit: float, seed: int, output: Output
 ) -> None:
     from gspcli.atlas.geometries import CLASSES, random_geometry
+    from gspcli.catalogue.counts import generic_counts
     from gspcli.catalogue.kinds import DPP
-    from gspcli.certification.counting import count_geometry
+    from gspcli.certification.counting import NotCountedError, count_geometry
 
     six_legs = set(gsp_type.kinds) == {DPP}
     possible = [name for name, c in CLASSES.items() if c.points is None or six_legs]
     chosen = possible if names == "all" else [name.strip() for name in names.split(",")]
     for name in chosen:
         if name not in possible:
-            message = f"found --geometry {name}, expected of {gsp_type.id}: {', '.join(possible)}"
+            message = (
+                f"found --geometry {shown(name)}, expected of {gsp_type.id}: {', '.join(possible)}"
+            )
             raise click.BadParameter(message)
     rows = []
     for name in progress(chosen, total=len(chosen), label="counting solutions"):
+        row: dict[str, Any] = {"geometry": name, "meaning": CLASSES[name].meaning}
         instance = random_geometry(gsp_type, CLASSES[name], seed)
-        count = count_geometry(instance, seed=seed, limit=limit)
-        rows.append(
-            {
-                "geometry": name,
-                "count": count.solutions,
-                "distinct": count.distinct,
-                "meaning": CLASSES[name].meaning,
-                "proof": _words(count.error),
-                "modulo_random_prime": count.error or False,
-            }
-        )
+        try:
+            count = count_geometry(instance, seed=seed, limit=limit)
+        except NotCountedError:
+            if name != "generic":
+                raise
+            # What almost every platform has is proved for the type, however large.
+            number = generic_counts(gsp_type).two_sided
+            row |= {"count": number, "distinct": number, "proof": "proved for the type"}
+            rows.append(row | {"modulo_random_prime": False})
+            continue
+        row |= {"count": count.solutions, "distinct": count.distinct, "proof": _words(count.error)}
+        rows.append(row | {"modulo_random_prime": count.error or False})
     document = {
         "schema": "gsp.count-geometries/1",
         "type": gsp_type.to_json(),

@@ -16,6 +16,7 @@ from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.overconstraint import over_constraint
 from gspcli.catalogue.parsing import parse_class, parse_kind_set, parse_type
 from gspcli.catalogue.types import CLASSES, GspType, PlatformClass
+from gspcli.cli.number_types import Whole
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 
 #: Options that take several words, as in `--only PL PH A`.
@@ -61,7 +62,7 @@ def _ceilings(function: Callable[..., Any]) -> Callable[..., Any]:
         function = click.option(
             f"--max-{column.key.replace('_', '-')}",
             f"max_{column.key}",
-            type=int,
+            type=Whole(0),
             metavar="N",
             help=f"Keep types whose {column.key} is at most N.",
         )(function)
@@ -82,7 +83,7 @@ def _ceilings(function: Callable[..., Any]) -> Callable[..., Any]:
 @_ceilings
 @click.option("--sort", metavar="COLUMNS", help="Sort by columns; -COLUMN is descending.")
 @click.option("--columns", metavar="COLUMNS", help="Show these columns, in this order.")
-@click.option("--limit", type=click.IntRange(min=0), metavar="N", help="Show the first N rows.")
+@click.option("--limit", type=Whole(0), metavar="N", help="Show the first N rows.")
 @click.option("--count", is_flag=True, help="Count by class, beside Proposition 2.2.")
 @click.option(
     "--coincident",

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli.names import load_instance
+from gspcli.cli.number_types import Whole
 from gspcli.cli.output import Output, check_writable, write
 from gspcli.cli.progress_bars import working
+from gspcli.cli.streams import say
 from gspcli.errors import GspError
 from gspcli.export.format import PoseFormat, SystemFormat
 from gspcli.export.formats import FORMATS
@@ -43,7 +45,7 @@ _COORDINATES = ("study", "study-affine", "rt")
 )
 @click.option(
     "--mode",
-    type=click.IntRange(min=1),
+    type=Whole(1),
     metavar="K",
     help=f"For {listed(_POSES, 'and')}: the real pose to build, in the order of `gsp solve`.  "
     "[default: 1]",
@@ -141,5 +143,5 @@ def _system(instance: Instance, form: SystemFormat, coordinates: str, digits: in
         how = f"decimals of {digits} digits" if form.irrational == "decimals" else "doubles"
         count = len(found.constants)
         numbers = "1 irrational number" if count == 1 else f"{count} irrational numbers"
-        click.echo(f"{numbers} became {how}", err=True)
+        say(f"{numbers} became {how}")
     return form.write(found, digits)

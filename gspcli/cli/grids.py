@@ -7,13 +7,13 @@ import re
 from collections.abc import Sequence
 
 from gspcli.errors import GspError
-from gspcli.wording import listed
+from gspcli.wording import listed, shown
 
 #: What poses vary by: position of the pivot, turns.
 PARAMETERS = ("x", "y", "z", "rx", "ry", "rz")
 _MOST_NODES = 1_000_000
-_SPAN = re.compile(r"(r?[xyz])=([^:]+):([^:]+)(?::(\d+))?")
-_AXIS = re.compile(r"(\w+)=([^:]+):([^:]+):(\d+)")
+_SPAN = re.compile(r"(r?[xyz])=([^:]+):([^:]+)(?::(\d{1,9}))?")
+_AXIS = re.compile(r"(\w+)=([^:]+):([^:]+):(\d{1,9})")
 
 
 def axes_of(
@@ -42,11 +42,11 @@ def _axis(option: str, text: str, names: Sequence[str]) -> tuple[str, tuple[floa
     match = _AXIS.fullmatch(text.replace(" ", ""))
     if match is None or match[1] not in names or wrong_number(match[2]) or wrong_number(match[3]):
         form = f"NAME=LOW:HIGH:COUNT with {listed(names)}, such as {names[0]}=5:7:200"
-        message = f"{option}: found {text!r}, expected {form}"
+        message = f"{option}: found {shown(text)}, expected {form}"
         raise GspError(message)
     low, high, count = float(match[2]), float(match[3]), int(match[4])
     if not low < high or count < 2:
-        message = f"{option}: found {text!r}, expected LOW below HIGH and at least two values"
+        message = f"{option}: found {shown(text)}, expected LOW below HIGH and at least two values"
         raise GspError(message)
     if count > _MOST_NODES:
         message = f"found {count} nodes, expected at most {_MOST_NODES}"
@@ -67,6 +67,6 @@ def span_of(option: str, text: str) -> tuple[str, float, float, int | None]:
     match = _SPAN.fullmatch(text.replace(" ", ""))
     if match is None or wrong_number(match[2]) or wrong_number(match[3]):
         end = ":COUNT" if option == "hold" else ""
-        message = f"--{option}: found {text!r}, expected NAME=LOW:HIGH{end} with NAME one of "
+        message = f"--{option}: found {shown(text)}, expected NAME=LOW:HIGH{end} with NAME one of "
         raise GspError(message + ", ".join(PARAMETERS))
     return match[1], float(match[2]), float(match[3]), int(match[4]) if match[4] else None

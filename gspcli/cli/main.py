@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import importlib
-import os
+import io
+import re
 import sys
 from collections.abc import Sequence
 
 import click
 
 from gspcli import __version__
-from gspcli.cli.colour import coloured
 from gspcli.cli.commands import BY_HEADING, COMMANDS
-from gspcli.errors import INTERRUPTED, GspError
-from gspcli.wording import similar
+from gspcli.cli.streams import discard, reason, say
+from gspcli.errors import INTERRUPTED, GspError, IncompleteError
+from gspcli.wording import brief, shortened, shown, similar
 
 INTERNAL_ERROR = 70
+#: What click quotes: all that was written, however long.
+_QUOTED = re.compile(r"(?<!\w)'([^'\n]+)'(?!\w)")
 
 
 class CommandGroup(click.Group):
@@ -59,11 +62,11 @@ class CommandGroup(click.Group):
 
 def _unknown_command(name: str) -> str:
     """Return what to say of a word that is no command."""
-    message = f"there is no command {name!r}"
+    message = f"there is no command {shown(name)}"
     if near := similar(name.lower(), COMMANDS, 2):
         return f"{message}: did you mean {' or '.join(near)}?"
     if name.lower().endswith((".yaml", ".yml")) or name.startswith("@"):
-        return f"{message}: did you mean gsp solve {name}?"
+        return f"{message}: did you mean gsp solve {shortened(name)}?"
     return f"{message}: gsp --help lists them"
 
 
@@ -71,7 +74,8 @@ def _unknown_command(name: str) -> str:
     cls=CommandGroup,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="Exit codes: 0 done; 1 a check failed; 2 bad usage or input; 3 the solution set is "
-    "not finite; 4 the answer could not be completed or certified; 130 interrupted.",
+    "not finite; 4 the answer could not be completed or certified; 130 interrupted; 70 a "
+    "mistake in gsp itself, which should be reported.",
 )
 @click.version_option(__version__, prog_name="gsp")
 @click.option("--debug", is_flag=True, help="Show a traceback when something goes wrong.")
@@ -90,42 +94,61 @@ def cli(debug: bool) -> None:
     del debug
 
 
-def _complain(message: str) -> None:
-    # Named in full: the console script is `gsp` whatever path it was started by.
-    click.secho("error: ", fg="red", bold=True, nl=False, err=True, color=coloured(sys.stderr))
-    from gspcli.cli.output.cells import printable
-
-    click.echo(printable(message), err=True)
-
-
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run `gsp` with the given arguments (those of the process if None); return the exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        code, complaint = _outcome(words)
+        # What is known comes before what is wrong.
+        sys.stdout.flush()
+    except BrokenPipeError:
+        discard(sys.stdout)
+        return 0
+    except OSError as error:
+        discard(sys.stdout)
+        code, complaint = GspError.exit_code, f"error: {reason(error)}"
+    if complaint:
+        say(complaint)
+    return code
+
+
+def _outcome(words: list[str]) -> tuple[int, str]:
+    """Do what the words ask for; return the exit code and what is wrong, if anything is."""
     debug = "--debug" in words[:1]
     try:
         outcome = cli.main(words, prog_name="gsp", standalone_mode=False)
-        sys.stdout.flush()
     except click.exceptions.NoArgsIsHelpError as error:
-        click.echo(error.format_message(), err=True)
-        return 2
+        return GspError.exit_code, error.format_message()
     except click.ClickException as error:
-        error.show()
-        return error.exit_code
+        text = io.StringIO()
+        error.show(text)
+        return error.exit_code, brief(_QUOTED.sub(_cut, text.getvalue().rstrip("\n")))
     except (click.Abort, KeyboardInterrupt):
-        _complain("interrupted")
-        return INTERRUPTED
-    except BrokenPipeError:
-        # Point stdout elsewhere, so that the interpreter does not complain when it flushes.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+        return INTERRUPTED, "error: interrupted"
+    except SystemExit as error:
+        # So click ends when nobody reads any more.
+        raise BrokenPipeError from error
+    except OSError as error:
+        if error.filename is None:
+            # Of a standard stream.
+            raise
+        return GspError.exit_code, brief(f"error: {reason(error)}")
+    except MemoryError as error:
+        if debug:
+            raise
+        return IncompleteError.exit_code, brief(f"error: there is not enough memory: {error}")
     except GspError as error:
         if debug:
             raise
-        _complain(str(error))
-        return error.exit_code
+        return error.exit_code, brief(f"error: {error}")
     except Exception as error:
         if debug:
             raise
-        _complain(f"internal error: {type(error).__name__}: {error}\nrun with `gsp --debug …`")
-        return INTERNAL_ERROR
-    return outcome if isinstance(outcome, int) else 0
+        what = f"{type(error).__name__}: {error}"
+        return INTERNAL_ERROR, brief(f"error: internal error: {what}\nrun with `gsp --debug …`")
+    return outcome if isinstance(outcome, int) else 0, ""
+
+
+def _cut(quoted: re.Match[str]) -> str:
+    """Return what click quotes of a word, not too long."""
+    return shown(quoted[1])

@@ -11,8 +11,10 @@ import click
 from click.core import ParameterSource
 
 from gspcli.cli.names import is_file, load_instance, read_type
+from gspcli.cli.number_types import Positive, Seed, Whole
 from gspcli.cli.output import Output, check_writable, write, write_whole
 from gspcli.cli.progress_bars import progress
+from gspcli.cli.streams import say
 from gspcli.cli.worker_options import worker_options
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED, CheckFailed, GspError, IncompleteError
@@ -30,30 +32,28 @@ if TYPE_CHECKING:
 @click.option(
     "--real",
     "wanted_real",
-    type=click.IntRange(min=0),
+    type=Whole(0),
     help="With --show: a known platform with so many real poses.  [default: as many as known]",
 )
 @click.option(
     "--target",
-    type=click.IntRange(min=1),
+    type=Whole(1),
     help="Stop at so many real poses; exit code 1 if they are not reached.  [default: all]",
 )
 @click.option(
     "--time",
     "seconds",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Positive(),
     default=60.0,
     show_default=True,
     help="Stop after so many seconds.",
 )
-@click.option(
-    "--attempts", "most", type=click.IntRange(min=1), help="Stop after so many attempts in all."
-)
+@click.option("--attempts", "most", type=Whole(1), help="Stop after so many attempts in all.")
 @click.option(
     "--seed",
     default=SEED,
     show_default=True,
-    type=click.IntRange(min=0),
+    type=Seed(),
     help="Seed of the random numbers; attempts depend on it and on their number only.",
 )
 @worker_options
@@ -136,14 +136,14 @@ def command(
     except _Interrupted as interruption:
         state, interrupted = interruption.state, True
     if interrupted and state.platform is None:
-        click.echo("interrupted before the end of an attempt", err=True)
+        say("interrupted before the end of an attempt")
         return INTERRUPTED
     if state.platform is None:
         message = "no platform was solved in the time given: use a greater --time"
         raise IncompleteError(message)
     instance, real = _witness(state, each, units, length)
     write(output, dumps(instance))
-    click.echo(f"{real} real poses, certified", err=True)
+    say(f"{real} real poses, certified")
     if interrupted:
         return INTERRUPTED
     if target is not None and real < target:
@@ -196,10 +196,9 @@ def _searched(
             if state_file is not None:
                 write_whole(Path(state_file), state.text())
             if found is not None:
-                click.echo(
+                say(
                     f"attempt {number}: {each * found.count} of {each * len(found.points)} real"
-                    f" (best: {each * state.real})" + (", cut short" if cut else ""),
-                    err=True,
+                    f" (best: {each * state.real})" + (", cut short" if cut else "")
                 )
             if state.real >= goal or cut or (most is not None and state.attempts >= most):
                 break

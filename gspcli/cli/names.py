@@ -6,13 +6,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
 from gspcli.catalogue.parsing import parse_name
 from gspcli.catalogue.types import Family, GspType
+from gspcli.cli.streams import say
 from gspcli.errors import GspError, TypeNameError
 from gspcli.resources import instance_files
-from gspcli.wording import similar
+from gspcli.wording import brief, shown, similar
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
@@ -52,7 +51,7 @@ def shipped_file(name: str) -> Path:
     if name not in files:
         near = similar(name.lower(), files, 1)
         hint = f"did you mean {near[0]}? " if near else ""
-        message = f"found no example or platform {name!r}: {hint}`gsp example` lists them"
+        message = f"found no example or platform {shown(name)}: {hint}`gsp example` lists them"
         raise GspError(message)
     return files[name]
 
@@ -71,8 +70,8 @@ def load_instance(word: str) -> Instance:
     from gspcli.spec import read
 
     reading = read(spec_source(word))
-    for problem in reading.doubts:
-        click.echo(f"warning: {problem}", err=True)
+    if reading.doubts:
+        say(brief("\n".join(f"warning: {problem}" for problem in reading.doubts), "warning"))
     return reading.instance
 
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.output import Output, write
+from gspcli.cli.number_types import Seed
+from gspcli.cli.output import Output, check_writable, write
 from gspcli.defaults import SEED
-from gspcli.errors import GspError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -44,7 +44,7 @@ _TEMPLATE_HEAD = """\
     "--seed",
     default=SEED,
     show_default=True,
-    type=click.IntRange(min=0),
+    type=Seed(),
     help="Seed of the random numbers; the same seed gives the same file.",
 )
 @click.option(
@@ -56,10 +56,7 @@ _TEMPLATE_HEAD = """\
 )
 @click.option("--planar", is_flag=True, help="Put the points of each body in one plane.")
 @click.option("--one-sided", is_flag=True, help="State a side for each PH and HP distance.")
-@click.option(
-    "-o", "--output", "path", metavar="FILE", help="Write to FILE, a new one unless --force."
-)
-@click.option("--force", is_flag=True, help="Overwrite FILE, as -o of all other commands does.")
+@click.option("-o", "--output", "path", metavar="FILE", help="Write to FILE, replacing it.")
 def command(
     type_words: tuple[str, ...],
     template: bool,
@@ -68,7 +65,6 @@ def command(
     planar: bool,
     one_sided: bool,
     path: str | None,
-    force: bool,
 ) -> None:
     """Write a random instance of a type, with at least one real pose, as YAML.
 
@@ -85,9 +81,8 @@ def command(
       gsp new 421 --template -o platform.yaml
     """
     target = None if path in (None, "-") else Path(str(path))
-    if target is not None and target.exists() and not force:
-        message = f"{target}: exists already: choose another name, or overwrite it with --force"
-        raise GspError(message)
+    if target is not None:
+        check_writable(target)
     import numpy as np
 
     from gspcli.solver.generate import random_instance

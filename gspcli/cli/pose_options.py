@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from gspcli.cli.streams import say
 from gspcli.errors import GspError
+from gspcli.wording import named
 
 if TYPE_CHECKING:
     import numpy as np
@@ -57,11 +59,11 @@ def text_of(path: str) -> tuple[str, str]:
     try:
         content = sys.stdin.buffer.read() if path == "-" else Path(path).read_bytes()
         return content.decode("utf-8-sig"), name
-    except OSError as error:
-        message = f"{name}: cannot be read: {error.strerror}"
-        raise GspError(message) from error
     except UnicodeDecodeError as error:
         message = f"{name}: found {error.reason}, expected text in UTF-8"
+        raise GspError(message) from error
+    except (OSError, ValueError) as error:
+        message = f"{named(name)}: cannot be read: {getattr(error, 'strerror', None) or error}"
         raise GspError(message) from error
 
 
@@ -75,8 +77,7 @@ def warn_of_range(instance: Instance, t: Sequence[float], values: Array) -> None
         if rows and constraint.limits is not None:
             low, high = constraint.limits
             more = f" (and at {len(rows) - 1} more rows)" if len(rows) > 1 else ""
-            click.echo(
+            say(
                 f"t = {t[rows[0]]:g}: the value {values[rows[0], k]:.6g} of constraint {k + 1} is "
-                f"outside its range from {low} to {high}{more}",
-                err=True,
+                f"outside its range from {low} to {high}{more}"
             )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from gspcli.cli.real_poses import real_poses
 from gspcli.errors import GspError
 from gspcli.records import dataclass
+from gspcli.wording import shown
 
 if TYPE_CHECKING:
     import numpy as np
@@ -103,7 +104,7 @@ def home_pose(
         count = 3 if form.euler else 4
         if len(orientation.split(",")) != count:
             what = "rx,ry,rz" if form.euler else "qw,qx,qy,qz, or rx,ry,rz with --euler"
-            message = f"--orientation {orientation}: expected {what}"
+            message = f"--orientation: found {shown(orientation)}, expected {what}"
             raise GspError(message)
         R = read_pose(f"0,0,0,{orientation}", form, "--orientation").R[0]
         home = replace(home, R=R, T=at - R @ form.pivot, mode=None)

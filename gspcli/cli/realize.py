@@ -10,15 +10,16 @@ import click
 
 from gspcli.catalogue.aliases import find_alias
 from gspcli.catalogue.coincidence import Connection, coincident_types, parse_sharing
+from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.mechanism import Mechanism, MountedChain, mechanism
 from gspcli.catalogue.overconstraint import over_constraint
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.parsing import parse_kinds, parse_type
 from gspcli.catalogue.realization import REALIZATIONS, Realization, alternative, outside
-from gspcli.catalogue.types import GspType
+from gspcli.catalogue.types import CONSTRAINTS, GspType
 from gspcli.cli.names import is_file, load_instance
 from gspcli.cli.output import DRAWINGS, FORMATS, Column, Output, Table, emit, output_options, write
 from gspcli.cli.progress_bars import working
-from gspcli.errors import GspError
+from gspcli.errors import GspError, TypeNameError
 
 _BOND = re.compile(r"[PLH]\d+[-^]")
 
@@ -63,7 +64,7 @@ def command(names: tuple[str, ...], chosen: str, output: Output) -> None:
     that a chain leaves the platform when its driven joints are held.
 
     With the suffix svg, png or pdf a SPEC is drawn as a whole, at its best conditioned pose, of
-    all else the chains (needs matplotlib).
+    all else the chains, also of single kinds such as PL (needs matplotlib).
 
     \b
     Examples:
@@ -72,6 +73,12 @@ def command(names: tuple[str, ...], chosen: str, output: Output) -> None:
       gsp realize "L1-l3 L1^l3 L2-l4 L2^l4 L1^l4 L2-l3"
       gsp realize platform.yaml --realization outside -o mechanism.svg
     """
+    if output.format in DRAWINGS and (kinds := _kinds(names)):
+        from gspcli.pictures.chain_panels import chain_drawing
+
+        headed = [(kind.name, REALIZATIONS[chosen](kind)) for kind in kinds]
+        write(output, chain_drawing(headed, output.format))
+        return
     title, gsp_type, connections = _platform(names)
     built = mechanism(connections, REALIZATIONS[chosen])
     if output.format in DRAWINGS:
@@ -105,6 +112,17 @@ def command(names: tuple[str, ...], chosen: str, output: Output) -> None:
             "over_constraint": dependent.reason if dependent else None,
         },
     )
+
+
+def _kinds(names: Sequence[str]) -> list[Kind]:
+    """Return the kinds of constraint that are named, if they are fewer than a platform has."""
+    words = " ".join(names).split()
+    if len(words) >= CONSTRAINTS:
+        return []
+    try:
+        return [kind for word in words for kind in parse_kinds(word)]
+    except TypeNameError:
+        return []
 
 
 def _platform(names: Sequence[str]) -> tuple[str, GspType, Sequence[Connection]]:

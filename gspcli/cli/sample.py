@@ -10,6 +10,7 @@ import click
 
 from gspcli import __version__
 from gspcli.cli.names import read_type
+from gspcli.cli.number_types import Seed, Whole
 from gspcli.cli.output import (
     DRAWINGS,
     FORMATS,
@@ -21,6 +22,7 @@ from gspcli.cli.output import (
     write,
     write_whole,
 )
+from gspcli.cli.streams import say
 from gspcli.cli.worker_options import worker_options
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED, GspError
@@ -43,14 +45,14 @@ _ALL_DIGITS = 17
     "--count",
     default=1000,
     show_default=True,
-    type=click.IntRange(min=1),
+    type=Whole(1),
     help="How many platforms to draw.",
 )
 @click.option(
     "--seed",
     default=SEED,
     show_default=True,
-    type=click.IntRange(min=0),
+    type=Seed(),
     help="Seed of the random numbers; the same seed gives the same numbers.",
 )
 @click.option(
@@ -103,7 +105,7 @@ def command(
             total.add(part)
     except KeyboardInterrupt:
         interrupted = True
-        click.echo(f"interrupted after {total.platforms} of {count} platforms", err=True)
+        say(f"interrupted after {total.platforms} of {count} platforms")
     if folder is not None:
         _save(folder, wanted, total)
     if output.format in DRAWINGS:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+from contextlib import nullcontext
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -26,6 +27,7 @@ from gspcli.cli.output import (
 )
 from gspcli.cli.pose_options import pose_options
 from gspcli.cli.progress_bars import progress
+from gspcli.cli.streams import say
 from gspcli.cli.worker_options import worker_options
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED, GspError, IncompleteError
@@ -156,7 +158,7 @@ def command(
             limits = _boundary(found)
     except KeyboardInterrupt:
         interrupted = True
-        click.echo(f"interrupted after {(found.modes != MISSING).sum()} of {total} nodes", err=True)
+        say(f"interrupted after {(found.modes != MISSING).sum()} of {total} nodes")
     if output.format in DRAWINGS:
         from gspcli.pictures.maps import mode_map
 
@@ -198,19 +200,19 @@ def _fill(found: Scan, workers: Workers, journal: Path | None) -> None:
     from gspcli.motion.singularities.value_scans import Piece, scanned
 
     done: set[int] = set()
-    work = None if journal is None else Journal(journal)
     title = _identity(found)
-    if work is not None:
-        for scan, piece in work.read(lambda line: (line.pop("scan"), Piece(**line))):
-            if scan == title:
-                found.enter(piece)
-                done.add(piece.number)
-    missing = [number for number in range(found.pieces) if number not in done]
-    results = workers.as_completed(partial(scanned, found, SEED), missing)
-    for piece in progress(results, total=len(missing), label="thousands of nodes"):
-        found.enter(piece)
+    with nullcontext() if journal is None else Journal.opened(journal) as work:
         if work is not None:
-            work.append({"scan": title, **asdict(piece)})
+            for scan, piece in work.read(lambda line: (line.pop("scan"), Piece(**line))):
+                if scan == title:
+                    found.enter(piece)
+                    done.add(piece.number)
+        missing = [number for number in range(found.pieces) if number not in done]
+        results = workers.as_completed(partial(scanned, found, SEED), missing)
+        for piece in progress(results, total=len(missing), label="thousands of nodes"):
+            found.enter(piece)
+            if work is not None:
+                work.append({"scan": title, **asdict(piece)})
 
 
 def _identity(found: Scan) -> str:

@@ -11,10 +11,12 @@ import click
 
 from gspcli.cli.digits import decimals, digit_table, digits_option, refined
 from gspcli.cli.names import load_instance
+from gspcli.cli.number_types import MOST_JOBS, Seed, Whole
 from gspcli.cli.output import Output, emit, output_options
 from gspcli.cli.progress_bars import working
 from gspcli.defaults import SEED
 from gspcli.errors import GspError, IncompleteError, NotFiniteError
+from gspcli.wording import shortened
 
 if TYPE_CHECKING:
     from gspcli.cli.pose_tables import Shown
@@ -43,14 +45,14 @@ _READABLE = ("table", "markdown", "latex")
 )
 @click.option(
     "--seed",
-    type=int,
+    type=Seed(),
     default=SEED,
     show_default=True,
     help="Seed of random choices; the answer does not depend on it.",
 )
 @click.option(
     "--jobs",
-    type=click.IntRange(min=1),
+    type=Whole(1, MOST_JOBS),
     default=1,
     show_default=True,
     metavar="N",
@@ -178,7 +180,7 @@ def _pose(near: str, euler: str | None, in_radians: float) -> tuple[Any, Any]:
             raise click.UsageError(message)
         table = read_pose(near, form, "--near")
     if len(table.R) != 1:
-        message = f"--near {near}: found {len(table.R)} poses, expected one"
+        message = f"--near {shortened(near)}: found {len(table.R)} poses, expected one"
         raise GspError(message)
     return table.R[0], table.T[0]
 

@@ -9,10 +9,12 @@ import click
 
 from gspcli.cli.limit_sentences import cones_notes, limit_sentences, plain_limit
 from gspcli.cli.names import load_instance
+from gspcli.cli.number_types import MOST_JOBS, Whole
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
 from gspcli.cli.requirements import refuse, require_option, required
+from gspcli.cli.streams import say
 from gspcli.cli.track_requirements import judged_track, track_entries, track_lines
 from gspcli.errors import GspError, IncompleteError
 from gspcli.wording import counted
@@ -35,13 +37,13 @@ _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 @click.command()
 @click.argument("spec", metavar="SPEC")
 @click.argument("values", metavar="VALUES")
-@click.option("--mode", type=click.IntRange(min=1), metavar="K", help="Follow only mode K.")
+@click.option("--mode", type=Whole(1), metavar="K", help="Follow only mode K.")
 @click.option(
     "--near", metavar="NUMBERS", help="Follow only the mode nearest to x,y,z,qw,qx,qy,qz."
 )
 @click.option(
     "--steps",
-    type=click.IntRange(min=1),
+    type=Whole(1),
     default=1,
     show_default=True,
     metavar="N",
@@ -72,7 +74,12 @@ _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 @require_option("range, cone, clearance>=0.5, condition<=50")
 @pose_options
 @click.option(
-    "--jobs", type=click.IntRange(min=1), default=1, show_default=True, metavar="N", help="Threads."
+    "--jobs",
+    type=Whole(1, MOST_JOBS),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="Threads.",
 )
 @output_options()
 def command(
@@ -187,9 +194,9 @@ def command(
     )
     if output.format != "json":
         for event in result.events:
-            click.echo(_sentence(event), err=True)
+            say(_sentence(event))
         for line in limit_sentences(result, limits):
-            click.echo(line, err=True)
+            say(line)
     if result.complete is False:
         message = (
             "the modes followed and the poses at the last row do not account for each other\n"

@@ -10,6 +10,7 @@ from gspcli.cli.output import Column, Output, Table, emit
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.reachable_home import Home
 from gspcli.errors import GspError
+from gspcli.wording import shown
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
@@ -32,7 +33,10 @@ def _offsets(held: tuple[str, ...]) -> list[dict[str, float]]:
         else:
             name, low, high, count = span_of("hold", text)
             if count is None or count < 1:
-                message = f"--hold: found {text!r}, expected NAME=VALUE or NAME=LOW:HIGH:COUNT"
+                message = f"--hold: found {shown(text)}, expected NAME=VALUE or NAME=LOW:HIGH:COUNT"
+                raise GspError(message)
+            if count > _MOST_HELD:
+                message = f"--hold: found {count} values, expected at most {_MOST_HELD}"
                 raise GspError(message)
             values = np.linspace(low, high, count).tolist()
         choices.setdefault(name, []).extend(values)

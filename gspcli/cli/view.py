@@ -11,10 +11,13 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli.names import load_instance
+from gspcli.cli.number_types import Whole
 from gspcli.cli.output import DRAWINGS, Output, check_writable, output_options, write
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
+from gspcli.cli.streams import say
 from gspcli.errors import GspError
+from gspcli.wording import shown
 
 if TYPE_CHECKING:
     from gspcli.pictures.projection import View
@@ -37,7 +40,7 @@ _PAGE = "html"
 )
 @click.option(
     "--mode",
-    type=click.IntRange(min=1),
+    type=Whole(1),
     metavar="K",
     help="The mode that is shown first, as gsp solve numbers them.  [default: the best "
     "conditioned]",
@@ -146,8 +149,8 @@ def _view(text: str | None) -> View | None:
         azimuth = elevation = math.nan
     if not (math.isfinite(azimuth) and abs(elevation) <= _UPRIGHT):
         message = (
-            f"--from {text}: expected two angles in degrees, azimuth,elevation, the second "
-            f"between -{_UPRIGHT} and {_UPRIGHT}"
+            f"--from: found {shown(text)}, expected two angles in degrees, azimuth,elevation, the "
+            f"second between -{_UPRIGHT} and {_UPRIGHT}"
         )
         raise GspError(message)
     return View(azimuth, elevation)
@@ -180,4 +183,4 @@ def _say(path: Path, scene: Scene, size: int) -> None:
         for series in scene.series
         if len(series)
     )
-    click.echo(f"{path}: {parts or 'no real pose'}, {size / 1000:.0f} kB", err=True)
+    say(f"{path}: {parts or 'no real pose'}, {size / 1000:.0f} kB")

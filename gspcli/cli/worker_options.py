@@ -9,6 +9,8 @@ from typing import Any, TypeVar
 
 import click
 
+from gspcli.cli.number_types import MOST_JOBS, Whole
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -17,7 +19,7 @@ def worker_options(function: Function) -> Function:
 
     @click.option(
         "--jobs",
-        type=click.IntRange(1),
+        type=Whole(1, MOST_JOBS),
         metavar="N",
         help="Processes that work at once.  [default: all cores]",
     )

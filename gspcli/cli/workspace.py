@@ -11,6 +11,7 @@ import click
 
 from gspcli.cli.grids import PARAMETERS, span_of
 from gspcli.cli.names import load_instance
+from gspcli.cli.number_types import MOST_JOBS, Whole
 from gspcli.cli.output import (
     DRAWINGS,
     FORMATS,
@@ -26,6 +27,7 @@ from gspcli.cli.progress_bars import progress
 from gspcli.cli.reachable_home import Home, home_pose
 from gspcli.cli.travel_tables import show_travels
 from gspcli.errors import GspError, IncompleteError
+from gspcli.wording import shown
 
 if TYPE_CHECKING:
     import numpy as np
@@ -43,7 +45,7 @@ _MOST_SHOWN = 2_000_000
 
 @click.command()
 @click.argument("spec", metavar="SPEC")
-@click.option("--mode", type=click.IntRange(min=1), metavar="K", help="Home is mode K of SPEC.")
+@click.option("--mode", type=Whole(1), metavar="K", help="Home is mode K of SPEC.")
 @click.option("--pose", metavar="NUMBERS", help="Home is this pose: x,y,z,qw,qx,qy,qz.")
 @click.option(
     "--orientation",
@@ -79,7 +81,7 @@ _MOST_SHOWN = 2_000_000
 )
 @click.option(
     "--most-boxes",
-    type=click.IntRange(min=1),
+    type=Whole(1),
     default=100_000_000,
     show_default=True,
     metavar="N",
@@ -88,7 +90,12 @@ _MOST_SHOWN = 2_000_000
 @click.option("--boxes", "listed", is_flag=True, help="Write the boxes, not what they sum up to.")
 @pose_options
 @click.option(
-    "--jobs", type=click.IntRange(min=1), default=1, show_default=True, metavar="N", help="Threads."
+    "--jobs",
+    type=Whole(1, MOST_JOBS),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="Threads.",
 )
 @output_options(formats=(*FORMATS, *DRAWINGS))
 def command(
@@ -204,7 +211,9 @@ def _free(
     if over is not None:
         names = tuple(name.strip() for name in over.split(","))
         if len(set(names)) < len(names) or not set(names) <= set(PARAMETERS):
-            message = f"--over: found {over!r}, expected one or more of {', '.join(PARAMETERS)}"
+            message = (
+                f"--over: found {shown(over)}, expected one or more of {', '.join(PARAMETERS)}"
+            )
             raise GspError(message)
         return names
     if orientation is not None and position is not None:
@@ -237,7 +246,7 @@ def _check(
 def _interval(text: str) -> tuple[str, tuple[float, float]]:
     name, low, high, count = span_of("within", text)
     if count is not None:
-        message = f"--within: found {text!r}, expected NAME=LOW:HIGH, such as z=60:140"
+        message = f"--within: found {shown(text)}, expected NAME=LOW:HIGH, such as z=60:140"
         raise GspError(message)
     return name, (low, high)
 

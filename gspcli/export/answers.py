@@ -104,14 +104,13 @@ def read_phcpack(text: str) -> tuple[tuple[str, ...], Points]:
 
 
 def _csv(heading: Sequence[str], lines: Sequence[str], name: str) -> tuple[tuple[str, ...], Points]:
-    rows = list(csv.DictReader(lines, fieldnames=heading))
     names = tuple(key for key in heading if not key.endswith(_IMAGINARY))
     try:
         numbers = [
             [complex(float(row[key]), float(row.get(key + _IMAGINARY) or 0)) for key in names]
-            for row in rows
+            for row in csv.DictReader(lines, fieldnames=heading)
         ]
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, csv.Error) as error:
         message = f"{name}: a line has no number for each of {', '.join(names)}"
         raise _unreadable(message) from error
     return names, np.array(numbers, complex).reshape(-1, len(names))

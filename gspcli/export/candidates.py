@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from gspcli.errors import Location, Problem, SpecError
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.records import dataclass
+from gspcli.wording import shortened
 
 _SHAPES = {"R": (3, 3), "T": (3,), "quaternion": (4,)}
 #: Accepted spellings of the columns of a CSV file, by key.
@@ -127,13 +128,19 @@ def _csv(text: str, name: str) -> tuple[list[Any], Places]:
         return [], []
     first = lines[0][1]
     delimiter = next((mark for mark in ",;\t" if mark in first), " ")
-    rows = [
-        [cell.strip() for cell in row]
-        for row in csv.reader(
-            (line.strip() for _, line in lines), delimiter=delimiter, skipinitialspace=True
-        )
-    ]
-    places: Places = [(Location(name, number, 1), "") for number, _ in lines]
+    reader = csv.reader(
+        (line.strip() for _, line in lines), delimiter=delimiter, skipinitialspace=True
+    )
+    rows: list[list[str]] = []
+    places: Places = []
+    while (begin := reader.line_num) < len(lines):
+        # Quotation marks may hold several lines together.
+        place = Location(name, lines[begin][0], 1)
+        try:
+            rows.append([cell.strip() for cell in next(reader)])
+        except csv.Error as error:
+            raise SpecError([Problem(place, "", f"found no row of CSV: {error}")]) from error
+        places.append((place, ""))
     if all(_is_number(cell) for cell in rows[0]):
         return [list(row) for row in rows], places
     heading = [cell.lower() for cell in rows[0]]
@@ -205,7 +212,7 @@ def _pose(entry: object) -> _Pose:
     )
     claim = entry.get("real")
     if not (claim is None or isinstance(claim, bool)):
-        message = f"real: found {claim!r}, expected true or false, or nothing"
+        message = f"real: found {shortened(repr(claim))}, expected true or false, or nothing"
         raise ValueError(message)
     sides = _sides(entry.get("sides"))
     return _Pose(R if rotation == "R" else _rotation(R), T, claim, sides)
@@ -219,9 +226,8 @@ def _sides(claim: object) -> tuple[int, ...]:
         or not all(number in _NUMBERS for number in said)
         or not all(side in list(_SIGNS) for side in said.values())
     ):
-        message = (
-            f"sides: found {claim!r}, expected positive or negative by the number of a constraint"
-        )
+        what = shortened(repr(claim))
+        message = f"sides: found {what}, expected positive or negative by numbers of constraints"
         raise ValueError(message)
     return tuple(_SIGNS.get(said.get(number, ""), 0) for number in _NUMBERS)
 

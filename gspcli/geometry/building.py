@@ -27,7 +27,7 @@ from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number, Real
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point
-from gspcli.wording import listed, shown
+from gspcli.wording import listed, shortened, shown
 
 _SORTS = {Primitive.POINT: "point", Primitive.LINE: "line", Primitive.PLANE: "plane"}
 
@@ -184,7 +184,7 @@ def _constraint(
 
 def _limits(limits: Any) -> tuple[Number, Number]:
     if not isinstance(limits, Sequence) or len(limits) != 2:
-        message = f"found {limits!r}, expected two numbers (low, high)"
+        message = f"found {shortened(repr(limits))}, expected two numbers (low, high)"
         raise ArgumentError(message, "range")
     ends = []
     for k, end in enumerate(limits):

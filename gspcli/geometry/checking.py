@@ -10,6 +10,20 @@ from gspcli.geometry.primitives import Point
 from gspcli.geometry.ranges import wrong_half_angle, wrong_value
 
 
+def expected(instance: Instance) -> Instance:
+    """Return an argument that is an instance, whatever its numbers.
+
+    Raises
+    ------
+    ArgumentError
+        If it is none.
+    """
+    if not isinstance(instance, Instance):
+        message = f"found a {type(instance).__name__}, expected an Instance: load reads one"
+        raise ArgumentError(message, "instance")
+    return instance
+
+
 def checked(instance: Instance) -> Instance:
     """Return an instance that is one: six constraints, at most three angles, values in range.
 
@@ -18,10 +32,7 @@ def checked(instance: Instance) -> Instance:
     ArgumentError
         Naming the first constraint, from 0, that is wrong.
     """
-    if not isinstance(instance, Instance):
-        message = f"found a {type(instance).__name__}, expected an Instance: load reads one"
-        raise ArgumentError(message, "instance")
-    rows = instance.constraints
+    rows = expected(instance).constraints
     for index, row in enumerate(rows):
         try:
             wrong = wrong_value(row.kind, row.value, instance.units.angle)

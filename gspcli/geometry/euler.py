@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import GspError
+from gspcli.wording import shown
 
 Array = NDArray[np.float64]
 
@@ -27,8 +28,9 @@ def check_sequence(sequence: str) -> str:
     """
     if not re.fullmatch("[xyz]{3}|[XYZ]{3}", sequence) or len(set(sequence)) != 3:
         message = (
-            f"found the Euler sequence {sequence!r}, expected three different axes: such as ZYX "
-            "(about the axes of the platform, one after the other) or xyz (about those of the base)"
+            f"found the Euler sequence {shown(sequence)}, expected three different axes: such as "
+            "ZYX (about the axes of the platform, one after the other) or xyz (about those of the "
+            "base)"
         )
         raise GspError(message)
     return sequence

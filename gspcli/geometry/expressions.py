@@ -37,6 +37,8 @@ _TOKEN = re.compile(
     r"|(?P<name>[A-Za-z][A-Za-z0-9]*)|(?P<symbol>[-+*/()]))"
 )
 _MAX_EXPONENT = 100
+#: What other programs call what is no number, or larger than all.
+_NOT_FINITE = {"nan", "inf", "infinity"}
 #: Functions of degrees, by what they are in radians.
 _OF_DEGREES = {"sind": "sin", "cosd": "cos", "tand": "tan"}
 #: The rational values of the sine (by Niven's theorem there are no others), by the angle in turns.
@@ -194,6 +196,8 @@ class _Parser(Generic[Tree]):
         known = ["pi", *FUNCTIONS, *_OF_DEGREES]
         if name not in known:
             self.position -= 1
+            if name.lower() in _NOT_FINITE:
+                raise self._unexpected("a finite number")
             near = similar(name.lower(), known, 1)
             hint = f"did you mean {near[0]}?" if near else None
             raise self._unexpected(f"a number, {', '.join(known[:-1])} or {known[-1]}", hint)

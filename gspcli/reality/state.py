@@ -8,15 +8,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import KINDS_BY_NAME
+from gspcli.catalogue.types import CONSTRAINTS
 from gspcli.errors import GspError
 from gspcli.reality.platforms import Platforms
 from gspcli.reality.solved_platforms import Solved
 from gspcli.records import dataclass
+from gspcli.wording import named
 
 SCHEMA = "gsp.maximize-real/1"
 _PARTS = ("y", "x", "u", "v", "values")
+_SHAPES = [*[(CONSTRAINTS, 3)] * 4, (CONSTRAINTS,)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +69,10 @@ class State:
         return json.dumps(document) + "\n"
 
 
+def _finite(numbers: NDArray[np.float64]) -> bool:
+    return bool(np.isfinite(numbers).all())
+
+
 def read_state(path: Path, subject: str, seed: int) -> State:
     """Return the state in a file; that of a new search if there is no file.
 
@@ -74,11 +82,11 @@ def read_state(path: Path, subject: str, seed: int) -> State:
         If the file is not one, or belongs to another search.
     """
     try:
-        content = path.read_text(encoding="utf-8")
+        content = path.read_bytes()
     except FileNotFoundError:
         return State(subject, seed)
     except OSError as error:
-        message = f"{path}: cannot be read: {error.strerror}"
+        message = f"{named(path)}: cannot be read: {error.strerror}"
         raise GspError(message) from error
     try:
         document = json.loads(content)
@@ -87,11 +95,16 @@ def read_state(path: Path, subject: str, seed: int) -> State:
         platform = None
         if "kinds" in document:
             kinds = tuple(KINDS_BY_NAME[name] for name in document["kinds"])
-            platform = Platforms(kinds, *(np.array(document[part], float) for part in _PARTS))
+            parts = [np.array(document[part], float) for part in _PARTS]
+            if [part.shape for part in parts] != _SHAPES or not all(map(_finite, parts)):
+                raise ValueError
+            platform = Platforms(kinds, *parts)
+        if any(type(n) is not int or n < 0 for n in map(document.get, ("attempts", "real"))):
+            raise ValueError
         state = State(
             document["subject"], document["seed"], document["attempts"], document["real"], platform
         )
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         message = f"{path}: this is not a state of gsp maximize-real: choose another file"
         raise GspError(message) from error
     if (state.subject, state.seed) != (subject, seed):

@@ -14,6 +14,7 @@ from gspcli.geometry.evaluation import LARGEST, SMALLEST
 from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.ranges import wrong_value
+from gspcli.wording import shortened
 
 Array = NDArray[np.float64]
 
@@ -34,7 +35,7 @@ def whole(value: Any, where: str, *, least: int) -> int:
     except TypeError:
         number = least - 1
     if number < least or isinstance(value, bool):
-        message = f"found {value!r}, expected a whole number of at least {least}"
+        message = f"found {shortened(repr(value))}, expected a whole number of at least {least}"
         raise ArgumentError(message, where)
     return number
 

@@ -97,6 +97,10 @@ class Block:
         return replace(self, T=local_frames.doubles_back(self.R, self.T), others=others)
 
 
+#: Poses that are measured together: enough that their number does not matter.
+_BLOCK = 4096
+
+
 @dataclass(frozen=True, eq=False)
 class PoseBatch:
     """All poses for each of b sets of values; rows are filled up to the longest with NaN.
@@ -151,14 +155,15 @@ class PoseBatch:
     @cached_property
     def residuals(self) -> Array:
         """The largest residual of a constraint at each pose, NaN where there is none, (b, n)."""
-        there = self._there
-        found = np.empty((len(there[0]), 6))
+        result = np.full(self.real.shape, np.nan)
         for measure, chosen in ((proved_residuals, True), (residuals, False)):
-            k = self.certified[there] == chosen
-            at = tuple(index[k] for index in there)
-            given = self.arrangement.with_values(self.values[at[0]])
-            found[k] = measure(given, self.R[at], self.T[at])
-        return self._filled(found.max(axis=1))
+            there = np.nonzero((self.multiplicity > 0) & (self.certified == chosen))
+            # In blocks: what lies between takes some hundred numbers a pose.
+            for begin in range(0, len(there[0]), _BLOCK):
+                at = tuple(index[begin : begin + _BLOCK] for index in there)
+                given = self.arrangement.with_values(self.values[at[0]])
+                result[at] = measure(given, self.R[at], self.T[at]).max(axis=1)
+        return result
 
     @cached_property
     def conditions(self) -> Array:

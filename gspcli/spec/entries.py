@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gspcli.geometry.numbers import Number, parse_number
 from gspcli.spec.document import Mapping, Scalar, Sequence, Value
-from gspcli.wording import listed, shown
+from gspcli.wording import listed, shortened, shown
 
 FORMAT_VERSION = 1
 MAX_TEXT = 1000
@@ -14,7 +14,9 @@ MAX_NAME = 60
 def found(value: Value) -> str:
     """Return what stands in the file, as an error message says it."""
     if isinstance(value, Mapping):
-        return f"a mapping with {listed(map(str, value), 'and')}" if value else "an empty mapping"
+        if not value:
+            return "an empty mapping"
+        return f"a mapping with {shortened(listed(value, 'and'))}"
     if isinstance(value, Sequence):
         return f"a list of {len(value)}"
     return shown(value) if value else "nothing"

@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, TextIO
 
-from gspcli.errors import Problem, SpecError
+from gspcli.errors import ArgumentError, Problem, SpecError
 from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.records import dataclass
 from gspcli.spec.document import Mapping, Scalar, Value, decode
@@ -17,6 +17,7 @@ from gspcli.spec.file_checks import FileChecker
 from gspcli.spec.ordinary import read_ordinary
 from gspcli.spec.plain import read_plainly
 from gspcli.spec.proportion import out_of_proportion
+from gspcli.wording import named
 
 if TYPE_CHECKING:
     from gspcli.spec.models import InstanceModel
@@ -78,6 +79,8 @@ def read(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> 
     ------
     SpecError
         With all mistakes in the file, or because it cannot be read.
+    ArgumentError
+        If the source is none.
     """
     content: str | bytes
     if isinstance(source, str | Path):
@@ -86,20 +89,29 @@ def read(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> 
             content = sys.stdin.buffer.read() if str(source) == "-" else Path(source).read_bytes()
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or str(error)
-            message = f"{name}: cannot be read: {reason}"
+            message = f"{named(name)}: cannot be read: {reason}"
             raise SpecError([Problem(None, "", message)]) from error
     else:
+        if not hasattr(source, "read"):
+            message = f"found a {type(source).__name__}, expected a path or an open file"
+            raise ArgumentError(message, "source")
         name = name or str(getattr(source, "name", "input"))
         try:
             content = source.read()
         except UnicodeDecodeError as error:
             message = f"{name}: found {error.reason}, expected text in UTF-8"
             raise SpecError([Problem(None, "", message)]) from error
+        except OSError as error:
+            message = f"{name}: cannot be read: {error.strerror or error}"
+            raise SpecError([Problem(None, "", message)]) from error
     return read_text(decode(content, name) if isinstance(content, bytes) else content, name=name)
 
 
 def read_text(text: str, *, name: str = "instance") -> Reading:
     """Read the text of an instance file; as `read`."""
+    if not isinstance(text, str):
+        message = f"found a {type(text).__name__}, expected the text of an instance file"
+        raise ArgumentError(message, "text")
     root = read_ordinary(text, name)
     if root is not None:
         try:

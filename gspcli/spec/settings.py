@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from gspcli.errors import ArgumentError, Problem, SpecError
+from gspcli.geometry.checking import expected
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number, Real, parse_number
 from gspcli.geometry.ranges import wrong_value
-from gspcli.wording import shown
+from gspcli.wording import shortened, shown
 
 
 def set_values(instance: Instance, settings: Mapping[int, Real] | Iterable[Real]) -> Instance:
@@ -37,6 +38,7 @@ def set_values(instance: Instance, settings: Mapping[int, Real] | Iterable[Real]
     >>> [str(row.value) for row in set_values(made, {1: 5.2, 3: "sqrt(2)"}).constraints]
     ['5.2', '2', 'sqrt(2)', '4', '5', '6']
     """
+    expected(instance)
     if isinstance(settings, Mapping):
         return instance.with_values(_of_mapping(instance, settings))
     if not isinstance(settings, Iterable):
@@ -58,9 +60,10 @@ def _of_mapping(instance: Instance, settings: Mapping[int, Real]) -> dict[int, N
     count = len(instance.constraints)
     values = {}
     for number, value in settings.items():
-        where = f"settings[{number!r}]"
+        found = shortened(repr(number))
+        where = f"settings[{found}]"
         if isinstance(number, bool) or number not in range(1, count + 1):
-            message = f"found constraint {number!r}, expected a number from 1 to {count}"
+            message = f"found constraint {found}, expected a number from 1 to {count}"
             raise ArgumentError(message, where)
         values[int(number) - 1] = _value(instance, int(number) - 1, value, where)
     return values

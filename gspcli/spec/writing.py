@@ -6,7 +6,8 @@ import re
 from collections.abc import Iterable
 from typing import TextIO
 
-from gspcli.errors import GspError
+from gspcli.errors import ArgumentError, GspError
+from gspcli.geometry.checking import expected
 from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 
@@ -15,7 +16,16 @@ _NOT_TEXT = {"null", "true", "false", "yes", "no", "on", "off", "y", "n"}
 
 
 def dump(instance: Instance, file: TextIO) -> None:
-    """Write an instance to an open text file; as `dumps`."""
+    """Write an instance to an open text file; as `dumps`.
+
+    Raises
+    ------
+    ArgumentError
+        If it is not open, such as the name of one.
+    """
+    if not hasattr(file, "write"):
+        message = f"found a {type(file).__name__}, expected an open file: open(name, 'w')"
+        raise ArgumentError(message, "file")
     file.write(dumps(instance))
 
 
@@ -27,8 +37,9 @@ def dumps(instance: Instance) -> str:
     Raises
     ------
     GspError
-        If one name stands for two different primitives of a body.
+        If one name stands for two different primitives of a body, or it is no instance.
     """
+    expected(instance)
     platform = _Body("platform", (c.platform_name for c in instance.constraints))
     base = _Body("base", (c.base_name for c in instance.constraints))
     constraints = [

@@ -13,6 +13,7 @@ from gspcli.symbolic.surface_intersections import (
     derive_intersection,
 )
 from gspcli.symbolic.triangular import TriangularSet
+from gspcli.wording import shown
 
 _OTHERS: dict[str, Callable[[], TriangularSet]] = {
     "AAA": derive_angles,
@@ -36,7 +37,7 @@ def parse_case(text: str) -> str:
     for case in CASES:
         if sorted(word) == sorted(case) and (case not in _OTHERS or word == case):
             return case
-    message = f"{text!r} is not a case; the cases are {', '.join(CASES)}"
+    message = f"{shown(text)} is not a case; the cases are {', '.join(CASES)}"
     raise GspError(message)
 
 

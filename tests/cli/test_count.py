@@ -81,3 +81,17 @@ def test_wrong_usage(gsp: Run) -> None:
     outcome = gsp("count", "--type", "5PP+PL", "--geometry", "3-3")
     assert outcome.code == 2
     assert "expected of DPP DPP DPP DPP DPP DPL: generic, planar-base" in outcome.err
+
+
+def test_a_generic_geometry_too_large_to_count_has_the_generic_count(gsp):
+    outcome = gsp("count", "--type", "6DLL", "--format", "json")
+    assert outcome.code == 0
+    (row,) = json.loads(outcome.out)["geometries"]
+    assert row == {
+        "geometry": "generic",
+        "meaning": "nothing special",
+        "count": 4096,
+        "distinct": 4096,
+        "proof": "proved for the type",
+        "modulo_random_prime": False,
+    }

@@ -67,17 +67,10 @@ def test_a_family_is_refused_with_what_is_missing(gsp: Run) -> None:
     assert "is a family of 20 types" in outcome.err
 
 
-def test_files_are_not_overwritten_unless_forced(gsp: Run, tmp_path: Path) -> None:
+def test_files_are_replaced_as_by_all_commands(gsp: Run, tmp_path: Path) -> None:
     path = tmp_path / "x.yaml"
     assert gsp("new", "6PP", "-o", path).code == 0
-    before = path.read_text(encoding="utf-8")
-    outcome = gsp("new", "421", "-o", path)
-    assert outcome.code == 2
-    assert outcome.err == (
-        f"error: {path}: exists already: choose another name, or overwrite it with --force\n"
-    )
-    assert path.read_text(encoding="utf-8") == before
-    assert gsp("new", "421", "-o", path, "--force").code == 0
+    assert gsp("new", "421", "-o", path).code == 0
     assert loads(path.read_text(encoding="utf-8")).type.number == 421
     assert [file.name for file in tmp_path.iterdir()] == ["x.yaml"]
 

@@ -125,3 +125,12 @@ def test_without_a_real_pose_there_is_nothing_to_draw(gsp: Callable, tmp_path: P
     outcome = gsp("realize", "@no-real-pose", "-o", tmp_path / "drawing.svg")
     assert outcome.code == 2
     assert "no real pose to draw the mechanism at" in outcome.err
+
+
+def test_chains_of_single_kinds_are_drawn(gsp, tmp_path):
+    target = tmp_path / "chains.svg"
+    assert gsp("realize", "PP", "LL", "-o", target).code == 0
+    text = target.read_text(encoding="utf-8")
+    assert all(f"<!-- {name} -->" in text for name in ("DPP", "DLL", "ALL"))
+    outcome = gsp("realize", "PP", "XX", "-o", target)
+    assert (outcome.code, target.read_text(encoding="utf-8")) == (2, text)

@@ -119,9 +119,9 @@ def test_examine_sees_multiple_poses(tool, solved):
 def test_the_journal_gives_back_what_was_found(tool, tmp_path):
     finding = tool.Finding(40, 39, 2, 1e-15, 1e-3, 1e-15, ("wrong number",))
     done = tool.Examined(tool.Task("chunk 0", 1, SEED), (finding,))
-    journal = Journal(tmp_path / "journal.jsonl")
-    journal.append(asdict(done))
-    assert journal.read(tool.Examined.of_entry) == [done]
+    with Journal.opened(tmp_path / "journal.jsonl") as journal:
+        journal.append(asdict(done))
+        assert journal.read(tool.Examined.of_entry) == [done]
     assert done.problems == [(0, finding)]
 
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -19,6 +22,15 @@ from gspcli.workers import HERE, Workers
 
 distributed = pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
 
+#: A scheduler with a worker in its process, until it is killed.
+_SCHEDULER = """
+import sys
+import distributed
+with distributed.LocalCluster(1, threads_per_worker=1, processes=False, dashboard_address=None,
+                              protocol="tcp") as cluster:
+    print(cluster.scheduler_address, flush=True)
+    sys.stdin.read()
+"""
 TASKS = [Task("DPP DPP DPP DPP DPL", 1, 0, seed) for seed in range(40)]
 
 
@@ -105,3 +117,18 @@ def test_unsuitable_workers(
         monkeypatch.setattr(module, "_CONNECTING_S", 0.5)
         with pytest.raises(GspError, match=message):
             list(Workers(scheduler=running.scheduler_address).in_order(abs, [1]))
+
+
+def test_a_scheduler_that_dies_is_told_in_one_line(capfd: pytest.CaptureFixture[str]) -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", _SCHEDULER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        address = process.stdout.readline().strip()
+        results = Workers(scheduler=address).as_completed(time.sleep, [0.0, *[0.2] * 50])
+        assert next(results) is None
+        process.kill()
+        with pytest.raises(GspError, match=f"the connection to .* {address} was lost"):
+            list(results)
+    # The library has its own account of it.
+    assert "Traceback" not in capfd.readouterr().err

@@ -7,7 +7,10 @@ import builtins
 import copy
 import dataclasses
 import inspect
+import os
 import pickle
+import pydoc
+import subprocess
 from dataclasses import field
 from pathlib import Path
 
@@ -189,3 +192,39 @@ def test_frozen_classes_of_the_package_are_records():
                     text = ast.unparse(decorator)
                     if text.startswith("dataclass") and "frozen" in text and "slots" not in text:
                         assert sources["dataclass"] == "gspcli.records", f"{path}: {node.name}"
+
+
+def test_help_on_the_package_has_all_records():
+    text = pydoc.plain(pydoc.render_doc(gspcli))
+    assert "class Point(" in text
+    assert "__init__(self, position" in text
+    assert gspcli.Point.__init__.__module__ == gspcli.Point.__module__
+
+
+_INTERPRETERS = sorted(
+    path
+    for path in Path.home().glob(".pyenv/versions/3.*/bin/python")
+    if tuple(map(int, path.parts[-3].split(".")[:2])) >= (3, 11)
+)
+_SCRIPT = """
+import pydoc, sys, types
+from gspcli.records import dataclass
+module = types.ModuleType("places")
+module.__all__ = ["Place"]
+exec('''
+@dataclass(frozen=True)
+class Place:
+    x: float
+''', module.__dict__ | {"dataclass": dataclass, "__name__": "places"}, vars(module))
+assert "__init__(self, x" in pydoc.plain(pydoc.render_doc(module))
+"""
+
+
+@pytest.mark.skipif(not _INTERPRETERS, reason="no other interpreters are installed by pyenv")
+@pytest.mark.parametrize("interpreter", _INTERPRETERS, ids=lambda path: path.parts[-3])
+def test_help_on_records_in_each_python(interpreter):
+    settings = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
+    run = subprocess.run(
+        [interpreter, "-c", _SCRIPT], env=settings, capture_output=True, text=True, check=False
+    )
+    assert (run.returncode, run.stderr) == (0, "")

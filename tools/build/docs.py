@@ -17,13 +17,23 @@ from gspcli.cli.main import cli, run
 from tools.build import platform_page
 from tools.recording import ROOT, parser, save
 
+#: What holds for all commands.
+_STREAMS = """\
+What a command finds goes to standard output or, with `-o`, to a file, which appears whole or not at
+all and replaces another. All else is said on standard error: an error in at most five lines, where
+what was written is repeated up to 60 characters. Characters that the encoding of a stream lacks are
+written in ASCII (`...` for an ellipsis, `>=`, `rho`), texts in JSON as escapes. A full disk or a
+closed standard output is exit code 2; a reader that stops early, as `head` does, is no failure.
+Exit code 70 is a mistake in gsp itself: please report it with the output of `gsp --debug …`.
+"""
+
 DOCS = ROOT / "docs"
 WIDTH = 95
 
 
 def commands() -> str:
     """Return the reference of all commands, from their help."""
-    text = "# Commands\n\nGenerated from `gsp --help`; do not edit.\n"
+    text = "# Commands\n\nGenerated from `gsp --help`; do not edit.\n\n" + _STREAMS
     settings = {**cli.context_settings, "max_content_width": WIDTH, "terminal_width": WIDTH}
     with click.Context(cli, info_name="gsp", **settings) as top:
         text += _section("gsp", cli.get_help(top))

@@ -161,6 +161,12 @@ STEPS = (
         sample="--sample 20",
     ),
     Step(
+        "hostile-runs",
+        ("data/verification/hostile-runs*",),
+        "tools.fuzz.commands --check",
+        sample="--sample 20",
+    ),
+    Step(
         "clearances",
         ("data/verification/clearances.csv",),
         "tools.verify.clearances --check --jobs {jobs}",

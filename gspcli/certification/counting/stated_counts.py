@@ -147,7 +147,7 @@ def with_points_for_lines(
 
 def work_limit(limit: float | None) -> int:
     """Return a limit in multiplications."""
-    return _UNLIMITED if limit is None else int(limit * BILLION)
+    return _UNLIMITED if limit is None else int(min(limit * BILLION, _UNLIMITED))
 
 
 def _infinite(instance: Instance, seed: int, max_work: int) -> ExactCount | None:

@@ -32,8 +32,8 @@ class Decisions(NamedTuple):
     Attributes
     ----------
     certified
-        Whether exactly one simple solution is proved to be within the tolerance, different from those near the other certified poses, and proved to be real or not
-        to be; shape (n,).
+        Whether exactly one simple solution is proved to be within the tolerance, different from
+        those near the other certified poses, and proved to be real or not to be; shape (n,).
     real
         Whether it is proved to be real, shape (n,).
     R, T, quaternions

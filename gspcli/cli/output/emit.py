@@ -12,6 +12,7 @@ import click
 from gspcli.cli.output.files import write_whole
 from gspcli.cli.output.options import Output
 from gspcli.cli.output.tables import Table
+from gspcli.cli.streams import lacking, representable, say
 
 
 def emit(
@@ -41,12 +42,16 @@ def emit(
     tables = [tables] if isinstance(tables, Table) else list(tables)
     if output.part is not None:
         tables = [table for table in tables if table.part == output.part]
+    limited = output.path is None and lacking(sys.stdout)
+    if limited:
+        # Before they are laid out: what stands for a character may be longer.
+        tables = [table.converted(lambda text: representable(text, sys.stdout)) for table in tables]
     if texts and output.format in texts:
         write(output, texts[output.format])
     elif output.format == "json":
         from gspcli.cli.output import json
 
-        write(output, json.render(tables, document, schema))
+        write(output, json.render(tables, document, schema, ascii_only=limited))
     elif output.format == "csv":
         _emit_csv(output, [table for table in tables if table.columns])
     elif output.format == "markdown":
@@ -79,10 +84,10 @@ def _emit_csv(output: Output, tables: Sequence[Table]) -> None:
         if len(tables) > 1:
             assert output.path is not None
             place = replace(output, path=_named(output.path, table.part))
-            click.echo(f"{place.path}: written", err=True)
+            say(f"{place.path}: written")
         write(place, csv.render(table))
         for line in table.summary:
-            click.echo(line, err=True)
+            say(line)
 
 
 def _named(path: Path, part: str) -> Path:
@@ -96,5 +101,8 @@ def write(output: Output, content: str | bytes) -> None:
         write_whole(output.path, content)
     elif isinstance(content, bytes):
         sys.stdout.buffer.write(content)
+    elif output.format == "html" and lacking(sys.stdout):
+        # A page says itself what it is written in.
+        sys.stdout.buffer.write(content.encode())
     else:
         sys.stdout.write(content)

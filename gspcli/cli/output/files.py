@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import errno
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from gspcli.errors import GspError
+from gspcli.wording import named
+
+#: Characters of the name of a file that are in that of the temporary one: names have a limit.
+_KEPT = 32
 
 
 def check_writable(path: Path) -> None:
@@ -17,17 +23,33 @@ def check_writable(path: Path) -> None:
     GspError
         If the file is a folder, or cannot be made in its folder.
     """
-    folder = path.resolve().parent
-    if path.is_dir():
-        code = errno.EISDIR
-    elif not folder.is_dir():
-        code = errno.ENOENT
-    elif not os.access(folder, os.W_OK) and not _is_special(path):
-        code = errno.EACCES
-    else:
-        return
-    message = f"{path}: cannot be written: {os.strerror(code)}"
-    raise GspError(message)
+    with _told(path):
+        # A name that is too long is refused by the first question.
+        folder = path.resolve().parent
+        if path.is_dir():
+            code = errno.EISDIR
+        elif not folder.is_dir():
+            code = errno.ENOENT
+        elif not os.access(folder, os.W_OK) and not _is_special(path):
+            code = errno.EACCES
+        else:
+            path.exists()
+            return
+        raise OSError(code, os.strerror(code))
+
+
+@contextmanager
+def _told(path: Path) -> Iterator[None]:
+    """Say which file cannot be written, but for a pipe that nobody reads any more."""
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except (OSError, ValueError, RuntimeError) as error:
+        # Those without a number are a zero byte in a name, and links that lead to themselves.
+        reason = getattr(error, "strerror", None) or str(error)
+        message = f"{named(path)}: cannot be written: {reason}"
+        raise GspError(message) from error
 
 
 def _is_special(path: Path) -> bool:
@@ -43,20 +65,20 @@ def write_whole(path: Path, content: str | bytes) -> None:
     GspError
         If the file cannot be written.
     """
-    data = content.encode() if isinstance(content, str) else content
-    if _is_special(path):
-        with path.open("wb") as device:
-            device.write(data)
-        return
-    # A link stays one.
-    path = path.resolve()
+    data = content.encode(errors="backslashreplace") if isinstance(content, str) else content
+    with _told(path):
+        if _is_special(path):
+            with path.open("wb") as device:
+                device.write(data)
+        else:
+            # A link stays one.
+            _replace(path.resolve(), data)
+
+
+def _replace(path: Path, data: bytes) -> None:
     import tempfile
 
-    try:
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    except OSError as error:
-        message = f"{path}: cannot be written: {error.strerror}"
-        raise GspError(message) from error
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:_KEPT]}.")
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)
@@ -64,10 +86,6 @@ def write_whole(path: Path, content: str | bytes) -> None:
         os.umask(mask)
         Path(temporary).chmod(0o666 & ~mask)
         Path(temporary).replace(path)
-    except OSError as error:
-        Path(temporary).unlink(missing_ok=True)
-        message = f"{path}: cannot be written: {error.strerror}"
-        raise GspError(message) from error
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
         raise

@@ -10,6 +10,7 @@ import click
 
 from gspcli.cli.output.files import check_writable
 from gspcli.records import dataclass
+from gspcli.wording import shown
 
 FORMATS = ("table", "csv", "json", "markdown", "latex")
 #: Formats of pictures on paper.
@@ -74,7 +75,7 @@ def output_options(
                 chosen = _SUFFIXES.get(Path(path).suffix.lower())
                 if chosen not in formats:
                     known = ", ".join(s for s, name in _SUFFIXES.items() if name in formats)
-                    message = f"no format known from {path!r}: use --format, or one of {known}"
+                    message = f"no format known from {shown(path)}: use --format, or one of {known}"
                     raise click.BadParameter(message)
             if path is not None:
                 check_writable(Path(path))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Literal
 
 from gspcli.records import dataclass
@@ -80,3 +81,20 @@ class Table:
     notes: Sequence[str] = ()
     summary: Sequence[str] = ()
     part: str = ""
+
+    def converted(self, convert: Callable[[str], str]) -> Table:
+        """Return the table with all its texts converted; what columns are called in CSV stays."""
+
+        def cell(value: object) -> object:
+            if isinstance(value, (list, tuple)):
+                return [cell(part) for part in value]
+            return convert(value) if isinstance(value, str) else value
+
+        return replace(
+            self,
+            columns=[replace(one, title=convert(one.heading)) for one in self.columns],
+            rows=[{key: cell(value) for key, value in row.items()} for row in self.rows],
+            title=convert(self.title),
+            notes=list(map(convert, self.notes)),
+            summary=list(map(convert, self.summary)),
+        )

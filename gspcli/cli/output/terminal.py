@@ -12,6 +12,7 @@ from gspcli.cli.colour import coloured
 from gspcli.cli.output.cells import column_texts, printable
 from gspcli.cli.output.layout import GAP, Grid, cell_width, folded, lay_out
 from gspcli.cli.output.tables import Column, Table
+from gspcli.cli.streams import say
 
 _RULE = "─"
 
@@ -28,7 +29,7 @@ def show(tables: Sequence[Table]) -> None:
         if grid is not None and grid.left_out:
             sys.stdout.flush()
             names = f"(left out to fit the terminal: {', '.join(grid.left_out)})"
-            click.echo("\n".join(folded(names, width)), err=True)
+            say("\n".join(folded(names, width)))
 
 
 def render(tables: Sequence[Table]) -> str:

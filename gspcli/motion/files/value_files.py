@@ -20,7 +20,7 @@ from gspcli.motion.files.number_tables import NumberTable
 from gspcli.motion.files.pose_files import PoseFormat, names_poses, poses_in
 from gspcli.motion.poses.inverse_kinematics import measure
 from gspcli.records import dataclass
-from gspcli.wording import nearest, shown
+from gspcli.wording import nearest, shortened, shown
 
 Array = NDArray[np.float64]
 
@@ -126,16 +126,16 @@ def read_values(
 def _moving(table: NumberTable, instance: Instance) -> dict[str, Coordinate]:
     """Return the coordinates that columns are named after, by the names as they are written."""
     found: dict[str, Coordinate] = {}
+    numbers = {str(k) for k in range(1, len(instance.constraints) + 1)}
     for written in table.written:
         first = written.lower().split(".")[0]
         if first not in _MOVING or "." not in written:
             # Other columns are left out, but not what was meant to be one of these.
             if first and "." in written and (meant := nearest(first, _MOVING)):
                 table.note_column(written, f"found {shown(written)}: did you mean {meant}?")
-            if re.fullmatch(r"[0-9]+", written) and not 1 <= int(written) <= len(
-                instance.constraints
-            ):
-                table.note_column(written, f"found {written}, expected a constraint from 1 to 6")
+            if re.fullmatch(r"[0-9]+", written) and written.lstrip("0") not in numbers:
+                message = f"found {shortened(written)}, expected a constraint from 1 to 6"
+                table.note_column(written, message)
             continue
         try:
             (found[written],) = choose(instance, [written])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from dataclasses import asdict
 from pathlib import Path
 
@@ -24,11 +26,13 @@ def _result(task: Task) -> Result:
 
 
 def append(path: Path, result: Result) -> None:
-    Journal(path).append(asdict(result))
+    with Journal.opened(path) as journal:
+        journal.append(asdict(result))
 
 
 def read_journal(path: Path) -> dict[Task, Result]:
-    return {result.task: result for result in Journal(path).read(Result.of_entry)}
+    with Journal.opened(path) as journal:
+        return {result.task: result for result in journal.read(Result.of_entry)}
 
 
 def test_results_come_back(tmp_path: Path) -> None:
@@ -64,11 +68,64 @@ def test_a_line_cut_off_is_dropped(tmp_path: Path) -> None:
     assert set(read_journal(path)) == {TASKS[0], TASKS[2]}
 
 
-def test_another_file_is_not_taken_for_a_work_file(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "content", [b'{"task": 3}\n', b"\xff\xfe\n", b"\xb9\x00", b"[" * 100_000 + b"\n", b"notes"]
+)
+def test_another_file_is_not_taken_for_a_work_file(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "notes.txt"
-    path.write_text('{"task": 3}\n')
+    path.write_bytes(content)
     with pytest.raises(GspError, match=r"notes\.txt:1: this is not a line of a work file"):
         read_journal(path)
+    if not content.endswith(b"\n"):
+        # Nor is it cut off.
+        with pytest.raises(GspError, match=r"notes\.txt: this is not a work file"):
+            append(path, _result(TASKS[0]))
+    assert path.read_bytes() == content
+
+
+def test_a_long_line_cut_off_is_dropped(tmp_path: Path) -> None:
+    path = tmp_path / "work.jsonl"
+    append(path, _result(TASKS[0]))
+    before = path.read_bytes()
+    path.write_bytes(before + b'{"' + b"x" * 200_000)
+    append(path, _result(TASKS[0]))
+    assert path.read_bytes() == before * 2
+
+
+def test_one_process_at_a_time(tmp_path: Path) -> None:
+    path = tmp_path / "work.jsonl"
+    script = (
+        "import sys; from pathlib import Path; from gspcli.atlas.journal import Journal\n"
+        "with Journal.opened(Path(sys.argv[1])) as journal:\n"
+        "    journal.append({'a': 1}); print(flush=True); sys.stdin.read()"
+    )
+    command = [sys.executable, "-c", script, str(path)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as other:
+        assert other.stdout is not None
+        other.stdout.readline()
+        with pytest.raises(GspError, match=r"work\.jsonl: another process is at this work"):
+            append(path, _result(TASKS[0]))
+        # What holds it is a process, not a mark that a killed one leaves behind.
+        other.kill()
+    assert path.read_bytes() == b'{"a": 1}\n'
+    append(path, _result(TASKS[0]))
+
+
+def test_an_append_reads_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "work.jsonl"
+    with Journal.opened(path) as journal:
+        journal.append({"a": 1})
+        monkeypatch.setattr(journal, "_cut_off", None)
+        journal.append({"a": 2})
+    assert path.read_bytes() == b'{"a": 1}\n{"a": 2}\n'
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_a_full_disk_is_told(tmp_path: Path) -> None:
+    with pytest.raises(GspError, match="/dev/full: cannot be written: No space left"):
+        append(Path("/dev/full"), _result(TASKS[0]))
+    with pytest.raises(GspError, match="cannot be opened: No such file"):
+        append(tmp_path / "none" / "work.jsonl", _result(TASKS[0]))
 
 
 def test_done_work_is_not_done_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

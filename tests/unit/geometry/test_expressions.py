@@ -66,6 +66,8 @@ def test_expressions_have_their_value(text, value):
         ("2pi", "found 'pi' in '2pi', expected an operator or the end: write a product with *"),
         ("2^3", "found '^' in '2^3', expected a number: write a power as a product, x*x"),
         ("2**3", "found '*' in '2**3', expected a number: write a power as a product, x*x"),
+        ("nan", "found 'nan', expected a finite number"),
+        ("-Infinity", "found 'Infinity' in '-Infinity', expected a finite number"),
         (
             "sqr(2)",
             "found 'sqr' in 'sqr(2)', expected a number, pi, sqrt, sin, cos, tan, asin, acos, "

@@ -15,6 +15,7 @@ from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.residuals import condition_numbers, residuals
+from gspcli.solver import batch as batch_module
 from gspcli.solver import solve, solve_batch, solve_values
 from gspcli.solver.batch import Block
 from gspcli.solver.generate import random_instance
@@ -297,6 +298,26 @@ def test_special_values_are_proved_too():
     for poses in solve_values(instance, values, certify=True):
         assert poses.account.verdict in ("complete", "infinite", "incomplete")
         assert not (poses.certified & (poses.multiplicity > 1)).any()
+
+
+def test_residuals_are_measured_in_blocks(monkeypatch):
+    instance, special = _singular()
+    values = _near(instance, 0.02, 6, 17)
+    values[2] = special
+    batch = solve_batch(instance, values)
+    together = batch.residuals
+    vars(batch).pop("residuals")
+    measured, sizes = batch_module.proved_residuals, []
+
+    def counted(given, R, T):
+        sizes.append(len(R))
+        return measured(given, R, T)
+
+    monkeypatch.setattr(batch_module, "proved_residuals", counted)
+    monkeypatch.setattr(batch_module, "_BLOCK", 7)
+    np.testing.assert_array_equal(batch.residuals, together)
+    assert max(sizes) == 7
+    assert sum(sizes) == batch.certified.sum()
 
 
 def test_a_batch_has_the_same_poses_as_arrays():

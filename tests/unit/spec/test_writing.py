@@ -2,11 +2,13 @@
 
 import pytest
 
+import gspcli
 from gspcli.catalogue.kinds import DPH, DPP
-from gspcli.errors import GspError
+from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Plane, Point, vector
+from gspcli.resources import data_path
 from gspcli.spec import dumps, loads
 from gspcli.spec.writing import scalar
 
@@ -106,3 +108,25 @@ constraints:
   - {distance: [P2, B2], value: 2}
   - {distance: [P2, B3], value: 2}
 """
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        (lambda good: gspcli.dump(good, "f.yaml"), "file: found a str, expected an open file"),
+        (lambda _: gspcli.dumps(None), "instance: found a NoneType, expected an Instance"),
+        (lambda _: gspcli.set_values(None, {1: 2}), "instance: found a NoneType"),
+        (lambda _: gspcli.load(None), "source: found a NoneType, expected a path"),
+        (lambda _: gspcli.loads(b"gsp: 1"), "text: found a bytes, expected the text"),
+        (lambda _: gspcli.parse_type(None), "found a NoneType, expected a text, such as 6PP"),
+        (lambda _: gspcli.parse_type([1, 2]), "found a list, expected a text"),
+        (lambda _: gspcli.parse_kind(None), "found a NoneType, expected a text"),
+        (lambda _: gspcli.parse_class(3), "found a int, expected a text"),
+        (lambda _: gspcli.parse_kind_set(None), "found a NoneType, expected a text"),
+    ],
+)
+def test_wrong_arguments_are_named(wrong, said):
+    good = gspcli.load(data_path("examples", "dietmaier.yaml"))
+    with pytest.raises(ArgumentError) as caught:
+        wrong(good)
+    assert str(caught.value).startswith(said)

@@ -1,0 +1,147 @@
+"""The standard streams: what a terminal or file cannot take is written in ASCII, or told once."""
+
+from __future__ import annotations
+
+import codecs
+import errno
+import os
+import re
+import sys
+from contextlib import suppress
+from typing import TextIO
+
+import click
+
+from gspcli.cli.colour import coloured
+from gspcli.wording import named
+
+#: The handler of characters that an encoding lacks, and ASCII with another name: click takes a
+#: stream in plain ASCII for a mistake, and writes UTF-8 there.
+HANDLER, _ASCII = "gspcli", "gspcli-ascii"
+_COUNTERPARTS = {
+    "─": "-", "−": "-", "–": "-", "—": "--", "·": "*", "×": "x", "±": "+-", "…": "...",
+    "≤": "<=", "≥": ">=", "≠": "!=", "→": "->", "∞": "inf", "∠": "angle ", "√": "sqrt", "½": "1/2",
+    "°": " deg", "µ": "u", "ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "“": '"', "”": '"',
+    "α": "alpha", "θ": "theta", "λ": "lambda", "π": "pi", "ρ": "rho", "σ": "sigma", "τ": "tau",
+    "φ": "phi", "Δ": "Delta", "Σ": "sum ",
+}  # fmt: skip
+_LABEL = "error: "
+#: Of what has no name these errors are of standard output: closed, on a full disk, too long.
+_OF_OUTPUT = (errno.EBADF, errno.ENOSPC, errno.EFBIG, errno.EDQUOT, errno.EIO)
+_RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻ᵀ"
+_LOWERED = str.maketrans(_RAISED, "0123456789+-T")
+_PIECE = re.compile(rf"√(\d+)|([{_RAISED}]+)|(.)", re.DOTALL)
+
+
+def open_streams() -> None:
+    """Make the standard streams of this process such that all text can be written to them.
+
+    A closed one is replaced by a file that cannot be read or written, standard error by one that
+    swallows everything; so no other file takes its number.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, _instead(number))
+    for stream in (sys.stdout, sys.stderr):
+        settings = manner(stream.encoding)
+        stream.reconfigure(**settings)  # type: ignore[union-attr]
+
+
+def manner(encoding: str) -> dict[str, str]:
+    """Return in which encoding a stream is written, and what becomes of errors."""
+    codecs.register_error(HANDLER, _in_ascii)
+    if codecs.lookup(encoding).name == "ascii":
+        codecs.register(_found)
+        encoding = _ASCII
+    return {"encoding": encoding, "errors": HANDLER}
+
+
+def _instead(number: int) -> TextIO:
+    """Return what stands for a closed stream; only standard error takes what is written."""
+    opened = os.open(os.devnull, os.O_RDONLY if number == 1 else os.O_WRONLY)
+    if opened != number:
+        os.dup2(opened, number)
+        os.close(opened)
+    return open(number, "r" if number == 0 else "w", encoding="utf-8", closefd=False)
+
+
+def _found(name: str) -> codecs.CodecInfo | None:
+    """Return the codec of a name, in which punctuation is an underscore."""
+    if name != _ASCII.replace("-", "_"):
+        return None
+    plain = codecs.lookup("ascii")
+    return codecs.CodecInfo(
+        plain.encode,
+        plain.decode,
+        incrementalencoder=plain.incrementalencoder,
+        incrementaldecoder=plain.incrementaldecoder,
+        name=_ASCII,
+    )
+
+
+def _in_ascii(error: UnicodeError) -> tuple[str, int]:
+    """Return what is written for the characters that an encoding lacks, and where to go on."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    text, position = "", error.start
+    while position < error.end:
+        match = _PIECE.match(error.object, position)
+        assert match is not None
+        root, raised, character = match.groups()
+        if root:
+            text += f"sqrt({root})"
+        elif raised:
+            text += "^" + raised.translate(_LOWERED)
+        else:
+            escaped = character.encode("ascii", "backslashreplace").decode("ascii")
+            text += _COUNTERPARTS.get(character, escaped)
+        position = match.end()
+    return text, position
+
+
+def lacking(stream: TextIO) -> bool:
+    """Return whether there are characters that a stream cannot take."""
+    return not (stream.encoding or "utf-8").lower().replace("-", "").startswith("utf")
+
+
+def representable(text: str, stream: TextIO) -> str:
+    """Return a text as it will be on a stream, which has to be known to lay it out."""
+    if text.isascii() or not lacking(stream):
+        return text
+    return text.encode(stream.encoding, HANDLER).decode(stream.encoding)
+
+
+def say(message: str) -> None:
+    """Tell the user something on standard error, if it can be written to.
+
+    Parameters
+    ----------
+    message
+        One or more lines; what a terminal would obey is written out.
+    """
+    from gspcli.cli.output.cells import printable
+
+    rest = message.removeprefix(_LABEL)
+    label = message[: len(message) - len(rest)]
+    try:
+        # Named: the console script is `gsp` whatever path it was started by.
+        click.secho(label, fg="red", bold=True, nl=False, err=True, color=coloured(sys.stderr))
+        click.echo(printable(rest), err=True)
+    except OSError:
+        discard(sys.stderr)
+
+
+def discard(stream: TextIO) -> None:
+    """Let a stream lead nowhere: the interpreter would complain when it flushes what is left."""
+    with suppress(OSError, ValueError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
+
+
+def reason(error: OSError) -> str:
+    """Return what to say of an error of the system, which has a file or is of standard output."""
+    why = "it is closed" if error.errno == errno.EBADF else error.strerror or str(error)
+    if error.filename:
+        return f"{named(error.filename)}: {why}"
+    return f"standard output: cannot be written: {why}" if error.errno in _OF_OUTPUT else why

@@ -1,0 +1,343 @@
+"""Attack `gsp` with command lines, files, streams and signals that nobody should send.
+
+    python -m tools.fuzz.commands [--count N] [--kind KIND] [--seed N] [--record]
+    python -m tools.fuzz.commands --check [--sample N]
+
+Four kinds of runs, by seeds:
+
+- `options`: any command with options and arguments that may be anything (`tools.fuzz.hostile`);
+- `inputs`: instance, pose, value, state and work files that were spoilt;
+- `streams`: the same commands, with standard output in ASCII, cp1252 or UTF-8, full, closed or
+  abandoned after some bytes, and a disk that is full for files, too;
+- `processes`: processes of their own, with closed and full streams, encodings by environment, and
+  SIGINT, SIGTERM or SIGHUP after up to a second.
+
+All but the last are run within this process, each for at most a second or so, after which it is
+interrupted as by Ctrl-C. What must hold: the exit code is 0, 1, 2, 3, 4 or 130 (or that of the
+signal); no traceback, nothing of another library; an error is at most five lines; nothing is left
+of files that were not finished. What does not hold is printed with its seed, and the exit code is
+1. ``--record`` writes data/verification/hostile-runs.csv; ``--check`` runs a part of it again.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import errno
+import hashlib
+import importlib
+import io
+import json
+import os
+import pkgutil
+import platform
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import traceback
+import warnings
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from importlib.metadata import version
+from pathlib import Path
+
+import gspcli
+from gspcli.cli.commands import COMMANDS
+from gspcli.cli.main import run
+from gspcli.cli.streams import manner
+from gspcli.defaults import SEED
+from gspcli.errors import INTERRUPTED
+from tools.fuzz import hostile as hostile_commands
+from tools.fuzz.hostile import Hostile
+from tools.recording import ROOT, csv_text, parser, report, save
+
+TARGET = ROOT / "data" / "verification" / "hostile-runs.csv"
+MANIFEST = TARGET.with_suffix(".manifest.json")
+#: Runs of each kind in the record, and in a part of it.
+RECORDED = {"options": 2400, "inputs": 5500, "streams": 1900, "processes": 200}
+#: Of a part, for so many runs of the others there is one of the processes, which take long.
+_A_PROCESS = 20
+DOCUMENTED = (0, 1, 2, 3, 4, INTERRUPTED)
+LIMIT_S = 1.0
+MOST_LINES, MOST_CHARACTERS = 5, 700
+_LIBRARIES = ("sympy", "pandas", "matplotlib.pyplot", "mpmath", "flint", "pydantic", "yaml")
+#: What another library says, or Python.
+FOREIGN = ("Traceback", "Warning:", "Exception ignored", "internal error")
+
+
+@dataclass
+class Told:
+    """What a run gave: exit code, what was said, warnings, whether standard error was heard."""
+
+    code: int
+    err: str
+    foreign: list[str] = field(default_factory=list)
+    heard: bool = True
+
+
+class _Full(io.RawIOBase):
+    """A file that takes some bytes, then fails."""
+
+    def __init__(self, room: int, number: int) -> None:
+        self._room, self._number = room, number
+
+    def writable(self) -> bool:
+        return True
+
+    def write(self, data: bytes) -> int:  # type: ignore[override]
+        if self._room < len(data):
+            raise OSError(self._number, os.strerror(self._number))
+        self._room -= len(data)
+        return len(data)
+
+
+@contextlib.contextmanager
+def _alarm(seconds: float) -> Iterator[None]:
+    """Interrupt what is done after some time, as Ctrl-C does."""
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def within(hostile: Hostile, folder: Path, out: io.IOBase, encoding: str) -> Told:
+    """Run a command within this process, in a folder."""
+    hostile_commands.write_files(hostile, folder)
+    err = io.BytesIO()
+    how = manner(encoding)
+    streams = [
+        io.TextIOWrapper(io.BufferedWriter(raw), how["encoding"], how["errors"])
+        for raw in (out, err)
+    ]
+    stdin = io.TextIOWrapper(io.BytesIO(hostile.stdin))
+    before = sys.stdin, Path.cwd()
+    os.chdir(folder)
+    foreign = []
+    try:
+        with (
+            warnings.catch_warnings(record=True) as caught,
+            contextlib.redirect_stdout(streams[0]),
+            contextlib.redirect_stderr(streams[1]),
+        ):
+            warnings.simplefilter("always")
+            sys.stdin = stdin
+            try:
+                with _alarm(LIMIT_S):
+                    code = run(hostile.words)
+            except KeyboardInterrupt:
+                code = INTERRUPTED
+            except BaseException:
+                code = 70
+                foreign.append(traceback.format_exc())
+    finally:
+        sys.stdin = before[0]
+        os.chdir(before[1])
+    foreign += [f"Warning: {one.message}" for one in caught]
+    with contextlib.suppress(OSError, ValueError):
+        streams[1].flush()
+    told = err.getvalue().decode(encoding)
+    for stream in streams:
+        with contextlib.suppress(OSError, ValueError):
+            stream.detach()
+    return Told(code, told, foreign)
+
+
+def attack_within(kind: str, rng: random.Random, folder: Path) -> tuple[Hostile, Told]:
+    """Draw a run of one of the kinds within this process, and make it."""
+    if kind == "options":
+        hostile = hostile_commands.options(rng)
+    elif kind == "inputs":
+        hostile = hostile_commands.inputs(rng)
+    else:
+        hostile = rng.choice((hostile_commands.options, hostile_commands.inputs))(rng)
+    out: io.IOBase = io.BytesIO()
+    encoding = "utf-8"
+    if kind == "streams":
+        encoding = rng.choice(("ascii", "cp1252", "utf-8"))
+        numbers = errno.ENOSPC, errno.EPIPE, errno.EBADF, errno.EIO
+        full = _Full(rng.choice((0, 0, 100, 5000)), rng.choice(numbers))
+        out = rng.choice((out, full))
+    return hostile, within(hostile, folder, out, encoding)
+
+
+_STREAMS = ("", ">/dev/full", "2>/dev/full", ">&-", "2>&-", ">&- 2>&-", "<&- >&- 2>&-", "<&-")
+_ENVIRONMENTS: tuple[dict[str, str], ...] = (
+    {},
+    {"PYTHONIOENCODING": "ascii"},
+    {"PYTHONIOENCODING": "cp1252"},
+    {"PYTHONUTF8": "0", "LC_ALL": "C", "PYTHONCOERCECLOCALE": "0"},
+)
+
+
+def attack_process(rng: random.Random, folder: Path) -> tuple[Hostile, Told]:
+    """Draw a process with its streams, environment and a signal, and make it."""
+    hostile = rng.choice((hostile_commands.options, hostile_commands.inputs))(rng)
+    # What is in the arguments of a process is bytes without zeros.
+    words = [word.replace("\0", "") for word in hostile.words]
+    hostile_commands.write_files(hostile, folder)
+    redirected = rng.choice(_STREAMS)
+    settings = os.environ | {"PYTHONPATH": str(ROOT)} | rng.choice(_ENVIRONMENTS)
+    command = ["/bin/sh", "-c", f'exec "$0" -m gspcli "$@" {redirected}', sys.executable, *words]
+    number = rng.choice((None, None, signal.SIGINT, signal.SIGTERM, signal.SIGHUP))
+    delay = rng.random()
+    with subprocess.Popen(
+        command,
+        cwd=folder,
+        env=settings,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    ) as process:
+
+        def stop() -> None:
+            if number is not None:
+                time.sleep(delay)
+                process.send_signal(number)
+            time.sleep(10)
+            process.send_signal(signal.SIGINT)
+
+        threading.Thread(target=stop, daemon=True).start()
+        _, err = process.communicate(hostile.stdin)
+    code = process.returncode
+    if number is not None and code == -number:
+        code = INTERRUPTED
+    heard = "2>" not in redirected
+    return hostile, Told(code, err.decode("utf-8", "replace"), heard=heard)
+
+
+def wrong(hostile: Hostile, told: Told, folder: Path) -> list[str]:
+    """Return what does not hold."""
+    found = []
+    if told.code not in DOCUMENTED:
+        found.append(f"exit code {told.code}")
+    text = "\n".join([told.err, *told.foreign])
+    # A Ctrl-C while Python starts, or within a finalizer, is told by Python.
+    if "KeyboardInterrupt" not in text:
+        found += [f"{word!r} is said" for word in FOREIGN if word in text]
+    lines = told.err.splitlines()
+    begin = [k for k, line in enumerate(lines) if line.startswith(("error: ", "Usage: "))]
+    is_help = begin and any(line.startswith("Options:") for line in lines)
+    if begin and not is_help:
+        error = lines[begin[-1] :]
+        if len(error) > MOST_LINES:
+            found.append(f"an error of {len(error)} lines")
+        if max(map(len, error)) > MOST_CHARACTERS:
+            found.append(f"a line of {max(map(len, error))} characters")
+    if told.code == 2 and told.heard and not begin:
+        found.append("exit code 2 without an error")
+    left = [path.name for path in folder.iterdir() if path.name.startswith(".")]
+    found += [f"{name} is left" for name in left]
+    return [f"{problem}: gsp {hostile_commands.text(hostile.words)}" for problem in found]
+
+
+def attack(kind: str, seed: int) -> tuple[int, list[str]]:
+    """Make the run of a seed; return its exit code and what does not hold."""
+    rng = random.Random(f"{kind} {seed}")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        if kind == "processes":
+            hostile, told = attack_process(rng, folder)
+        else:
+            hostile, told = attack_within(kind, rng, folder)
+        problems = wrong(hostile, told, folder)
+        if problems:
+            problems.append(told.err[:500] + "".join(told.foreign)[-1500:])
+        return told.code, problems
+
+
+def prepare() -> None:
+    """Import everything: an import that is interrupted leaves half a module behind."""
+    for name in (*_LIBRARIES, *(f"gspcli.cli.{name.replace('-', '_')}" for name in COMMANDS)):
+        importlib.import_module(name)
+    for info in pkgutil.walk_packages(gspcli.__path__, "gspcli."):
+        importlib.import_module(info.name)
+
+
+def attack_all(runs: dict[str, int], first: int) -> list[dict[str, object]]:
+    """Make so many runs of each kind; return a row for each."""
+    prepare()
+    rows: list[dict[str, object]] = []
+    for kind, count in runs.items():
+        codes: Counter[int] = Counter()
+        bad = 0
+        for seed in range(first, first + count):
+            code, problems = attack(kind, seed)
+            codes[code] += 1
+            bad += bool(problems)
+            for problem in problems:
+                print(f"{kind} {seed}: {problem}", flush=True)
+        tally = {f"exit_{code}": codes[code] for code in DOCUMENTED}
+        rows.append({"kind": kind, "first_seed": first, "runs": count, "wrong": bad, **tally})
+        print(rows[-1], flush=True)
+    return rows
+
+
+def main() -> int:
+    """Attack; return the exit code."""
+    options = parser(__doc__, sample=True)
+    options.add_argument("--record", action="store_true", help="make all runs, write the record")
+    options.add_argument("--count", type=int, help="runs of each kind")
+    options.add_argument("--kind", choices=list(RECORDED), help="of one kind only")
+    options.add_argument("--seed", type=int, default=SEED, help="of the first runs")
+    arguments = options.parse_args()
+    runs = RECORDED
+    size = arguments.sample if arguments.check else arguments.count
+    if size is not None:
+        runs = dict.fromkeys(RECORDED, size) | {"processes": -(-size // _A_PROCESS)}
+    if arguments.kind:
+        runs = {arguments.kind: size or RECORDED[arguments.kind]}
+    rows = attack_all(runs, arguments.seed)
+    if arguments.record:
+        record(rows, arguments.seed)
+    differences = [f"{row['kind']}: {row['wrong']} wrong" for row in rows if row["wrong"]]
+    if arguments.check:
+        differences += recorded_otherwise()
+    return report(differences, f"{sum(runs.values())} runs")
+
+
+def record(rows: list[dict[str, object]], seed: int) -> None:
+    """Write the rows of some kinds, and keep those of the others."""
+    kept = {row["kind"]: row for row in _recorded()} | {row["kind"]: row for row in rows}
+    text = csv_text([kept[kind] for kind in RECORDED if kind in kept])
+    manifest = {
+        "command": "python -m tools.fuzz.commands --record",
+        "seed": seed,
+        "sha256": hashlib.sha256(text.encode()).hexdigest(),
+        "versions": {
+            "gsp": gspcli.__version__,
+            "click": version("click"),
+            "python": platform.python_version(),
+        },
+    }
+    save({TARGET: text, MANIFEST: json.dumps(manifest, indent=1) + "\n"}, check=False, confirmed="")
+
+
+def _recorded() -> list[dict[str, str]]:
+    return list(csv.DictReader(TARGET.open(encoding="utf-8"))) if TARGET.is_file() else []
+
+
+def recorded_otherwise() -> list[str]:
+    """Return how the record is not one of so many runs of each kind, none of them wrong.
+
+    How often each exit code occurs depends on how much is done in a second.
+    """
+    found = {row["kind"]: (int(row["runs"]), int(row["wrong"])) for row in _recorded()}
+    wanted = {kind: (runs, 0) for kind, runs in RECORDED.items()}
+    return [] if found == wanted else [f"recorded are {found}, expected {wanted}"]
+
+
+if __name__ == "__main__":
+    sys.exit(main())
