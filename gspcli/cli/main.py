@@ -37,6 +37,7 @@ COMMANDS = {
     "count": _PLATFORM,
     "solve": _PLATFORM,
     "certify": _PLATFORM,
+    "sensors": _PLATFORM,
     "sample": _REAL,
     "maximize-real": _REAL,
     "measure": _MOVING,

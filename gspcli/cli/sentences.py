@@ -20,6 +20,7 @@ SENTENCES = {
     "count": "Count the complex solutions of a platform exactly, without finding them.",
     "solve": "Find every pose of a platform and account for every path.",
     "certify": "Prove that the poses in RESULT solve the platform in SPEC, without trusting them.",
+    "sensors": "Say which one more sensor tells the assembly modes of a platform apart.",
     "sample": "Count the real solutions of random platforms of a type.",
     "maximize-real": "Search for a platform with as many real poses as possible.",
     "measure": "Measure the values of constraints at given poses (inverse kinematics).",
