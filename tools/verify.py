@@ -195,6 +195,12 @@ STEPS = (
         "tools/verify_clearances.py --check --jobs {jobs}",
         sample="--sample 2",
     ),
+    Step(
+        "sensors",
+        ("data/verification/sensors*", "docs/sensors.md"),
+        "tools/verify_sensors.py --check --jobs {jobs}",
+        sample="--sample 3",
+    ),
     Step("view", ("data/view/*",), "tools/build_view.py --check"),
     Step(
         "distribution",
