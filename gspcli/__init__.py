@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.primitives import Cone, Line, Plane, Point
     from gspcli.motion import measure, track
     from gspcli.pictures.notebook import notebook_view
+    from gspcli.sensing import fit_readings, sensors
     from gspcli.solver import solve, solve_batch, solve_values
     from gspcli.solver.certifying import certify
     from gspcli.spec import dump, dumps, load, loads, read, set_values
@@ -62,6 +63,7 @@ _HOMES = {
     "dump": "gspcli.spec",
     "dumps": "gspcli.spec",
     "family_bounds": "gspcli.catalogue.bounds",
+    "fit_readings": "gspcli.sensing",
     "hexapod": "gspcli.geometry.building",
     "instance": "gspcli.geometry.building",
     "load": "gspcli.spec",
@@ -74,6 +76,7 @@ _HOMES = {
     "parse_kind_set": "gspcli.catalogue.parsing",
     "parse_type": "gspcli.catalogue.parsing",
     "read": "gspcli.spec",
+    "sensors": "gspcli.sensing",
     "set_values": "gspcli.spec",
     "solve": "gspcli.solver",
     "solve_batch": "gspcli.solver",
@@ -107,6 +110,7 @@ __all__ = [
     "dump",
     "dumps",
     "family_bounds",
+    "fit_readings",
     "hexapod",
     "instance",
     "load",
@@ -119,6 +123,7 @@ __all__ = [
     "parse_kind_set",
     "parse_type",
     "read",
+    "sensors",
     "set_values",
     "solve",
     "solve_batch",

@@ -29,6 +29,7 @@ BY_HEADING: dict[str, dict[str, str]] = {
         "solve": "Find every pose of a platform and account for every path.",
         "certify": "Prove that the poses in RESULT solve the platform in SPEC, without "
         "trusting them.",
+        "sensors": "Say which one more sensor tells the assembly modes of a platform apart.",
     },
     "How many solutions can be real": {
         "sample": "Count the real solutions of random platforms of a type.",

@@ -49,12 +49,16 @@ class Shown:
     distances
         For each pose of the table how far it is from the one asked for: the translation and the
         angle, in the units of the instance; None if none was asked for.
+    fits
+        For each real pose what readings are off by, and whether it fits them
+        (`gspcli.sensing.ReadingFit.rows`); None if there are no readings.
     """
 
     indices: Sequence[int]
     rotation: Sequence[PoseColumn]
     decimals: int | None = None
     distances: Sequence[tuple[float, float]] | None = None
+    fits: Sequence[Mapping[str, Any]] | None = None
 
     @property
     def numbers(self) -> list[int]:
@@ -85,11 +89,15 @@ def data_table(
             }
     for row, (length, angle) in zip(rows, shown.distances or (), strict=False):
         row |= {"distance": length, "turn": angle}
+    for row, index in zip(rows, shown.indices, strict=True):
+        row |= _fit_of(result, shown, index)
     for row, decimals in zip(rows, digits, strict=False):
         row |= decimals
     keys = [column.key for column in columns]
     if shown.distances is not None:
         keys += ["distance", "turn"]
+    if shown.fits is not None:
+        keys += ["off", "fits"]
     if imaginary:
         keys += [f"{c.key}_imag" for c in columns if c.of_pose]
     keys += [key for key in DECIMALS if any(key in row for row in rows)]
@@ -117,6 +125,7 @@ def pose_tables(
     last = [
         Column("distance", f"distance [{units.length}]", "right", minor=1, aligned=True),
         Column("turn", f"turn [{units.angle.value}]", "right", minor=1, aligned=True),
+        Column("off", "off [σ]", "right", minor=1),
         Column("sides", _sided(result), minor=1),
         Column("residual", align="right", minor=3),
         Column("condition", align="right", minor=2),
@@ -185,6 +194,10 @@ def _rows(result: SolveResult, shown: Shown, *, certify: bool) -> list[dict[str,
         if certify and not known[index]:
             row["residual"] = float(f"{solution.residual:.1e}")
         remarks = ["nearest"] if shown.distances is not None and place == 0 else []
+        fit = _fit_of(result, shown, index)
+        if fit:
+            row["off"] = float(f"{fit['off']:.3g}")
+        remarks += ["fits"] if fit.get("fits") else []
         remarks += [] if solution.real else ["not real"]
         if solution.multiplicity > 1:
             many = solution.multiplicity
@@ -196,6 +209,13 @@ def _rows(result: SolveResult, shown: Shown, *, certify: bool) -> list[dict[str,
             row["distance"], row["turn"] = shown.distances[place]
         rows.append(row)
     return rows
+
+
+def _fit_of(result: SolveResult, shown: Shown, index: int) -> dict[str, Any]:
+    """Return what the readings say of a pose; nothing without readings or of one not real."""
+    if shown.fits is None or not result.real[index] or index >= len(shown.fits):
+        return {}
+    return {key: shown.fits[index][key] for key in ("off", "fits")}
 
 
 def _fixed_sides(result: SolveResult) -> bool:

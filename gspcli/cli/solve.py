@@ -15,11 +15,15 @@ from gspcli.cli.number_types import MOST_JOBS, Seed, Whole
 from gspcli.cli.output import Output, emit, output_options
 from gspcli.cli.progress_bars import working
 from gspcli.defaults import SEED
-from gspcli.errors import GspError, IncompleteError, NotFiniteError
+from gspcli.errors import CheckFailed, GspError, IncompleteError, NotFiniteError
 from gspcli.wording import shortened
+from gspcli.wording import shown as quoted
 
 if TYPE_CHECKING:
     from gspcli.cli.pose_tables import Shown
+    from gspcli.geometry.instance import Instance
+    from gspcli.sensing import ReadingFit
+    from gspcli.sensing.notation import SensorReading
     from gspcli.solver import SolveResult
 
 #: Formats for people.
@@ -79,6 +83,14 @@ _READABLE = ("table", "markdown", "latex")
     help="Sort by the distance from a pose: x,y,z,qw,qx,qy,qz, or x,y,z,rx,ry,rz with --rotation, "
     "or a file with one pose as gsp measure reads it.",
 )
+@click.option(
+    "--reading",
+    "readings",
+    metavar="READING",
+    multiple=True,
+    help="What one more sensor reads, as 'leg P1 B3 = 212.4 ± 0.1' (or +-) with its standard "
+    "deviation, in the units of SPEC: marks the mode that fits; may be repeated.",
+)
 @click.option("--legend", is_flag=True, help="Explain the columns.")
 @digits_option
 @output_options()
@@ -93,6 +105,7 @@ def command(
     rotation: str,
     places: int | None,
     near: str | None,
+    readings: tuple[str, ...],
     legend: bool,
     digits: int | None,
     output: Output,
@@ -107,8 +120,12 @@ def command(
     real, the constraints that contradict each other are named. JSON has all of this in full
     precision, R and quaternion whatever --rotation says.
 
-    Exit codes: 0 done (no real pose is an answer, too); 2 bad input; 3 the poses are infinitely
-    many; 4 something could not be found or certified.
+    With --reading the mode is marked at which one more sensor reads what it does, within three
+    standard deviations: gsp sensors says which sensor tells modes apart, and how readings are
+    written.
+
+    Exit codes: 0 done (no real pose is an answer, too); 1 no mode or several fit the readings;
+    2 bad input; 3 the poses are infinitely many; 4 something could not be found or certified.
 
     \b
     Examples:
@@ -116,8 +133,11 @@ def command(
       gsp solve platform.yaml --set 1=5.2 --set 4=60 --format csv
       gsp solve @dietmaier --digits 50 -o poses.json
       gsp solve platform.yaml --rotation ZYX --near 0,0,250,0,0,0
+      gsp solve @rubin-m2 --reading "leg P1 B2 = 2.913 ± 0.002"
       gsp new "DPL DPL DLP ALL ALL ALH" | gsp solve - --all -o poses.json
     """
+    from dataclasses import replace
+
     from gspcli.cli.pose_tables import LEGEND, Shown, data_table, lone_tables, pose_tables
     from gspcli.cli.summary import remarks, summary
     from gspcli.solver import solve
@@ -131,15 +151,23 @@ def command(
     instance = set_values(load_instance(spec), settings)
     euler = None if rotation in ROTATIONS else rotation
     goal = _pose(near, euler, instance.units.angle.in_radians) if near is not None else None
+    given = _readings(readings, instance)
+    fit: ReadingFit | None = None
     with working("solving"):
         result = solve(instance, seed=seed, jobs=jobs, certify=not no_certify, prove=prove)
         indices = range(len(result.R) if everything else result.counts.real)
         shown = Shown(indices, columns, places)
         if goal is not None:
             shown = _sorted(result, shown, *goal)
+        if given:
+            from gspcli.sensing import fit_readings
+
+            fit = fit_readings(result, given)
+            shown = replace(shown, fits=fit.rows())
         proved = _refined(result, shown, digits) if digits is not None else []
         contradicting = _contradicting(result)
         lines = summary(result, certify=not no_certify, contradicting=contradicting)
+        lines += [fit.sentence] if fit is not None else []
     if output.format in _READABLE:
         notes = remarks(result, shown.numbers)
         if not everything and (others := len(result.R) - len(shown.indices)):
@@ -162,8 +190,45 @@ def command(
         document = None
         if output.format == "json":
             document = _document(result, shown, proved, contradicting, everything=everything)
+            if fit is not None:
+                _add_fit(document, shown, fit)
         emit(output, table, document=document)
     _complain(result, certified=not no_certify)
+    if fit is not None and fit.mode is None:
+        raise CheckFailed(_misfit(fit))
+
+
+def _readings(texts: Sequence[str], instance: Instance) -> list[SensorReading]:
+    """Return the readings that are given."""
+    if not texts:
+        return []
+    from gspcli.sensing.notation import parse_reading
+
+    found = []
+    for text in texts:
+        try:
+            found.append(parse_reading(text, instance))
+        except GspError as error:
+            message = f"--reading {quoted(text)}, {error}"
+            raise GspError(message) from None
+    return found
+
+
+def _misfit(fit: ReadingFit) -> str:
+    """Return what to do where not exactly one mode fits."""
+    if fit.modes:
+        message = "gsp sensors says which further sensor tells them apart"
+        return f"{len(fit.modes)} modes fit what was read: {message}"
+    message = "is it in the units of SPEC, with the values of SPEC (--set gives others)?"
+    return f"no mode fits what was read: {message}"
+
+
+def _add_fit(document: dict[str, Any], shown: Shown, fit: ReadingFit) -> None:
+    """Add to a document what the readings say of its poses."""
+    document |= fit.to_json()
+    for entry, index in zip(document["solutions"], shown.indices, strict=True):
+        if index < len(fit.off) and fit.result.counts.real:
+            entry |= fit.of_mode(index)
 
 
 def _pose(near: str, euler: str | None, in_radians: float) -> tuple[Any, Any]:

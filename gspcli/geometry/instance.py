@@ -112,12 +112,16 @@ class Instance:
         The units of lengths and angles.
     name, source
         What the file says of itself, or None.
+    further
+        Primitives that no constraint uses: the body (``platform`` or ``base``), the name and the
+        primitive. They are places for sensors.
     """
 
     constraints: tuple[Constraint, ...]
     units: Units
     name: str | None = None
     source: str | None = None
+    further: tuple[tuple[str, str, Geometry], ...] = ()
 
     def __repr__(self) -> str:
         kinds = " ".join(row.kind.name for row in self.constraints)
@@ -159,6 +163,15 @@ class Instance:
     def expected(self) -> int:
         """The generic count of the type for the sides asked for."""
         return generic_counts(self.type).one_sided * self.side_choices
+
+    def named(self, body: str) -> dict[str, Geometry]:
+        """Return the primitives of a body, ``platform`` or ``base``, by name, used ones first."""
+        used = {
+            getattr(row, f"{body}_name"): getattr(row, body)
+            for row in self.constraints
+            if getattr(row, f"{body}_name")
+        }
+        return used | {name: geometry for where, name, geometry in self.further if where == body}
 
     @property
     def title(self) -> str:

@@ -95,9 +95,23 @@ class FileChecker:
             Units(units.length, AngleUnit(units.angle)),
             self.model.name,
             self.model.source,
+            self._further(complete),
         )
         self._check_type(instance)
         return instance
+
+    def _further(
+        self, constraints: tuple[Constraint, ...]
+    ) -> tuple[tuple[str, str, Geometry], ...]:
+        """Return the primitives that no constraint uses, with their bodies and names."""
+        used = {("platform", row.platform_name) for row in constraints}
+        used |= {("base", row.base_name) for row in constraints}
+        return tuple(
+            (where, str(name), geometry)
+            for where, body in (("platform", self.platform), ("base", self.base))
+            for name, geometry in (body or {}).items()
+            if geometry is not None and (where, name) not in used
+        )
 
     def _constraint(self, node: Value, model: AnyConstraint | None) -> Constraint | None:
         if not isinstance(node, Mapping):

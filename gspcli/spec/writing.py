@@ -12,6 +12,7 @@ from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 
 _PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_.']*( [A-Za-z0-9_.']+)*")
+_BODIES = ("platform", "base")
 _NOT_TEXT = {"null", "true", "false", "yes", "no", "on", "off", "y", "n"}
 
 
@@ -40,16 +41,20 @@ def dumps(instance: Instance) -> str:
         If one name stands for two different primitives of a body, or it is no instance.
     """
     expected(instance)
-    platform = _Body("platform", (c.platform_name for c in instance.constraints))
-    base = _Body("base", (c.base_name for c in instance.constraints))
+    named = {where: [n for body, n, _ in instance.further if body == where] for where in _BODIES}
+    rows = instance.constraints
+    platform = _Body("platform", [*(row.platform_name for row in rows), *named["platform"]])
+    base = _Body("base", [*(row.base_name for row in rows), *named["base"]])
     constraints = [
         _constraint(
             constraint,
             platform.named(constraint.platform_name, constraint.platform),
             base.named(constraint.base_name, constraint.base),
         )
-        for constraint in instance.constraints
+        for constraint in rows
     ]
+    for where, name, geometry in instance.further:
+        (platform if where == "platform" else base).named(name, geometry)
     header = ["gsp: 1"]
     if instance.name is not None:
         header.append(f"name: {scalar(instance.name)}")

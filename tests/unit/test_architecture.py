@@ -22,6 +22,7 @@ LAYERS = {
     "paper": 6,
     "atlas": 6,
     "reality": 6,
+    "sensing": 5.2,
     "motion": 5,
     "solver": 4,
     "certification": 3,

@@ -26,6 +26,8 @@ OTHERS = [
     ["solve", "@six-planes", "--all"],
     ["solve", "@linuxcnc-hexapod"],
     ["solve", "@sdss-primary", "--all"],
+    ["solve", "@rubin-m2", "--reading", "inclinometer = 0, 0 ± 0.1"],
+    ["sensors", "@simscape-hexapod", "--random", "3"],
     ["analyze", "@platform-6-3"],
     ["count", "@no-real-pose"],
     ["count", "--type", "DPL DPL DLP ALL ALH AHH", "--geometry", "planar"],

@@ -50,6 +50,13 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@no-real-pose",
         "@griffis-duffy",
         "@singular-pose",
+        "@rubin-m2 --reading 'leg P1 B2 = 2.913 ± 0.002' --reading 'inclinometer = 0, 0 ± 0.1'",
+    ),
+    "sensors": (
+        "@rubin-m2",
+        "@linuxcnc-hexapod --random 5",
+        "@no-real-pose",
+        "@workspace-study --random 5 --known-side",
     ),
     "certify": ("@figure-3 POSES", "@figure-3 POSES --digits 20", "@figure-3 TWICE"),
     "count": (

@@ -172,6 +172,12 @@ STEPS = (
         "tools.verify.clearances --check --jobs {jobs}",
         sample="--sample 2",
     ),
+    Step(
+        "sensors",
+        ("data/verification/sensors*", "docs/sensors.md"),
+        "tools.verify.sensors --check --jobs {jobs}",
+        sample="--sample 3",
+    ),
     Step("view", ("data/view/*",), "tools.build.view --check"),
     Step(
         "distribution",

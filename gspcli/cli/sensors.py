@@ -1,0 +1,240 @@
+"""`gsp sensors`: which one more sensor tells the assembly modes of a platform apart."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from gspcli.cli.names import load_instance
+from gspcli.cli.output import Output, emit, output_options
+from gspcli.cli.pose_options import pose_format, pose_options, text_of
+from gspcli.cli.progress_bars import working
+from gspcli.defaults import SEED
+from gspcli.errors import GspError, IncompleteError
+from gspcli.wording import counted
+
+if TYPE_CHECKING:
+    from gspcli.geometry.instance import Instance
+    from gspcli.motion import PoseFormat, ValueTable
+    from gspcli.sensing import Sensor
+
+_KINDS = ("leg", "coordinate", "joint", "inclinometer")
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@click.option(
+    "--set",
+    "settings",
+    metavar="N=VALUE",
+    multiple=True,
+    help="Give constraint N (from 1) another value; may be repeated.",
+)
+@click.option(
+    "--values",
+    "path",
+    metavar="FILE",
+    help="At each row of a file of values or poses, as gsp track takes it.",
+)
+@click.option("--delta", is_flag=True, help="The values of --values are added to those of SPEC.")
+@pose_options
+@click.option(
+    "--random",
+    "count",
+    type=click.IntRange(1, 100_000),
+    metavar="COUNT",
+    help="For so many random sets of values: in the ranges of SPEC if each constraint has one, "
+    "else about home.",
+)
+@click.option(
+    "--within",
+    "intervals",
+    metavar="N=LOW:HIGH",
+    multiple=True,
+    help="Draw the value of constraint N in this interval, the others staying; may be repeated. "
+    "100 sets unless --random says how many.",
+)
+@click.option(
+    "--sensor",
+    "names",
+    metavar="SENSOR",
+    multiple=True,
+    help="Only this sensor, such as 'leg P1 (0, 0, 50)' or 'joint 1 base about x'; may be "
+    "repeated.",
+)
+@click.option(
+    "--sigma",
+    "deviations",
+    metavar="KIND=VALUE",
+    multiple=True,
+    help=f"Standard deviation of the sensors of a kind ({', '.join(_KINDS)}) in the unit of SPEC; "
+    "may be repeated.  [default: lengths a thousandth of the size, angles 0.1 degrees]",
+)
+@click.option(
+    "--need",
+    type=click.FloatRange(0, min_open=True),
+    default=6.0,
+    show_default=True,
+    help="Modes are told apart from so many standard deviations on.",
+)
+@click.option(
+    "--known-side",
+    is_flag=True,
+    help="It is known on which side of the base the platform is: that of home.",
+)
+@click.option("--up", metavar="X,Y,Z", default="0,0,1", help="The vertical in the base.")
+@click.option("--all", "everything", is_flag=True, help="Show each sensor, not the best ones only.")
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=SEED, show_default=True, help="Seed of --random."
+)
+@click.option(
+    "--jobs", type=click.IntRange(min=1), default=1, show_default=True, metavar="N", help="Threads."
+)
+@output_options()
+def command(
+    spec: str,
+    settings: tuple[str, ...],
+    path: str | None,
+    delta: bool,
+    euler: str | None,
+    pivot: str | None,
+    count: int | None,
+    intervals: tuple[str, ...],
+    names: tuple[str, ...],
+    deviations: tuple[str, ...],
+    need: float,
+    known_side: bool,
+    up: str,
+    everything: bool,
+    seed: int,
+    jobs: int,
+    output: Output,
+) -> None:
+    """Say which one more sensor tells the assembly modes of a platform apart.
+
+    All real modes are found, and what each sensor would read at them: one more leg between joints,
+    or to a point above either body, a coordinate of the platform, an angle of a joint, an
+    inclinometer. What counts is the pair of modes that it tells apart worst, in standard
+    deviations of the sensor. If none suffices, the best two together are named.
+
+    Modes that are mirror images are found from the exact numbers: with the joints of either body in
+    a plane, no leg between the planes ever tells them apart. What two modes read is never far
+    apart near a fold, where they meet: no sensor suffices there, which is said, too.
+
+    The reading of the sensor then says which mode is meant: gsp solve SPEC --reading.
+
+    Exit codes: 0 done (that nothing suffices is an answer, too); 2 bad input; 3 the poses are
+    infinitely many; 4 some poses could not be found.
+
+    \b
+    Examples:
+      gsp sensors @rubin-m2
+      gsp sensors @simscape-hexapod --random 200
+      gsp sensors @simscape-hexapod --random 200 --known-side
+      gsp sensors platform.yaml --values path.csv --euler ZYX
+      gsp sensors platform.yaml --within 1=480:520 --sigma inclinometer=0.02
+      gsp sensors platform.yaml --sensor "leg P1 B3" --sensor inclinometer
+    """
+    if path is not None and (count is not None or intervals):
+        message = "give either --values, or --random and --within"
+        raise click.UsageError(message)
+    if path is None and (delta or euler or pivot):
+        message = "--delta, --euler and --pivot need --values"
+        raise click.UsageError(message)
+    if spec == path == "-":
+        message = "SPEC and --values cannot both be standard input"
+        raise click.UsageError(message)
+    from gspcli.cli.sensor_tables import sensor_table
+    from gspcli.sensing import sensors
+    from gspcli.spec import set_values
+
+    instance = set_values(load_instance(spec), settings)
+    chosen = _chosen(names, instance)
+    rows = _rows(path, instance, pose_format(instance, euler, pivot), delta=delta)
+    within = dict(map(_interval, intervals)) or None
+    with working("solving"):
+        result = sensors(
+            instance,
+            None if rows is None else rows.values,
+            coordinates=None if rows is None else rows.coordinates,
+            random=count,
+            within=within,
+            seed=seed,
+            sensors=chosen,
+            sigma=dict(map(_deviation, deviations)),
+            need=need,
+            known_side=known_side,
+            up=_vector(up),
+            jobs=jobs,
+        )
+    table = sensor_table(result, output.format, everything=everything or bool(names))
+    emit(output, table, document=result.to_json())
+    if missing := int((~result.separations.complete).sum()):
+        message = f"at {counted(missing, 'set')} of {len(result.values)} not all poses are known"
+        raise IncompleteError(message)
+
+
+def _rows(
+    path: str | None, instance: Instance, form: PoseFormat, *, delta: bool
+) -> ValueTable | None:
+    """Return the rows of a file of values or poses."""
+    if path is None:
+        return None
+    from gspcli.motion import read_values
+
+    return read_values(*text_of(path), instance, form, delta=delta)
+
+
+def _chosen(names: tuple[str, ...], instance: Instance) -> list[Sensor] | None:
+    """Return the sensors that are named; None for all."""
+    from gspcli.errors import ArgumentError
+    from gspcli.sensing.notation import parse_sensor
+
+    found = []
+    for name in names:
+        try:
+            found.append(parse_sensor(name, instance))
+        except ArgumentError as error:
+            message = f"--sensor {name!r}, {error}"
+            raise GspError(message) from None
+    return found or None
+
+
+def _numbers(option: str, text: str, parts: list[str], expected: str) -> list[float]:
+    from gspcli.motion.files.number_tables import wrong_number
+
+    if any(map(wrong_number, parts)):
+        message = f"{option}: found {text!r}, expected {expected}"
+        raise GspError(message)
+    return [float(part) for part in parts]
+
+
+def _interval(text: str) -> tuple[int, tuple[float, float]]:
+    expected = "N=LOW:HIGH with the number of a constraint, such as 1=480:520"
+    name, _, span = text.partition("=")
+    ends = [part.strip() for part in span.split(":")]
+    if not name.strip().isdecimal() or len(ends) != 2:
+        message = f"--within: found {text!r}, expected {expected}"
+        raise GspError(message)
+    low, high = _numbers("--within", text, ends, expected)
+    return int(name), (low, high)
+
+
+def _deviation(text: str) -> tuple[str, float]:
+    expected = f"KIND=VALUE with one of {', '.join(_KINDS)}, such as inclinometer=0.02"
+    kind, _, value = text.partition("=")
+    if kind.strip() not in _KINDS:
+        message = f"--sigma: found {text!r}, expected {expected}"
+        raise GspError(message)
+    (number,) = _numbers("--sigma", text, [value.strip()], expected)
+    return kind.strip(), number
+
+
+def _vector(text: str) -> list[float]:
+    parts = [part.strip() for part in text.split(",")]
+    expected = "X,Y,Z, such as 0,0,1"
+    if len(parts) != 3:
+        message = f"--up: found {text!r}, expected {expected}"
+        raise GspError(message)
+    return _numbers("--up", text, parts, expected)

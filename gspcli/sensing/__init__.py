@@ -1,0 +1,8 @@
+"""Sensors: which one tells the real modes of a platform apart, and which mode fits readings."""
+
+from gspcli.sensing.api import sensors
+from gspcli.sensing.identification import ReadingFit, fit_readings
+from gspcli.sensing.result import SensorResult
+from gspcli.sensing.sensor_kinds import Sensor
+
+__all__ = ["ReadingFit", "Sensor", "SensorResult", "fit_readings", "sensors"]

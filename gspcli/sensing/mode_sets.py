@@ -1,0 +1,295 @@
+"""The real modes at sets of values: at given ones, in ranges, or about home at random."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.errors import ArgumentError
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.coordinates import choose, moved
+from gspcli.geometry.coordinates import coordinates as all_coordinates
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.quaternions import apply, rotation_from_vector
+from gspcli.motion import crank_angles, measure
+from gspcli.records import dataclass
+from gspcli.sensing.candidates import body_normal
+from gspcli.solver import SolveResult, solve, solve_batch
+from gspcli.solver.arguments import problems_of, value_rows
+
+Array = NDArray[np.float64]
+
+#: How far random poses are from home: a part of the platform's size along each axis, and a turn.
+SPREAD, TURN = 0.1, 15.0
+#: Traces that differ by less are turned alike.
+_ALIKE = 1e-6
+#: Sets of values that are solved, and compared, together.
+_CHUNK = 128
+#: Poses that are drawn for each one that cranks can reach, at most.
+_DRAWS = 100
+
+
+@dataclass(frozen=True, eq=False)
+class ModeSets:
+    """The real modes at each of b sets of values, filled up to m with what is none.
+
+    Attributes
+    ----------
+    instance
+        The geometry, cranks turned.
+    R, T
+        Shapes (b, m, 3, 3) and (b, m, 3).
+    numbers
+        The number of each mode among the real ones, from 1; 0 where there is none; shape (b, m).
+    complete
+        For which sets of values all poses are known, shape (b,).
+    """
+
+    instance: Instance
+    R: Array
+    T: Array
+    numbers: NDArray[np.int64]
+    complete: NDArray[np.bool_]
+
+    @classmethod
+    def of(
+        cls,
+        instance: Instance,
+        R: NDArray[np.complex128],
+        T: NDArray[np.complex128],
+        real: NDArray[np.bool_],
+        complete: NDArray[np.bool_],
+    ) -> ModeSets:
+        """Return the real ones of poses; shapes (b, n, 3, 3), (b, n, 3), (b, n) and (b,)."""
+        numbers = np.where(real, real.cumsum(axis=1), 0)
+        order = np.argsort(~real, axis=1, kind="stable")[:, : max(real.sum(axis=1), default=0)]
+        rows = np.arange(len(real))[:, None]
+        numbers = numbers[rows, order]
+        there = (numbers > 0)[..., None]
+        rotations = np.where(there[..., None], R[rows, order].real, np.eye(3))
+        translations = np.where(there, T[rows, order].real, 0.0)
+        return cls(instance, rotations, translations, numbers, complete)
+
+    @property
+    def count(self) -> NDArray[np.int64]:
+        """How many modes each set has, shape (b,)."""
+        return np.asarray((self.numbers > 0).sum(axis=1))
+
+    def on_side(self, side: float) -> ModeSets:
+        """Return those modes whose platform is on a side of the base, as `heights` has the sign."""
+        same = np.sign(heights(self.instance, self.R, self.T)) == side
+        return replace(self, numbers=np.where(same, self.numbers, 0))
+
+
+def heights(instance: Instance, R: Array, T: Array) -> Array:
+    """Return how high the middle of the platform is above the plane nearest to the base's points.
+
+    Raises
+    ------
+    ArgumentError
+        If the points of the base do not span a plane.
+    """
+    normal = body_normal(instance, "base")
+    if normal is None:
+        message = "the base has no sides: its points do not span a plane"
+        raise ArgumentError(message, "known_side")
+    arrangement = Arrangement.of(instance)
+    middle = apply(R, arrangement.platform_centre) + T
+    return np.asarray((middle - arrangement.base_centre) @ normal)
+
+
+def home_of(result: SolveResult) -> tuple[Array, Array]:
+    """Return the real pose that is turned least, of several that are turned alike the highest.
+
+    Raises
+    ------
+    ArgumentError
+        If no pose is real.
+    """
+    shown = result.drawn
+    R, T = shown.R[shown.real].real, shown.T[shown.real].real
+    if not len(R):
+        message = (
+            "the platform has no real pose for its values, about which others could be drawn: "
+            "give the values between which to draw"
+        )
+        raise ArgumentError(message, "instance")
+    trace = np.trace(R, axis1=1, axis2=2)
+    alike = np.flatnonzero(trace >= trace.max() - _ALIKE)
+    best = int(alike[T[alike, 2].argmax()])
+    return R[best], T[best]
+
+
+@dataclass(frozen=True, eq=False)
+class ValueSets:
+    """The n sets of values at which modes are told apart.
+
+    Attributes
+    ----------
+    drawn
+        How they came about: ``given``, ``rows``, ``within``, ``ranges``, ``poses`` or ``cranks``.
+    values
+        In the units of the instance, shape (n, 6).
+    platforms
+        The instance at each set, if its primitives move; else none.
+    known
+        The modes, if they have been found; else none.
+    """
+
+    drawn: str
+    values: Array
+    platforms: tuple[Instance, ...] = ()
+    known: tuple[ModeSets, ...] = ()
+
+    def modes(self, instance: Instance, seed: int, jobs: int) -> Iterator[ModeSets]:
+        """Yield the modes at all sets, some sets at a time."""
+        yield from self.known
+        for one in self.platforms:
+            yield _modes_of(solve(one, seed=seed, jobs=jobs))
+        if not (self.known or self.platforms):
+            for begin in range(0, len(self.values), _CHUNK):
+                rows = self.values[begin : begin + _CHUNK]
+                batch = solve_batch(instance, rows, seed=seed, jobs=jobs)
+                yield ModeSets.of(instance, batch.R, batch.T, batch.real, batch.complete)
+
+
+def _modes_of(result: SolveResult) -> ModeSets:
+    """Return the modes of a solved instance as the only set.
+
+    Where the poses are infinitely many these are the real ones that cannot move, if no other is
+    real.
+    """
+    shown = result.drawn
+    complete = np.array([result.verdict == "complete" or shown is not result])
+    return ModeSets.of(shown.instance, shown.R[None], shown.T[None], shown.real[None], complete)
+
+
+def given(result: SolveResult) -> ValueSets:
+    """Return the values of a solved instance as the only set."""
+    values = np.array([[row.value.value for row in result.instance.constraints]])
+    return ValueSets("given", values, known=(_modes_of(result),))
+
+
+def rows_of(
+    instance: Instance, values: ArrayLike, coordinates: Mapping[str, ArrayLike]
+) -> ValueSets:
+    """Return sets of values that a caller gives, with primitives that move.
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    values
+        Shape (n, 6), distances to planes signed, as `gspcli.measure` has them.
+    coordinates
+        Numbers of primitives at each set, by name (`gspcli.geometry.coordinates`), shape (n,) each.
+
+    Raises
+    ------
+    ArgumentError
+        If shapes are wrong, or a point is on the side of a plane that the instance excludes.
+    """
+    rows = value_rows(values)
+    if not len(rows):
+        message = "found no set of values, expected at least one"
+        raise ArgumentError(message, "values")
+    arrangement = Arrangement.of(instance)
+    wrong = arrangement.sided & (np.sign(rows) == -arrangement.sides) & (arrangement.sides != 0)
+    for k, i in np.argwhere(wrong).tolist():
+        message = f"found {rows[k, i]:g}, expected the {instance.constraints[i].side.value} side"
+        raise ArgumentError(message, f"values[{k}][{i}]")
+    rows = rows.copy()
+    rows[:, arrangement.sided] = np.abs(rows[:, arrangement.sided])
+    for problem in problems_of(instance, rows).values():
+        raise ArgumentError(problem)
+    chosen = choose(instance, list(coordinates))
+    if not chosen:
+        return ValueSets("rows", rows)
+    numbers = np.stack([np.asarray(column, float) for column in coordinates.values()], axis=-1)
+    if numbers.shape != (len(rows), len(chosen)):
+        message = f"found shape {numbers.shape[:1]}, expected {len(rows)} numbers for each name"
+        raise ArgumentError(message, "coordinates")
+    given_rows = [dict(enumerate(map(Number.of, row))) for row in rows.tolist()]
+    platforms = [
+        moved(instance.with_values(row), chosen, place)
+        for row, place in zip(given_rows, numbers, strict=True)
+    ]
+    return ValueSets("rows", rows, tuple(platforms))
+
+
+def values_within(
+    instance: Instance, within: Mapping[int, tuple[float, float]], count: int, seed: int
+) -> Array:
+    """Return random values, uniform in intervals by the index, the others staying, (count, 6)."""
+    values = np.tile([row.value.value for row in instance.constraints], (count, 1))
+    parts = np.random.default_rng(seed).uniform(size=values.shape)
+    for k, (low, high) in within.items():
+        values[:, k] = low + (high - low) * parts[:, k]
+    return values
+
+
+def ranges_of(instance: Instance) -> dict[int, tuple[float, float]] | None:
+    """Return the ranges of the constraints by index; None if one has none, or nothing varies."""
+    limits = [row.limits for row in instance.constraints]
+    spans = {k: (pair[0].value, pair[1].value) for k, pair in enumerate(limits) if pair}
+    varies = any(low < high for low, high in spans.values())
+    return spans if len(spans) == len(limits) and varies else None
+
+
+def about_home(instance: Instance, home: tuple[Array, Array], count: int, seed: int) -> ValueSets:
+    """Return what constraints measure at random poses about home, or the platforms there.
+
+    The middle of the platform is moved by up to `SPREAD` of its size along each axis, and the
+    platform turned about it by up to `TURN` degrees. Where cranks move its joints and the values
+    stay, platforms with turned cranks are returned.
+
+    Raises
+    ------
+    ArgumentError
+        If the cranks reach too few of the poses.
+    """
+    rng = np.random.default_rng(seed)
+    if any(one.vector == "crank" for one in all_coordinates(instance)):
+        platforms = _turned_cranks(instance, home, count, rng)
+        return ValueSets("cranks", values_within(instance, {}, count, seed), platforms)
+    if all(row.limits and row.limits[0] == row.limits[1] for row in instance.constraints):
+        message = "no value varies: each range is one value; give those between which to draw"
+        raise ArgumentError(message, "instance")
+    values = measure(instance, *_poses(instance, home, count, rng))
+    distances = Arrangement.of(instance).distances
+    values[:, distances] = np.abs(values[:, distances])
+    return ValueSets("poses", values)
+
+
+def _turned_cranks(
+    instance: Instance, home: tuple[Array, Array], count: int, rng: np.random.Generator
+) -> tuple[Instance, ...]:
+    found: list[Instance] = []
+    for _ in range(_DRAWS):
+        for R, T in zip(*_poses(instance, home, count, rng), strict=True):
+            # One by one: each pose has the angles that are nearest to zero.
+            chosen, angles = crank_angles(instance, R, T)
+            if np.isfinite(angles).all():
+                found.append(moved(instance, chosen, angles[0]))
+                if len(found) == count:
+                    return tuple(found)
+    message = f"the cranks reach {len(found)} of {_DRAWS * count} poses about home"
+    raise ArgumentError(message, "instance")
+
+
+def _poses(
+    instance: Instance, home: tuple[Array, Array], count: int, rng: np.random.Generator
+) -> tuple[Array, Array]:
+    """Return random poses about home, shapes (count, 3, 3) and (count, 3)."""
+    arrangement = Arrangement.of(instance)
+    axes = rng.normal(size=(count, 3))
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    turns = np.radians(TURN) * rng.uniform(size=(count, 1))
+    R = rotation_from_vector(axes * turns) @ home[0]
+    centre = arrangement.platform_centre
+    shift = SPREAD * arrangement.extent * rng.uniform(-1, 1, (count, 3))
+    return R, home[0] @ centre + home[1] + shift - R @ centre

@@ -1,0 +1,292 @@
+"""Sensors and what they read, as a person writes them.
+
+The grammar, with blanks between words::
+
+    reading    = sensor "=" number { "," number } ( "±" | "+-" | "+/-" ) number
+    sensor     = "leg" place place
+               | "coordinate" direction place
+               | "joint" leg ( "platform" | "base" ) "about" direction [ "from" direction ]
+               | "inclinometer" [ direction ]
+    place      = name | "(" number "," number "," number ")"
+    direction  = "x" | "y" | "z" | "(" number "," number "," number ")"
+
+A place is a point of the instance file, or coordinates in the frame of its body; of a leg the
+platform's comes first, that of a coordinate is the platform's. Numbers are those of an instance
+file. The angle of a joint is from the z axis unless something else is said, that of an axis along z
+from the x axis.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from gspcli.catalogue.kinds import DPP
+from gspcli.errors import ArgumentError
+from gspcli.geometry.coordinates import Body
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.numbers import Number, parse_number
+from gspcli.geometry.primitives import Point, Vector
+from gspcli.records import dataclass
+from gspcli.sensing.sensor_kinds import (
+    AXES,
+    KINDS,
+    CoordinateSensor,
+    Inclinometer,
+    JointSensor,
+    LegSensor,
+    Place,
+    Sensor,
+    checked_joint,
+    usual_zero,
+)
+from gspcli.wording import counted, listed, shown, suggestion
+
+_SIGNS = ("±", "+/-", "+-")
+_FORMS = {
+    "leg": "leg P7 B7",
+    "coordinate": "coordinate z P1",
+    "joint": "joint 1 base about x",
+    "inclinometer": "inclinometer",
+}
+_EXAMPLE = "leg P7 B7 = 212.4 ± 0.1"
+_COUNTS = {1: "one number", 2: "two numbers, rx and ry"}
+
+
+@dataclass(frozen=True)
+class SensorReading:
+    """What a sensor reads.
+
+    Attributes
+    ----------
+    sensor
+        The sensor.
+    values
+        One number, of an inclinometer two, in the units of the instance.
+    sigma
+        Their standard deviation.
+    """
+
+    sensor: Sensor
+    values: tuple[float, ...]
+    sigma: float
+
+    def __str__(self) -> str:
+        values = ", ".join(f"{value:.12g}" for value in self.values)
+        return f"{self.sensor} = {values} ± {self.sigma:.12g}"
+
+
+@dataclass(frozen=True)
+class _Word:
+    """A word of a text, and its column, from 1."""
+
+    text: str
+    column: int
+
+
+def parse_sensor(text: str, instance: Instance) -> Sensor:
+    """Return the sensor that a text names.
+
+    Raises
+    ------
+    ArgumentError
+        Naming the column of what is wrong.
+    """
+    words = _Words(text, instance)
+    sensor = words.sensor()
+    words.end()
+    _check_new(sensor, instance)
+    return sensor
+
+
+def parse_reading(text: str, instance: Instance) -> SensorReading:
+    """Return the reading that a text states.
+
+    Raises
+    ------
+    ArgumentError
+        Naming the column of what is wrong.
+    """
+    name, equals, rest = text.partition("=")
+    if not equals:
+        message = f"found no =, expected a reading such as {_EXAMPLE}"
+        raise ArgumentError(message, f"column {len(text.rstrip()) + 1}")
+    sensor = parse_sensor(name, instance)
+    sign = next((sign for sign in _SIGNS if sign in rest), None)
+    start = len(name) + 2
+    if sign is None:
+        message = f"found no ±, expected the standard deviation too: {_EXAMPLE} (or +-)"
+        raise ArgumentError(message, f"column {start + len(rest.rstrip())}")
+    given, _, sigma = rest.partition(sign)
+    values = [_number(word) for word in _parts(given, start)]
+    count = 2 if isinstance(sensor, Inclinometer) else 1
+    place = f"column {start + len(given) - len(given.lstrip())}"
+    if len(values) != count:
+        message = f"found {counted(len(values), 'number')}, expected {_COUNTS[count]}"
+        raise ArgumentError(message, place)
+    if isinstance(sensor, LegSensor) and values[0] < 0:
+        message = f"found {values[0]:g}, expected a length of at least 0"
+        raise ArgumentError(message, place)
+    word = _Word(sigma.strip(), start + len(given) + len(sign) + len(sigma) - len(sigma.lstrip()))
+    deviation = _number(word)
+    if deviation <= 0:
+        message = f"found {shown(word.text)}, expected a standard deviation above 0"
+        raise ArgumentError(message, f"column {word.column}")
+    return SensorReading(sensor, tuple(values), deviation)
+
+
+def _check_new(sensor: Sensor, instance: Instance) -> None:
+    """Raise if a leg is one of the constraints: all modes have its value."""
+    if not isinstance(sensor, LegSensor):
+        return
+    for number, row in enumerate(instance.constraints, 1):
+        if row.kind is DPP and (sensor.platform.exact(instance), sensor.base.exact(instance)) == (
+            row.platform.position,
+            row.base.position,
+        ):
+            message = f"found constraint {number}, expected another leg: all modes have its value"
+            raise ArgumentError(message, "column 1")
+
+
+def _parts(text: str, start: int) -> Iterator[_Word]:
+    """Yield what stands between commas, with columns; commas in parentheses do not count."""
+    depth, begin = 0, 0
+    for k, character in enumerate(f"{text},"):
+        depth += (character == "(") - (character == ")")
+        if character == "," and (depth <= 0 or k == len(text)):
+            part = text[begin:k]
+            yield _Word(part.strip(), start + begin + len(part) - len(part.lstrip()))
+            begin = k + 1
+
+
+def _exact(word: _Word) -> Number:
+    try:
+        return parse_number(word.text)
+    except ValueError as error:
+        raise ArgumentError(str(error), f"column {word.column}") from None
+
+
+def _number(word: _Word) -> float:
+    return _exact(word).value
+
+
+class _Words:
+    """The words of a sensor, taken one after the other."""
+
+    def __init__(self, text: str, instance: Instance) -> None:
+        self.instance = instance
+        self.words = list(_split(text))
+        self.next = 0
+        self.last = len(text.rstrip()) + 1
+
+    def take(self, expected: str) -> _Word:
+        """Return the next word."""
+        if self.next == len(self.words):
+            message = f"found no more words, expected {expected}"
+            raise ArgumentError(message, f"column {self.last}")
+        self.next += 1
+        return self.words[self.next - 1]
+
+    def wrong(self, word: _Word, expected: str) -> ArgumentError:
+        """Return the error of a word."""
+        return ArgumentError(
+            f"found {shown(word.text)}, expected {expected}", f"column {word.column}"
+        )
+
+    def end(self) -> None:
+        """Raise if there are more words."""
+        if self.next < len(self.words):
+            raise self.wrong(self.words[self.next], "nothing more")
+
+    def sensor(self) -> Sensor:
+        """Return the sensor that the words name."""
+        word = self.take(f"a sensor such as {_EXAMPLE.partition(' =')[0]}")
+        kind = word.text.lower()
+        if kind == "leg":
+            return LegSensor(self.place("platform"), self.place("base"))
+        if kind == "coordinate":
+            return CoordinateSensor(self.direction(), self.place("platform"))
+        if kind == "joint":
+            return self.joint()
+        if kind == "inclinometer":
+            more = self.next < len(self.words)
+            return Inclinometer(self.direction() if more else AXES["z"])
+        forms = "; ".join(_FORMS.values())
+        raise self.wrong(word, f"one of {forms}{suggestion(kind, KINDS)}")
+
+    def joint(self) -> JointSensor:
+        """Return the sensor of a joint's angle."""
+        first = word = self.take("the number of a leg")
+        if not word.text.isdecimal():
+            raise self.wrong(word, f"the number of a leg, as in {_FORMS['joint']}")
+        leg = int(word.text[:4]) - 1
+        word = self.take("platform or base")
+        if word.text not in ("platform", "base"):
+            raise self.wrong(word, "platform or base")
+        body: Body = "platform" if word.text == "platform" else "base"
+        word = self.take("about and an axis")
+        if word.text != "about":
+            raise self.wrong(word, "about and an axis")
+        axis = self.direction()
+        zero = usual_zero(axis)
+        if self.next < len(self.words):
+            word = self.take("from")
+            if word.text != "from":
+                raise self.wrong(word, "from and a direction, or nothing more")
+            zero = self.direction()
+        try:
+            return checked_joint(self.instance, JointSensor(leg, body, axis, zero))
+        except ArgumentError as error:
+            raise ArgumentError(error.message, f"column {first.column}") from None
+
+    def direction(self) -> Vector:
+        """Return a direction: x, y, z or a vector."""
+        word = self.take("a direction: x, y, z or (x, y, z)")
+        if word.text in AXES:
+            return AXES[word.text]
+        if not word.text.startswith("("):
+            raise self.wrong(word, "a direction: x, y, z or (x, y, z)")
+        found = self.vector(word)
+        if not any(number.value for number in found):
+            raise self.wrong(word, "a direction: any nonzero vector")
+        return found
+
+    def place(self, body: Body) -> Place:
+        """Return a point of a body."""
+        word = self.take(f"a point of the {body}, or (x, y, z)")
+        if word.text.startswith("("):
+            return Place(body, position=self.vector(word))
+        named = self.instance.named(body)
+        points = [name for name, geometry in named.items() if isinstance(geometry, Point)]
+        if word.text in points:
+            return Place(body, word.text)
+        other = self.instance.named("base" if body == "platform" else "platform")
+        hint = suggestion(word.text, points) or (f": {listed(points)}" if len(points) > 1 else "")
+        if word.text in other:
+            hint = ": of a leg the platform's point comes first, the base's second"
+        elif word.text in named:
+            hint = f": {word.text} is no point"
+        raise self.wrong(word, f"a point of the {body}, or (x, y, z)" + hint)
+
+    def vector(self, word: _Word) -> Vector:
+        """Return the vector that is written between parentheses."""
+        parts = list(_parts(word.text[1:-1], word.column + 1))
+        if not word.text.endswith(")") or len(parts) != 3:
+            raise self.wrong(word, "three numbers (x, y, z)")
+        x, y, z = map(_exact, parts)
+        return x, y, z
+
+
+def _split(text: str) -> Iterator[_Word]:
+    """Yield the words of a text; what is between parentheses is one."""
+    begin, depth = None, 0
+    for k, character in enumerate(f"{text} "):
+        if begin is None:
+            if not character.isspace():
+                begin, depth = k, int(character == "(")
+            continue
+        if character.isspace() and (depth <= 0 or k == len(text)):
+            yield _Word(re.sub(r"\s+", " ", text[begin:k]), begin + 1)
+            begin = None
+        else:
+            depth += (character == "(") - (character == ")")
