@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from gspcli.continuation.monodromy import random_quadrics
 from gspcli.continuation.quadrics import BASES, ComplexArray, evaluate
 from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
-from gspcli.continuation.tracker import CAREFUL, PARANOID, PathStatus, track
+from gspcli.continuation.tracker import PathStatus, track
+from gspcli.continuation.tracker_options import CAREFUL, PARANOID
 from gspcli.records import dataclass
 
 #: The part of `without_one` that the defect must be below; without one it is about 1.

@@ -32,15 +32,8 @@ from gspcli.continuation.regularity import clearly_simple, simple
 from gspcli.continuation.retracking import collided
 from gspcli.continuation.start import StartSystem
 from gspcli.continuation.systems import EQUATIONS, System
-from gspcli.continuation.tracker import (
-    CAREFUL,
-    EXTENDED,
-    PARANOID,
-    PathResults,
-    PathStatus,
-    TrackerOptions,
-    track,
-)
+from gspcli.continuation.tracker import PathResults, PathStatus, track
+from gspcli.continuation.tracker_options import CAREFUL, EXTENDED, PARANOID, TrackerOptions
 from gspcli.records import dataclass
 
 

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.systems import System
-from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
+from gspcli.continuation.tracker import PathStatus, track
+from gspcli.continuation.tracker_options import CAREFUL, TrackerOptions
 from gspcli.records import dataclass
 
 

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from gspcli.continuation.quadrics import BASES, ComplexArray, evaluate, monomials
 from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
-from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
+from gspcli.continuation.tracker import PathStatus, track
+from gspcli.continuation.tracker_options import CAREFUL, TrackerOptions
 from gspcli.records import dataclass
 
 _QUIET_LOOPS = 8

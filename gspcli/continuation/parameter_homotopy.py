@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from gspcli.continuation.accounts import all_regular
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.systems import EQUATIONS, System
-from gspcli.continuation.tracker import DEFAULT, TrackerOptions, track
+from gspcli.continuation.tracker import track
+from gspcli.continuation.tracker_options import DEFAULT, TrackerOptions
 from gspcli.records import dataclass
 
 #: Angles of the random phases: not zero, lest a path between real systems meets a fold, and not
 #: larger than they need to be, because a short path has fewer steps.
 _PHASES = (0.3, 1.0)
-
-
-#: For paths from a solved system to many near it: longer steps and fewer terms than from a start
-#: system without any relation. What they lose is seen and solved with more care.
-SHORT = replace(DEFAULT, predictor_tolerance=3e-3, contraction=0.1, short_series=True)
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,6 @@ by linear algebra need not be followed (native/reduced_homotopy.hpp).
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +15,8 @@ from numpy.typing import NDArray
 from gspcli import _kernel
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.start import StartSystem
-from gspcli.continuation.tracker import DEFAULT, PathStatus, TrackerOptions, helpful
+from gspcli.continuation.tracker import PathStatus, helpful
+from gspcli.continuation.tracker_options import FROM_START, TrackerOptions
 from gspcli.records import dataclass
 
 #: Pivots below this part of the largest entry are zero, ...
@@ -25,15 +25,6 @@ _ZERO = 1e-12
 _SMALL = 1e-3
 #: So many quantities may be free: with more nothing is gained.
 _MOST_FREE = 3
-#: The series have few terms, so that they are computed quickly; what is lost is seen.
-QUICK = replace(DEFAULT, predictor_tolerance=3e-3, contraction=0.1, min_step=1e-6, max_steps=200)
-#: Paths from the stored start are longer, and come nearer to others.
-FROM_START = replace(QUICK, min_step=1e-10)
-#: Short paths, on which only values move, lose hardly any with long steps: of one or two of
-#: a thousand platforms, ...
-VALUE_STEPS = replace(FROM_START, predictor_tolerance=2e-2, contraction=0.35, radius_fraction=0.8)
-#: ... which these find.
-SHORT_STEPS = replace(FROM_START, predictor_tolerance=1e-4, contraction=0.05, max_steps=1000)
 
 
 class ReducedEnds(NamedTuple):
@@ -115,7 +106,7 @@ class ReducedHomotopy:
         start: NDArray[np.int32],
         values: ComplexArray,
         *,
-        options: TrackerOptions = QUICK,
+        options: TrackerOptions = FROM_START,
         jobs: int = 1,
     ) -> ReducedEnds:
         """Track solutions for some values to those for many others along straight lines.

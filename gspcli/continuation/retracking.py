@@ -11,7 +11,8 @@ from gspcli.continuation.ends import clusters, regular_error
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.regularity import clearly_simple
 from gspcli.continuation.systems import System
-from gspcli.continuation.tracker import CAREFUL, PathResults, PathStatus, track
+from gspcli.continuation.tracker import PathResults, PathStatus, track
+from gspcli.continuation.tracker_options import CAREFUL
 
 Array = NDArray[np.bool_]
 

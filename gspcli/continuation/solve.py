@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from gspcli.continuation.solutions import SystemSolutions
 from gspcli.continuation.systems import System
 from gspcli.continuation.tracked_paths import track_all
-from gspcli.continuation.tracker import DEFAULT, TrackerOptions
+from gspcli.continuation.tracker_options import DEFAULT, TrackerOptions
 from gspcli.defaults import SEED
 
 

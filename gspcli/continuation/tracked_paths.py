@@ -24,16 +24,14 @@ from gspcli.continuation.retracking import collided, retracked
 from gspcli.continuation.solutions import SystemSolutions, solutions_of
 from gspcli.continuation.start import StartSystem, start_system
 from gspcli.continuation.systems import Coefficients, FineCoefficients, System
-from gspcli.continuation.tracker import (
+from gspcli.continuation.tracker import PathResults, PathStatus, track
+from gspcli.continuation.tracker_options import (
     CAREFUL,
     DEEP,
     DEEPEST,
     DEFAULT,
     EXTENDED,
-    PathResults,
-    PathStatus,
     TrackerOptions,
-    track,
 )
 from gspcli.records import dataclass
 

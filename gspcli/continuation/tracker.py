@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from enum import IntEnum
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from gspcli import _kernel
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.systems import Coefficients, System
+from gspcli.continuation.tracker_options import DEFAULT, TrackerOptions
 from gspcli.records import dataclass
 
 
@@ -27,68 +27,8 @@ class PathStatus(IntEnum):
     front of the target that have passed no waypoint."""
 
 
-@dataclass(frozen=True)
-class TrackerOptions:
-    """Settings of the path tracker.
-
-    The presets are `DEFAULT`, `CAREFUL`, `PARANOID` and `EXTENDED`.
-    """
-
-    predictor_tolerance: float = 1e-4
-    """Aimed length of the first Newton correction; points have norm 1."""
-    contraction: float = 0.05
-    """Largest accepted ratio of the second to the first Newton correction."""
-    arrival: float = 1.0
-    """Largest accepted second Newton correction at the target. Solutions that are nearer to each
-    other than its square root attract Newton's method all alike from farther away."""
-    radius_fraction: float = 0.7
-    """Largest step, as a part of the estimated radius of convergence of the Taylor series."""
-    min_step: float = 1e-14
-    """A step in t below this fails."""
-    waypoint: float = 1e-3
-    """Distance 1 - t from which the endgame starts for paths that need it; 0 if there is to be
-    none."""
-    nearest: float = 1e-12
-    """Distance 1 - t below which a path that still cannot step to the target needs it. Two
-    regular solutions as near as 1e-6 are told apart only if this is small."""
-    max_steps: int = 1000
-    """Accepted and rejected steps after which a path fails."""
-    late_steps: int = 60
-    """Steps beyond the waypoint after which a path needs the endgame."""
-    digits: int = 16
-    """Digits to compute with: 16, or 32 or 64, ten and a hundred times slower. Start systems and
-    start points stay doubles, taken as exact; of a target 64 digits may be given."""
-    short_series: bool = False
-    """Whether the Taylor series have few terms (with 16 digits): quicker where steps are few."""
-
-
-DEFAULT = TrackerOptions()
 #: No computer has a use for more.
 MOST_THREADS = 256
-CAREFUL = TrackerOptions(
-    predictor_tolerance=1e-6, contraction=0.02, radius_fraction=0.4, late_steps=1000
-)
-PARANOID = TrackerOptions(
-    predictor_tolerance=1e-8,
-    contraction=0.01,
-    radius_fraction=0.2,
-    max_steps=10_000,
-    late_steps=10_000,
-)
-EXTENDED = replace(CAREFUL, digits=32)
-#: As near to the target as 32 digits can tell, for ends that are judged in more digits still.
-DEEP = replace(EXTENDED, arrival=1e-12, waypoint=0.0, nearest=1e-28, min_step=1e-30, max_steps=150)
-#: The same with 64 digits.
-DEEPEST = replace(
-    DEFAULT,
-    contraction=0.02,
-    digits=64,
-    arrival=1e-20,
-    waypoint=0.0,
-    nearest=1e-50,
-    min_step=1e-56,
-    max_steps=200,
-)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,13 +19,18 @@ from numpy.typing import NDArray
 
 from gspcli.certification.equations.frames import Frames
 from gspcli.certification.poses.many_values import ProvedPoses, ValueProofs
-from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.quadrics import ComplexArray
-from gspcli.continuation.reduced_homotopy import SHORT_STEPS, VALUE_STEPS
 from gspcli.continuation.start import path_count
 from gspcli.continuation.systems import Coefficients
-from gspcli.continuation.tracker import CAREFUL, PathStatus, TrackerOptions, track
+from gspcli.continuation.tracker import PathStatus, track
+from gspcli.continuation.tracker_options import (
+    CAREFUL,
+    SHORT,
+    SHORT_STEPS,
+    VALUE_STEPS,
+    TrackerOptions,
+)
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import apply, study_from_pose
 from gspcli.records import dataclass

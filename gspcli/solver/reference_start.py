@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind, Primitive
-from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.quadrics import (
     COEFFICIENTS,
     ComplexArray,
@@ -29,6 +28,7 @@ from gspcli.continuation.quadrics import (
 )
 from gspcli.continuation.start import StartSystem, path_count
 from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
+from gspcli.continuation.tracker_options import SHORT
 from gspcli.geometry.quaternions import quaternion_product
 from gspcli.records import dataclass
 from gspcli.solver.solved_starts import SolvedStarts, Sort

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.quadrics import ComplexArray
-from gspcli.continuation.reduced_homotopy import QUICK, SHORT_STEPS, ReducedEnds, ReducedHomotopy
-from gspcli.continuation.tracker import PathStatus, TrackerOptions
+from gspcli.continuation.reduced_homotopy import ReducedEnds, ReducedHomotopy
+from gspcli.continuation.tracker import PathStatus
+from gspcli.continuation.tracker_options import FROM_START, SHORT_STEPS, TrackerOptions
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -58,7 +59,7 @@ class StartPool:
             return self
         chosen = np.linspace(0, len(parameters) - 1, size).astype(np.intp)
         members = parameters[chosen] + 1j * _NEARER * self.parameters[0].imag
-        ends = self._follow(members, np.zeros(size, np.int32), QUICK, jobs)
+        ends = self._follow(members, np.zeros(size, np.int32), FROM_START, jobs)
         good = np.flatnonzero(_all_different(ends))
         deviation = parameters.std(axis=0)
         unit = np.where(deviation > 0, deviation, 1.0)

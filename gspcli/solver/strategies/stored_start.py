@@ -29,8 +29,8 @@ def reduced_paths(problem: Problem) -> Iterator[Ends]:
 
 def short_series(problem: Problem) -> Iterator[Ends]:
     """Yield the ends of paths of products, with series of few terms: the shortest paths first."""
-    from gspcli.continuation.parameter_homotopy import SHORT
     from gspcli.continuation.tracked_paths import track_all
+    from gspcli.continuation.tracker_options import SHORT
     from gspcli.solver.reference_start import reference_start, track_near
 
     structure, given = problem.canonical

@@ -12,7 +12,8 @@ from gspcli.continuation.endgame import ENDGAME, find_ends
 from gspcli.continuation.ends import clusters, infinite
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import System
-from gspcli.continuation.tracker import CAREFUL, PathStatus, track
+from gspcli.continuation.tracker import PathStatus, track
+from gspcli.continuation.tracker_options import CAREFUL
 
 
 @pytest.fixture(scope="module")

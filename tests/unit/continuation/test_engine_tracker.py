@@ -13,7 +13,8 @@ from gspcli.continuation.accounts import random_start
 from gspcli.continuation.monodromy import random_quadrics
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import Coefficients, Structure, System
-from gspcli.continuation.tracker import DEEPEST, EXTENDED, PathStatus, TrackerOptions, track
+from gspcli.continuation.tracker import PathStatus, track
+from gspcli.continuation.tracker_options import DEEPEST, EXTENDED, TrackerOptions
 
 PRODUCTS = (False, True, False, True, False, False)
 

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.parsing import parse_type
-from gspcli.continuation.parameter_homotopy import SHORT
 from gspcli.continuation.reduced_homotopy import LONG_STEPS
 from gspcli.continuation.start import distinct, path_count, start_system
 from gspcli.continuation.systems import Coefficients, Structure, System
 from gspcli.continuation.tracked_paths import track_all
 from gspcli.continuation.tracker import track
+from gspcli.continuation.tracker_options import SHORT
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver import direct, solve, tracking
 from gspcli.solver import reference_start as references

@@ -9,8 +9,9 @@ import pytest
 
 from gspcli.catalogue.parsing import parse_type
 from gspcli.certification.poses.many_values import ValueProofs
-from gspcli.continuation.reduced_homotopy import QUICK, VALUE_STEPS, ReducedHomotopy
+from gspcli.continuation.reduced_homotopy import ReducedHomotopy
 from gspcli.continuation.tracker import PathStatus
+from gspcli.continuation.tracker_options import FROM_START, VALUE_STEPS
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.solver import one_geometry, solve_batch, solve_values
@@ -45,8 +46,8 @@ def test_paths_from_the_pool_end_where_those_from_the_start_do(name):
     _, rows, geometry = case(name)
     parameters = geometry._parameters(rows)
     assert len(geometry.pool.parameters) == SETS // 32
-    near = geometry.pool.follow(parameters, QUICK, 1)
-    far = geometry.start.pool.follow(parameters, QUICK, 1)
+    near = geometry.pool.follow(parameters, FROM_START, 1)
+    far = geometry.start.pool.follow(parameters, FROM_START, 1)
     found = np.isfinite(near).all(axis=(1, 2)) & np.isfinite(far).all(axis=(1, 2))
     assert found.mean() > 0.9
     # Each end of one is an end of the other.

@@ -1,0 +1,90 @@
+"""Settings of the path tracker, and the presets that are used.
+
+How many paths each preset loses, of random platforms, `python -m tools.verify.presets` measures;
+the table is in docs/path-tracking.md.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from gspcli.records import dataclass
+
+
+@dataclass(frozen=True)
+class TrackerOptions:
+    """Settings of the path tracker."""
+
+    predictor_tolerance: float = 1e-4
+    """Aimed length of the first Newton correction; points have norm 1."""
+    contraction: float = 0.05
+    """Largest accepted ratio of the second to the first Newton correction."""
+    arrival: float = 1.0
+    """Largest accepted second Newton correction at the target. Solutions that are nearer to each
+    other than its square root attract Newton's method all alike from farther away."""
+    radius_fraction: float = 0.7
+    """Largest step, as a part of the estimated radius of convergence of the Taylor series."""
+    min_step: float = 1e-14
+    """A step in t below this fails."""
+    waypoint: float = 1e-3
+    """Distance 1 - t from which the endgame starts for paths that need it; 0 if there is to be
+    none."""
+    nearest: float = 1e-12
+    """Distance 1 - t below which a path that still cannot step to the target needs it. Two
+    regular solutions as near as 1e-6 are told apart only if this is small."""
+    max_steps: int = 1000
+    """Accepted and rejected steps after which a path fails."""
+    late_steps: int = 60
+    """Steps beyond the waypoint after which a path needs the endgame."""
+    digits: int = 16
+    """Digits to compute with: 16, or 32 or 64, ten and a hundred times slower. Start systems and
+    start points stay doubles, taken as exact; of a target 64 digits may be given."""
+    short_series: bool = False
+    """Whether the Taylor series have few terms (with 16 digits): quicker where steps are few."""
+
+
+# All equations, with all their unknowns.
+
+#: The first attempt at paths from a stored start system.
+DEFAULT = TrackerOptions()
+#: The second, of paths that are lost or have jumped.
+CAREFUL = TrackerOptions(
+    predictor_tolerance=1e-6, contraction=0.02, radius_fraction=0.4, late_steps=1000
+)
+#: The last with 16 digits.
+PARANOID = TrackerOptions(
+    predictor_tolerance=1e-8,
+    contraction=0.01,
+    radius_fraction=0.2,
+    max_steps=10_000,
+    late_steps=10_000,
+)
+#: From a solved system to others of its structure: longer steps and fewer terms. What they lose is
+#: seen, and followed again.
+SHORT = replace(DEFAULT, predictor_tolerance=3e-3, contraction=0.1, short_series=True)
+#: With 32 digits, up to where the endgame begins.
+EXTENDED = replace(CAREFUL, digits=32)
+#: With 32 digits as near to the target as these can tell, for ends that are judged in more digits.
+DEEP = replace(EXTENDED, arrival=1e-12, waypoint=0.0, nearest=1e-28, min_step=1e-30, max_steps=150)
+#: The same with 64.
+DEEPEST = replace(
+    DEFAULT,
+    contraction=0.02,
+    digits=64,
+    arrival=1e-20,
+    waypoint=0.0,
+    nearest=1e-50,
+    min_step=1e-56,
+    max_steps=200,
+)
+
+# Equations that are solved for some unknowns first (`reduced_homotopy`); what is lost is seen.
+
+#: From a stored start system, or from the start of a geometry to others with complex values.
+FROM_START = replace(
+    DEFAULT, predictor_tolerance=3e-3, contraction=0.1, min_step=1e-10, max_steps=200
+)
+#: From the start of a geometry to real values near it, on which nothing but values moves.
+VALUE_STEPS = replace(FROM_START, predictor_tolerance=2e-2, contraction=0.35, radius_fraction=0.8)
+#: The same again for what these lose.
+SHORT_STEPS = replace(FROM_START, predictor_tolerance=1e-4, contraction=0.05, max_steps=1000)
