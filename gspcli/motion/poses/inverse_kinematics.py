@@ -1,4 +1,4 @@
-"""Inverse kinematics: the values that the constraints have at given poses."""
+"""Inverse kinematics: the values of the constraints at given poses, and their derivatives."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ from gspcli.catalogue.kinds import DLL
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.measurement import measured
+from gspcli.geometry.measurement import jacobian, measured
 
 Array = NDArray[np.float64]
 
 #: Poses measured at a time: their intermediate arrays stay in the cache of a core.
 _CHUNK = 2000
+#: Lines nearer than this part of the typical length meet but for rounding.
+_MEETING = 1e-12
 
 
 def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
@@ -49,10 +51,40 @@ def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
     for start in range(0, len(rotations), _CHUNK):
         rows = slice(start, start + _CHUNK)
         values[rows] = measured(arrangement, rotations[rows], translations[rows])
-    skew = [kind is DLL for kind in arrangement.kinds]
+    skew = _between_lines(arrangement)
     values[:, skew] = np.abs(values[:, skew])
     values[:, arrangement.angles] /= arrangement.in_radians
     return values.reshape(*T.shape[:-1], len(arrangement.kinds))
+
+
+def value_signs(arrangement: Arrangement, R: Array, T: Array) -> Array:
+    """Return the signs by which what is measured becomes the values of `measure`, shape (..., 6).
+
+    A distance of two lines is the modulus of one that is signed by their orientation: its sign is
+    that one's. Where the lines meet the modulus has no derivative, and the signed distance is
+    taken as it is. All others are 1.
+    """
+    signs = np.ones((*T.shape[:-1], len(arrangement.kinds)))
+    skew = _between_lines(arrangement)
+    if skew.any():
+        away = measured(arrangement, R, T)[..., skew] < -_MEETING * arrangement.length
+        signs[..., skew] = np.where(away, -1.0, 1.0)
+    return signs
+
+
+def value_slopes(arrangement: Arrangement, R: Array, T: Array) -> Array:
+    """Return the derivatives of the values of `measure` by a twist, shape (..., 6, 6).
+
+    In lengths and radians; a twist is that of `gspcli.geometry.measurement`. Not finite where a
+    value has no derivative.
+    """
+    slopes: Array = value_signs(arrangement, R, T)[..., None] * jacobian(arrangement, R, T)
+    return slopes
+
+
+def _between_lines(arrangement: Arrangement) -> NDArray[np.bool_]:
+    """Return which constraints are distances of two lines, shape (6,)."""
+    return np.array([kind is DLL for kind in arrangement.kinds])
 
 
 def checked_poses(R: ArrayLike, T: ArrayLike) -> tuple[Array, Array]:

@@ -18,11 +18,10 @@ from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.measurement import jacobian
 from gspcli.motion.following.branch_follower import MovingPlatform, Stop, apart
 from gspcli.motion.following.tracks import Event
 from gspcli.motion.following.trajectories import track_from
-from gspcli.motion.poses.inverse_kinematics import measure
+from gspcli.motion.poses.inverse_kinematics import measure, value_slopes
 from gspcli.motion.singularities.enclosures import Neighbourhood
 from gspcli.records import dataclass
 
@@ -220,7 +219,7 @@ def _directions(
 ) -> Iterator[Array]:
     """Yield corners of the box of values to go to first, vectors of signs, shape (6,)."""
     arrangement = Arrangement.of(instance)
-    rows = jacobian(arrangement, R, T) / units[:, None]
+    rows = value_slopes(arrangement, R, T) / units[:, None]
     rows[:, :3] /= arrangement.length
     left = np.linalg.svd(rows)[0]
     rng = np.random.default_rng(seed)
@@ -250,7 +249,7 @@ def _along(
     (event,) = found.events
     if event.kind != "fold":
         return None
-    rows = jacobian(Arrangement.of(instance), event.R, event.T)
+    rows = value_slopes(Arrangement.of(instance), event.R, event.T)
     normal = np.linalg.svd(rows)[0][:, -1]
     outward = normal * np.sign(normal @ step)
     return (event.high - 1) * far, event, np.where(outward < 0, -1.0, 1.0)

@@ -11,6 +11,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import gradients
 from gspcli.geometry.primitives import Geometry, Point
 from gspcli.geometry.quaternions import apply
+from gspcli.motion.poses.inverse_kinematics import value_signs
 from gspcli.motion.statics.wrenches import Wrenches
 from gspcli.records import dataclass
 
@@ -30,8 +31,8 @@ class GeometrySlopes:
     tilts
         Which columns are rotations (radians), shape (m,); the others are lengths.
     slopes
-        Derivatives of the values (lengths and radians), shape (..., 6, m). A primitive that
-        several constraints share is one.
+        Derivatives of the values of `measure` (lengths and radians), shape (..., 6, m). A primitive
+        that several constraints share is one.
     """
 
     names: tuple[str, ...]
@@ -50,7 +51,8 @@ def geometry_slopes(instance: Instance, R: Array, T: Array) -> GeometrySlopes:
         Poses, shapes (..., 3, 3) and (..., 3).
     """
     R, T = np.asarray(R, float), np.asarray(T, float)
-    by = gradients(Arrangement.of(instance), R, T)
+    arrangement = Arrangement.of(instance)
+    by, signs = gradients(arrangement, R, T), value_signs(arrangement, R, T)
     columns: dict[tuple[str, str], list[tuple[str, Array]]] = {}
     for k, row in enumerate(instance.constraints):
         for body, name, primitive in (
@@ -77,7 +79,7 @@ def geometry_slopes(instance: Instance, R: Array, T: Array) -> GeometrySlopes:
     return GeometrySlopes(
         names,
         np.array(["tilt" in name.rpartition(".")[2] for name in names]),
-        np.stack([values for _, values in listed], axis=-1),
+        signs[..., None] * np.stack([values for _, values in listed], axis=-1),
     )
 
 

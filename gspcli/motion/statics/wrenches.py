@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.measurement import jacobian
 from gspcli.geometry.quaternions import apply, cross
 from gspcli.geometry.residuals import condition_numbers
+from gspcli.motion.poses.inverse_kinematics import value_slopes
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -41,8 +41,9 @@ class Wrenches:
     length
         What divides lengths, and multiplies angles, where both are compared.
     jacobian
-        Derivatives of the values with respect to the twist (omega, v), shape (..., 6, 6): lengths
-        and radians. Row k is the wrench (moment, force) of constraint k at unit strength.
+        Derivatives of the values, as `measure` gives them, with respect to the twist (omega, v),
+        shape (..., 6, 6): lengths and radians. Row k is the wrench (moment, force) of constraint k
+        at unit strength.
     """
 
     instance: Instance
@@ -215,7 +216,7 @@ def wrenches(
         else np.broadcast_to(np.asarray(point, float), T.shape)
     )
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        rows = jacobian(arrangement, R, T)
+        rows = value_slopes(arrangement, R, T)
     undefined = ~np.isfinite(rows).all(axis=-1)
     if undefined.any():
         k = int(np.argwhere(undefined)[0, -1])

@@ -38,12 +38,22 @@ def test_jacobian_agrees_with_finite_differences(name):
         columns.append((ends[0] - ends[1]) / (2 * step))
     difference = np.stack(columns, axis=1)
     difference[given.angles] *= np.pi / 180
-    # Measured distances of lines have no sign; the derivative is that of the signed one.
-    lines = [c.kind.name == "DLL" for c in instance.constraints]
-    expected = given.jacobian
-    np.testing.assert_allclose(difference[~np.array(lines)], expected[~np.array(lines)], atol=1e-7)
-    np.testing.assert_allclose(abs(difference), abs(expected), atol=1e-7)
-    np.testing.assert_allclose(given.inverse @ expected, np.eye(6), atol=1e-10)
+    np.testing.assert_allclose(difference, given.jacobian, atol=1e-7)
+    np.testing.assert_allclose(given.inverse @ given.jacobian, np.eye(6), atol=1e-10)
+
+
+def test_lines_that_meet_keep_the_sign_of_their_orientation():
+    instance, R, T = platform("DLL PP PP PP PP PP")
+    k = next(k for k, row in enumerate(instance.constraints) if row.kind.name == "DLL")
+    row = instance.constraints[k]
+    away = R @ row.platform.point + T - row.base.point
+    normal = np.cross(R @ row.platform.unit, row.base.unit)
+    normal /= np.linalg.norm(normal)
+    meeting = T - (away @ normal) * normal
+    for shift in (-1e-15, 0.0, 1e-15):
+        given = wrenches(instance, R, meeting + shift * normal)
+        assert measure(instance, R, meeting + shift * normal)[k] < 1e-14
+        np.testing.assert_allclose(given.forces[k], normal, atol=1e-12)
 
 
 @pytest.mark.parametrize("name", TYPES)
