@@ -14,14 +14,9 @@ from gspcli.cli.progress_bars import progress
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from gspcli.geometry.instance import Instance
     from gspcli.motion.singularities.clearances import Clearance
     from gspcli.motion.singularities.pose_clearances import PoseClearance
-
-    Array = NDArray[np.float64]
 
 
 @click.command()
@@ -62,7 +57,8 @@ def command(
     range of the constraint, if each has one in SPEC; else 1 in the unit of the value.
 
     The lower bound is proved for the whole box of values. The upper bound is a proved fold of the
-    same mode, the nearest one found, with the values at which it is.
+    same mode, the nearest one found, with the values at which it is; or where a value reaches the
+    end of its range, as a distance that becomes zero: beyond it there are no poses.
 
     With --of pose: how far the platform may move, whatever the values, before the six screws
     become dependent. Distances of poses are root mean squares of the displacements of the
@@ -82,7 +78,6 @@ def command(
     if points is not None and of != "pose":
         message = "--points needs --of pose"
         raise click.UsageError(message)
-    from gspcli.motion.poses.inverse_kinematics import measure
     from gspcli.motion.singularities.clearances import clearance, range_weights
     from gspcli.motion.singularities.pose_clearances import pose_clearance
 
@@ -92,17 +87,12 @@ def command(
     weights = range_weights(instance)
     rows = []
     for k in progress(range(len(R)), total=len(R), label="modes"):
-        found: Clearance | PoseClearance
-        at = None
         if of == "pose":
-            found = pose_clearance(instance, R[k], T[k], points=chosen, refine=refine)
-            if found.R is not None and found.T is not None:
-                at = measure(instance, found.R, found.T), found.R, found.T
+            reach = pose_clearance(instance, R[k], T[k], points=chosen, refine=refine)
+            row = _row_of_pose(instance, reach)
         else:
-            found = clearance(instance, R[k], T[k], weights=weights, refine=refine)
-            if found.values is not None and found.fold is not None:
-                at = found.values, found.fold.R, found.fold.T
-        rows.append(_row(numbers[k], found, at))
+            row = _row_of_values(clearance(instance, R[k], T[k], weights=weights, refine=refine))
+        rows.append({"mode": numbers[k], **row})
     unit = _unit(instance, of, ranged=weights is not None)
     emit(output, _table(instance, rows, of, unit), document=_document(instance, of, rows))
 
@@ -123,19 +113,39 @@ def _points(text: str) -> list[list[float]]:
     return [[float(cell) for cell in point] for point in points]
 
 
-def _row(
-    number: int | None,
-    item: Clearance | PoseClearance,
-    at: tuple[Array, Array, Array] | None,
-) -> dict[str, Any]:
-    """Return what is known of one mode; `at` are values and pose where it is singular."""
-    row: dict[str, Any] = {"mode": number, "lower": item.lower, "upper": None, "ratio": None}
-    if at is not None:
-        values, R, T = at
-        row |= {"upper": item.upper, "ratio": item.ratio if item.lower > 0 else None}
-        row |= {str(k): value for k, value in enumerate(values.tolist(), 1)}
-        row |= {"R": R.tolist(), "T": T.tolist()}
+def _row_of_values(found: Clearance) -> dict[str, Any]:
+    """Return what is known of how far the values of one mode may change."""
+    row = _bounds(found.lower, found.upper, found.ratio)
+    if found.values is None:
+        return row
+    row |= {"by": "fold" if found.end is None else "end of range", "values": found.values.tolist()}
+    if found.end is not None:
+        row["constraint"] = found.end + 1
+    if found.fold is not None:
+        row |= {"R": found.fold.R.tolist(), "T": found.fold.T.tolist()}
     return row
+
+
+def _row_of_pose(instance: Instance, found: PoseClearance) -> dict[str, Any]:
+    """Return what is known of how far one pose may move."""
+    row = _bounds(found.lower, found.upper, found.ratio)
+    if found.R is None or found.T is None:
+        return row
+    from gspcli.motion.poses.inverse_kinematics import measure
+
+    values = measure(instance, found.R, found.T).tolist()
+    pose = {"R": found.R.tolist(), "T": found.T.tolist()}
+    return row | {"by": "singular pose", "values": values, **pose}
+
+
+def _bounds(lower: float, upper: float, ratio: float) -> dict[str, Any]:
+    """Return both bounds, and places for where the upper one is."""
+    return {
+        "lower": lower,
+        "upper": upper if upper < float("inf") else None,
+        "ratio": ratio if ratio < float("inf") else None,
+        **dict.fromkeys(("by", "constraint", "values", "R", "T")),
+    }
 
 
 def _unit(instance: Instance, of: str, *, ranged: bool) -> str:
@@ -152,31 +162,27 @@ def _table(instance: Instance, rows: list[dict[str, Any]], of: str, unit: str) -
         Column("mode", align="right", essential=True),
         Column("lower", "proved free", align="right", essential=True),
         Column(
-            "upper", "singular at" if of == "pose" else "fold at", align="right", essential=True
+            "upper", "singular at" if of == "pose" else "ends at", align="right", essential=True
         ),
         Column("ratio", align="right"),
     ]
+    columns.append(Column("by"))
+    if of == "values":
+        columns.append(Column("constraint", "of", align="right"))
     columns += [
         Column(str(k), f"{k} {constraint.kind.name}", align="right")
         for k, constraint in enumerate(instance.constraints, 1)
     ]
-    title = instance.title
-    nearest = "singular pose" if of == "pose" else "fold"
-    note = f"clearances in {unit}; last columns: the values of the nearest {nearest} found"
-    return Table(columns, rows, title=title, notes=[note])
+    note = f"clearances in {unit}; last columns: the values "
+    note += "of the nearest singular pose found" if of == "pose" else "where the mode ends"
+    return Table(columns, [_shown(row) for row in rows], title=instance.title, notes=[note])
+
+
+def _shown(row: dict[str, Any]) -> dict[str, Any]:
+    """Return a row of the table."""
+    values = {str(k): value for k, value in enumerate(row["values"] or (), 1)}
+    return {key: value for key, value in row.items() if key not in ("values", "R", "T")} | values
 
 
 def _document(instance: Instance, of: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
-    keys = [str(k) for k in range(1, len(instance.constraints) + 1)]
-    return {
-        "schema": "gsp.clearance/1",
-        **instance.to_json(),
-        "of": of,
-        "modes": [
-            {
-                **{key: row.get(key) for key in ("mode", "lower", "upper", "ratio", "R", "T")},
-                "values": [row[key] for key in keys] if keys[0] in row else None,
-            }
-            for row in rows
-        ],
-    }
+    return {"schema": "gsp.clearance/1", **instance.to_json(), "of": of, "modes": rows}

@@ -48,6 +48,14 @@ def wrong_value(kind: Kind, value: Number, unit: AngleUnit) -> str:
     return ""
 
 
+def value_range(kind: Kind, unit: AngleUnit) -> tuple[float, float]:
+    """Return the least and the greatest value of a kind, planes signed, angles in their unit."""
+    if kind.is_distance:
+        return (-math.inf if kind.has_sides else 0.0), math.inf
+    quarter = float(_QUARTER[unit])
+    return (0.0, 2 * quarter) if kind.platform is kind.base else (-quarter, quarter)
+
+
 def wrong_half_angle(value: Number, unit: AngleUnit) -> str:
     """Return what is wrong with the half angle of a cone, or nothing."""
     if 0 < turns(value, unit) < 2:

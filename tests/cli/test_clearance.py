@@ -13,7 +13,7 @@ def test_table(gsp):
     assert (run.code, run.err) == (0, "")
     lines = run.out.splitlines()
     assert lines[0] == "General 6-6 platform: DPP DPP DPP DPP DPP DPP"
-    assert lines[2].split()[:5] == ["mode", "proved", "free", "fold", "at"]
+    assert lines[2].split()[:7] == ["mode", "proved", "free", "ends", "at", "ratio", "by"]
     assert [line.split()[0] for line in lines[4:6]] == ["1", "2"]
     assert lines[-1].startswith("clearances in units of 1 unit for distances, 1 deg for angles")
 
@@ -30,6 +30,19 @@ def test_refined_bounds_are_nearer(gsp):
         ratios.append(mode["ratio"])
     assert ratios[1] < ratios[0] < 4
     assert ratios[1] < 2
+
+
+def test_a_distance_that_becomes_zero_before_any_fold(gsp):
+    run = gsp("clearance", "@surfaces-ppp", "--mode", "1")
+    assert "0.71" in run.out
+    assert "end of range   3" in run.out
+    run = gsp("clearance", "@surfaces-ppp", "--mode", "1", "--format", "json")
+    (mode,) = json.loads(run.out)["modes"]
+    assert (mode["upper"], mode["by"], mode["constraint"]) == (
+        pytest.approx(0.71), "end of range", 3,
+    )  # fmt: skip
+    assert mode["values"][2] == 0
+    assert mode["R"] is None
 
 
 def test_a_column_of_track(gsp, tmp_path):

@@ -65,6 +65,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
     "clearance": (
         "@octahedral-3-3 --mode 1",
         "@singular-pose --mode 1",
+        "@surfaces-ppp --mode 1",
         "@octahedral-3-3 --mode 1 --of pose",
     ),
     "scan": (

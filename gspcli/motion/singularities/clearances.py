@@ -18,6 +18,7 @@ from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.ranges import value_range
 from gspcli.motion.following.branch_follower import MovingPlatform, Stop, apart
 from gspcli.motion.following.tracks import Event
 from gspcli.motion.following.trajectories import track_from
@@ -32,6 +33,8 @@ _HALVINGS = 7
 _REFINEMENTS = 7
 #: Straight lines of values are followed until the weights have been changed so many times.
 _FARTHEST = 1e3
+#: To this part of the way to the end of a range, where a mode can still be followed.
+_SHORT = 1 - 1e-6
 #: Starting directions for the search of the nearest singularity, and rounds of improving each.
 _STARTS, _MANY_STARTS, _ROUNDS = 6, 30, 6
 
@@ -110,17 +113,22 @@ class Clearance:
     lower
         Proved: nothing singular is nearer.
     upper
-        There is a fold of this mode at this distance; infinite if none was found.
+        There is a fold of this mode at this distance, or a value at the end of its range, beyond
+        which there is none; infinite if nothing was found.
     values
         The values there, shape (6,), or None.
     fold
-        The fold, the last point of the straight line of values to there; None if none was found.
+        The fold, the last point of the straight line of values to there; None if there is none.
+    end
+        Instead, the index of the constraint whose value is at an end of its range, such as a
+        distance of zero; None for a fold.
     """
 
     lower: float
     upper: float
     values: Array | None
     fold: Event | None
+    end: int | None = None
 
     @property
     def ratio(self) -> float:
@@ -140,8 +148,10 @@ def clearance(
     """Return proved bounds of the clearance of a pose.
 
     For the upper bound the mode is followed along straight lines of values until it ends in a
-    fold. At the nearest fold the change of the values has the signs of the left null vector of the
-    Jacobian matrix, so each fold gives a better direction; several first directions are tried.
+    fold, not farther than to where a value reaches the end of its range: no value is beyond a
+    distance of zero. At the nearest fold the change of the values has the signs of the left null
+    vector of the Jacobian matrix, so each fold gives a better direction; several first directions
+    are tried.
 
     Parameters
     ----------
@@ -160,7 +170,8 @@ def clearance(
     units = _weights(weights)
     lower = float(clearances(instance, R[None], T[None], weights=units)[0])
     values = measure(instance, R, T)
-    best = Clearance(lower, np.inf, None, None)
+    best = _range_end(instance, values, units, lower)
+    room = best.upper * _SHORT
     if lower == 0:
         # A singular pose: no branch leads away from it.
         return best
@@ -172,7 +183,9 @@ def clearance(
             if key in seen:
                 break
             seen.add(key)
-            found = _along(instance, values, R, T, signs * units, best.upper, lower)
+            most = min(best.upper, room)
+            first = min(most, max(8 * lower, 1e-6)) if best.fold is None else most
+            found = _along(instance, values, R, T, signs * units, first, most)
             if found is None:
                 break
             size, fold, following = found
@@ -228,28 +241,39 @@ def _directions(
         yield np.where(vector < 0, -1.0, 1.0) * (1 if k % 2 else -1)
 
 
+def _range_end(instance: Instance, values: Array, units: Array, lower: float) -> Clearance:
+    """Return how far values may change at most: to the nearest end of the range of their kind."""
+    ranges = [value_range(row.kind, instance.units.angle) for row in instance.constraints]
+    ends = np.array(ranges)
+    rooms = np.abs(ends - values[:, None]) / units[:, None]
+    k, which = np.unravel_index(int(rooms.argmin()), rooms.shape)
+    size = float(rooms[k, which])
+    if np.isinf(size):
+        return Clearance(lower, np.inf, None, None)
+    there = values.copy()
+    there[k] = ends[k, which]
+    return Clearance(lower, size, there, None, int(k))
+
+
 def _along(
-    instance: Instance, values: Array, R: Array, T: Array, step: Array, most: float, least: float
+    instance: Instance, values: Array, R: Array, T: Array, step: Array, reach: float, most: float
 ) -> tuple[float, Event, Array] | None:
-    """Return how far the fold on a line of values is, the fold, and the signs to look at next."""
-    kinds = [constraint.kind for constraint in instance.constraints]
-    # Distances other than to planes stay positive.
-    bounded = np.array([kind.is_distance and not kind.has_sides for kind in kinds]) & (step < 0)
-    room = float(np.min(values[bounded] / -step[bounded], initial=np.inf)) * (1 - 1e-6)
-    reach = min(most, max(8 * least, 1e-6)) if np.isinf(most) else most
+    """Return how far the fold on a line of values is, the fold, and the signs to look at next.
+
+    Looked for up to a reach first, and farther up to the most if nothing is there.
+    """
     while True:
-        far = min(reach, room)
-        ends = np.stack((values, values + far * step))
+        ends = np.stack((values, values + reach * step))
         found = track_from(instance, ends, R[None], T[None])
         if found.events:
             break
-        if far == room or reach == most or reach > _FARTHEST:
+        if reach == most or reach > _FARTHEST:
             return None
-        reach *= 8
+        reach = min(8 * reach, most)
     (event,) = found.events
     if event.kind != "fold":
         return None
     rows = value_slopes(Arrangement.of(instance), event.R, event.T)
     normal = np.linalg.svd(rows)[0][:, -1]
     outward = normal * np.sign(normal @ step)
-    return (event.high - 1) * far, event, np.where(outward < 0, -1.0, 1.0)
+    return (event.high - 1) * reach, event, np.where(outward < 0, -1.0, 1.0)

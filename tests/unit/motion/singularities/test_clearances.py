@@ -44,8 +44,12 @@ def test_the_upper_bound_is_a_fold_of_the_same_mode(name):
     assert 0 < found.lower <= found.upper
     if np.isinf(found.upper):
         return
-    assert found.fold is not None
     assert found.values is not None
+    if found.fold is None:
+        # The distance that becomes zero before any fold found.
+        assert found.upper == measure(instance, R, T)[found.end] == measure(instance, R, T).min()
+        return
+    assert found.end is None
     assert found.fold.kind == "fold"
     assert np.abs(found.values - measure(instance, R, T)).max() == pytest.approx(found.upper)
     assert np.allclose(measure(instance, found.fold.R, found.fold.T), found.values, atol=1e-6)
@@ -86,7 +90,30 @@ def test_nothing_is_followed_from_a_pose_that_is_exactly_singular():
     instance = gspcli.load(data_path("examples", "singular-pose.yaml"))
     poses = gspcli.solve(instance, certify=False)
     found = clearance(instance, poses.R[0].real, poses.T[0].real)
-    assert (found.lower, found.upper, found.fold) == (0, np.inf, None)
+    assert (found.lower, found.fold) == (0, None)
+    # What is known of values holds all the same: none is below zero.
+    assert found.upper == measure(instance, poses.R[0].real, poses.T[0].real).min()
+
+
+@pytest.mark.parametrize("weights", [None, [1, 1, 5, 90, 90, 90]])
+def test_no_value_goes_beyond_the_end_of_its_range(weights):
+    instance = gspcli.load(data_path("examples", "surfaces-ppp.yaml"))
+    poses = gspcli.solve(instance, certify=False)
+    units = np.ones(6) if weights is None else np.array(weights, float)
+    ends = []
+    for R, T in zip(poses.R[poses.real].real, poses.T[poses.real].real, strict=True):
+        values = measure(instance, R, T)
+        found = clearance(instance, R, T, weights=weights)
+        # A DLL is at least 0; ALL and AHH are between 0 and 180 degrees, ALH within 90.
+        d, a, b, c = values[2:]
+        rooms = np.array([d, min(a, 180 - a), 90 - abs(b), min(c, 180 - c)]) / units[2:]
+        assert 0 < found.lower <= found.upper <= rooms.min()
+        if found.end is not None:
+            assert found.fold is None
+            assert found.upper == pytest.approx(rooms.min(), rel=1e-12)
+            ends.append(found.end)
+    if weights is None:
+        assert 2 in ends
 
 
 def test_mistakes_are_named():
