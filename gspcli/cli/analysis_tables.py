@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from gspcli.cli.output import Column, Table
@@ -13,32 +14,75 @@ _TWIST = ("rx", "ry", "rz", "x", "y", "z")
 _WRENCH = ("mx", "my", "mz", "fx", "fy", "fz")
 
 
-def overview(entries: list[dict[str, Any]], given: Wrenches) -> Table:
-    """Return a line for each pose."""
+def overview(entries: list[dict[str, Any]], given: Wrenches, more: Sequence[Column] = ()) -> Table:
+    """Return a line for each pose; `more` are columns of what was added to the entries."""
     columns = [
+        Column("row", align="right", essential=True),
+        Column("t", align="right"),
         Column("mode", align="right", essential=True),
         Column("condition", align="right", essential=True),
-        Column("manipulability", align="right"),
-        Column("largest", "largest σ", align="right"),
-        Column("smallest", "smallest σ", align="right"),
-        Column("worst", "worst force", align="right"),
+        Column("manipulability", align="right", minor=2),
+        Column("largest", "largest σ", align="right", minor=3),
+        Column("smallest", "smallest σ", align="right", minor=3),
+        Column("worst", "worst force", align="right", minor=1),
+        Column("force", "largest force", align="right", essential=True),
+        Column("force_in", "in", align="right"),
+        Column("moment", "largest moment", align="right", essential=True),
+        Column("moment_in", "in", align="right"),
+        Column("least_stiffness", "least stiffness", align="right", essential=True),
         Column("worst_shift", "error of point", align="right"),
-        Column("bound_shift", "proved ≤", align="right"),
+        Column("bound_shift", "proved ≤", align="right", essential=True),
+        Column("geometry_shift", "from geometry", align="right", essential=True),
+        *more,
     ]
-    rows = []
-    for entry in entries:
-        values = entry["singular_values"]
-        row = {key: entry[key] for key in ("mode", "condition", "manipulability")}
-        row |= {"largest": values[0], "smallest": values[-1]}
-        row["worst"] = entry["worst_force"]["reaction"]
-        rows.append(row | entry.get("accuracy", {}))
-    shown = columns if any("worst_shift" in row for row in rows) else columns[:-2]
+    rows = [_line(entry, given) for entry in entries]
+    # Modes and what was computed always have their columns.
+    always = ("condition", "manipulability", "largest", "smallest", "worst")
+    asked = {key for row in rows for key in row}
+    kept = [column for column in columns if column.key in always or column.key in asked]
+    return Table(kept, rows, title=given.instance.title, notes=_explained(rows[0], given))
+
+
+def _line(entry: dict[str, Any], given: Wrenches) -> dict[str, Any]:
+    """Return the most important numbers of a pose."""
+    values = entry["singular_values"]
+    plain = {key: value for key, value in entry.items() if not isinstance(value, list | dict)}
+    if plain.get("mode") is None:
+        del plain["mode"]
+    row = {**plain, "largest": values[0], "smallest": values[-1]}
+    row["worst"] = entry["worst_force"]["reaction"]
+    if "reactions" in entry:
+        for name, angles in (("force", False), ("moment", True)):
+            loads = {
+                k: abs(load or 0.0)
+                for k, load in enumerate(entry["reactions"])
+                if given.angles[k] == angles
+            }
+            if loads and None not in entry["reactions"]:
+                most = max(loads, key=loads.__getitem__)
+                row |= {name: loads[most], f"{name}_in": most + 1}
+    if "accuracy" in entry:
+        row |= {key: entry["accuracy"][key] for key in ("worst_shift", "bound_shift")}
+    if "geometry" in entry:
+        row["geometry_shift"] = entry["geometry"]["shift"]
+    return row
+
+
+def _explained(row: dict[str, Any], given: Wrenches) -> list[str]:
     unit = given.instance.units.length
     notes = [
         f"lengths divided by {given.length:.6g} {unit}; worst force: the most that a unit force at "
         "the point can load a constraint with"
     ]
-    return Table(shown, rows, title=given.instance.title, notes=notes)
+    if "force" in row or "moment" in row:
+        notes.append("largest force, moment: in a constraint under the load, and in which")
+    if "least_stiffness" in row:
+        notes.append("least stiffness: a force at the point by the shift that it causes")
+    if "worst_shift" in row or "geometry_shift" in row:
+        notes.append(
+            f"errors in {unit}: the largest of the point, from the values and the geometry"
+        )
+    return notes
 
 
 def details(entry: dict[str, Any], given: Wrenches) -> list[Table]:

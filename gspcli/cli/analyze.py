@@ -9,19 +9,30 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from gspcli.cli.analysis_entries import Analysis
 from gspcli.cli.analysis_tables import details, overview
 from gspcli.cli.names import load_instance
-from gspcli.cli.output import Output, emit, output_options
-from gspcli.cli.pose_options import pose_format, pose_options
-from gspcli.cli.real_poses import real_poses
+from gspcli.cli.output import Column, Output, emit, output_options
+from gspcli.cli.pose_options import pose_options
+from gspcli.cli.pose_rows import asked_poses, check_sources
+from gspcli.cli.requirements import (
+    add_quantities,
+    measured_quantities,
+    refuse,
+    require_option,
+    required,
+    verdict_entries,
+    verdict_lines,
+)
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from gspcli.cli.pose_rows import PoseRows
     from gspcli.geometry.instance import Instance
-    from gspcli.motion.statics.accuracy import Accuracy
+    from gspcli.motion.files.requirements import Requirement, Verdict
     from gspcli.motion.statics.geometry_errors import GeometryAccuracy
     from gspcli.motion.statics.wrenches import Wrenches
 
@@ -34,7 +45,13 @@ _ZERO = 1e-12
 
 @click.command()
 @click.argument("spec", metavar="SPEC")
-@click.option("--mode", type=click.IntRange(min=1), metavar="K", help="Only mode K, in detail.")
+@click.argument("rows", metavar="[ROWS]", required=False)
+@click.option(
+    "--mode",
+    type=click.IntRange(min=1),
+    metavar="K",
+    help="Only mode K, in detail; of a file of values mode K at its first row.",
+)
 @click.option("--pose", metavar="NUMBERS", help="A pose instead: x,y,z,qw,qx,qy,qz.")
 @pose_options
 @click.option(
@@ -60,9 +77,11 @@ _ZERO = 1e-12
     metavar="D[,A]",
     help="How far each coordinate of each primitive may be off, and each direction be turned.",
 )
+@require_option("range, cone, condition<=50, clearance>=0.5, force<=200")
 @output_options(parts=("wrenches", "jacobian", "inverse", "stiffness", "errors", "geometry"))
 def command(
     spec: str,
+    rows: str | None,
     mode: int | None,
     pose: str | None,
     euler: str | None,
@@ -73,56 +92,99 @@ def command(
     stiffness: str | None,
     tolerance: str | None,
     geometry: str | None,
+    require: str | None,
     output: Output,
 ) -> None:
     """Analyze assembly modes: screws, Jacobian matrix, forces, stiffness and accuracy.
 
-    Without --mode or --pose there is one line for each real pose. For one pose: the wrench of each
-    constraint, a force along an axis with a pitch, or a couple for angles; the derivatives of the
-    values by a twist (rotation in radians about the axes through the point, velocity of the point)
-    and their inverse; singular values and manipulability of the matrix with lengths divided by the
-    stated length, and the condition number that `gsp solve` gives.
+    Without --mode or --pose there is one line for each real pose, or for each row of ROWS: a file
+    of poses as `gsp measure` takes it, or of values as `gsp track` does, along which the modes are
+    followed. For one pose: the wrench of each constraint, a force along an axis with a pitch, or a
+    couple for angles; the derivatives of the values by a twist (rotation in radians about the axes
+    through the point, velocity of the point) and their inverse; singular values and manipulability
+    of the matrix with lengths divided by the stated length, and the condition number that
+    `gsp solve` gives.
 
     With --load the forces in the constraints (positive: it pushes towards a greater value) and
-    moments for angles. With --tolerance (or tolerance: in SPEC) the largest errors of the pose:
-    exact to first order, with a proved bound that includes second order, and root mean squares
-    for independent errors. With --geometry the errors of the pose when the points, lines and planes
-    are not quite where SPEC says: largest ones and root mean squares, exact to first order.
+    moments for angles; with --stiffness that of the platform; with --tolerance (or tolerance: in
+    SPEC) the largest errors of the pose: exact to first order, with a proved bound that includes
+    second order, and root mean squares for independent errors. With --geometry the errors of the
+    pose when the points, lines and planes are not quite where SPEC says: largest ones and root mean
+    squares, exact to first order. Of many poses there is a column for each: the largest force, the
+    least stiffness of the point, the largest errors of the point.
+
+    With --require, as 'range, cone, condition<=50, force<=200', the worst row of each is named and
+    the exit code is 1 unless all keep it; range, cone, condition, clearance and pose-clearance are
+    always known, force and moment with --load, stiffness with --stiffness, error with --tolerance.
 
     \b
     Examples:
       gsp analyze platform.yaml
       gsp analyze platform.yaml --mode 1 --load 0,0,-100@0,0,250 --tolerance 0.01
       gsp analyze platform.yaml --pose 0,0,1.5,1,0,0,0 --stiffness 2e6
+      gsp analyze platform.yaml path.csv --load 0,0,-9 --require "range, force<=20"
     """
-    if mode is not None and pose is not None:
-        message = "give either --mode or --pose"
-        raise click.UsageError(message)
-    from gspcli.motion.statics.accuracy import accuracy
+    check_sources(spec, rows, mode, pose)
     from gspcli.motion.statics.wrenches import wrenches
 
     instance = load_instance(spec)
-    six = {
-        name: _six(text, name)
-        for name, text in (("stiffness", stiffness), ("tolerance", tolerance))
-    }
-    limits = six["tolerance"] or _stated_tolerances(instance)
+    requirements = required(require)
     at = None if point is None else _numbers(point, (3,), "point")
-    R, T, numbers = poses_to_analyze(instance, mode, pose, euler, pivot)
-    given = wrenches(instance, R, T, point=at, length=length)
-    errors = None if limits is None else accuracy(given, limits)
-    shape = None if geometry is None else _geometry(given, geometry)
-    reactions = None if load is None else given.reactions(*_load(load, given.point))
-    stiff = None if six["stiffness"] is None else given.stiffness(six["stiffness"])
-    entries = [
-        _entry(given, k, number, errors, shape, reactions, stiff)
-        for k, number in enumerate(numbers)
-    ]
-    detailed = mode is not None or pose is not None
-    tables = details(entries[0], given) if detailed else [overview(entries, given)]
+    asked = asked_poses(instance, rows, mode, pose, euler, pivot)
+    given = wrenches(instance, asked.R, asked.T, point=at, length=length)
+    analysis = _analysis(given, load, stiffness, tolerance, geometry)
+    entries = [{**asked.named(k), **analysis.entry(k)} for k in range(len(asked.T))]
+    verdicts, more = _judge(analysis, requirements, entries)
+    detailed = rows is None and (mode is not None or pose is not None)
+    tables = details(entries[0], given) if detailed else [overview(entries, given, more)]
     if output.format in _READABLE:
         tables = [replace(table, rows=[_tidy(row) for row in table.rows]) for table in tables]
-    emit(output, tables, document=_document(instance, given, entries))
+    if verdicts:
+        tables[0] = replace(tables[0], summary=verdict_lines(verdicts, asked.place))
+    emit(output, tables, document=_document(instance, given, entries, verdicts, asked))
+    refuse(verdicts)
+    asked.check()
+
+
+def _analysis(
+    given: Wrenches,
+    load: str | None,
+    stiffness: str | None,
+    tolerance: str | None,
+    geometry: str | None,
+) -> Analysis:
+    """Return what the options ask for."""
+    from gspcli.motion.statics.accuracy import accuracy
+
+    constants = _six(stiffness, "stiffness")
+    limits = _six(tolerance, "tolerance") or _stated_tolerances(given.instance)
+    return Analysis(
+        given,
+        None if load is None else given.reactions(*_load(load, given.point)),
+        None if constants is None else given.stiffness(constants),
+        None if constants is None else given.least_stiffness(constants),
+        None if limits is None else accuracy(given, limits),
+        None if geometry is None else _geometry(given, geometry),
+    )
+
+
+def _judge(
+    analysis: Analysis, requirements: list[Requirement], entries: list[dict[str, Any]]
+) -> tuple[list[Verdict], list[Column]]:
+    """Return whether all poses keep what is required; what is computed for that is added to them.
+
+    Also the columns of what is added.
+    """
+    if not requirements:
+        return [], []
+    from gspcli.motion.files.requirements import judge
+    from gspcli.motion.poses.inverse_kinematics import measure
+
+    given, known = analysis.given, analysis.quantities()
+    values = measure(given.instance, given.R, given.T)
+    found = measured_quantities(given.instance, requirements, values, given.R, given.T, known)
+    more = {name: numbers for name, numbers in found.items() if name not in known}
+    return judge(requirements, found), add_quantities(entries, more)
 
 
 def _tidy(row: Mapping[str, Any]) -> dict[str, Any]:
@@ -131,21 +193,6 @@ def _tidy(row: Mapping[str, Any]) -> dict[str, Any]:
         key: 0.0 if isinstance(value, float) and abs(value) < _ZERO else value
         for key, value in row.items()
     }
-
-
-def poses_to_analyze(
-    instance: Instance, mode: int | None, pose: str | None, euler: str | None, pivot: str | None
-) -> tuple[Array, Array, list[int | None]]:
-    """Return poses, shapes (n, 3, 3) and (n, 3), and their numbers as modes."""
-    if pose is not None:
-        from gspcli.motion import read_pose
-
-        given = read_pose(pose, pose_format(instance, euler, pivot))
-        return given.R, given.T, [None]
-    R, T = real_poses(instance, mode)
-    if mode is None:
-        return R, T, list(range(1, len(R) + 1))
-    return R[mode - 1 : mode], T[mode - 1 : mode], [mode]
 
 
 def _numbers(text: str, counts: tuple[int, ...], name: str) -> list[float]:
@@ -185,59 +232,6 @@ def _load(text: str, point: Array) -> tuple[list[float], list[float], Any]:
     return numbers[:3], numbers[3:] or [0.0, 0.0, 0.0], at
 
 
-def _entry(
-    given: Wrenches,
-    k: int,
-    number: int | None,
-    errors: Accuracy | None,
-    shape: GeometryAccuracy | None,
-    reactions: Array | None,
-    stiffness: Array | None,
-) -> dict[str, Any]:
-    """Return all that is known of one pose, as plain data."""
-    constraint, direction, reaction = given.worst_force
-    entry: dict[str, Any] = {
-        "mode": number,
-        "R": given.R[k].tolist(),
-        "T": given.T[k].tolist(),
-        "point": given.point[k].tolist(),
-        "condition": _finite(given.conditions[k]),
-        "manipulability": float(given.manipulability[k]),
-        "singular_values": given.singular_values[k].tolist(),
-        "forces": given.forces[k].tolist(),
-        "moments": given.moments[k].tolist(),
-        "pitches": [_finite(pitch) for pitch in given.pitches[k]],
-        "feet": [[_finite(x) for x in foot] for foot in given.feet[k]],
-        "jacobian": given.jacobian[k].tolist(),
-        "inverse": [[_finite(x) for x in row] for row in given.inverse[k]],
-        "worst_force": {
-            "constraint": int(constraint[k]) + 1,
-            "direction": [_finite(x) for x in direction[k]],
-            "reaction": _finite(reaction[k]),
-        },
-    }
-    if reactions is not None:
-        entry["reactions"] = [_finite(x) for x in reactions[k]]
-    if stiffness is not None:
-        entry["stiffness"] = stiffness[k].tolist()
-    if errors is not None:
-        entry["accuracy"] = {
-            name: [_finite(x) for x in getattr(errors, name)[k]]
-            for name in ("worst", "bound", "rms")
-        } | {
-            name: _finite(getattr(errors, name)[k])
-            for name in ("worst_turn", "worst_shift", "bound_turn", "bound_shift")
-        }
-    if shape is not None:
-        entry["geometry"] = {
-            "worst": [_finite(x) for x in shape.worst[k]],
-            "rms": [_finite(x) for x in shape.rms[k]],
-            "turn": _finite(shape.turn[k]),
-            "shift": _finite(shape.shift[k]),
-        }
-    return entry
-
-
 def _geometry(given: Wrenches, text: str) -> GeometryAccuracy:
     from gspcli.motion.statics.geometry_errors import geometry_accuracy
 
@@ -248,16 +242,19 @@ def _geometry(given: Wrenches, text: str) -> GeometryAccuracy:
     return geometry_accuracy(given, coordinates, *tilts)
 
 
-def _finite(value: Any) -> float | None:
-    """Return a number for JSON, which has none that is not finite."""
-    number = float(value)
-    return number if abs(number) < float("inf") else None
-
-
-def _document(instance: Instance, given: Wrenches, entries: list[dict[str, Any]]) -> dict[str, Any]:
-    return {
+def _document(
+    instance: Instance,
+    given: Wrenches,
+    entries: list[dict[str, Any]],
+    verdicts: list[Verdict],
+    asked: PoseRows,
+) -> dict[str, Any]:
+    document: dict[str, Any] = {
         "schema": "gsp.analyze/1",
         **instance.to_json(),
         "length": given.length,
         "poses": entries,
     }
+    if verdicts:
+        document["requirements"] = verdict_entries(verdicts, asked.named)
+    return document

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.analyze import poses_to_analyze
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_options
+from gspcli.cli.pose_rows import asked_poses, check_sources
 from gspcli.cli.progress_bars import progress
 from gspcli.errors import GspError
 
@@ -21,7 +21,13 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("spec", metavar="SPEC")
-@click.option("--mode", type=click.IntRange(min=1), metavar="K", help="Only mode K.")
+@click.argument("rows", metavar="[ROWS]", required=False)
+@click.option(
+    "--mode",
+    type=click.IntRange(min=1),
+    metavar="K",
+    help="Only mode K; of a file of values mode K at its first row.",
+)
 @click.option("--pose", metavar="NUMBERS", help="A pose instead: x,y,z,qw,qx,qy,qz.")
 @pose_options
 @click.option(
@@ -41,6 +47,7 @@ if TYPE_CHECKING:
 @output_options()
 def command(
     spec: str,
+    rows: str | None,
     mode: int | None,
     pose: str | None,
     euler: str | None,
@@ -60,6 +67,9 @@ def command(
     same mode, the nearest one found, with the values at which it is; or where a value reaches the
     end of its range, as a distance that becomes zero: beyond it there are no poses.
 
+    All real poses are looked at, or each row of ROWS: a file of poses as `gsp measure` takes it, or
+    of values as `gsp track` does, along which the modes are followed.
+
     With --of pose: how far the platform may move, whatever the values, before the six screws
     become dependent. Distances of poses are root mean squares of the displacements of the
     platform's points. The lower bound is proved for all poses within; the upper bound is that of
@@ -70,11 +80,10 @@ def command(
       gsp clearance platform.yaml
       gsp clearance platform.yaml --mode 1 --refine
       gsp clearance platform.yaml --of pose
+      gsp clearance platform.yaml path.csv -o clearances.csv
       gsp clearance platform.yaml --pose 0,0,1.5,1,0,0,0 --format json
     """
-    if mode is not None and pose is not None:
-        message = "give either --mode or --pose"
-        raise click.UsageError(message)
+    check_sources(spec, rows, mode, pose)
     if points is not None and of != "pose":
         message = "--points needs --of pose"
         raise click.UsageError(message)
@@ -83,18 +92,20 @@ def command(
 
     instance = load_instance(spec)
     chosen = None if points is None else _points(points)
-    R, T, numbers = poses_to_analyze(instance, mode, pose, euler, pivot)
+    asked = asked_poses(instance, rows, mode, pose, euler, pivot)
+    R, T = asked.R, asked.T
     weights = range_weights(instance)
-    rows = []
-    for k in progress(range(len(R)), total=len(R), label="modes"):
+    found = []
+    for k in progress(range(len(R)), total=len(R), label="poses"):
         if of == "pose":
             reach = pose_clearance(instance, R[k], T[k], points=chosen, refine=refine)
             row = _row_of_pose(instance, reach)
         else:
             row = _row_of_values(clearance(instance, R[k], T[k], weights=weights, refine=refine))
-        rows.append({"mode": numbers[k], **row})
+        found.append({**asked.named(k), **row})
     unit = _unit(instance, of, ranged=weights is not None)
-    emit(output, _table(instance, rows, of, unit), document=_document(instance, of, rows))
+    emit(output, _table(instance, found, of, unit), document=_document(instance, of, found))
+    asked.check()
 
 
 def _points(text: str) -> list[list[float]]:
@@ -158,8 +169,9 @@ def _unit(instance: Instance, of: str, *, ranged: bool) -> str:
 
 
 def _table(instance: Instance, rows: list[dict[str, Any]], of: str, unit: str) -> Table:
+    names = [key for key in ("row", "t", "mode") if any(row.get(key) is not None for row in rows)]
     columns = [
-        Column("mode", align="right", essential=True),
+        *(Column(key, align="right", essential=True) for key in names or ("mode",)),
         Column("lower", "proved free", align="right", essential=True),
         Column(
             "upper", "singular at" if of == "pose" else "ends at", align="right", essential=True

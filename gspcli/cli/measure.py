@@ -9,11 +9,26 @@ import click
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options, text_of, warn_of_range
+from gspcli.cli.requirements import (
+    add_quantities,
+    measured_quantities,
+    refuse,
+    require_option,
+    required,
+    verdict_entries,
+    verdict_lines,
+)
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from gspcli.geometry.instance import Instance
     from gspcli.motion import PoseTable
+    from gspcli.motion.files.requirements import Requirement, Verdict
+
+    Array = NDArray[np.float64]
 
 
 @click.command()
@@ -26,6 +41,7 @@ if TYPE_CHECKING:
     help="The angles of the cranks instead; the values of SPEC are kept.",
 )
 @pose_options
+@require_option("range, cone, clearance>=0.5, condition<=50")
 @output_options()
 def command(
     spec: str,
@@ -34,6 +50,7 @@ def command(
     cranks: bool,
     euler: str | None,
     pivot: str | None,
+    require: str | None,
     output: Output,
 ) -> None:
     """Measure the values of constraints at given poses (inverse kinematics).
@@ -53,11 +70,16 @@ def command(
     Of two angles the one is taken that is nearer to that of the pose before, first to zero.
     `gsp track` takes these columns.
 
+    With --require the worst row is named, and the exit code is 1 unless all rows keep it: range (as
+    the share that a value takes of its range, 1 at its ends), cone (likewise), condition, clearance
+    and pose-clearance, which become columns.
+
     \b
     Examples:
       gsp measure platform.yaml poses.csv -o values.csv
       gsp measure platform.yaml path.csv --euler ZYX --pivot 0,0,-12.5
       gsp measure platform.yaml --pose 0,0,1.5,1,0,0,0
+      gsp measure platform.yaml path.csv --require "range, cone, condition<=50"
       gsp solve platform.yaml --format json | gsp measure platform.yaml -
       gsp measure rotary.yaml poses.csv --cranks -o angles.csv
     """
@@ -67,9 +89,13 @@ def command(
     if spec == poses == "-":
         message = "SPEC and POSES cannot both be standard input"
         raise click.UsageError(message)
+    if cranks and require is not None:
+        message = "--require needs the values, not --cranks"
+        raise click.UsageError(message)
     from gspcli.motion import measure, read_pose, read_poses
 
     instance = load_instance(spec)
+    requirements = required(require)
     form = pose_format(instance, euler, pivot)
     table = read_pose(pose, form) if pose is not None else read_poses(*text_of(str(poses)), form)
     if cranks:
@@ -77,18 +103,50 @@ def command(
         return
     values = measure(instance, table.R, table.T)
     rows = _rows(instance, table, values.tolist())
+    verdicts, more = _judged(instance, requirements, table, values, rows)
+    times = _times(table)
     document = None
     if output.format == "json":
         document = {
             "schema": "gsp.measure/1",
             **instance.to_json(),
             "poses": [
-                {"t": row["t"], "values": [row[str(k)] for k in range(1, 7)], "sides": row["sides"]}
+                {
+                    "t": row["t"],
+                    "values": [row[str(k)] for k in range(1, 7)],
+                    "sides": row["sides"],
+                    **{column.key: row[column.key] for column in more},
+                }
                 for row in rows
             ],
         }
-    emit(output, _table(instance, rows), document=document)
-    warn_of_range(instance, [row["t"] for row in rows], values)
+        if verdicts:
+            document["requirements"] = verdict_entries(
+                verdicts, lambda k: {"row": k + 1, "t": times[k]}
+            )
+    lines = verdict_lines(verdicts, lambda k: f"in row {k + 1} (t = {times[k]:.6g})")
+    emit(output, _table(instance, rows, more, lines), document=document)
+    warn_of_range(instance, times, values)
+    refuse(verdicts)
+
+
+def _judged(
+    instance: Instance,
+    requirements: list[Requirement],
+    table: PoseTable,
+    values: Array,
+    rows: list[dict[str, Any]],
+) -> tuple[list[Verdict], list[Column]]:
+    """Return whether all rows keep what is required, and the columns that this adds to them."""
+    if not requirements:
+        return [], []
+    from gspcli.motion.files.requirements import judge
+
+    if not rows:
+        message = "found no poses, expected at least one to judge"
+        raise GspError(message)
+    found = measured_quantities(instance, requirements, values, table.R, table.T)
+    return judge(requirements, found), add_quantities(rows, found)
 
 
 def _emit_cranks(instance: Instance, table: PoseTable, output: Output) -> None:
@@ -147,16 +205,19 @@ def _rows(instance: Instance, table: PoseTable, values: list[list[float]]) -> li
     return rows
 
 
-def _table(instance: Instance, rows: list[dict[str, Any]]) -> Table:
+def _table(
+    instance: Instance, rows: list[dict[str, Any]], more: list[Column], summary: list[str]
+) -> Table:
     kinds = [constraint.kind.name for constraint in instance.constraints]
     columns = [Column("t", align="right", essential=True)]
     columns += [
         Column(str(k), f"{k} {name}", align="right", essential=True, aligned=True)
         for k, name in enumerate(kinds, 1)
     ]
+    columns += more
     units = instance.units
     title = instance.title
     note = f"distances in {units.length}, angles in {units.angle.value}"
     if any(row["sides"] for row in rows):
         note += "; DPH and DHP signed, positive where the normal points"
-    return Table(columns, rows, title=title, notes=[note])
+    return Table(columns, rows, title=title, notes=[note], summary=summary)

@@ -12,6 +12,8 @@ from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
+from gspcli.cli.requirements import refuse, require_option, required
+from gspcli.cli.track_requirements import judged_track, track_entries, track_lines
 from gspcli.errors import GspError, IncompleteError
 from gspcli.wording import counted
 
@@ -67,6 +69,7 @@ _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
     "independent (gsp clearance --of pose).",
 )
 @click.option("--no-certify", is_flag=True, help="Do not prove that no branch is changed.")
+@require_option("range, cone, clearance>=0.5, condition<=50")
 @pose_options
 @click.option(
     "--jobs", type=click.IntRange(min=1), default=1, show_default=True, metavar="N", help="Threads."
@@ -84,6 +87,7 @@ def command(
     clear: bool,
     pose_clear: bool,
     no_certify: bool,
+    require: str | None,
     euler: str | None,
     pivot: str | None,
     jobs: int,
@@ -112,6 +116,9 @@ def command(
     told, too. It is proved for all that is between rows; without proof (--no-certify) cones are
     only looked at where the rows are.
 
+    With --require the worst row of each is named, and the exit code is 1 unless all rows keep it;
+    range and cone must be kept between the rows, too.
+
     The exit code is 4 if a mode ends before the last row, unless with --allow-loss.
 
     \b
@@ -119,6 +126,7 @@ def command(
       gsp track platform.yaml values.csv -o poses.csv
       gsp track platform.yaml path.csv --euler ZYX --mode 1 --format json
       gsp track rotary.yaml angles.csv --steps 10
+      gsp track platform.yaml path.csv --mode 1 --require "cone, clearance>=0.5"
       gsp track platform.yaml values.csv --all --allow-loss
       gsp track platform.yaml values.csv --steps 20 --format csv |
         gsp view platform.yaml --track -
@@ -135,6 +143,7 @@ def command(
     from gspcli.motion.singularities.pose_clearances import pose_clearances
 
     instance = load_instance(spec)
+    requirements = required(require)
     form = pose_format(instance, euler, pivot)
     table = read_values(*text_of(values), instance, form, delta=delta).subdivided(steps)
     pose = None
@@ -163,13 +172,19 @@ def command(
         limits = limit_events(result)
     more = {}
     with working("looking for singularities"):
-        if clear:
+        asked = {one.quantity for one in requirements}
+        if clear or "clearance" in asked:
             weighted = partial(clearances, weights=range_weights(instance))
             more["clearance"] = _of_poses(result, weighted)
-        if pose_clear:
+        if pose_clear or "pose-clearance" in asked:
             more["pose_clearance"] = _of_poses(result, pose_clearances)
     rows = _rows(result, more)
-    emit(output, _table(result, rows, limits), document=_document(result, rows, limits))
+    verdicts, columns = judged_track(result, limits, requirements, rows)
+    emit(
+        output,
+        _table(result, rows, limits, columns, track_lines(verdicts, rows, steps)),
+        document=_document(result, rows, limits) | track_entries(verdicts, rows, steps),
+    )
     if output.format != "json":
         for event in result.events:
             click.echo(_sentence(event), err=True)
@@ -189,6 +204,7 @@ def command(
             "use --allow-loss if that is expected"
         )
         raise IncompleteError(message)
+    refuse(verdicts)
 
 
 def _of_poses(result: Track, bound: Callable[[Instance, Array, Array], Array]) -> Array:
@@ -225,7 +241,13 @@ def _rows(result: Track, more: Mapping[str, Array]) -> list[dict[str, Any]]:
     return rows
 
 
-def _table(result: Track, rows: list[dict[str, Any]], limits: list[LimitEvent]) -> Table:
+def _table(
+    result: Track,
+    rows: list[dict[str, Any]],
+    limits: list[LimitEvent],
+    more: list[Column],
+    summary: list[str],
+) -> Table:
     columns = [
         Column(key, align="right", essential=True, aligned=key in _POSE)
         for key in ("t", "mode", *_POSE)
@@ -236,6 +258,7 @@ def _table(result: Track, rows: list[dict[str, Any]], limits: list[LimitEvent]) 
         for key in ("clearance", "pose_clearance")
         if rows and key in rows[0]
     ]
+    columns += more
     names = [one.name for one in result.coordinates]
     columns += [Column(name, align="right", minor=1) for name in names]
     at = {t: dict(zip(names, place, strict=True)) for t, place in _places(result)}
@@ -251,7 +274,7 @@ def _table(result: Track, rows: list[dict[str, Any]], limits: list[LimitEvent]) 
     if result.complete:
         note += "; every real pose at the last row is accounted for"
     notes = [note, *cones_notes(result, limits)]
-    return Table(columns, rows, title=title, notes=notes)
+    return Table(columns, rows, title=title, notes=notes, summary=summary)
 
 
 def _places(result: Track) -> Iterator[tuple[float, list[float]]]:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DPP
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.primitives import Cone, Point
 from gspcli.geometry.quaternions import apply
 from gspcli.records import dataclass
@@ -144,13 +144,52 @@ def out_of_range(instance: Instance, values: Array) -> NDArray[np.bool_]:
     outside = np.zeros(values.shape, bool)
     for k, constraint in enumerate(instance.constraints):
         if constraint.limits is not None:
-            value = values[..., k]
-            if constraint.kind.has_sides and constraint.side is not Side.POSITIVE:
-                value = np.abs(value) if constraint.side is Side.BOTH else -value
+            value = _on_its_side(constraint, values[..., k])
             low, high = (limit.value for limit in constraint.limits)
             room = _ROUNDING * max(abs(low), abs(high))
             outside[..., k] = (value < low - room) | (value > high + room)
     return outside
+
+
+def _on_its_side(constraint: Constraint, value: Array) -> Array:
+    """Return values as their range is meant: signed distances on the side that is asked for."""
+    if not constraint.kind.has_sides or constraint.side is Side.POSITIVE:
+        return value
+    return np.abs(value) if constraint.side is Side.BOTH else -value
+
+
+def range_shares(instance: Instance, values: Array) -> Array:
+    """Return which share of its range each value takes, shape (..., 6).
+
+    0 in the middle of a range, 1 at its ends (and nowhere in a range of one value), more outside,
+    as `out_of_range` says; NaN without a range.
+    """
+    shares = np.full(values.shape, np.nan)
+    outside = out_of_range(instance, values)
+    for k, constraint in enumerate(instance.constraints):
+        if constraint.limits is not None:
+            low, high = (limit.value for limit in constraint.limits)
+            value = _on_its_side(constraint, values[..., k])
+            off, half = np.abs(value - (low + high) / 2), (high - low) / 2
+            share = off / half if half > 0 else np.where(outside[..., k], np.inf, 1.0)
+            shares[..., k] = _agreeing(share, outside[..., k])
+    return shares
+
+
+def cone_shares(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
+    """Return tilts of legs by the half angles of their cones, shape (..., cones); 0 at length zero.
+
+    Above 1 where the cone is left, as `out_of_cone` says.
+    """
+    angles = np.array([joint.cone.half_angle.value for joint in joint_cones(instance)])
+    shares = np.nan_to_num(tilts(instance, R, T) / angles, nan=0.0)
+    return _agreeing(shares, out_of_cone(instance, R, T))
+
+
+def _agreeing(shares: Array, outside: NDArray[np.bool_]) -> Array:
+    """Return shares that are above 1 where a limit is left and only there, rounding or not."""
+    above: Array = np.where(outside, np.maximum(shares, 1 + 2.0**-52), np.minimum(shares, 1.0))
+    return above
 
 
 def out_of_cone(instance: Instance, R: ArrayLike, T: ArrayLike) -> NDArray[np.bool_]:

@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 EXAMPLES = Path(__file__).parents[2] / "data" / "examples"
@@ -90,4 +91,126 @@ def test_mistakes(gsp, arguments, message):
     run = gsp("analyze", HEXAPOD, *arguments)
     assert run.code == 2
     assert run.out == ""
+    assert message in run.err
+
+
+POSES = "t,x,y,z,qw,qx,qy,qz\n0,0,0,1.5,1,0,0,0\n0.5,0.1,0,1.5,1,0,0,0\n1,0.2,0,1.4,1,0.1,0,0\n"
+
+
+@pytest.fixture
+def poses(tmp_path):
+    path = tmp_path / "poses.csv"
+    path.write_text(POSES, encoding="utf-8")
+    return path
+
+
+def test_tolerances_leave_the_worst_force_as_it_is(gsp):
+    plain, with_errors = (
+        gsp("analyze", "@rubin-m2", *more, "--format", "csv").out.splitlines()
+        for more in ((), ("--tolerance", "1e-6"))
+    )
+    place = plain[0].split(",").index("worst")
+    assert with_errors[0].startswith(plain[0])
+    for one, other in zip(plain[1:], with_errors[1:], strict=True):
+        assert float(one.split(",")[place]) == float(other.split(",")[place])
+
+
+def test_the_overview_has_a_column_for_each_option(gsp):
+    options = ("--load", "0,0,-15000", "--stiffness", "2e6", "--geometry", "5e-5")
+    head, *rows = gsp("analyze", "@rubin-m2", *options, "--format", "csv").out.splitlines()
+    document = json.loads(gsp("analyze", "@rubin-m2", *options, "--format", "json").out)
+    for row, pose in zip(rows, document["poses"], strict=True):
+        found = dict(zip(head.split(","), row.split(","), strict=True))
+        largest = max(pose["reactions"], key=abs)
+        assert float(found["force"]) == abs(largest)
+        assert int(found["force_in"]) == pose["reactions"].index(largest) + 1
+        assert float(found["geometry_shift"]) == pose["geometry"]["shift"]
+        assert float(found["least_stiffness"]) == pose["least_stiffness"]
+    assert "moment" not in head
+    run = gsp("analyze", "@example-6.8", "--load", "0,0,-1", "--format", "csv")
+    assert "force,force_in,moment,moment_in" in run.out
+
+
+def test_the_least_stiffness_is_that_of_the_most_compliant_direction(gsp):
+    run = gsp("analyze", HEXAPOD, "--stiffness", "1,2,3,4,5,6", "--format", "json")
+    rng = np.random.default_rng(1)
+    for pose in json.loads(run.out)["poses"]:
+        forces = rng.normal(size=(2000, 3))
+        forces /= np.linalg.norm(forces, axis=1, keepdims=True)
+        # The matrix takes (omega, v) to (moment, force).
+        loads = np.concatenate((np.zeros_like(forces), forces), axis=1)
+        shifts = np.linalg.solve(np.array(pose["stiffness"]), loads.T).T[:, 3:]
+        found = 1 / np.linalg.norm(shifts, axis=1).max()
+        assert pose["least_stiffness"] <= found
+        assert pose["least_stiffness"] == pytest.approx(found, rel=0.01)
+    run = gsp("analyze", HEXAPOD, "--stiffness", "0")
+    assert (run.code, "expected positive numbers" in run.err) == (2, True)
+
+
+def test_rows_of_poses(gsp, poses):
+    head, *rows = gsp("analyze", HEXAPOD, poses, "--format", "csv").out.splitlines()
+    assert head == "row,t,condition,manipulability,largest,smallest,worst"
+    for number, line in enumerate(POSES.splitlines()[1:], 1):
+        t, *pose = line.split(",")
+        run = gsp("analyze", HEXAPOD, "--pose", ",".join(pose), "--format", "json")
+        (alone,) = json.loads(run.out)["poses"]
+        found = rows[number - 1].split(",")
+        assert (int(found[0]), float(found[1])) == (number, float(t))
+        assert float(found[2]) == pytest.approx(alone["condition"])
+
+
+def test_rows_of_values_follow_the_modes(gsp, tmp_path):
+    path = tmp_path / "values.csv"
+    path.write_text("1\n2.53\n2.535\n", encoding="utf-8")
+    run = gsp("analyze", HEXAPOD, path, "--format", "json")
+    found = json.loads(run.out)["poses"]
+    assert [(one["row"], one["mode"]) for one in found] == [(1, 1), (1, 2), (2, 1), (2, 2)]
+    track = json.loads(gsp("track", HEXAPOD, path, "--format", "json").out)
+    expected = [one["condition"] for one in track["poses"]]
+    assert [one["condition"] for one in found] == pytest.approx(expected)
+    only = gsp("analyze", HEXAPOD, path, "--mode", "2", "--format", "json")
+    assert [one["mode"] for one in json.loads(only.out)["poses"]] == [2, 2]
+    path.write_text("1,2,3,4,5,6\n2.53,2.08,0.93,1.97,1.46,1.73\n2.6,2,1,1.9,1.46,1.73\n")
+    run = gsp("analyze", HEXAPOD, path)
+    assert run.code == 4
+    assert "mode 1 ends at t = 1.71886061 (fold)" in run.err
+
+
+def test_requirements_name_the_worst_row(gsp, poses):
+    conditions = [
+        float(line.split(",")[2])
+        for line in gsp("analyze", HEXAPOD, poses, "--format", "csv").out.splitlines()[1:]
+    ]
+    worst = conditions.index(max(conditions)) + 1
+    asked = ("--load", "0,0,-10", "--require", "condition<=1000, force<=0.001")
+    run = gsp("analyze", HEXAPOD, poses, *asked)
+    assert run.code == 1
+    assert f"condition <= 1000: met; worst {max(conditions):.6g} in row {worst} (t = " in run.out
+    assert "force <= 0.001: NOT met; worst" in run.out
+    assert run.err == "error: not met: force <= 0.001\n"
+    run = gsp("analyze", HEXAPOD, poses, *asked, "--format", "json")
+    condition, force = json.loads(run.out)["requirements"]
+    assert (condition["met"], condition["row"], condition["part"]) == (True, worst, None)
+    assert (force["met"], force["requirement"]) == (False, "force <= 0.001")
+    assert force["part"].startswith("constraint ")
+    run = gsp("analyze", HEXAPOD, poses, "--require", "condition<=1000, clearance>=0")
+    assert run.code == 0
+    assert "clearance >= 0: met" in run.out
+    run = gsp("analyze", HEXAPOD, "--require", "condition<=30")
+    assert "condition <= 30: NOT met; worst 34.9255 in mode 1" in run.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--require", "stiffness>=1"), "not known here, use gsp analyze with --stiffness"),
+        (("--require", "moment<=1", "--load", "0,0,1"), "use gsp analyze with --load, of a type"),
+        (("--require", "range"), "--require range: SPEC states no range"),
+        (("--mode", "1"), "--mode: found the poses of"),
+        (("--pose", POSE), "give either ROWS or --pose"),
+    ],
+)
+def test_mistakes_with_rows(gsp, poses, arguments, message):
+    run = gsp("analyze", HEXAPOD, poses, *arguments)
+    assert (run.code, run.out) == (2, "")
     assert message in run.err

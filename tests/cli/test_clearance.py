@@ -151,3 +151,21 @@ def test_poses_without_number(gsp, tmp_path):
     for of in ("values", "pose"):
         run = gsp("clearance", path, "--pose", "0,0,2,1,0,0,0", "--of", of, "--format", "json")
         assert json.loads(run.out)["modes"][0]["lower"] == 0
+
+
+def test_rows(gsp, tmp_path):
+    path = tmp_path / "poses.csv"
+    path.write_text("t,x,y,z,qw,qx,qy,qz\n3,0,0,0,1,0,0,0\n4,0,0,0.005,1,0,0,0\n", "utf-8")
+    run = gsp("clearance", "@rubin-m2", path, "--format", "csv")
+    head, *rows = run.out.splitlines()
+    assert head == "row,t,lower,upper,ratio,by,constraint,1,2,3,4,5,6"
+    assert [row.split(",")[:2] for row in rows] == [["1", "3.0"], ["2", "4.0"]]
+    alone = gsp("clearance", "@rubin-m2", "--pose", "0,0,0.005,1,0,0,0", "--format", "csv")
+    assert rows[1].split(",")[2:] == alone.out.splitlines()[1].split(",")[1:]
+    path.write_text("1\n2.53\n2.535\n", encoding="utf-8")
+    run = gsp("clearance", HEXAPOD, path, "--mode", "1", "--of", "pose", "--format", "json")
+    found = [(one["row"], one["t"], one["mode"]) for one in json.loads(run.out)["modes"]]
+    assert found == [(1, 1.0, 1), (2, 2.0, 1)]
+    path.write_text("base.B1.x\n0.01\n0.02\n", encoding="utf-8")
+    run = gsp("clearance", "@t-top-head", path)
+    assert "found base.B1.x, expected values only" in run.err

@@ -126,3 +126,34 @@ def test_mistakes_of_a_pose_on_the_command_line_have_no_line(gsp):
     assert (
         run.err == "error: --pose: found a quaternion of length zero, expected that of a rotation\n"
     )
+
+
+def test_requirements(gsp, tmp_path):
+    path = tmp_path / "poses.csv"
+    path.write_text("t,x,y,z,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n2,0,0,0.02,1,0,0,0\n", "utf-8")
+    run = gsp("measure", "@rubin-m2", path, "--require", "range, condition<=50, clearance>=1",
+              "--format", "csv")  # fmt: skip
+    assert run.code == 1
+    head, *rows = run.out.splitlines()
+    assert head == "t,1,2,3,4,5,6,range,condition,clearance"
+    assert float(rows[0].split(",")[7]) < 1e-9
+    lines = run.err.splitlines()
+    # Leg 1 is as long as the platform is high: 20 mm are more than its 14.1.
+    first = f"range <= 1: NOT met; worst {20 / 14.1:.6g} in row 2 (t = 2), constraint "
+    assert lines[0].startswith(first)
+    assert lines[1].startswith("condition <= 50: met; worst 1.6")
+    assert lines[-1] == "error: not met: range <= 1"
+    run = gsp("measure", "@rubin-m2", path, "--require", "pose-clearance>=0", "--format", "json")
+    assert run.code == 0
+    document = json.loads(run.out)
+    assert document["requirements"][0]["met"] is True
+    assert document["poses"][0]["pose_clearance"] > 0
+    for what, message in (
+        ("force<=1", "--require force: not known here, use gsp analyze with --load"),
+        ("cone", "--require cone: SPEC states no cone"),
+    ):
+        run = gsp("measure", "@rubin-m2", path, "--require", what)
+        assert (run.code, run.out) == (2, "")
+        assert message in run.err
+    run = gsp("measure", "@t-top-head", path, "--cranks", "--require", "range")
+    assert "--require needs the values, not --cranks" in run.err

@@ -164,3 +164,38 @@ def test_cones_that_are_kept_and_left_between_rows(gsp, tmp_path):
         assert [event["proved"] for event in document["limits"]] == ([] if kept else [True])
     run = gsp("track", "@workspace-study-cones", path, *near, "--no-certify")
     assert "leg 2 leaves its cone at the base between t = 1 and 2\n" in run.err
+
+
+def test_requirements_hold_at_all_rows(gsp, tmp_path):
+    path = tmp_path / "path.csv"
+    near = ("--near", "0,0,60,1,0,0,0")
+    path.write_text("t,x,y,z,qw,qx,qy,qz\n0,0,0,60,1,0,0,0\n3,20,5,62,1,0.02,0,0\n", "utf-8")
+    require = ("--require", "range, cone, clearance>=0.01, condition<=100")
+    run = gsp("track", "@workspace-study-cones", path, *near, *require)
+    assert run.code == 0
+    for name in ("range <= 1", "cone <= 1", "clearance >= 0.01", "condition <= 100"):
+        assert f"\n{name}: met; worst " in run.out
+    assert "(t = 3), mode 8, leg " in run.out
+    require = ("--require", "cone<=0.1, condition<=1")
+    run = gsp("track", "@workspace-study-cones", path, *near, *require, "--format", "json")
+    assert run.code == 1
+    assert run.err == "error: not met: cone <= 0.1 and condition <= 1\n"
+    cone, condition = json.loads(run.out)["requirements"]
+    assert (cone["met"], cone["row"], cone["t"], cone["mode"]) == (False, 2, 3.0, 8)
+    assert condition["worst"] > 1
+
+
+def test_limits_are_required_between_the_rows_too(gsp, tmp_path):
+    text = (Path(HEXAPOD).parent / "six-planes.yaml").read_text(encoding="utf-8")
+    # The first point begins near its plane and crosses it.
+    text = text.replace(
+        "h1: {plane: {point: [0.85, -0.12, 0.91]", "h1: {plane: {point: [0.39, 0.21, 1.075]"
+    )
+    text = text.replace("value: 0.59, side: negative", "value: 0.01, side: both, range: [0.005, 1]")
+    spec, path = tmp_path / "spec.yaml", tmp_path / "values.csv"
+    spec.write_text(text, encoding="utf-8")
+    path.write_text("1\n0.01\n-0.01\n", encoding="utf-8")
+    run = gsp("track", spec, path, "--require", "range")
+    assert run.code == 1
+    assert "range <= 1: NOT met; worst 0.98" in run.out
+    assert "constraint 1 left between rows at t = 1.25" in run.out

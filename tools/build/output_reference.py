@@ -65,9 +65,10 @@ def section(command: str, schema_id: str, found: Printed, file: str, missing: se
 
 
 def meaning(command: str, path: str, missing: set[str]) -> str:
-    """Return what a key or column means: said for the command, or for all."""
-    leaf = path.replace("[]", "").rpartition(".")[2]
-    for key in (f"{command}.{path.replace('[]', '')}", f"{command}.{leaf}", leaf):
+    """Return what a key or column means: said for the command, its object, or for all."""
+    whole = path.replace("[]", "")
+    *_, parent, leaf = ("", *whole.split("."))
+    for key in (f"{command}.{whole}", f"{parent}.{leaf}", f"{command}.{leaf}", leaf):
         if key in KEYS:
             return KEYS[key]
     if leaf.endswith("_imag") and leaf.removesuffix("_imag") in KEYS:

@@ -59,14 +59,32 @@ SAMPLES: dict[str, tuple[str, ...]] = {
     ),
     "sample": ("6PP --count 20",),
     "maximize-real": ("3D3A PH PH PH --attempts 1 --state STATE",),
-    "measure": ("@figure-3 POSES", "@t-top-head --pose 0,0,0.17,1,0,0,0 --cranks"),
-    "track": ("@rubin-m2 VALUES", "LOOP --allow-loss --all --clearance --pose-clearance", "REACH"),
-    "analyze": ("@rubin-m2", "@figure-3", "@figure-3 --geometry 0.01,0.001"),
+    "measure": (
+        "@figure-3 POSES",
+        "@rubin-m2 --pose 0,0,0,1,0,0,0 "
+        "--require range,condition<=9,clearance>=2,pose-clearance>=0",
+        "@t-top-head --pose 0,0,0.17,1,0,0,0 --cranks",
+    ),
+    "track": (
+        "@rubin-m2 VALUES",
+        "LOOP --allow-loss --all --clearance --pose-clearance",
+        "REACH",
+        "REACH --require range,cone",
+    ),
+    "analyze": (
+        "@rubin-m2",
+        "@figure-3",
+        "@figure-3 --geometry 0.01,0.001",
+        "@example-6.8 --load 0,0,-1 --stiffness 1 --tolerance 0.001",
+        "@rubin-m2 VALUES --require range,condition<=9,clearance>=0.1,pose-clearance>=0",
+        "@workspace-study-cones --require cone",
+    ),
     "clearance": (
         "@octahedral-3-3 --mode 1",
         "@singular-pose --mode 1",
         "@surfaces-ppp --mode 1",
         "@octahedral-3-3 --mode 1 --of pose",
+        "@rubin-m2 VALUES --mode 2",
     ),
     "scan": (
         "@octahedral-3-3 --vary 1=1:2:5",

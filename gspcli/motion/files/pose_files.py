@@ -101,6 +101,16 @@ def read_poses(text: str, name: str, form: PoseFormat) -> PoseTable:
     return poses
 
 
+def has_poses(text: str, name: str) -> bool:
+    """Return whether a file is one of poses, by its heading; else it is one of values."""
+    return text.lstrip()[:1] in ("{", "[") or names_poses(NumberTable(text, name))
+
+
+def names_poses(table: NumberTable) -> bool:
+    """Return whether a table has the columns of positions."""
+    return any({*names} <= set(table.heading) for names in (POSITION, TRANSLATION))
+
+
 def poses_in(table: NumberTable, form: PoseFormat) -> PoseTable | None:
     """Return the poses of a table; None if its columns are not those of poses.
 

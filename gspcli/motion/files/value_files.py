@@ -17,7 +17,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.ranges import wrong_value
 from gspcli.motion.files.number_tables import NumberTable
-from gspcli.motion.files.pose_files import POSITION, TRANSLATION, PoseFormat, poses_in
+from gspcli.motion.files.pose_files import PoseFormat, names_poses, poses_in
 from gspcli.motion.poses.inverse_kinematics import measure
 from gspcli.records import dataclass
 from gspcli.wording import nearest, shown
@@ -85,7 +85,7 @@ def read_values(
     table = NumberTable(text, name)
     moving = _moving(table, instance)
     coordinates: dict[str, Array] = {}
-    if any({*names} <= set(table.heading) for names in (POSITION, TRANSLATION)):
+    if names_poses(table):
         if delta:
             table.note_heading("found poses, expected values with --delta")
         for one in moving:

@@ -173,6 +173,32 @@ class Wrenches:
         )
         return matrix
 
+    def least_stiffness(self, each: ArrayLike) -> Array:
+        """Return the least force that shifts the point, by the shift, shape (...).
+
+        The platform is free to turn while a force at the point pushes it in the direction in which
+        it gives way most: the inverse of the largest eigenvalue of the compliance of the point. NaN
+        at singular poses.
+
+        Parameters
+        ----------
+        each
+            As for `stiffness`, positive.
+
+        Raises
+        ------
+        ArgumentError
+            If a stiffness is not positive.
+        """
+        constants = np.asarray(each, float)
+        if not (np.isfinite(constants) & (constants > 0)).all():
+            message = f"found {constants.tolist()}, expected positive numbers"
+            raise ArgumentError(message, "stiffness")
+        shifts = self.inverse[..., 3:, :] / np.sqrt(constants)
+        regular = np.isfinite(shifts).all(axis=(-1, -2))
+        largest = np.linalg.norm(np.where(regular[..., None, None], shifts, 1.0), 2, axis=(-2, -1))
+        return np.asarray(np.where(regular, largest**-2.0, np.nan))
+
 
 def wrenches(
     instance: Instance,
@@ -219,9 +245,10 @@ def wrenches(
         rows = value_slopes(arrangement, R, T)
     undefined = ~np.isfinite(rows).all(axis=-1)
     if undefined.any():
-        k = int(np.argwhere(undefined)[0, -1])
+        *place, k = np.argwhere(undefined)[0].tolist()
+        pose = f"pose {place[0] + 1} of {len(T)}" if place and len(T) > 1 else "this pose"
         kind = arrangement.kinds[k].name
-        message = f"the value of constraint {k + 1} ({kind}) has no derivative at this pose"
+        message = f"the value of constraint {k + 1} ({kind}) has no derivative at {pose}"
         raise ArgumentError(message)
     arm = np.broadcast_to((at - T)[..., None, :], rows[..., 3:].shape)
     moments = rows[..., :3] - cross(arm, rows[..., 3:])

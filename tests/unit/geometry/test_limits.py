@@ -6,9 +6,11 @@ import pytest
 import gspcli
 from gspcli.errors import ArgumentError
 from gspcli.geometry.limits import (
+    cone_shares,
     joint_cones,
     out_of_cone,
     out_of_range,
+    range_shares,
     tilts,
     within_limits,
 )
@@ -97,6 +99,30 @@ def test_the_range_of_a_distance_to_a_plane_is_on_its_side(side, outside):
     values = np.array([[0.5], [1.5], [-1.5], [2.5]]) * np.ones(6)
     assert out_of_range(instance, values)[:, 0].tolist() == outside
     assert not out_of_range(instance, values)[:, 3:].any()
+    shares = range_shares(instance, values)
+    assert (shares[:, 0] > 1).tolist() == outside
+    assert np.isnan(shares[:, 3:]).all()
+
+
+def test_shares_of_limits():
+    instance = hexapod(gspcli.Cone(UP, 30))
+    T = np.array([[0, 0, 2.25], [0, 0, 1.5], [0, 0, 3.0], [0, 0, 3 + 1e-9], [np.sqrt(3), 0, 3.0]])
+    R = np.broadcast_to(np.eye(3), (5, 3, 3))
+    shares = range_shares(instance, measure(instance, R, T))
+    assert np.allclose(shares[:4], np.array([0, 1, 1, 1])[:, None])
+    assert (shares > 1).all(axis=1).tolist() == [False, False, False, True, True]
+    shares = cone_shares(instance, R, T)
+    assert np.allclose(shares, np.array([0, 0, 0, 0, 1])[:, None])
+    assert ((shares > 1) == out_of_cone(instance, R, T)).all()
+
+
+def test_the_share_of_a_range_of_one_value():
+    rows = [
+        gspcli.distance(row.platform, row.base, 2, range=(2, 2)) for row in hexapod().constraints
+    ]
+    instance = gspcli.instance(rows)
+    values = np.array([[2.0] * 6, [2 + 1e-9] * 6])
+    assert range_shares(instance, values).tolist() == [[1.0] * 6, [np.inf] * 6]
 
 
 def test_a_cone_needs_a_leg_and_a_sensible_angle():

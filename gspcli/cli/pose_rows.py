@@ -1,0 +1,159 @@
+"""The poses that a command is asked about: modes, one pose, or the rows of a file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gspcli.cli.pose_options import pose_format, text_of
+from gspcli.cli.progress_bars import working
+from gspcli.cli.real_poses import real_poses
+from gspcli.errors import GspError, IncompleteError
+from gspcli.records import dataclass
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from gspcli.geometry.instance import Instance
+    from gspcli.motion import PoseFormat, Track
+
+    Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PoseRows:
+    """Poses, and what to call them.
+
+    Attributes
+    ----------
+    R, T
+        The poses, shapes (n, 3, 3) and (n, 3).
+    modes
+        The number of the mode of each, if it has one.
+    rows, t
+        The number of its row in the file, from 1, and t there; None without a file.
+    lost
+        Modes that end before the last row of a file of values, in words.
+    """
+
+    R: Array
+    T: Array
+    modes: list[int | None]
+    rows: list[int] | None = None
+    t: list[float] | None = None
+    lost: tuple[str, ...] = ()
+
+    def named(self, k: int) -> dict[str, Any]:
+        """Return what a pose is called, as data."""
+        names: dict[str, Any] = {}
+        if self.rows is not None and self.t is not None:
+            names = {"row": self.rows[k], "t": self.t[k]}
+        return {**names, "mode": self.modes[k]}
+
+    def place(self, k: int) -> str:
+        """Return what a pose is called, in words: ``in row 7 (t = 1.5), mode 2``."""
+        words = []
+        if self.rows is not None and self.t is not None:
+            words.append(f"in row {self.rows[k]} (t = {self.t[k]:.6g})")
+        if self.modes[k] is not None:
+            words.append(f"in mode {self.modes[k]}" if not words else f"mode {self.modes[k]}")
+        return ", ".join(words) or "there"
+
+    def check(self) -> None:
+        """Raise `IncompleteError` if a mode was lost on the way."""
+        if self.lost:
+            raise IncompleteError("\n".join(self.lost))
+
+
+def check_sources(spec: str, rows: str | None, mode: int | None, pose: str | None) -> None:
+    """Raise if poses were asked for in more than one way."""
+    if mode is not None and pose is not None:
+        message = "give either --mode or --pose"
+        raise click.UsageError(message)
+    if rows is not None and pose is not None:
+        message = "give either ROWS or --pose"
+        raise click.UsageError(message)
+    if spec == rows == "-":
+        message = "SPEC and ROWS cannot both be standard input"
+        raise click.UsageError(message)
+
+
+def asked_poses(
+    instance: Instance,
+    rows: str | None,
+    mode: int | None,
+    pose: str | None,
+    euler: str | None,
+    pivot: str | None,
+) -> PoseRows:
+    """Return the poses of a file, the one that is given, or the real ones of the instance.
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    rows
+        A file of poses, as `read_poses` takes it, or of values: then modes are followed along them.
+    mode
+        Only this mode, of the instance or at the first row of a file of values.
+    pose, euler, pivot
+        As the options are given.
+    """
+    if rows is not None:
+        return _of_file(instance, rows, mode, pose_format(instance, euler, pivot))
+    if pose is not None:
+        from gspcli.motion import read_pose
+
+        given = read_pose(pose, pose_format(instance, euler, pivot))
+        return PoseRows(given.R, given.T, [None])
+    R, T = real_poses(instance, mode)
+    if mode is None:
+        return PoseRows(R, T, list(range(1, len(R) + 1)))
+    return PoseRows(R[mode - 1 : mode], T[mode - 1 : mode], [mode])
+
+
+def _of_file(instance: Instance, path: str, mode: int | None, form: PoseFormat) -> PoseRows:
+    from gspcli.motion import read_poses, read_values, track
+    from gspcli.motion.files.pose_files import has_poses
+
+    text, name = text_of(path)
+    if has_poses(text, name):
+        if mode is not None:
+            message = f"--mode: found the poses of {name}, expected a file of values to follow"
+            raise GspError(message)
+        table = read_poses(text, name, form)
+        if not len(table.R):
+            message = f"{name}: found no poses, expected at least one"
+            raise GspError(message)
+        rows = list(range(1, len(table.R) + 1))
+        t = [float(row) for row in rows] if table.t is None else table.t.tolist()
+        return PoseRows(table.R, table.T, [None] * len(rows), rows, t)
+    values = read_values(text, name, instance, form)
+    if values.coordinates:
+        moving = ", ".join(values.coordinates)
+        message = f"{name}: found {moving}, expected values only: the geometry stays as SPEC has it"
+        raise GspError(message)
+    with working("following"):
+        modes = None if mode is None else [mode]
+        followed = track(instance, values.values, t=values.t, modes=modes)
+    return _of_track(followed)
+
+
+def _of_track(followed: Track) -> PoseRows:
+    """Return a pose for each row and each mode that there is."""
+    import numpy as np
+
+    if not len(followed.modes):
+        message = "there is no real pose at the first row"
+        raise GspError(message)
+    rows, modes = np.nonzero(~np.isnan(followed.T[..., 0].T))
+    return PoseRows(
+        followed.R[modes, rows],
+        followed.T[modes, rows],
+        followed.modes[modes].tolist(),
+        (rows + 1).tolist(),
+        followed.t[rows].tolist(),
+        tuple(f"mode {one.mode} ends at t = {one.low:.10g} ({one.kind})" for one in followed.ends),
+    )

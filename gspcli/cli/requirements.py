@@ -1,0 +1,171 @@
+"""The option ``--require``: what rows of poses must keep, in words, as data and as exit code."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from gspcli.cli.output import Column
+from gspcli.errors import CheckFailed, GspError
+from gspcli.wording import listed
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from gspcli.geometry.instance import Instance
+    from gspcli.motion.files.requirements import Parts, Requirement, Verdict
+
+    Array = NDArray[np.float64]
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+#: Where the numbers come from that not every command has.
+_SOURCES = {
+    "force": "gsp analyze with --load",
+    "moment": "gsp analyze with --load, of a type with angles",
+    "stiffness": "gsp analyze with --stiffness",
+    "error": "gsp analyze with --tolerance",
+}
+
+
+def require_option(example: str) -> Callable[[Function], Function]:
+    """Return a decorator that adds ``--require``, with an example in its help."""
+    return click.option(
+        "--require",
+        metavar="WHAT",
+        help=f"Exit with 1 unless every row keeps this, such as '{example}'; the worst row of each "
+        "is named.",
+    )
+
+
+def required(text: str | None) -> list[Requirement]:
+    """Return what ``--require`` says; nothing if it was not given."""
+    if text is None:
+        return []
+    from gspcli.motion.files.requirements import parse_requirements
+
+    return parse_requirements(text)
+
+
+def measured_quantities(
+    instance: Instance,
+    requirements: Sequence[Requirement],
+    values: Array,
+    R: Array,
+    T: Array,
+    known: Mapping[str, Array | Parts] | None = None,
+) -> dict[str, Array | Parts]:
+    """Return the numbers that requirements are about.
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    requirements
+        What is required.
+    values, R, T
+        What n poses measure, shape (n, 6), and the poses.
+    known
+        What the command has computed already.
+
+    Raises
+    ------
+    GspError
+        If there is nothing that a requirement could be about.
+    """
+    found = dict(known or {})
+    for one in requirements:
+        if one.quantity not in found:
+            found[one.quantity] = _measured(instance, one.quantity, values, R, T)
+    return found
+
+
+def _measured(instance: Instance, name: str, values: Array, R: Array, T: Array) -> Array | Parts:
+    if name in _SOURCES:
+        message = f"--require {name}: not known here, use {_SOURCES[name]}"
+        raise GspError(message)
+    if name in ("range", "cone"):
+        return _limits(instance, name, values, R, T)
+    if name == "condition":
+        from gspcli.geometry.arrangement import Arrangement
+        from gspcli.geometry.residuals import condition_numbers
+
+        return condition_numbers(Arrangement.of(instance), R, T)
+    if name == "clearance":
+        from gspcli.motion.singularities.clearances import clearances, range_weights
+
+        return clearances(instance, R, T, weights=range_weights(instance))
+    from gspcli.motion.singularities.pose_clearances import pose_clearances
+
+    return pose_clearances(instance, R, T)
+
+
+def _limits(instance: Instance, name: str, values: Array, R: Array, T: Array) -> Parts:
+    from gspcli.geometry.limits import cone_shares, joint_cones, range_shares
+    from gspcli.motion.files.requirements import Parts
+
+    if name == "cone":
+        cones = joint_cones(instance)
+        names = [f"leg {joint.constraint + 1} at the {joint.body}" for joint in cones]
+        parts = Parts(cone_shares(instance, R, T), names)
+    else:
+        which = [k for k, row in enumerate(instance.constraints) if row.limits is not None]
+        names = [f"constraint {k + 1}" for k in which]
+        parts = Parts(range_shares(instance, values)[:, which], names)
+    if not names:
+        message = f"--require {name}: SPEC states no {name}"
+        raise GspError(message)
+    return parts
+
+
+def add_quantities(
+    rows: Sequence[dict[str, Any]], quantities: Mapping[str, Array | Parts]
+) -> list[Column]:
+    """Add quantities to rows, one number each, and return their columns."""
+    from gspcli.motion.files.requirements import Parts
+
+    columns = []
+    for name, given in quantities.items():
+        key = name.replace("-", "_")
+        heading = {"range": "of range", "cone": "of cone"}.get(name, name.replace("-", " "))
+        columns.append(Column(key, heading, align="right", essential=True))
+        numbers = given.largest if isinstance(given, Parts) else given
+        for row, number in zip(rows, numbers.tolist(), strict=True):
+            row[key] = number if abs(number) < float("inf") else None
+    return columns
+
+
+def verdict_lines(verdicts: Sequence[Verdict], places: Callable[[int], str]) -> list[str]:
+    """Return each verdict in a line; `places` names a row."""
+    lines = []
+    for one in verdicts:
+        met = "met" if one.met else "NOT met"
+        of = f", {one.part}" if one.part else ""
+        lines.append(f"{one.requirement}: {met}; worst {one.worst:.6g} {places(one.row)}{of}")
+    return lines
+
+
+def verdict_entries(
+    verdicts: Sequence[Verdict], places: Callable[[int], Mapping[str, Any]]
+) -> list[dict[str, Any]]:
+    """Return verdicts for JSON; `places` names a row as data."""
+    return [
+        {
+            "requirement": str(one.requirement),
+            "met": one.met,
+            "worst": one.worst if abs(one.worst) < float("inf") else None,
+            "part": one.part or None,
+            **places(one.row),
+        }
+        for one in verdicts
+    ]
+
+
+def refuse(verdicts: Sequence[Verdict]) -> None:
+    """Raise `CheckFailed` if a requirement is not met."""
+    if failed := [str(one.requirement) for one in verdicts if not one.met]:
+        message = f"not met: {listed(failed, 'and')}"
+        raise CheckFailed(message)

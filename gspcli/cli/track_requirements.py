@@ -1,0 +1,123 @@
+"""What ``--require`` asks of a track: at all rows of all modes, and limits between rows, too."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from gspcli.cli.requirements import (
+    add_quantities,
+    measured_quantities,
+    verdict_entries,
+    verdict_lines,
+)
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from gspcli.cli.output import Column
+    from gspcli.motion import Track
+    from gspcli.motion.files.requirements import Parts, Requirement, Verdict
+    from gspcli.motion.following.limit_events import LimitEvent
+
+    Array = NDArray[np.float64]
+
+#: Quantities that have their columns in every track, or by options.
+_KNOWN = ("condition", "clearance", "pose_clearance")
+
+
+def judged_track(
+    result: Track,
+    limits: Sequence[LimitEvent],
+    requirements: Sequence[Requirement],
+    rows: list[dict[str, Any]],
+) -> tuple[list[Verdict], list[Column]]:
+    """Return whether a track keeps what is required, and the columns that this adds to its rows.
+
+    Parameters
+    ----------
+    result, limits
+        The track, and where it leaves limits.
+    requirements
+        What is required.
+    rows
+        A row for each pose, in the order of the rows of the file, then of the modes.
+    """
+    if not requirements or not rows:
+        return [], []
+    import numpy as np
+
+    from gspcli.motion.files.requirements import judge
+
+    known = {
+        key.replace("_", "-"): np.array([row[key] for row in rows])
+        for key in _KNOWN
+        if key in rows[0]
+    }
+    quantities: dict[str, Array | Parts] = dict(known)
+    for one in requirements:
+        if one.quantity not in quantities:
+            quantities[one.quantity] = _at_all_rows(result, one)
+    verdicts = [_between(one, limits) for one in judge(requirements, quantities)]
+    more = {name: numbers for name, numbers in quantities.items() if name not in known}
+    return verdicts, add_quantities(rows, more)
+
+
+def _at_all_rows(result: Track, requirement: Requirement) -> Array | Parts:
+    """Return a quantity of each pose, in the order of the rows; the geometry may move."""
+    import numpy as np
+
+    from gspcli.motion.files.requirements import Parts
+
+    name = requirement.quantity
+    found: list[Array | Parts] = []
+    for part, moved in result.instances():
+        # What is followed has one side of each plane; ranges are those of the sides asked for.
+        instance = result.instance if name == "range" else moved
+        rows, modes = np.nonzero(~np.isnan(result.T[:, part, 0].T))
+        values = result.values[part][rows]
+        R, T = (array[:, part][modes, rows] for array in (result.R, result.T))
+        found.append(measured_quantities(instance, [requirement], values, R, T)[name])
+    first = found[0]
+    if isinstance(first, Parts):
+        every = [part.values for part in found if isinstance(part, Parts)]
+        return Parts(np.concatenate(every), first.names)
+    return np.concatenate([part for part in found if not isinstance(part, Parts)])
+
+
+def _between(verdict: Verdict, limits: Sequence[LimitEvent]) -> Verdict:
+    """Return a verdict on a limit that also holds between the rows."""
+    left = [one for one in limits if one.kind == verdict.requirement.quantity]
+    if not verdict.met or not left:
+        return verdict
+    event = left[0]
+    how = "left" if event.proved else "perhaps left"
+    where = f"constraint {event.constraint + 1} {how} between rows at t = {event.low:.9g}"
+    return replace(verdict, met=False, part=where)
+
+
+def track_lines(verdicts: Sequence[Verdict], rows: list[dict[str, Any]], steps: int) -> list[str]:
+    """Return the verdicts in lines; of `steps` rows of the track one is of the file."""
+
+    def place(k: int) -> str:
+        at = _place(rows, k, steps)
+        return f"in row {at['row']} (t = {at['t']:.6g}), mode {at['mode']}"
+
+    return verdict_lines(verdicts, place)
+
+
+def track_entries(
+    verdicts: Sequence[Verdict], rows: list[dict[str, Any]], steps: int
+) -> dict[str, Any]:
+    """Return the verdicts for JSON, under their key; nothing if nothing was required."""
+    if not verdicts:
+        return {}
+    return {"requirements": verdict_entries(verdicts, lambda k: _place(rows, k, steps))}
+
+
+def _place(rows: Sequence[Mapping[str, Any]], k: int, steps: int) -> dict[str, Any]:
+    times = list(dict.fromkeys(row["t"] for row in rows))
+    row = rows[k]
+    return {"row": times.index(row["t"]) // steps + 1, "t": row["t"], "mode": row["mode"]}
