@@ -122,7 +122,7 @@ def command(
       gsp analyze platform.yaml
       gsp analyze platform.yaml --mode 1 --load 0,0,-100@0,0,250 --tolerance 0.01
       gsp analyze platform.yaml --pose 0,0,1.5,1,0,0,0 --stiffness 2e6
-      gsp analyze platform.yaml path.csv --load 0,0,-9 --require "range, force<=20"
+      gsp analyze platform.yaml path.csv --load 0,0,-9 --require "force<=20"
     """
     check_sources(spec, rows, mode, pose)
     from gspcli.motion.statics.wrenches import wrenches

@@ -34,13 +34,19 @@ from gspcli.wording import counted
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from gspcli.geometry.instance import Instance
     from gspcli.motion.singularities.crossings import Boundary, Crossing
     from gspcli.motion.singularities.value_scans import Axis, Scan
     from gspcli.workers import Workers
 
+    Array = NDArray[np.float64]
+
 QUANTITIES = ("modes", "condition", "clearance")
 _NUMBERS = tuple("123456")
+_POSE = ("Tx", "Ty", "Tz", "qw", "qx", "qy", "qz")
 
 
 @click.command()
@@ -103,7 +109,7 @@ def command(
     All poses are found at every node of the grid: modes is the number of real ones, condition the
     smallest condition number of one. With --folds, where neighbouring nodes have different
     numbers, the values at which a pair of modes meets and vanishes are proved: points of the
-    discriminant. Over two values it is followed through them as curves, which pictures show
+    discriminant, each with the pose. Mirror images have one each, at the same values. Over two values it is followed through them as curves, which pictures show
     with their cusps; the curves between the proved points are numbers, not proofs.
 
     Over poses (--over) nothing is solved: the sign and size of the determinant of the Jacobian
@@ -224,6 +230,7 @@ def _table(found: Scan, limits: Boundary, folds: bool) -> Table:
     names, instance = _names(found), found.instance
     if folds:
         columns = [Column("change", align="right", essential=True)]
+        columns += [Column(key, align="right", minor=1, aligned=True) for key in _POSE]
     else:
         columns = [
             Column("modes", align="right", essential=True),
@@ -300,8 +307,17 @@ def _finite(number: Any) -> float | None:
 
 
 def _crossing_rows(found: list[Crossing], names: list[str]) -> list[dict[str, Any]]:
+    from gspcli.geometry.quaternions import quaternion_from_rotation
+
+    def quaternion(R: Array) -> list[float]:
+        return list(quaternion_from_rotation(R).tolist())
+
     return [
-        {**dict(zip(names, one.values, strict=True)), "change": one.change}
+        {
+            **dict(zip(names, one.values, strict=True)),
+            "change": one.change,
+            **dict(zip(_POSE, [*one.T.tolist(), *quaternion(one.R)], strict=True)),
+        }
         for one in sorted(found, key=lambda one: one.values)
     ]
 

@@ -144,3 +144,43 @@ def test_values_that_are_none_are_told_before_the_work(gsp):
     assert "--vary: found -2 for constraint 1, expected a distance of at least 0" in run.err
     run = gsp("scan", "@figure-2", "--vary", "2=10:190:3")
     assert "--vary: found 190 for constraint 2, expected an angle of LL from 0 to 180" in run.err
+
+
+@pytest.mark.parametrize(
+    ("spec", "vary", "modes"),
+    [
+        ("@nano-hexapod", "1=0.078:0.083:3", [4, 8, 8]),
+        ("@planar-6-6", "1=1.45:1.75:3", [4, 8, 4]),
+        ("@octahedral-3-3", "1=2.25:2.55:3", [8, 4, 0]),
+        ("@workspace-study", "1=340:400:3", [4, 8, 12]),
+    ],
+)
+def test_mirror_images_have_a_fold_each(gsp, spec, vary, modes):
+    run = gsp("scan", spec, "--vary", vary, "--format", "csv")
+    assert [int(line.split(",")[1]) for line in run.out.splitlines()[1:]] == modes
+    run = gsp("scan", spec, "--vary", vary, "--folds", "--format", "json")
+    assert (run.code, run.err) == (0, "")
+    folds = json.loads(run.out)["folds"]
+    assert sum(fold["change"] for fold in folds) == modes[-1] - modes[0]
+    assert {abs(fold["change"]) for fold in folds} == {2}
+    # Two at each value, at different poses, which have that value; between the nodes some modes end
+    # and others are born.
+    for one, other in zip(folds[::2], folds[1::2], strict=True):
+        assert one["1"] == pytest.approx(other["1"], rel=1e-12)
+        poses = [[fold[key] for key in ("Tx", "Ty", "Tz", "qw", "qx", "qy", "qz")]
+                 for fold in (one, other)]  # fmt: skip
+        assert poses[0] != pytest.approx(poses[1], rel=1e-3)
+        for pose in poses:
+            found = gsp("measure", spec, "--pose", ",".join(map(repr, pose)), "--format", "json")
+            value = json.loads(found.out)["poses"][0]["values"][0]
+            assert value == pytest.approx(one["1"], rel=1e-9)
+
+
+def test_curves_of_mirror_images(gsp):
+    grid = ("--vary", "1=2.3:2.6:3", "--vary", "2=1:1.3:3")
+    run = gsp("scan", "@octahedral-3-3", *grid, "--folds", "--jobs", "1", "--format", "json")
+    assert (run.code, run.err) == (0, "")
+    document = json.loads(run.out)
+    assert len(document["curves"]) % 2 == 0
+    places = [(fold["1"], fold["2"]) for fold in document["folds"]]
+    assert len(places) == 2 * len({(round(a, 9), round(b, 9)) for a, b in places}) > 0

@@ -314,6 +314,8 @@ KEYS: dict[str, str] = {
     "closed": "whether a curve ends where it begins",
     "scan.values": "the values that vary, along a curve",
     "cusps": "where a curve has a cusp: three modes meet",
+    **{f"folds.T{x}": "position of the platform's origin where two modes meet" for x in "xyz"},
+    **{f"folds.q{x}": "unit quaternion of the rotation there, scalar first" for x in "wxyz"},
     "change": "how many modes more there are on the side of the greater value",
     "complete": "whether every mode was followed to the last row",
     "track.coordinates": "where the coordinates that move are at each row, by their names",

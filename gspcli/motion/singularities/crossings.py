@@ -25,6 +25,8 @@ from gspcli.solver import solve_batch
 Array = NDArray[np.float64]
 #: Parts of the ranges: what is nearer to the border of the grid is on it.
 _BORDER = 1e-9
+#: Poses of folds that differ by more, as rotations or relatively, are different ones.
+_APART = 1e-6
 #: Random values at which curves are looked for that no edge tells of.
 _SAMPLES = 32
 #: An edge of the grid: along which axis, and its first node.
@@ -35,16 +37,22 @@ Edge = tuple[int, tuple[int, ...]]
 class Crossing:
     """A proved fold between two neighbouring nodes: a point of the discriminant.
 
+    Mirror images have folds at the same values: each is one, at its own pose.
+
     Attributes
     ----------
     values
         The values that vary, there.
     change
         How many modes there are more on the side of the greater value: 2 or -2.
+    R, T
+        The pose at which two modes meet, shapes (3, 3) and (3,).
     """
 
     values: tuple[float, ...]
     change: int
+    R: Array
+    T: Array
 
 
 @dataclasses.dataclass(eq=False)
@@ -76,72 +84,106 @@ def boundary(found: Scan, *, seed: int = SEED) -> Boundary:
 def boundaries(found: Scan, *, seed: int = SEED) -> Iterator[Boundary]:
     """Yield what is known of where the number of modes changes, after each edge of the grid.
 
-    The modes are followed with proof from the node that has more of them. Over two values the
-    discriminant is followed as a curve from each fold so found, and where it crosses edges of the
-    grid, too, its folds are proved there; so only a few edges have to be looked at. Curves that no
-    edge tells of are looked for at random values, without a proof that none is missed.
+    The modes are followed with proof from the node that has more of them, and where that does not
+    explain the change, from the other one, too: some may end and others be born between. Over two
+    values the discriminant is followed as a curve from each fold so found, and where it crosses
+    edges of the grid, too, its folds are proved there; so only a few edges have to be looked at.
+    Curves that no edge tells of are looked for at random values, without a proof that none is
+    missed.
     """
-    result = Boundary()
-    sums: dict[Edge, int] = {}
-    known: dict[Edge, list[Crossing]] = {}
-    following = _Curves(found) if len(found.axes) == 2 else None
-    edges = [
-        (next(axis for axis, k in enumerate(node) if other[axis] != k), node, other)
-        for node, other in found.edges
-    ]
+    search = _Search(found, seed)
+    edges = []
+    for node, other in found.edges:
+        axis = next(axis for axis, k in enumerate(node) if other[axis] != k)
+        edges.append(((axis, node), int(found.modes[other] - found.modes[node])))
+        search.explain(edges[-1][0], other, edges[-1][1])
+        yield search.result
+    search.look_for_hidden_curves()
+    search.result.unexplained = [edge for edge, wanted in edges if search.change(edge) != wanted]
+    yield search.result
 
-    def enter(curve: Curve, *, new: bool) -> None:
-        before = len(result.crossings)
-        for edge, crossing in following.crossings(curve) if following else ():
-            # A curve may begin on a line, and be found again from another edge.
-            if any(_same(crossing, other) for other in known.get(edge, [])):
+
+class _Search:
+    """What is found on the edges of a grid.
+
+    Parameters
+    ----------
+    found
+        The numbers of modes at its nodes.
+    seed
+        Of what is random.
+    """
+
+    def __init__(self, found: Scan, seed: int) -> None:
+        self.result = Boundary()
+        self._found = found
+        self._seed = seed
+        self._known: dict[Edge, list[Crossing]] = {}
+        self._curves = _Curves(found) if len(found.axes) == 2 else None
+
+    def change(self, edge: Edge) -> int:
+        """Return how many modes more there are at the end of an edge, as its crossings say."""
+        return sum(crossing.change for crossing in self._known.get(edge, ()))
+
+    def explain(self, edge: Edge, other: tuple[int, ...], wanted: int) -> None:
+        """Look for the folds on an edge to a node that has so many modes more."""
+        first, last = (edge[1], other) if wanted < 0 else (other, edge[1])
+        for start, goal in ((first, last), (last, first)):
+            if self.change(edge) != wanted:
+                self._follow(edge, start, goal, wanted)
+
+    def look_for_hidden_curves(self) -> None:
+        """Follow curves that no edge tells of, too."""
+        if self._curves is not None:
+            for curve in self._curves.hidden(self.result.curves, self._seed):
+                self._enter(curve, new=True)
+
+    def _follow(
+        self, edge: Edge, start: tuple[int, ...], goal: tuple[int, ...], wanted: int
+    ) -> None:
+        """Add the folds in which modes end from one node to another, or the curves through them."""
+        ends = np.stack([self._found.values_at(start), self._found.values_at(goal)])
+        path = track(self._found.instance, ends, seed=self._seed)
+        for event in path.events:
+            # Two modes that meet tell of the same fold.
+            told = event.partner is not None and event.partner < event.mode
+            if event.kind != "fold" or told:
                 continue
-            known.setdefault(edge, []).append(crossing)
-            sums[edge] = sums.get(edge, 0) + crossing.change
-            result.crossings.append(crossing)
-        if new or len(result.crossings) > before:
-            result.curves.append(curve)
+            at = ends[0] + (event.low - 1) * (ends[1] - ends[0])
+            values = tuple(float(at[axis.constraint]) for axis in self._found.axes)
+            curve = self._curves.through(event, values) if self._curves else None
+            if curve is None:
+                change = -2 if start == edge[1] else 2
+                self._add(edge, Crossing(values, change, event.R, event.T))
+                continue
+            self._enter(curve, new=False)
+            if self.change(edge) == wanted:
+                break
 
-    for axis, node, other in edges:
-        wanted = int(found.modes[other] - found.modes[node])
-        if sums.get((axis, node), 0) != wanted:
-            for event, values, change in _folds(found, node, other, seed):
-                curve = following.through(event, values) if following else None
-                if curve is None:
-                    sums[axis, node] = sums.get((axis, node), 0) + change
-                    result.crossings.append(Crossing(values, change))
-                    continue
-                enter(curve, new=False)
-                if sums.get((axis, node), 0) == wanted:
-                    break
-        yield result
-    if following is not None:
-        for curve in following.hidden(result.curves, seed):
-            enter(curve, new=True)
-    result.unexplained = [
-        (axis, node)
-        for axis, node, other in edges
-        if sums.get((axis, node), 0) != found.modes[other] - found.modes[node]
-    ]
-    yield result
+    def _add(self, edge: Edge, crossing: Crossing) -> bool:
+        """Add a crossing, unless it is known: a curve may be found again from another edge."""
+        known = self._known.setdefault(edge, [])
+        if any(_same(crossing, other) for other in known):
+            return False
+        known.append(crossing)
+        self.result.crossings.append(crossing)
+        return True
 
-
-def _folds(
-    found: Scan, node: tuple[int, ...], other: tuple[int, ...], seed: int
-) -> Iterator[tuple[Event, tuple[float, ...], int]]:
-    """Yield the folds between two nodes, the values there and the change along the axis."""
-    first, last = (node, other) if found.modes[node] > found.modes[other] else (other, node)
-    ends = np.stack([found.values_at(first), found.values_at(last)])
-    path = track(found.instance, ends, seed=seed)
-    folds = {round(event.low, 12): event for event in path.events if event.kind == "fold"}
-    for event in folds.values():
-        at = ends[0] + (event.low - 1) * (ends[1] - ends[0])
-        values = tuple(float(at[axis.constraint]) for axis in found.axes)
-        yield event, values, -2 if first == node else 2
+    def _enter(self, curve: Curve, *, new: bool) -> None:
+        """Add the crossings of a curve, and the curve if it is new or has new ones."""
+        assert self._curves is not None
+        added = [self._add(edge, crossing) for edge, crossing in self._curves.crossings(curve)]
+        if new or any(added):
+            self.result.curves.append(curve)
 
 
 def _same(first: Crossing, second: Crossing) -> bool:
-    return bool(np.allclose(first.values, second.values, rtol=1e-9, atol=1e-12))
+    """Whether two crossings are the same: the values agree, and so do the poses."""
+    if not np.allclose(first.values, second.values, rtol=1e-9, atol=1e-12):
+        return False
+    size = np.abs(first.T).max() + np.abs(second.T).max()
+    turned, moved = np.abs(first.R - second.R).max(), np.abs(first.T - second.T).max()
+    return bool(turned < _APART and moved <= _APART * size)
 
 
 class _Curves:
@@ -236,4 +278,4 @@ class _Curves:
             return None
         exact = rows[0] + fold.low * (rows[1] - rows[0])
         values = tuple(float(exact[one.constraint]) for one in self.found.axes)
-        return (axis, node), Crossing(values, 2 * fold.bends)
+        return (axis, node), Crossing(values, 2 * fold.bends, *self.platform.poses(fold.point))
