@@ -251,12 +251,23 @@ def _refined(result: SolveResult, shown: Shown, digits: int) -> list[dict[str, A
 
 def _complain(result: SolveResult, *, certified: bool) -> None:
     """Raise what the exit code is to say."""
+    from gspcli.cli.summary import fixed
+
     counts = result.counts
     if result.verdict == "infinite":
         message = "the poses are infinitely many"
         if count := len(result.lone.R):
             alone = f"{count} are real" if count > 1 else "one is real"
             raise NotFiniteError(f"{message} over the complex numbers; {alone}, and cannot move")
+        if fixed(result):
+            message += " in another component; from the isolated real ones the platform cannot move"
+            if result.motions:
+                dimension = result.motions[0].dimension
+                message += (
+                    f"\n(numerical evidence: that component has local dimension {dimension}; "
+                    "--format json has a sample)"
+                )
+            raise NotFiniteError(message)
         for motion in result.motions[:1]:
             how = "the platform can move" if motion.real else "over the complex numbers"
             message += (

@@ -36,6 +36,13 @@ def summary(result: SolveResult, *, certify: bool, contradicting: Sequence[int] 
         Numbers from 1 of constraints that contradict each other, where there is no real pose.
     """
     lines = [f"{_real(result, certify=certify)}; {_completeness(result)}"]
+    if fixed(result):
+        one = result.counts.real == 1
+        poses, them = ("the isolated real pose", "it") if one else ("these real poses", "them")
+        lines.append(
+            f"the platform cannot move from {poses}: the infinitely many others are another "
+            f"component, apart from {them}"
+        )
     if contradicting:
         lines.append(_reason(result, contradicting))
     return lines
@@ -57,6 +64,15 @@ def _real(result: SolveResult, *, certify: bool) -> str:
     if real == 0:
         return text
     return text + (f", {known.sum()} of them proved" if known.any() else ", not proved")
+
+
+def fixed(result: SolveResult) -> bool:
+    """Return whether all isolated real poses are proved to be so though poses are infinitely many.
+
+    A simple solution is in no larger set of them: whatever moves passes through none of these.
+    """
+    real = result.counts.real
+    return result.verdict == "infinite" and real > 0 and bool(result.certified[:real].all())
 
 
 def proved(result: SolveResult) -> NDArray[np.bool_]:
