@@ -109,8 +109,9 @@ def command(
     All poses are found at every node of the grid: modes is the number of real ones, condition the
     smallest condition number of one. With --folds, where neighbouring nodes have different
     numbers, the values at which a pair of modes meets and vanishes are proved: points of the
-    discriminant, each with the pose. Mirror images have one each, at the same values. Over two values it is followed through them as curves, which pictures show
-    with their cusps; the curves between the proved points are numbers, not proofs.
+    discriminant, each with the pose. Mirror images have one each, at the same values. Over two
+    values it is followed through them as curves, which pictures show with their cusps; the curves
+    between the proved points are numbers, not proofs.
 
     Over poses (--over) nothing is solved: the sign and size of the determinant of the Jacobian
     matrix (free of units, as in `gsp analyze`) and the condition number. --folds gives the poses

@@ -201,6 +201,7 @@ class SolveResult:
         limits = self._limits()
         return tuple(
             Solution(
+                number=k + 1,
                 real=bool(self.real[k]),
                 certified=bool(self.certified[k]),
                 multiplicity=int(self.multiplicity[k]),
@@ -273,8 +274,8 @@ class SolveResult:
     def to_frame(self, *, everything: bool = False) -> pd.DataFrame:
         """Return the poses as a table with a row for each (pandas is imported now).
 
-        The columns are those of `gspcli.solver.columns`, as in the CSV of `gsp solve`. With
-        ``everything`` the quaternions and translations are complex.
+        The columns are those of `gspcli.solver.columns`, as in the CSV of `gsp solve`; the index is
+        the number, from 1. With ``everything`` the quaternions and translations are complex.
         """
         import pandas as pd
 
@@ -285,7 +286,7 @@ class SolveResult:
         for column in COLUMNS:
             values = column.read(self)[:count]
             data[column.key] = np.real(values) if column.of_pose and not everything else values
-        return pd.DataFrame(data)
+        return pd.DataFrame(data, index=pd.RangeIndex(1, count + 1, name="number"))
 
 
 def _motion_json(motion: Motion) -> dict[str, Any]:

@@ -36,6 +36,8 @@ class Solution:
 
     Attributes
     ----------
+    number
+        From 1 in the order of the result, as `gsp solve` and its CSV have it.
     real, certified
         Whether the pose is real, and whether that and its existence are proved.
     multiplicity
@@ -57,6 +59,7 @@ class Solution:
         has none.
     """
 
+    number: int
     real: bool
     certified: bool
     multiplicity: int
@@ -76,6 +79,7 @@ class Solution:
     def to_json(self) -> dict[str, Any]:
         """Return the pose as plain data (see `SolveResult.to_json`)."""
         document: dict[str, Any] = {
+            "number": self.number,
             "real": self.real,
             "certified": self.certified,
             "multiplicity": self.multiplicity,

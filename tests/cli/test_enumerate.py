@@ -143,6 +143,18 @@ def test_a_type_list_is_a_sequence_and_a_frame() -> None:
     assert TypeList().to_frame()["theorem_5_4"].count() == 35
 
 
+def test_columns_with_gaps_are_integers_in_pandas(gsp, tmp_path) -> None:
+    import pandas as pd
+
+    path = tmp_path / "types.csv"
+    assert gsp("enumerate", "--format", "csv", "-o", path).code == 0
+    read = pd.read_csv(path, dtype_backend="numpy_nullable")
+    frame = TypeList().to_frame()
+    for key in ("theorem_5_4", "table_3", "best_real"):
+        assert str(frame[key].dtype) == str(read[key].dtype) == "Int64"
+        assert frame[key].tolist() == read[key].tolist()
+
+
 def test_patterns_are_a_column_on_request() -> None:
     key = COLUMNS[-1].key
     assert key == "patterns"

@@ -134,6 +134,29 @@ def test_an_infinite_set_has_exit_code_3(gsp, spec):
     assert run.err.startswith("error: the poses are infinitely many: the platform can move")
 
 
+def test_a_coupling_that_holds_though_the_poses_are_infinitely_many(gsp):
+    run = gsp("solve", "@three-vee-250mm")
+    assert run.code == 3
+    assert (
+        "\nthe platform cannot move from these real poses: the infinitely many others are another "
+        "component, apart from them\n"
+    ) in run.out
+    assert run.err == (
+        "error: the poses are infinitely many in another component; from the isolated real ones "
+        "the platform cannot move\n"
+        "(numerical evidence: that component has local dimension 1; --format json has a sample)\n"
+    )
+
+
+def test_solutions_have_numbers(gsp):
+    document = json.loads(gsp("solve", "@figure-3", "--all", "--format", "json").out)
+    assert [one["number"] for one in document["solutions"]] == [1, 2, 3, 4]
+    T = document["solutions"][2]["T"]
+    near = ",".join(map(repr, [*T, *document["solutions"][2]["quaternion"]]))
+    document = json.loads(gsp("solve", "@figure-3", "--near", near, "--format", "json").out)
+    assert document["solutions"][0]["number"] == 3
+
+
 def test_json_of_an_infinite_set_has_sample_motions(gsp, spec):
     run = gsp("solve", spec(normal="1, 0, 0"), "--set", "3=1", "--format", "json")
     motion = json.loads(run.out)["motions"][0]

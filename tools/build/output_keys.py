@@ -204,6 +204,7 @@ KEYS: dict[str, str] = {
     "residual": "largest difference from a value, in the units of the file",
     "condition": "condition number of the pose, free of units; null if infinite",
     "motions": "sample motions of a platform that can move, over the complex numbers at least",
+    "solutions.number": "number of the pose, from 1",
     "contradicting": "constraints that contradict each other, as far as found",
     "refined": "the pose with proved digits",
     **{f"refined_R{i}{j}": "entry of the rotation, proved digits" for i in "123" for j in "123"},

@@ -43,7 +43,7 @@ def test_json_has_the_keys_of_the_schema(result):
     assert document["seed"] == SEED
     assert len(document["solutions"]) == document["counts"]["found"]
     for solution in document["solutions"]:
-        keys = {"real", "certified", "multiplicity", "R", "T", "quaternion"}
+        keys = {"number", "real", "certified", "multiplicity", "R", "T", "quaternion"}
         keys |= {"residual", "condition", "sides"}
         if not solution["real"]:
             keys |= {"R_imag", "T_imag", "quaternion_imag"}
@@ -99,6 +99,8 @@ def test_sides_are_named_by_constraint_number(result):
 def test_frame_has_a_row_for_each_pose(result):
     frame = result.to_frame()
     assert len(frame) == result.counts.real
+    assert frame.index.name == "number"
+    assert frame.index.tolist() == [one.number for one in result.real_solutions]
     np.testing.assert_allclose(frame[["Tx", "Ty", "Tz"]], result.T[result.real].real)
     everything = result.to_frame(everything=True)
     assert len(everything) == result.counts.found
