@@ -103,6 +103,16 @@ BOUND_MEANINGS = {
 BOUND_NAMES = tuple(BOUND_MEANINGS)
 
 
+#: What the paper's Table 3 counts of the two planes that a DLL gives under each orientation.
+ONE_ORIENTATION = "one orientation of each DLL"
+
+
+def bound_sides(name: str, distances: Sequence[Kind]) -> str:
+    """Return of what a bound of some distances is one: the sides, and the orientations of a DLL."""
+    sides = BOUND_MEANINGS[name].sides
+    return f"{sides}, {ONE_ORIENTATION}" if name == "table_3" and DLL in distances else sides
+
+
 def type_bounds(gsp_type: GspType) -> Bounds:
     """Return the bounds of a type; the kinds of its angles make no difference."""
     return _bounds(gsp_type.distances)
@@ -191,7 +201,8 @@ def _table_3(distances: tuple[Kind, ...]) -> Bound | None:
         if any(kind.has_sides for kind in distances):
             reason += "; one-sided"
         if DLL in distances:
-            reason += "; one of the two planes of a DLL"
+            both = value * 2 ** distances.count(DLL)
+            reason += f"; for {ONE_ORIENTATION}, one of its two planes; for both {both}"
         return reason
 
     return Bound(value, explain)

@@ -7,7 +7,14 @@ from typing import Any
 
 import click
 
-from gspcli.catalogue.bounds import BOUND_MEANINGS, BOUND_NAMES, Bounds, family_bounds, type_bounds
+from gspcli.catalogue.bounds import (
+    BOUND_MEANINGS,
+    BOUND_NAMES,
+    Bounds,
+    bound_sides,
+    family_bounds,
+    type_bounds,
+)
 from gspcli.catalogue.constraints import Degrees, constraint_facts
 from gspcli.catalogue.counts import GenericCounts, family_counts, generic_counts
 from gspcli.catalogue.kinds import Kind
@@ -114,7 +121,7 @@ def _tables(subject: GspType | Family) -> list[Table]:
         title += f"  (a family of {len(subject.types)} types, angles left open)"
     return [
         constraint_table(_kinds(subject), title),
-        bound_table(_bounds(subject), _counts(subject), best_real(subject)),
+        bound_table(subject, _bounds(subject), _counts(subject), best_real(subject)),
     ]
 
 
@@ -148,7 +155,9 @@ def constraint_table(kinds: Sequence[Kind], title: str) -> Table:
     )
 
 
-def bound_table(bounds: Bounds, counts: GenericCounts, real: int | None) -> Table:
+def bound_table(
+    subject: GspType | Family, bounds: Bounds, counts: GenericCounts, real: int | None
+) -> Table:
     """Return rows: the bounds that apply with their reasons, the counts, the best known real."""
     applying = [(name, bound) for name, bound in bounds.items() if bound is not None]
     rows = [
@@ -156,7 +165,7 @@ def bound_table(bounds: Bounds, counts: GenericCounts, real: int | None) -> Tabl
             "kind": "bound",
             "source": BOUND_MEANINGS[name].title,
             "value": bound.value,
-            "sides": BOUND_MEANINGS[name].sides,
+            "sides": bound_sides(name, subject.distances),
         }
         for name, bound in applying
     ]
@@ -178,7 +187,7 @@ def bound_table(bounds: Bounds, counts: GenericCounts, real: int | None) -> Tabl
             Column("kind", "number of solutions", essential=True, fold=" "),
             Column("source", "by", essential=True, fold=" "),
             Column("value", align="right", essential=True),
-            Column("sides", essential=True),
+            Column("sides", essential=True, fold=" "),
         ],
         rows=rows,
         notes=[

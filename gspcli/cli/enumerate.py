@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
 from typing import Any
 
 import click
 
 from gspcli.catalogue import listing
+from gspcli.catalogue.bounds import ONE_ORIENTATION, type_bounds
 from gspcli.catalogue.coincidence import coincident_types
 from gspcli.catalogue.coincidence_counts import count_coincident, count_up_to_swap
+from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.overconstraint import over_constraint
 from gspcli.catalogue.parsing import parse_class, parse_kind_set, parse_type
 from gspcli.catalogue.types import CLASSES, GspType, PlatformClass
@@ -19,17 +21,21 @@ from gspcli.cli.output import Column, Output, Table, emit, output_options
 #: Options that take several words, as in `--only PL PH A`.
 _WORD_LISTS = ("--only", "--with", "--without", "--columns", "--sort")
 _ESSENTIAL = ("number", "id")
-#: What a narrow terminal shows last: the paper's bounds before sharper ones, and those before
-#: counts. The kinds are in the id, too.
+#: What a narrow terminal leaves out first, the largest first: the kinds and the class, which are in
+#: the id, then sharper bounds, then counts; the paper's own bounds last.
 _MINOR = {
-    "generic_two_sided": 0,
-    "best_real": 1,
+    "theorem_5_2": 0,
+    "theorem_5_3": 0,
+    "theorem_5_4": 0,
+    "table_3": 0,
+    "generic_two_sided": 1,
     "generic_one_sided": 2,
-    "refined_two_sided": 3,
-    "refined_one_sided": 4,
-    "class": 5,
+    "best_real": 3,
+    "refined_two_sided": 4,
+    "refined_one_sided": 5,
+    "class": 6,
 }
-_MOST_MINOR = 6
+_MOST_MINOR = 7
 
 
 class _WordListCommand(click.Command):
@@ -103,7 +109,8 @@ def command(
 
     KINDS are names as PL or DPL, A for all angles, D for all distances; LL means both
     DLL and ALL. Bounds are two-sided and the paper's own, except where the name says
-    one_sided; table_3 is one-sided; no value means that the theorem does not apply.
+    one_sided; table_3 is one-sided and counts one orientation of each DLL; no value means that the
+    theorem does not apply.
 
     \b
     Examples:
@@ -142,11 +149,24 @@ def command(
                 for column in shown
             ],
             rows=list(selected.rows(shown)),
-            notes=[f"{len(selected)} of {len(listing.TypeList())} types"],
+            notes=_notes(selected, shown),
             part="types",
         ),
         schema="enumerate",
     )
+
+
+def _notes(selected: listing.TypeList, shown: Sequence[listing.TypeColumn]) -> list[str]:
+    """Return how many types are listed, and what Table 3 counts where others count more."""
+    notes = [_share(selected)]
+    keys = {column.key for column in shown}
+    if "table_3" in keys and any(DLL in t.kinds for t in selected if type_bounds(t).table_3):
+        notes.append(f"Table 3 counts {ONE_ORIENTATION}; all other columns count both")
+    return notes
+
+
+def _share(selected: listing.TypeList) -> str:
+    return f"{len(selected)} of {len(listing.TypeList())} types"
 
 
 def _words(text: str) -> list[str]:
@@ -175,6 +195,8 @@ def _select(
 
 
 def _counts(selected: listing.TypeList) -> Table:
+    filtered = len(selected) < len(listing.TypeList())
+
     def rows() -> Iterator[dict[str, Any]]:
         for platform_class in CLASSES:
             members = [t for t in selected if t.platform_class == platform_class]
@@ -196,10 +218,11 @@ def _counts(selected: listing.TypeList) -> Table:
             Column("class", essential=True),
             Column("formula", "Proposition 2.2"),
             Column("types", "by formula", align="right", essential=True),
-            Column("selected", "enumerated", align="right", essential=True),
+            Column("selected", "selected" if filtered else "enumerated", "right", essential=True),
         ],
         rows=list(rows()),
         part="classes",
+        notes=[f"{_share(selected)}, as the options select them"] if filtered else [],
     )
 
 

@@ -47,7 +47,9 @@ def command(names: tuple[str, ...], output: Output) -> None:
         [
             constraint_table(gsp_type.kinds, _title(gsp_type)),
             _meanings(gsp_type),
-            bound_table(type_bounds(gsp_type), generic_counts(gsp_type), best_real(gsp_type)),
+            bound_table(
+                gsp_type, type_bounds(gsp_type), generic_counts(gsp_type), best_real(gsp_type)
+            ),
             _chains(gsp_type, built),
             _facts(gsp_type, alias),
         ],

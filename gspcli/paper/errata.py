@@ -135,6 +135,16 @@ ERRATA: tuple[Erratum, ...] = (
         proofs.proof_of_5_2,
     ),
     Erratum(
+        "citations",
+        "slip",
+        "Proofs of Theorems 5.2 and 5.3, page 72",
+        "Following Mourrain's treatment [18], Following Lazard's treatment [18]",
+        "[15] and [12]",
+        "[18] is Stewart's paper of 1965. Section 3 introduces the variety of Mourrain with [15] "
+        "and that of Lazard with [12].",
+        proofs.citations,
+    ),
+    Erratum(
         "proof-of-5-3",
         "slip",
         "Proof of Theorem 5.3, page 72",
@@ -254,6 +264,16 @@ ERRATA: tuple[Erratum, ...] = (
         "Each of the 56 triples belongs to one case; the two printed ones stand in their own "
         "cases, SSS and PCC, as well.",
         proofs.table_3,
+    ),
+    Erratum(
+        "table-3-lines",
+        "wrong",
+        "Table 3, page 80, columns with LL",
+        "the maximal number of solutions N1, 8 for LL LL LL",
+        "N1 for one orientation of each pair of lines; 2^k N1 for k pairs, 64 for LL LL LL",
+        "Under a given orientation a DLL leaves two planes (page 77). N1 counts one of them, and a "
+        "distance of lines, which has no sign, allows both.",
+        proofs.lines_of_table_3,
     ),
     Erratum(
         "captions",

@@ -129,6 +129,25 @@ def table_3() -> str:
     return f"{' and '.join(counted)} are each printed in two cases; both have other surfaces"
 
 
+def lines_of_table_3() -> str:
+    """Prove that platforms of k DLL and three angles have 2^k times as many solutions as N1."""
+    from gspcli.catalogue.counts import family_counts
+    from gspcli.catalogue.witnesses import best_real
+
+    entries = [entry for entry in table3.compute() if DLL in entry.distances]
+    for entry in entries:
+        times = 2 ** entry.distances.count(DLL)
+        found = family_counts(entry.family).one_sided
+        _require(times > 1 and found == times * entry.n1, f"{entry}: {found} solutions")
+    (three,) = (entry for entry in entries if set(entry.distances) == {DLL})
+    real = best_real(three.family)
+    _require(real == 2**3 * three.n1, f"{three}: {real} real solutions of a platform")
+    return (
+        f"in all {len(entries)} triples with LL the generic count for given sides of planes is 2^k "
+        f"times N1, and a recorded platform of {three} has {real} certified real solutions"
+    )
+
+
 def figure_2() -> str:
     """Prove how many solutions a platform of Figure 2 has for each choice of three signs."""
     from gspcli.paper.confirmation import mutual_moment
@@ -190,6 +209,28 @@ def proof_of_5_3() -> str:
         "with m = 1 and s = 0 the printed number is 80 for k = 1 = m only; 20 · 2 · 2^m · 4^s is "
         "that of the theorem for all m and s up to 2"
     )
+
+
+#: The references that page 72 and Section 3 cite for rigid motions, as its list prints them.
+_REFERENCES = {
+    12: "Lazard, D., Generalized Stewart platform: how to compute with rigid motions?",
+    15: "Mourrain, B., Enumeration problems in geometry, robotics and vision",
+    18: "Stewart, D., A platform with six degrees of freedom",
+}
+#: Whose treatment is followed on page 72, with the number printed there and that of Section 3.
+_FOLLOWED = {"Mourrain": (18, 15), "Lazard": (18, 12)}
+
+
+def citations() -> str:
+    """Prove that [18] is by neither Mourrain nor Lazard, and that the references of Section 3 are.
+
+    The evidence is the list of references.
+    """
+    for author, (cited, introduced) in _FOLLOWED.items():
+        _require(not _REFERENCES[cited].startswith(author), f"[{cited}] is by {author}")
+        _require(_REFERENCES[introduced].startswith(author), f"[{introduced}] is not by {author}")
+    found = "; ".join(f"[{number}] {text}" for number, text in _REFERENCES.items())
+    return f"the list of references has {found}"
 
 
 def proof_of_5_2() -> str:

@@ -79,3 +79,14 @@ def test_mistakes_exit_with_2(gsp: Run, words: list[str]) -> None:
     assert outcome.code == 2
     assert outcome.out == ""
     assert outcome.err
+
+
+def test_table_3_says_that_it_counts_one_orientation_of_each_dll(gsp: Run) -> None:
+    lines = gsp("bound", "3D3A", "LL", "LL", "LL").out.splitlines()
+    (row,) = (line for line in lines if line.startswith("bound") and "Table 3" in line)
+    assert row.split(maxsplit=3)[2:] == ["3", "8  one-sided, one orientation of each DLL"]
+    (reason,) = (line for line in lines if line.startswith("Table 3: "))
+    assert reason.endswith("for one orientation of each DLL, one of its two planes; for both 64")
+    # What it says holds: the generic count is of both.
+    assert any(line.startswith("generic count") and " 64 " in line for line in lines)
+    assert "orientation of each" not in gsp("bound", "3D3A", "PH", "PH", "PL").out

@@ -160,3 +160,19 @@ def test_patterns_are_a_column_on_request() -> None:
     assert key == "patterns"
     row = next(TypeList()[-1:].rows(COLUMNS))
     assert isinstance(row["patterns"], int)
+
+
+def test_a_count_says_that_it_is_filtered(gsp) -> None:
+    run = gsp("enumerate", "--max-table-3", "8", "--count")
+    assert run.out.splitlines()[0].split()[-1] == "selected"
+    assert run.out.splitlines()[-1] == "200 of 3850 types, as the options select them"
+    run = gsp("enumerate", "--count")
+    assert run.out.splitlines()[0].split()[-1] == "enumerated"
+    assert "select" not in run.out
+
+
+def test_a_note_where_table_3_counts_one_orientation(gsp) -> None:
+    note = "Table 3 counts one orientation of each DLL; all other columns count both"
+    assert note in gsp("enumerate", "--class", "3D3A", "--with", "DLL").out
+    for others in (("--without", "DLL"), ("--class", "6D"), ("--columns", "id,generic_one_sided")):
+        assert note not in gsp("enumerate", *others).out

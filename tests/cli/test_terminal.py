@@ -109,10 +109,13 @@ def test_wider_terminals_show_no_less(shown: Shown) -> None:
     assert left_out[0] > left_out[-1]
 
 
-def test_the_sharpest_numbers_stay_longest(shown: Shown) -> None:
-    (page, _), _ = shown("enumerate", "--limit", "2", widths=[60])
-    assert any("generic" in line for line in page.splitlines()[:3])
-    assert "Thm" in page.split("(left out")[1]
+def test_the_bounds_of_the_paper_stay_longest(shown: Shown) -> None:
+    (*pages, _), _ = shown("enumerate", "--limit", "2", widths=[60, 80])
+    for page in pages:
+        heading = " ".join(page.splitlines()[:3])
+        assert heading.count("Thm") == 3
+        assert "Table" in heading
+        assert "refined" in page.split("(left out")[1]
 
 
 def test_colour_of_errors(shown: Shown) -> None:
