@@ -46,7 +46,8 @@ if TYPE_CHECKING:
 
 QUANTITIES = ("modes", "condition", "clearance")
 _NUMBERS = tuple("123456")
-_POSE = ("Tx", "Ty", "Tz", "qw", "qx", "qy", "qz")
+_POSITION = ("Tx", "Ty", "Tz")
+_POSE = (*_POSITION, "qw", "qx", "qy", "qz")
 
 
 @click.command()
@@ -161,7 +162,8 @@ def command(
 
         write(output, mode_map(found, limits, quantity, output.format))
     else:
-        emit(output, _table(found, limits, folds), document=_document(found, limits, folds))
+        table = _table(found, limits, folds, output.format)
+        emit(output, table, document=_document(found, limits, folds))
     if interrupted:
         return INTERRUPTED
     if unknown := int((found.modes == UNKNOWN).sum()):
@@ -227,11 +229,13 @@ def _boundary(found: Scan) -> Boundary:
     return last
 
 
-def _table(found: Scan, limits: Boundary, folds: bool) -> Table:
+def _table(found: Scan, limits: Boundary, folds: bool, form: str) -> Table:
     names, instance = _names(found), found.instance
     if folds:
         columns = [Column("change", align="right", essential=True)]
-        columns += [Column(key, align="right", minor=1, aligned=True) for key in _POSE]
+        # People tell mirror images apart by their positions.
+        shown = _POSE if form == "csv" else _POSITION
+        columns += [Column(key, align="right", minor=1, aligned=True) for key in shown]
     else:
         columns = [
             Column("modes", align="right", essential=True),
