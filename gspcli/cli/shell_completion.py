@@ -109,6 +109,12 @@ def _axes(incomplete: str) -> list[CompletionItem]:
     return [item for item in _form(incomplete) if len(item.value) == 3]
 
 
+def _requirements(incomplete: str) -> list[CompletionItem]:
+    from gspcli.motion.files.requirements import QUANTITIES
+
+    return _in_list(incomplete, QUANTITIES)
+
+
 def _beginning(
     incomplete: str, words: Iterable[str], *, exact: bool = False
 ) -> list[CompletionItem]:
@@ -140,6 +146,9 @@ _COMPLETERS: dict[str, Completer] = {
     "POSE": _file,
     "POSES": _file,
     "RESULT": _file,
+    "ROWS": _file,
     "SPEC": _spec,
     "TYPE": _type,
+    "VALUES": _file,
+    "WHAT": _requirements,
 }
