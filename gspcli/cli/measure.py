@@ -142,9 +142,6 @@ def _judged(
         return [], []
     from gspcli.motion.files.requirements import judge
 
-    if not rows:
-        message = "found no poses, expected at least one to judge"
-        raise GspError(message)
     found = measured_quantities(instance, requirements, values, table.R, table.T)
     return judge(requirements, found), add_quantities(rows, found)
 

@@ -45,7 +45,7 @@ def judged_track(
     rows
         A row for each pose, in the order of the rows of the file, then of the modes.
     """
-    if not requirements or not rows:
+    if not requirements:
         return [], []
     import numpy as np
 
@@ -54,7 +54,7 @@ def judged_track(
     known = {
         key.replace("_", "-"): np.array([row[key] for row in rows])
         for key in _KNOWN
-        if key in rows[0]
+        if all(key in row for row in rows)
     }
     quantities: dict[str, Array | Parts] = dict(known)
     for one in requirements:

@@ -161,13 +161,21 @@ def judge(
     requirements
         What is required.
     quantities
-        The numbers of n poses, n at least one, by the keys of `QUANTITIES`: shape (n,), or in
-        parts. NaN is what could not be computed: the worst of all.
+        The numbers of n poses by the keys of `QUANTITIES`: shape (n,), or in parts. NaN is what
+        could not be computed: the worst of all.
+
+    Raises
+    ------
+    GspError
+        If there is no pose.
     """
     verdicts = []
     for one in requirements:
         given = quantities[one.quantity]
         parts = given if isinstance(given, Parts) else Parts(given[:, None], ("",))
+        if not parts.values.size:
+            message = f"there is no pose of which {one} could be required"
+            raise GspError(message)
         least = QUANTITIES[one.quantity].least
         bad = np.where(np.isnan(parts.values), np.inf, parts.values * (-1 if least else 1))
         row, part = np.unravel_index(int(bad.argmax()), bad.shape)

@@ -63,3 +63,8 @@ def test_what_could_not_be_computed_is_the_worst(number):
         parse_requirements("stiffness>=9"), {"stiffness": np.array([10.0, np.nan, 20.0])}
     )
     assert (verdict.met, verdict.row) == (False, 1)
+
+
+def test_nothing_is_not_kept_by_no_pose():
+    with pytest.raises(GspError, match="no pose of which condition <= 9 could be required"):
+        judge(parse_requirements("condition<=9"), {"condition": np.zeros(0)})
