@@ -311,11 +311,18 @@ def _plain(event: Event) -> dict[str, Any]:
         "partner": event.partner,
         "row": event.row + 1,
         "t": [event.low, event.high],
-        "R": event.R.tolist(),
-        "T": event.T.tolist(),
+        "R": _finite(event.R),
+        "T": _finite(event.T),
         "partner_R": None if event.partner_R is None else event.partner_R.tolist(),
         "partner_T": None if event.partner_T is None else event.partner_T.tolist(),
     }
+
+
+def _finite(part: Array) -> Any:
+    """Return a part of a pose; None at infinity, where there is none."""
+    import numpy as np
+
+    return part.tolist() if np.isfinite(part).all() else None
 
 
 def _sentence(event: Event) -> str:

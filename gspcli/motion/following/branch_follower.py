@@ -111,9 +111,13 @@ class StudyUnits:
         return np.ascontiguousarray(points / np.linalg.norm(points, axis=-1, keepdims=True))
 
     def poses(self, points: Array) -> tuple[Array, Array]:
-        """Return the poses (R, T) of Study points, ``(..., 8) -> (..., 3, 3), (..., 3)``."""
-        R, T = pose_from_study(points[..., :4], points[..., 4:])
-        return R, self.local_frames.doubles_back(R, T * self.scale)
+        """Return the poses (R, T) of Study points, ``(..., 8) -> (..., 3, 3), (..., 3)``.
+
+        Points at infinity, where a platform that goes far away may end, have none: not finite.
+        """
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            R, T = pose_from_study(points[..., :4], points[..., 4:])
+            return R, self.local_frames.doubles_back(R, T * self.scale)
 
 
 def apart(instance: Instance) -> Instance:

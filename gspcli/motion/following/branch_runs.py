@@ -191,6 +191,8 @@ class Run:
 
     def _seen(self, row: int, R: Array, T: Array) -> str | None:
         """Return what is seen at a pose where following stopped, if anything."""
+        if not (np.isfinite(R).all() and np.isfinite(T).all()):
+            return "the platform goes far away, to infinity"
         arrangement = Arrangement.of(self.platform.instance_at(self.values[row]))
         w, v = arrangement.placed(R, T).w, arrangement.v
         sines = np.linalg.norm(np.cross(w, v), axis=-1)

@@ -41,7 +41,8 @@ class Event:
     low, high
         Between which t it is: for a fold proved, else where following stopped and the next row.
     R, T
-        The pose, shapes (3, 3) and (3,); of a fold the singular one.
+        The pose, shapes (3, 3) and (3,); of a fold the singular one. Not finite where the platform
+        goes to infinity.
     partner
         The number of the mode that vanishes with it, if that is among those followed.
     partner_R, partner_T

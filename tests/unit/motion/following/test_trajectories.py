@@ -9,6 +9,7 @@ from gspcli.errors import GspError
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
 from gspcli.motion import FollowOptions, MovingPlatform, measure, track
 from gspcli.motion.following import branch_steps as stepping
+from gspcli.motion.following.branch_runs import Run
 from gspcli.motion.following.trajectories import at_values
 from gspcli.motion.singularities.clearances import clearances
 from gspcli.resources import data_path
@@ -329,3 +330,13 @@ def test_conditions_are_those_of_solve():
     result = track(instance, [stated, stated + np.array([0.3, 0, 0, 0, 0, -0.2])])
     solved = gspcli.solve(instance)
     np.testing.assert_allclose(result.conditions[:, 0], solved.conditions[solved.real], rtol=1e-6)
+
+
+def test_where_a_platform_goes_to_infinity_there_is_no_pose():
+    instance = gspcli.load(data_path("examples", "figure-3.yaml"))
+    platform = MovingPlatform(instance)
+    R, T = platform.poses(np.eye(8)[4])
+    assert not np.isfinite(T).any()
+    values = np.array([[row.value.value for row in instance.constraints]] * 2)
+    run = Run(instance, platform, np.array([1.0, 2.0]), values, FollowOptions())
+    assert run._seen(0, R, T) == "the platform goes far away, to infinity"
