@@ -20,23 +20,11 @@ from gspcli import __version__
 from gspcli.export.chains import Chain, Joint, Link, chain
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.lengths import METRES
 from gspcli.geometry.primitives import Line, Plane
 
 Array = NDArray[np.float64]
 
-#: Names of units of length in metres; any other is taken for the metre.
-METRES = {
-    "m": 1.0,
-    "dm": 0.1,
-    "cm": 0.01,
-    "mm": 1e-3,
-    "um": 1e-6,
-    "µm": 1e-6,
-    "km": 1e3,
-    "in": 0.0254,
-    "inch": 0.0254,
-    "ft": 0.3048,
-}
 #: Seconds a step. With stiff constraints loops stay closed to 1e-6 lengths over seconds.
 TIME_STEP = 5e-5
 #: Kilogrammes of the platform and of each link. Light links would make stiff constraints soft; so
