@@ -250,7 +250,8 @@ def _forces(
     singular, conditions = drives.conditions()
     columns = np.swapaxes(drives.rows, -1, -2)
     columns = np.where(singular[:, None, None], np.eye(6), columns)
-    forces = np.linalg.solve(columns, wrench[..., None])[..., 0]
+    forces = np.asarray(np.linalg.solve(columns, wrench[..., None])[..., 0], float)
     forces += drives.inertial(twists, accelerations)
     forces[singular] = np.nan
-    return forces, forces * apply(drives.rows, twists), singular, conditions
+    powers: Array = forces * apply(drives.rows, twists)
+    return forces, powers, singular, conditions

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.dynamics.arrays import checked_array, checked_rows, make_read_only, plain
 from gspcli.dynamics.drives import Drives
 from gspcli.dynamics.mass_model import MassModel
-from gspcli.dynamics.moving_bodies import MovingBodies
+from gspcli.dynamics.moving_bodies import MovingBodies, equation_of_motion
 from gspcli.dynamics.trajectories import check_times
 from gspcli.errors import ArgumentError, GspError, IncompleteError
 from gspcli.geometry.instance import Instance
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 #: Relative accuracy of a step, and the absolute one in metres, radians and seconds.
-_RELATIVE, _ABSOLUTE = 1e-12, 1e-14
+_RELATIVE, _ABSOLUTE = 1e-11, 1e-14
 #: Calls of the equations of motion before a simulation is given up.
 _MOST_CALLS = 2_000_000
 #: The columns of a row: those of a file of poses with velocities and accelerations.
@@ -159,21 +159,20 @@ def forward_dynamics(
     t = model.in_metres(checked_array(twists, (len(R), 6), "twists"))
     F = checked_array(forces, (len(R), 6), "forces")
     found, _ = _accelerations(model, R, T * model.metre, t, F)
-    return found / np.repeat([1.0, model.metre], 3)
+    return np.asarray(found / np.repeat([1.0, model.metre], 3))
 
 
 def _accelerations(
     model: MassModel, R: Array, T: Array, twists: Array, forces: Array
 ) -> tuple[Array, Array]:
     """Return accelerations and what the drives do (W), in metres, shapes (n, 6) and (n,)."""
-    drives, bodies = Drives(model, R, T), MovingBodies(model, R, T)
+    drives = Drives(model, R, T)
     columns = np.swapaxes(drives.rows, -1, -2)
-    mass = bodies.mass_matrix() + columns * model.rotors @ drives.rows
-    still = np.zeros_like(twists)
-    pushed = apply(columns, forces - drives.inertial(twists, still))
-    rest = pushed - bodies.wrench(twists, still, model.gravity)
+    mass, needed = equation_of_motion(model, R, T, twists)
+    mass = mass + columns * model.rotors @ drives.rows
+    pushed = apply(columns, forces - drives.inertial(twists, np.zeros_like(twists)))
     power = dot(forces, apply(drives.rows, twists))
-    return np.linalg.solve(mass, rest[..., None])[..., 0], power
+    return np.linalg.solve(mass, (pushed - needed)[..., None])[..., 0], power
 
 
 def simulate(
@@ -212,7 +211,7 @@ def simulate(
 
     Notes
     -----
-    Runge and Kutta's method of order 8 (SciPy's ``DOP853``) with a relative accuracy of 1e-12 a
+    Runge and Kutta's method of order 8 (SciPy's ``DOP853``) with a relative accuracy of 1e-11 a
     step. `SimulatedMotion.energy_error` says what became of it.
     """
     model = MassModel.of(instance)
@@ -286,8 +285,9 @@ def _described(model: MassModel, times: Array, states: Array, F: Array) -> Simul
     T, R, twists = states[:, :3], rotation_from_quaternion(states[:, 3:7]), states[:, 7:13]
     accelerations, _ = _accelerations(model, R, T, twists, F)
     bodies, drives = MovingBodies(model, R, T), Drives(model, R, T)
-    mass = bodies.mass_matrix() + np.swapaxes(drives.rows, -1, -2) * model.rotors @ drives.rows
-    kinetic = np.einsum("ni,nij,nj->n", twists, mass, twists) / 2
+    mass, _ = equation_of_motion(model, R, T, twists)
+    rates = apply(drives.rows, twists)
+    kinetic = (dot(twists, apply(mass, twists)) + rates**2 @ model.rotors) / 2
     unit = np.repeat([1.0, model.metre], 3)
     return SimulatedMotion(
         model.instance,

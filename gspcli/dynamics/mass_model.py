@@ -110,7 +110,7 @@ class MassModel:
 
     def in_metres(self, twists: Array) -> Array:
         """Return twists, or their derivatives, with lengths in metres, shape (..., 6)."""
-        return twists * np.repeat([1.0, self.metre], 3)
+        return np.asarray(twists * np.repeat([1.0, self.metre], 3))
 
 
 def _six(numbers: tuple[Number, ...]) -> Array:

@@ -90,7 +90,7 @@ class MovingBodies:
         twists, accelerations
             Of the platform, shape (..., 6), with which the poses are broadcast.
         gravity
-            Shape (3,).
+            Shape (..., 3).
         """
         omega, alpha = twists[..., :3], accelerations[..., :3]
         force = self.model.mass * (self._centre_rate(twists, accelerations) - gravity)
@@ -101,16 +101,6 @@ class MovingBodies:
             force = force + at_end.sum(axis=-2)
             moment = moment + cross(self.arm, at_end).sum(axis=-2)
         return np.concatenate((moment, force), axis=-1)
-
-    def mass_matrix(self) -> Array:
-        """Return M without the inertia of the drives, shape (..., 6, 6)."""
-        columns = self.spread().wrench(np.zeros(6), np.eye(6), np.zeros(3))
-        return (columns + np.swapaxes(columns, -1, -2)) / 2
-
-    def spread(self, axes: int = 1) -> MovingBodies:
-        """Return the same poses with so many more axes, to be broadcast with twists."""
-        place = (..., *[None] * axes, slice(None))
-        return MovingBodies(self.model, self.R[(*place, slice(None))], self.T[place])
 
     def potential(self) -> Array:
         """Return the potential energy of the bodies in gravity, shape (...)."""
@@ -159,8 +149,9 @@ class MovingBodies:
         """Return the forces at the ends of the legs that move them so, (..., m, 3)."""
         legs, rate = self.model.legs, motion.turning_rate
         (mass, place), (rod, below) = legs.cylinder, legs.rod
-        on_rod = rod * (motion.end_rate - below * rate - gravity)
-        on_direction = legs.across * rate + mass * place * (place * rate - gravity)
+        fall = gravity[..., None, :]
+        on_rod = rod * (motion.end_rate - below * rate - fall)
+        on_direction = legs.across * rate + mass * place * (place * rate - fall)
         if legs.axial.any():
             on_direction = on_direction + legs.axial * self._spinning(motion)
         on_direction = on_direction - below * on_rod
@@ -176,3 +167,24 @@ class MovingBodies:
         rate = dot(self.model.legs.axes, turning)[..., None] * (1 + c * c) / square**2 * by
         rate = rate + c / square * dot(n, motion.turning_rate)[..., None]
         return np.asarray(rate * c / square * n + spin * cross(turning, self.e))
+
+
+def equation_of_motion(model: MassModel, R: Array, T: Array, twists: Array) -> tuple[Array, Array]:
+    """Return M and h - G without the drives, shapes (..., 6, 6) and (..., 6).
+
+    Parameters
+    ----------
+    model, R, T
+        The platform, and poses in metres.
+    twists
+        How it moves there, shape (..., 6).
+    """
+    # One after the other: as it moves with gravity, then six unit accelerations at rest.
+    moving = np.zeros((*twists.shape[:-1], 7, 6))
+    moving[..., 0, :] = twists
+    gravity = np.zeros((7, 3))
+    gravity[0] = model.gravity
+    bodies = MovingBodies(model, R[..., None, :, :], T[..., None, :])
+    rows = bodies.wrench(moving, np.eye(7, 6, -1), gravity)
+    columns = rows[..., 1:, :]
+    return (columns + np.swapaxes(columns, -1, -2)) / 2, rows[..., 0, :]

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.dynamics.arrays import checked_array, checked_rows, make_read_only, plain
 from gspcli.dynamics.drives import Drives, Flags
 from gspcli.dynamics.mass_model import MassModel
-from gspcli.dynamics.moving_bodies import MovingBodies
+from gspcli.dynamics.moving_bodies import MovingBodies, equation_of_motion
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
@@ -85,7 +85,7 @@ class NaturalModes:
         return signed
 
     @property
-    def rows(self) -> Array:
+    def rows(self) -> NDArray[np.int64]:
         """The numbers of the poses from 1, shape (n,)."""
         return np.arange(1, len(self.T) + 1)
 
@@ -163,20 +163,21 @@ def _modes(
     model: MassModel, R: Array, T: Array, stiffness: Array
 ) -> tuple[Array, Array, Array, Flags]:
     """Return squares, shapes, preload and which poses are singular; see `NaturalModes`."""
-    drives, bodies = Drives(model, R, T), MovingBodies(model, R, T)
+    drives = Drives(model, R, T)
     singular, _ = drives.conditions()
     J, still = drives.rows, np.zeros((len(T), 6))
     columns = np.where(singular[:, None, None], np.eye(6), np.swapaxes(J, -1, -2))
-    weights = bodies.wrench(still, still, model.gravity)
-    preload = np.linalg.solve(columns, weights[..., None])[..., 0]
+    mass, weights = equation_of_motion(model, R, T, still)
+    preload = np.asarray(np.linalg.solve(columns, weights[..., None])[..., 0], float)
     held = np.einsum("nki,k,nkj->nij", J, stiffness, J)
-    K = held - np.einsum("nk,nkij->nij", preload, drives.second) + _weight_stiffness(bodies)
-    M = bodies.mass_matrix() + np.einsum("nki,k,nkj->nij", J, model.rotors, J)
+    K = held - np.einsum("nk,nkij->nij", preload, drives.second) + _weight_stiffness(model, R, T)
+    M = mass + np.einsum("nki,k,nkj->nij", J, model.rotors, J)
     # M = C C^T turns K x = w^2 M x into a symmetric problem.
     C = np.linalg.cholesky(M)
     half = np.linalg.solve(C, np.swapaxes(np.linalg.solve(C, K), -1, -2))
+    squares: Array
     squares, vectors = np.linalg.eigh((half + np.swapaxes(half, -1, -2)) / 2)
-    shapes = np.swapaxes(np.linalg.solve(np.swapaxes(C, -1, -2), vectors), -1, -2)
+    shapes: Array = np.swapaxes(np.linalg.solve(np.swapaxes(C, -1, -2), vectors), -1, -2)
     weighted = shapes * np.repeat([model.bodies.length, 1.0], 3)
     largest = np.take_along_axis(weighted, np.abs(weighted).argmax(-1)[..., None], axis=-1)
     shapes = shapes / largest * model.bodies.length / np.repeat([1.0, model.metre], 3)
@@ -184,8 +185,9 @@ def _modes(
     return squares, shapes, preload, singular
 
 
-def _weight_stiffness(bodies: MovingBodies) -> Array:
+def _weight_stiffness(model: MassModel, R: Array, T: Array) -> Array:
     """Return the second derivatives of the potential energy of the weights, (n, 6, 6)."""
-    form = bodies.spread(2).potential_bend(_PAIRS)
+    bodies = MovingBodies(model, R[:, None, None], T[:, None, None])
+    form = bodies.potential_bend(_PAIRS)
     own = np.einsum("nii->ni", form) / 4
     return np.asarray((form - own[:, :, None] - own[:, None, :]) / 2)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, TypeAlias, TypeVar
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from gspcli.catalogue.kinds import Kind
 from gspcli.errors import Problem
 from gspcli.geometry.masses import GRAVITY, Drives, Dynamics, Leg, LegBody, RigidBody, mistakes
-from gspcli.spec.document import Mapping, Value
+from gspcli.spec.document import Mapping, Sequence
 from gspcli.spec.plain import DynamicsFields, LegBodyFields, LegFields
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def stated_dynamics(model: AnyDynamics | None) -> Dynamics | None:
     body, drives = model.platform, model.drives
     return Dynamics(
         RigidBody(body.mass, body.centre, body.inertia),
-        [_leg(leg) for leg in model.legs or ()],
+        [_leg(leg) for leg in model.legs or () if leg is not None],
         None if drives is None else Drives(_or_zero(drives.inertia), drives.stiffness),
         GRAVITY if model.gravity is None else model.gravity,
     )
@@ -50,14 +50,16 @@ def _leg_body(model: AnyLegBody | None) -> LegBody | None:
 
 
 def problems_of_masses(
-    root: Mapping, dynamics: Dynamics, kinds: Sequence[Kind], length: str
+    root: Mapping, dynamics: Dynamics, kinds: Iterable[Kind], length: str
 ) -> list[Problem]:
     """Return what no platform can have of what a file says of masses, each with its place."""
     problems = []
-    for place, message in mistakes(dynamics, kinds, length):
-        node: Value = root
+    for place, message in mistakes(dynamics, list(kinds), length):
+        node: Any = root
         for part in place:
-            # A number for all stands without brackets; so does a leg.
-            node = node[part]  # type: ignore[index,call-overload]
+            if isinstance(node, Sequence) and isinstance(part, str):
+                # One leg for all, but between brackets.
+                (node,) = node
+            node = node[part]
         problems.append(Problem(node.location, node.path, message))
     return problems

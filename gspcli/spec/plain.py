@@ -263,12 +263,14 @@ def _several(value: Value | None) -> list[Number] | None:
 
 def _leg(value: Value) -> LegFields:
     given = _section(value, (), LegFields._fields)
-    bodies = [_leg_body(given[key]) if key in given else None for key in ("cylinder", "rod")]
-    axis = _direction(given["universal"]) if "universal" in given else None
-    return LegFields(*bodies, axis)
+    return LegFields(
+        _leg_body(given["cylinder"]) if "cylinder" in given else None,
+        _leg_body(given["rod"]) if "rod" in given else None,
+        _direction(given["universal"]) if "universal" in given else None,
+    )
 
 
 def _leg_body(value: Value) -> LegBodyFields:
     given = _section(value, ("mass", "centre"), ("inertia", "axial"))
-    fields = [number(given[key]) if key in given else None for key in LegBodyFields._fields]
-    return LegBodyFields(*fields)
+    moments = [number(given[key]) if key in given else None for key in ("inertia", "axial")]
+    return LegBodyFields(number(given["mass"]), number(given["centre"]), *moments)
