@@ -81,7 +81,7 @@ class _Model:
             self.root,
             "option",
             timestep=f"{TIME_STEP:g}",
-            gravity=" ".join(f"{part + 0.0:g}" for part in gravity),
+            gravity=_numbers(gravity),
             integrator="implicitfast",
             tolerance="1e-15",
             iterations="100",
