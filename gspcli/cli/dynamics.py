@@ -188,7 +188,7 @@ def _forces(
     lines = verdict_lines(verdicts, asked.place)
     document = None
     if output.format == "json":
-        document = found.to_json() | _required(verdicts, asked)
+        document = _document(found, verdicts, asked)
     emit(output, force_table(found, asked, rows, more, lines), document=document)
     _warn(found, asked)
     refuse(verdicts)
@@ -214,12 +214,19 @@ def _judge(
     return judge(requirements, found), add_quantities(rows, more)
 
 
-def _required(verdicts: list[Verdict], asked: Asked) -> dict[str, Any]:
-    return {"requirements": verdict_entries(verdicts, asked.named)} if verdicts else {}
+def _document(
+    found: DriveForces | NaturalModes, verdicts: list[Verdict], asked: Asked
+) -> dict[str, Any]:
+    document = found.to_json()
+    for mode, row in zip(asked.modes, document["rows"], strict=False):
+        row["mode"] = mode
+    if verdicts:
+        document["requirements"] = verdict_entries(verdicts, asked.named)
+    return document
 
 
-def _warn(found: DriveForces, asked: Asked) -> None:
-    """Say at which rows forces have lost digits."""
+def _warn(found: DriveForces | NaturalModes, asked: Asked) -> None:
+    """Say at which rows numbers have lost digits."""
     import numpy as np
 
     for row in np.flatnonzero(found.nearly_singular < np.inf)[:_MOST_NAMED].tolist():
@@ -229,7 +236,7 @@ def _warn(found: DriveForces, asked: Asked) -> None:
         digits = max(0, 16 - int(np.ceil(np.log10(condition))))
         click.echo(
             f"warning: {asked.place(row)} the pose is nearly singular (condition {condition:.2g}): "
-            f"its forces have about {digits} digits",
+            f"about {digits} digits of its forces are right",
             err=True,
         )
 
@@ -263,8 +270,9 @@ def _modes(
     lines = verdict_lines(verdicts, asked.place)
     document = None
     if output.format == "json":
-        document = found.to_json() | _required(verdicts, asked)
+        document = _document(found, verdicts, asked)
     emit(output, mode_tables(found, asked, rows, more, lines), document=document)
+    _warn(found, asked)
     refuse(verdicts)
     _refuse_singular(found, asked)
 

@@ -124,34 +124,25 @@ class DriveForces:
         import pandas as pd
 
         columns = dict(zip(FORCES, self.forces.T, strict=True))
-        return pd.DataFrame({"t": self.rows, **columns, "power": self.power})
-
-    @property
-    def rows(self) -> Array:
-        """The times, or the numbers of the rows from 1, shape (n,)."""
-        return np.arange(1.0, len(self.forces) + 1) if self.t is None else self.t
+        times = np.arange(1.0, len(self.forces) + 1) if self.t is None else self.t
+        return pd.DataFrame({"t": times, **columns, "power": self.power})
 
     def to_json(self) -> dict[str, Any]:
-        """Return everything as plain data; singular poses have null for their forces."""
-        worst = self.worst
+        """Return everything as plain data; singular poses have null for their numbers."""
+        worst, count = self.worst, len(self.forces)
+        times = [None] * count if self.t is None else self.t.tolist()
+        parts = [self.forces, self.powers, self.power, self.nearly_singular]
+        columns = [range(1, count + 1), times, *map(plain, parts), self.singular.tolist()]
+        keys = ("row", "t", "forces", "powers", "power", "nearly_singular", "singular")
+        found = None
+        if worst is not None:
+            found = {"row": worst.row + 1, "drive": worst.drive + 1, "force": worst.force}
         return {
-            "schema": "gsp.dynamics-forces/1",
+            "schema": "gsp.dynamics/1",
             **self.instance.to_json(),
             "force_units": list(self.units),
-            "worst": None
-            if worst is None
-            else {"row": worst.row + 1, "drive": worst.drive + 1, "force": worst.force},
-            "singular": (np.flatnonzero(self.singular) + 1).tolist(),
-            "rows": [
-                {"t": t, "forces": forces, "powers": powers, "power": power}
-                for t, forces, powers, power in zip(
-                    self.rows.tolist(),
-                    plain(self.forces),
-                    plain(self.powers),
-                    plain(self.power),
-                    strict=True,
-                )
-            ],
+            "worst": found,
+            "rows": [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)],
         }
 
 
@@ -199,13 +190,14 @@ def inverse_dynamics(
     Examples
     --------
     >>> import numpy as np, gspcli
+    >>> from dataclasses import replace
     >>> angles = np.radians([0, 20, 120, 140, 240, 260])
     >>> ring = np.stack((np.cos(angles), np.sin(angles), 0 * angles), axis=1)
     >>> body = gspcli.RigidBody(12, [0, 0, 20], [4e4, 4e4, 7e4, 0, 0, 0])
-    >>> hexapod = gspcli.hexapod(
-    ...     300 * ring, 200 * ring[[5, 0, 1, 2, 3, 4]], [250, 255] * 3, masses=body
-    ... )
-    >>> found = gspcli.inverse_dynamics(hexapod, np.eye(3), [0, 0, 150])
+    >>> hexapod = gspcli.hexapod(300 * ring, 200 * ring[[5, 0, 1, 2, 3, 4]], [250] * 6)
+    >>> hexapod = replace(hexapod, dynamics=gspcli.Dynamics(body))
+    >>> inverse_dynamics(hexapod, np.eye(3), [0, 0, 150])
+    <DriveForces of DPP DPP DPP DPP DPP DPP: 1 pose, at most 79.8948 N (drive 6 at row 1)>
     """
     model = MassModel.of(instance)
     R, T = checked_rows(R, T)

@@ -54,6 +54,9 @@ class NaturalModes:
         The forces of the drives that hold the platform against gravity, N and N m, shape (n, 6).
     singular
         Which poses are singular, shape (n,).
+    nearly_singular
+        The condition numbers of those above 1e8, where as many digits of the preload are lost; else
+        NaN, shape (n,).
     """
 
     instance: Instance
@@ -63,6 +66,7 @@ class NaturalModes:
     shapes: Array
     preload: Array
     singular: Flags
+    nearly_singular: Array
 
     def __post_init__(self) -> None:
         make_read_only(self)
@@ -84,32 +88,22 @@ class NaturalModes:
         signed: Array = np.sign(self.squares) * np.sqrt(np.abs(self.squares)) / (2 * np.pi)
         return signed
 
-    @property
-    def rows(self) -> NDArray[np.int64]:
-        """The numbers of the poses from 1, shape (n,)."""
-        return np.arange(1, len(self.T) + 1)
-
     def to_frame(self) -> pd.DataFrame:
         """Return a table with a row for each pose: its number and f1 ... f6 in Hz."""
         import pandas as pd
 
         columns = dict(zip(FREQUENCIES, self.frequencies.T, strict=True))
-        return pd.DataFrame({"row": self.rows, **columns})
+        return pd.DataFrame({"row": np.arange(1, len(self.T) + 1), **columns})
 
     def to_json(self) -> dict[str, Any]:
         """Return everything as plain data; singular poses have null for their numbers."""
-        parts = zip(
-            self.rows.tolist(),
-            plain(self.frequencies),
-            plain(self.shapes),
-            plain(self.preload),
-            strict=True,
-        )
-        keys = ("row", "frequencies", "shapes", "preload")
+        parts = [self.frequencies, self.shapes, self.preload, self.nearly_singular]
+        columns = [range(1, len(self.T) + 1), *map(plain, parts), self.singular.tolist()]
+        keys = ("row", "frequencies", "shapes", "preload", "nearly_singular", "singular")
         return {
             "schema": "gsp.dynamics-modes/1",
             **self.instance.to_json(),
-            "rows": [dict(zip(keys, row, strict=True)) for row in parts],
+            "rows": [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)],
         }
 
 
@@ -155,16 +149,16 @@ def natural_modes(
         _modes(model, R[k : k + _CHUNK], T[k : k + _CHUNK] * model.metre, given)
         for k in range(0, len(R), _CHUNK)
     ]
-    squares, shapes, preload, singular = (np.concatenate(p) for p in zip(*parts, strict=True))
-    return NaturalModes(instance, R, T, squares, shapes, preload, singular)
+    joined = [np.concatenate(part) for part in zip(*parts, strict=True)]
+    return NaturalModes(instance, R, T, *joined)
 
 
 def _modes(
     model: MassModel, R: Array, T: Array, stiffness: Array
-) -> tuple[Array, Array, Array, Flags]:
-    """Return squares, shapes, preload and which poses are singular; see `NaturalModes`."""
+) -> tuple[Array, Array, Array, Flags, Array]:
+    """Return squares, shapes, preload and what is singular, as `NaturalModes` has them."""
     drives = Drives(model, R, T)
-    singular, _ = drives.conditions()
+    singular, conditions = drives.conditions()
     J, still = drives.rows, np.zeros((len(T), 6))
     columns = np.where(singular[:, None, None], np.eye(6), np.swapaxes(J, -1, -2))
     mass, weights = equation_of_motion(model, R, T, still)
@@ -182,7 +176,7 @@ def _modes(
     largest = np.take_along_axis(weighted, np.abs(weighted).argmax(-1)[..., None], axis=-1)
     shapes = shapes / largest * model.bodies.length / np.repeat([1.0, model.metre], 3)
     squares[singular], shapes[singular], preload[singular] = np.nan, np.nan, np.nan
-    return squares, shapes, preload, singular
+    return squares, shapes, preload, singular, conditions
 
 
 def _weight_stiffness(model: MassModel, R: Array, T: Array) -> Array:

@@ -1,8 +1,8 @@
 """A platform with masses as a tree of joints in Pinocchio; its loops are closed by linear algebra.
 
 The joints are those of `gspcli.export.chains`; for legs with bodies a spherical or a universal
-joint, and a slide. Pinocchio's recursive Newton and Euler gives what the tree's joints need; the forces of
-drives and loops follow by least squares.
+joint, and a slide. Pinocchio's recursive Newton and Euler gives what the tree's joints need; the
+forces of drives and loops follow by least squares.
 """
 
 from __future__ import annotations
