@@ -15,6 +15,7 @@ from gspcli.dynamics.moving_bodies import MovingBodies
 from gspcli.dynamics.trajectories import Motion, at_rest, spline_motion
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.lengths import METRES
 from gspcli.geometry.quaternions import apply
 from gspcli.motion import measure
 from gspcli.records import dataclass
@@ -94,6 +95,13 @@ class DriveForces:
     def units(self) -> tuple[str, ...]:
         """The unit of each force: N for distances, N m for angles."""
         return tuple("N" if row.kind.is_distance else "N m" for row in self.instance.constraints)
+
+    @property
+    def in_file_units(self) -> Array:
+        """The forces with torques in N times the unit of length, shape (n, 6)."""
+        torques = np.array([unit == "N m" for unit in self.units])
+        metre = METRES[self.instance.units.length]
+        return np.asarray(self.forces / np.where(torques, metre, 1.0))
 
     @cached_property
     def power(self) -> Array:

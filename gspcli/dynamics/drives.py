@@ -1,8 +1,6 @@
 """The six values as coordinates of the drives: rates by the pose, and where they have none.
 
-The value of a distance of two lines (DLL) is not negative for the drive, while
-`gspcli.geometry.measurement` signs it by the orientation of the lines: its derivatives are taken
-with that sign.
+They are the values of `gsp measure`: a distance of two lines is not negative (`value_signs`).
 """
 
 from __future__ import annotations
@@ -16,6 +14,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.measurement import curvature, hessian, jacobian, measured
 from gspcli.geometry.quaternions import apply, cross, dot
 from gspcli.geometry.residuals import condition_numbers
+from gspcli.motion.poses.inverse_kinematics import value_signs
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -61,17 +60,16 @@ class Drives:
     def __init__(self, model: MassModel, R: Array, T: Array) -> None:
         self.model, self.R, self.T = model, R, T
         self._check_derivatives()
+        self._signs = value_signs(model.bodies, R, T)
         self.rows = self._signs[..., None] * np.asarray(jacobian(model.bodies, R, T))
 
     def _check_derivatives(self) -> None:
-        """Note the signs of the values, and refuse those without a derivative."""
+        """Refuse values without a derivative."""
         bodies = self.model.bodies
         values = np.asarray(measured(bodies, self.R, self.T))
         small = np.abs(values) < _ZERO * bodies.length
         distances = [kind in (DPP, DPL, DLP, DLL) for kind in bodies.kinds]
         wrong = small & distances
-        skew = [kind is DLL for kind in bodies.kinds]
-        self._signs = np.where(np.signbit(values) & skew, -1.0, 1.0)
         directed = [kind is DLL or not kind.is_distance for kind in bodies.kinds]
         if any(directed):
             w = np.asarray(bodies.placed(self.R, self.T).w)

@@ -12,7 +12,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import apply, cross
 from gspcli.motion import PoseFormat, read_poses, read_values
 from gspcli.motion.files.number_tables import NumberTable
-from gspcli.motion.files.pose_files import POSITION, TRANSLATION, poses_in
+from gspcli.motion.files.pose_files import names_poses, poses_in
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -79,7 +79,7 @@ def read_rows(text: str, name: str, instance: Instance, form: PoseFormat) -> Pos
         found = read_poses(text, name, form)
         return PoseRows(None, found.R, found.T, None)
     table = NumberTable(text, name)
-    if any({*names} <= set(table.heading) for names in (POSITION, TRANSLATION)):
+    if names_poses(table):
         return _pose_rows(table, instance, form)
     values = read_values(text, name, instance, form)
     if values.coordinates:

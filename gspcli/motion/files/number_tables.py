@@ -222,7 +222,7 @@ def numbers_of(text: str, counts: Collection[int], name: str) -> list[float]:
     wrong = next(filter(None, map(wrong_number, cells)), "")
     if len(cells) not in counts:
         expected = listed(map(str, counts))
-        wrong = f"found {len(cells)} numbers in {shown(text)}, expected {expected}"
+        wrong = f"found {len(cells)} numbers, expected {expected}"
     check([Problem(None, name, wrong)] if wrong else [])
     return [float(cell) for cell in cells]
 
