@@ -101,8 +101,8 @@ def mode_tables(
         *(Column(key, _heading(key, instance), "right", aligned=True) for key in _TWIST),
     ]
     notes.append(
-        "shapes: turns about the axes of the base and the way of the platform's origin, "
-        "the largest being 1, turns times the typical length"
+        "shapes: turns about the axes of the base, and the way of the platform's origin; the "
+        "largest is one radian or the typical length"
     )
     return [Table(columns, shapes, title=instance.title, notes=notes, summary=lines)]
 

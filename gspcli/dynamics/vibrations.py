@@ -48,8 +48,8 @@ class NaturalModes:
         that way. NaN at singular poses.
     shapes
         How the platform moves in each mode, a twist in radians and length units about its origin,
-        shape (n, 6, 6): ``shapes[p, k]`` is mode k at pose p. The largest component is 1, rotations
-        counted times the typical length of the platform.
+        shape (n, 6, 6): ``shapes[p, k]`` is mode k at pose p. The largest component is one radian
+        or the typical length of the platform, and positive.
     preload
         The forces of the drives that hold the platform against gravity, N and N m, shape (n, 6).
     singular
