@@ -22,6 +22,7 @@ LAYERS = {
     "paper": 6,
     "atlas": 6,
     "reality": 6,
+    "dynamics": 5.2,
     "motion": 5,
     "solver": 4,
     "certification": 3,
@@ -48,6 +49,7 @@ ROOMS = {
     "click": {"cli"},
     "rich": {"cli"},
     "matplotlib": {"pictures"},
+    "scipy": {"dynamics"},
 }
 #: Rooms within rooms, the lowest first: each imports itself and those before it.
 INNER_ROOMS = {
