@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from gspcli.cli.output import Column, Table
 from gspcli.dynamics.drive_forces import FORCES
-from gspcli.dynamics.forward import ACCELERATION, POSE, VELOCITY
+from gspcli.dynamics.forward import POSE
+from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY
 from gspcli.dynamics.vibrations import FREQUENCIES
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ def mode_tables(
     ]
     columns = [
         Column("mode", align="right", essential=True),
-        Column("frequency", "f [Hz]", align="right", essential=True),
+        Column("frequency", "f [Hz]", align="right", essential=True, aligned=True),
         *(Column(key, _heading(key, instance), "right", aligned=True) for key in _TWIST),
     ]
     notes.append(

@@ -17,7 +17,7 @@ from gspcli.dynamics.arrays import checked_array, checked_rows, make_read_only, 
 from gspcli.dynamics.drives import Drives
 from gspcli.dynamics.mass_model import MassModel
 from gspcli.dynamics.moving_bodies import MovingBodies, equation_of_motion
-from gspcli.dynamics.trajectories import check_times
+from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, check_times
 from gspcli.errors import ArgumentError, GspError, IncompleteError
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import (
@@ -38,10 +38,8 @@ Array = NDArray[np.float64]
 _RELATIVE, _ABSOLUTE = 1e-11, 1e-14
 #: Calls of the equations of motion before a simulation is given up.
 _MOST_CALLS = 2_000_000
-#: The columns of a row: those of a file of poses with velocities and accelerations.
+#: The columns of a pose in files.
 POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
-VELOCITY = ("wx", "wy", "wz", "vx", "vy", "vz")
-ACCELERATION = ("alphax", "alphay", "alphaz", "ax", "ay", "az")
 
 
 @dataclass(frozen=True, eq=False)

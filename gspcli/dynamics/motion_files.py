@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.dynamics.drive_forces import FORCES
 from gspcli.dynamics.drives import Drives
 from gspcli.dynamics.mass_model import MassModel
-from gspcli.dynamics.trajectories import Motion
+from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, Motion
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import apply, cross
 from gspcli.motion import PoseFormat, read_poses, read_values
@@ -17,13 +18,11 @@ from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
-#: Columns of poses: angular velocity and velocity of the pivot, and their derivatives.
-VELOCITY = ("wx", "wy", "wz", "vx", "vy", "vz")
-ACCELERATION = ("alphax", "alphay", "alphaz", "ax", "ay", "az")
 #: Columns of values: their rates, and the derivatives of these.
 RATES = tuple(f"v{k}" for k in range(1, 7))
 SECOND_RATES = tuple(f"a{k}" for k in range(1, 7))
-FORCES = tuple(f"f{k}" for k in range(1, 7))
+#: Those of forces, as headings are read.
+_FORCES = tuple(name.lower() for name in FORCES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +164,7 @@ def read_forces(text: str, name: str) -> ForceRows:
         With all mistakes, each with line and column.
     """
     table = NumberTable(text, name)
-    columns = table.choose(("t", *FORCES))
+    columns = table.choose(("t", *_FORCES))
     numbers = table.numbers(columns or ())
     if columns and len(numbers) < 2:
         table.note_heading("found one row, expected two at least: a motion needs an end")

@@ -13,6 +13,9 @@ from gspcli.geometry.quaternions import conjugate, quaternion_from_rotation, qua
 
 Array = NDArray[np.float64]
 
+#: The columns of velocities and accelerations in files.
+VELOCITY = ("wx", "wy", "wz", "vx", "vy", "vz")
+ACCELERATION = ("alphax", "alphay", "alphaz", "ax", "ay", "az")
 #: From row to row a platform turns by less than this (radians): further turns have two ways.
 _LARGEST_TURN = np.pi / 2
 
