@@ -20,7 +20,7 @@ def checked_rows(R: ArrayLike, T: ArrayLike) -> tuple[Array, Array]:
     Raises
     ------
     ArgumentError
-        If they have other shapes or numbers that are not finite.
+        If they have other shapes or numbers that are not finite, or there is none.
     """
     rotations, translations = checked_poses(R, T)
     if rotations.ndim == 2:
@@ -28,6 +28,9 @@ def checked_rows(R: ArrayLike, T: ArrayLike) -> tuple[Array, Array]:
     if rotations.ndim != 3:
         found = f"found shapes {rotations.shape} and {translations.shape}"
         message = f"{found}, expected (n, 3, 3) and (n, 3)"
+        raise ArgumentError(message, "R, T")
+    if not len(rotations):
+        message = "found no poses, expected at least one"
         raise ArgumentError(message, "R, T")
     return rotations.copy(), translations.copy()
 

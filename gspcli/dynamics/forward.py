@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 #: Relative accuracy of a step, and the absolute one in metres, radians and seconds.
 _RELATIVE, _ABSOLUTE = 1e-11, 1e-14
 #: Calls of the equations of motion before a simulation is given up.
-_MOST_CALLS = 2_000_000
+_MOST_CALLS = 200_000
 #: The columns of a pose in files.
 POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
@@ -261,7 +261,8 @@ def _integrate(model: MassModel, start: Array, times: Array, forces: Array) -> A
             while solver.status == "running" and calls + solver.nfev < _MOST_CALLS:
                 solver.step()
         except ArgumentError as error:
-            message = f"the motion ends between t = {times[low]:g} and {times[low + 1]:g}: {error}"
+            part = f"between t = {times[low]:g} and {times[low + 1]:g}"
+            message = f"the motion ends {part}: {error.message}"
             raise IncompleteError(message) from None
         if solver.status != "finished":
             message = (

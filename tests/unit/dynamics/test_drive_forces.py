@@ -85,6 +85,11 @@ def test_the_mass_matrix_is_positive_definite(name):
     assert np.linalg.eigvalsh(M).min() > 0
 
 
+def test_no_poses_are_a_mistake():
+    with pytest.raises(ArgumentError, match="found no poses, expected at least one"):
+        inverse_dynamics(hexapod(), np.zeros((0, 3, 3)), np.zeros((0, 3)))
+
+
 def test_a_load_is_held():
     found, load = inverse_dynamics(hexapod(), np.eye(3), [0, 0, 150]), [1, 2, 3, 40, 50, 60]
     loaded = inverse_dynamics(hexapod(), np.eye(3), [0, 0, 150], load=load)

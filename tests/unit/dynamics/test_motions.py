@@ -8,8 +8,15 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.dynamics import forward_dynamics, inverse_dynamics, natural_modes, simulate
-from gspcli.errors import ArgumentError
+from gspcli.dynamics import (
+    drives,
+    forward,
+    forward_dynamics,
+    inverse_dynamics,
+    natural_modes,
+    simulate,
+)
+from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.building import distance
 from gspcli.geometry.building import instance as build
@@ -89,6 +96,19 @@ def test_mistakes(given, message):
     arguments = {"t": [0, 1.0], "forces": np.zeros(6), "twist": np.zeros(6)} | given
     with pytest.raises(ArgumentError, match=message):
         simulate(hexapod(), *START, **arguments)
+
+
+def test_a_motion_that_cannot_be_followed_is_no_motion(monkeypatch):
+    monkeypatch.setattr(forward, "_MOST_CALLS", 60)
+    with pytest.raises(IncompleteError, match="cannot be followed beyond t = 0"):
+        simulate(hexapod(), *START, [0, 10.0], np.zeros(6))
+
+
+def test_a_motion_that_meets_a_value_without_derivative_ends_there(monkeypatch):
+    """A leg's length, above zero at the start, is taken for zero from a little less on."""
+    monkeypatch.setattr(drives, "_ZERO", 0.65)
+    with pytest.raises(IncompleteError, match="ends between t = 0 and 1: constraint"):
+        simulate(hexapod(), *START, [0, 1.0], np.zeros(6))
 
 
 def test_frequencies_that_are_known_by_hand():
