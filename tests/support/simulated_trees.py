@@ -24,6 +24,9 @@ class ClosedTree:
         import mujoco
 
         self.mujoco = mujoco
+        # Links without weight make a singular matrix of inertia, which is not used here; MuJoCo
+        # would write a file about it.
+        mujoco.set_mju_user_warning(lambda message: None)
         self.m = m = mujoco.MjModel.from_xml_string(_without_placeholders(instance, R, T))
         off = mujoco.mjtDisableBit
         m.opt.disableflags |= off.mjDSBL_CONSTRAINT | off.mjDSBL_ACTUATION
