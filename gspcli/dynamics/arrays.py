@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -54,6 +55,46 @@ def checked_array(given: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
         message = f"found {whole[tuple(index)]}, expected a finite number"
         raise ArgumentError(message, f"{name}{index}")
     return whole
+
+
+class RowError(ArgumentError):
+    """A mistake of one row.
+
+    Parameters
+    ----------
+    row
+        The row, from 0.
+    message
+        What was found and what was expected.
+    """
+
+    def __init__(self, row: int, message: str) -> None:
+        self.row = row
+        super().__init__(message, f"row {row + 1}")
+
+
+def by_chunks(count: int, size: int, compute: Callable[[slice], tuple[Any, ...]]) -> list[Any]:
+    """Return what is computed of rows, so many at a time that the cache of a core holds them.
+
+    Parameters
+    ----------
+    count, size
+        How many rows there are, and how many are computed together.
+    compute
+        Returns arrays with one entry for each of some rows.
+
+    Raises
+    ------
+    RowError
+        With the row of all of them.
+    """
+    parts = []
+    for start in range(0, count, size):
+        try:
+            parts.append(compute(slice(start, start + size)))
+        except RowError as error:
+            raise RowError(error.row + start, error.message) from None
+    return [np.concatenate(part) for part in zip(*parts, strict=True)]
 
 
 def make_read_only(result: Any) -> None:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gspcli.dynamics.arrays import checked_array, checked_rows, make_read_only, plain
-from gspcli.dynamics.drives import Drives, Flags, NoDerivativeError
+from gspcli.dynamics.arrays import by_chunks, checked_array, checked_rows, make_read_only, plain
+from gspcli.dynamics.drives import Drives, Flags
 from gspcli.dynamics.mass_model import MassModel
 from gspcli.dynamics.moving_bodies import MovingBodies
 from gspcli.dynamics.trajectories import Motion, at_rest, spline_motion
@@ -204,24 +204,20 @@ def inverse_dynamics(
     >>> body = gspcli.RigidBody(12, [0, 0, 20], [4e4, 4e4, 7e4, 0, 0, 0])
     >>> hexapod = gspcli.hexapod(300 * ring, 200 * ring[[5, 0, 1, 2, 3, 4]], [250] * 6)
     >>> hexapod = replace(hexapod, dynamics=gspcli.Dynamics(body))
-    >>> inverse_dynamics(hexapod, np.eye(3), [0, 0, 150])
-    <DriveForces of DPP DPP DPP DPP DPP DPP: 1 pose, at most 79.8948 N (drive 6 at row 1)>
+    >>> inverse_dynamics(hexapod, np.eye(3), [10, 20, 150])
+    <DriveForces of DPP DPP DPP DPP DPP DPP: 1 pose, at most 87.7488 N (drive 4 at row 1)>
     """
     model = MassModel.of(instance)
     R, T = checked_rows(R, T)
     times = None if t is None else checked_array(t, (len(R),), "t")
     motion = _motion(R, T, times, twists, accelerations)
     wrench = checked_array(load, (len(R), 6), "load")
-    parts = []
-    for start in range(0, len(R), _CHUNK):
-        rows = slice(start, start + _CHUNK)
+
+    def some(rows: slice) -> tuple[Any, ...]:
         moving = Motion(motion.twists[rows], motion.accelerations[rows])
-        try:
-            parts.append(_forces(model, R[rows], T[rows], moving, wrench[rows]))
-        except NoDerivativeError as error:
-            raise error.later(start) from None
-    joined = [np.concatenate(part) for part in zip(*parts, strict=True)]
-    return DriveForces(instance, times, R, T, *motion, *joined)
+        return _forces(model, R[rows], T[rows], moving, wrench[rows])
+
+    return DriveForces(instance, times, R, T, *motion, *by_chunks(len(R), _CHUNK, some))
 
 
 def _motion(

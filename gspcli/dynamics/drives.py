@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL, DLP, DPL, DPP
+from gspcli.dynamics.arrays import RowError
 from gspcli.dynamics.mass_model import MassModel
-from gspcli.errors import ArgumentError
 from gspcli.geometry.measurement import curvature, hessian, jacobian, measured
 from gspcli.geometry.quaternions import apply, cross, dot
 from gspcli.geometry.residuals import condition_numbers
@@ -29,18 +29,6 @@ _GOOD = 1e8
 _SINGULAR = 1e14
 
 
-class NoDerivativeError(ArgumentError):
-    """A value without a derivative at a pose, counted from 0."""
-
-    def __init__(self, pose: int, what: str) -> None:
-        self.pose, self.what = pose, what
-        super().__init__(f"{what}, which has no derivative", f"row {pose + 1}")
-
-    def later(self, poses: int) -> NoDerivativeError:
-        """Return the error of a pose so many poses later."""
-        return NoDerivativeError(self.pose + poses, self.what)
-
-
 class Drives:
     """The six values at n poses, shapes (n, 3, 3) and (n, 3), in metres and radians.
 
@@ -52,8 +40,8 @@ class Drives:
 
     Raises
     ------
-    NoDerivativeError
-        If a value has none at a pose: a distance of 0, parallel lines of a DLL, an angle
+    RowError
+        If a value has no derivative at a pose: a distance of 0, parallel lines of a DLL, an angle
         at an end of its range.
     """
 
@@ -81,7 +69,8 @@ class Drives:
             what = "an angle at the end of its range"
             if kind.is_distance:
                 what = "a distance of 0" if small[pose, k] else "a distance of parallel lines"
-            raise NoDerivativeError(pose, f"constraint {k + 1} ({kind.name}) is {what}")
+            message = f"constraint {k + 1} ({kind.name}) is {what}, which has no derivative"
+            raise RowError(pose, message)
 
     @property
     def second(self) -> Array:

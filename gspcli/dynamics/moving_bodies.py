@@ -23,8 +23,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.dynamics.arrays import RowError
 from gspcli.dynamics.mass_model import MassModel
-from gspcli.errors import ArgumentError
 from gspcli.geometry.quaternions import apply, cross, dot
 
 Array = NDArray[np.float64]
@@ -47,7 +47,7 @@ class MovingBodies:
 
     Raises
     ------
-    ArgumentError
+    RowError
         If a leg lies along the first axis of its universal joint, where that locks.
     """
 
@@ -73,12 +73,12 @@ class MovingBodies:
         spins = self.model.legs.axial[:, 0] > 0
         locked = spins & (self.square[..., 0] < _LOCKED**2)
         if locked.any():
-            leg = int(self.model.legs.rows[np.argwhere(locked)[0, -1]]) + 1
+            row, *_, k = np.argwhere(np.atleast_2d(locked))[0].tolist()
             message = (
-                f"leg {leg} lies along the first axis of its universal joint, which locks there: "
-                "check universal in the instance file"
+                f"leg {self.model.legs.rows[k] + 1} lies along the first axis of its universal "
+                "joint, which locks there: check universal in the instance file"
             )
-            raise ArgumentError(message)
+            raise RowError(row, message)
         # Legs that do not spin have no axis.
         self.square = np.where(spins[:, None], self.square, 1.0)
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gspcli.dynamics.arrays import checked_array, checked_rows, make_read_only, plain
+from gspcli.dynamics.arrays import by_chunks, checked_array, checked_rows, make_read_only, plain
 from gspcli.dynamics.drives import Drives, Flags
 from gspcli.dynamics.mass_model import MassModel
 from gspcli.dynamics.moving_bodies import MovingBodies, equation_of_motion
@@ -145,12 +145,11 @@ def natural_modes(
     if not (given > 0).all():
         message = f"found {given.min():g}, expected stiffnesses above 0"
         raise ArgumentError(message, "stiffness")
-    parts = [
-        _modes(model, R[k : k + _CHUNK], T[k : k + _CHUNK] * model.metre, given)
-        for k in range(0, len(R), _CHUNK)
-    ]
-    joined = [np.concatenate(part) for part in zip(*parts, strict=True)]
-    return NaturalModes(instance, R, T, *joined)
+
+    def some(rows: slice) -> tuple[Any, ...]:
+        return _modes(model, R[rows], T[rows] * model.metre, given)
+
+    return NaturalModes(instance, R, T, *by_chunks(len(R), _CHUNK, some))
 
 
 def _modes(

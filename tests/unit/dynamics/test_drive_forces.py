@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
 import gspcli
-from gspcli.dynamics import inverse_dynamics
+from gspcli.dynamics import inverse_dynamics, natural_modes
 from gspcli.dynamics.forward import forward_dynamics
 from gspcli.dynamics.mass_model import MassModel
 from gspcli.dynamics.moving_bodies import equation_of_motion
@@ -173,8 +174,11 @@ def test_a_universal_joint_locks_along_its_axis():
     along = BASE[0] - PLATFORM[0] - [0, 0, 150]
     turned = gspcli.Leg(leg.cylinder, leg.rod, along.tolist())
     instance = replace(instance, dynamics=gspcli.Dynamics(BODY, [turned, *[leg] * 5]))
-    with pytest.raises(ArgumentError, match="leg 1 lies along the first axis of its universal"):
-        inverse_dynamics(instance, np.eye(3), [0, 0, 150])
+    heights = np.linspace(150, 160, 700)[::-1]
+    poses = np.tile(np.eye(3), (700, 1, 1)), np.stack((0 * heights, 0 * heights, heights), axis=1)
+    for computed in (inverse_dynamics, partial(natural_modes, stiffness=1e6)):
+        with pytest.raises(ArgumentError, match="row 700: leg 1 lies along the first axis"):
+            computed(instance, *poses)
     assert inverse_dynamics(instance, np.eye(3), [0, 0, 160]).worst is not None
 
 
