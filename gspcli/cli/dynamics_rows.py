@@ -62,7 +62,8 @@ class Asked:
     def labels(self) -> list[float]:
         """What is in the first column, n of them."""
         if self.t is not None:
-            return [float(t) for t in self.t]
+            labels: list[float] = self.t.tolist()
+            return labels
         return list(self.modes or range(1, len(self.T) + 1))
 
     def named(self, k: int) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from gspcli.cli.output import Column, Table
+from gspcli.dynamics.arrays import plain
 from gspcli.dynamics.drive_forces import FORCES
 from gspcli.dynamics.forward import POSE
 from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY
@@ -19,23 +20,11 @@ _TWIST = ("rx", "ry", "rz", "x", "y", "z")
 _ENERGIES = ("kinetic", "potential", "work")
 
 
-def _finite(value: float) -> float | None:
-    return value if abs(value) < float("inf") else None
-
-
 def force_rows(found: DriveForces, asked: Asked) -> list[dict[str, Any]]:
     """Return a row for each pose; cells are empty where no forces are known."""
-    key = asked.first_column
-    return [
-        {
-            key: label,
-            **dict(zip(FORCES, map(_finite, forces), strict=True)),
-            "power": _finite(power),
-        }
-        for label, forces, power in zip(
-            asked.labels, found.forces.tolist(), found.power.tolist(), strict=True
-        )
-    ]
+    keys = (asked.first_column, *FORCES, "power")
+    parts = zip(asked.labels, plain(found.forces), plain(found.power), strict=True)
+    return [dict(zip(keys, (label, *forces, power), strict=True)) for label, forces, power in parts]
 
 
 def force_table(
@@ -66,11 +55,9 @@ def force_table(
 
 def mode_rows(found: NaturalModes, asked: Asked) -> list[dict[str, Any]]:
     """Return a row of frequencies for each pose."""
-    key = asked.first_column
-    return [
-        {key: label, **dict(zip(FREQUENCIES, map(_finite, numbers), strict=True))}
-        for label, numbers in zip(asked.labels, found.frequencies.tolist(), strict=True)
-    ]
+    keys = (asked.first_column, *FREQUENCIES)
+    parts = zip(asked.labels, plain(found.frequencies), strict=True)
+    return [dict(zip(keys, (label, *numbers), strict=True)) for label, numbers in parts]
 
 
 def mode_tables(

@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 
 #: Kilogrammes of the platform and of each link if nothing is stated.
 _MASS = 1.0
-#: What links weigh of the platform where its mass is stated: heavier ones settle sooner and add more
-#: inertia.
+#: What links weigh of the platform where its mass is stated: heavier ones settle sooner, and add
+#: more inertia.
 LIGHT = 1e-3
 #: What a joint has of inertia by itself, as a share of that of a link: no two parallel joints of a
 #: link can then be without any.

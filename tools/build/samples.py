@@ -190,8 +190,8 @@ def words(name: str, sample: str, folder: Path) -> list[str]:
         page = _PAGE.read_text(encoding="utf-8")
         blocks = re.findall(r"```(?:yaml|csv)\n(.*?)```", page, re.DOTALL)
         files = {"MASSES": "masses.yaml", "PATH": "path.csv", "FORCES": "forces.csv"}
-        for (word, name), content in zip(files.items(), blocks, strict=True):
-            paths[word] = folder / name
+        for (word, file), content in zip(files.items(), blocks, strict=True):
+            paths[word] = folder / file
             paths[word].write_text(content, encoding="utf-8")
     sample = sample.replace("LOOP", f"{_LOOP}.yaml {_LOOP}.csv")
     for word, path in paths.items():
