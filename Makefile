@@ -54,8 +54,8 @@ verify: $(STAMP) msolve ## all data derived again and compared (hours; taken up 
 verify-solve: $(STAMP) ## random platforms of every family solved completely, recorded (40 minutes)
 	$(BIN)/python -m tools.verify.solve all --jobs $(JOBS)
 
-verify-exports: $(STAMP) msolve ## 100 random types in MuJoCo, 50 in programs for polynomial systems (half an hour)
-	$(BIN)/python -m pytest -q -rs -n $(JOBS) -m slow tests/oracles/test_mujoco.py tests/oracles/test_exported_systems.py
+verify-exports: $(STAMP) msolve ## 100 random types in MuJoCo, forces of 200, 50 in programs for polynomial systems (half an hour)
+	$(BIN)/python -m pytest -q -rs -n $(JOBS) -m slow tests/oracles/test_mujoco.py tests/oracles/test_exported_systems.py tests/oracles/test_dynamics_mujoco.py tests/oracles/test_dynamics_pinocchio.py
 
 count-families: $(STAMP) ## a random platform of each of 626 families counted exactly (minutes)
 	$(BIN)/python -m tools.verify.counts families --check

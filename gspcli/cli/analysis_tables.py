@@ -82,7 +82,7 @@ def _explained(row: dict[str, Any], given: Wrenches) -> list[str]:
         notes.append(
             f"errors in {unit}: the largest of the point, from the values and the geometry"
         )
-    return notes
+    return notes + _weights(given)
 
 
 def details(entry: dict[str, Any], given: Wrenches) -> list[Table]:
@@ -148,7 +148,15 @@ def _notes(entry: dict[str, Any], given: Wrenches) -> list[str]:
             f"worst unit force: ({along}) loads constraint {worst['constraint']} with "
             f"{worst['reaction']:.6g}"
         )
-    return notes
+    return notes + _weights(given)
+
+
+def _weights(given: Wrenches) -> list[str]:
+    """Say that weights are among the reactions, if SPEC states any."""
+    if given.instance.dynamics is None:
+        return []
+    unit = given.instance.units.length
+    return [f"reactions hold the weights under dynamics in SPEC, too: N, and N {unit} for angles"]
 
 
 def _matrix(part: str, title: str, corner: str, rows: Any, columns: Any, matrix: Any) -> Table:

@@ -126,11 +126,12 @@ def command(
       gsp analyze platform.yaml path.csv --load 0,0,-9 --require "force<=20"
     """
     check_sources(spec, rows, mode, pose)
+    from gspcli.motion.files.number_tables import numbers_of
     from gspcli.motion.statics.wrenches import wrenches
 
     instance = load_instance(spec)
     requirements = required(require)
-    at = None if point is None else _numbers(point, (3,), "point")
+    at = None if point is None else numbers_of(point, (3,), "--point")
     asked = asked_poses(instance, rows, mode, pose, euler, pivot)
     given = wrenches(instance, asked.R, asked.T, point=at, length=length)
     analysis = _analysis(given, load, stiffness, tolerance, geometry)
@@ -161,12 +162,23 @@ def _analysis(
     limits = _six(tolerance, "tolerance") or _stated_tolerances(given.instance)
     return Analysis(
         given,
-        None if load is None else given.reactions(*_load(load, given.point)),
+        _reactions(given, load),
         None if constants is None else given.stiffness(constants),
         None if constants is None else given.least_stiffness(constants),
         None if limits is None else accuracy(given, limits),
         None if geometry is None else _geometry(given, geometry),
     )
+
+
+def _reactions(given: Wrenches, load: str | None) -> Array | None:
+    """Return what holds a load and the weights that SPEC states, shape (n, 6); None for neither."""
+    held = None if load is None else given.reactions(*_load(load, given.point))
+    if given.instance.dynamics is None:
+        return held
+    from gspcli.dynamics import inverse_dynamics
+
+    weights = inverse_dynamics(given.instance, given.R, given.T).in_file_units
+    return weights if held is None else held + weights
 
 
 def _judge(
@@ -196,25 +208,12 @@ def _tidy(row: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _numbers(text: str, counts: tuple[int, ...], name: str) -> list[float]:
-    from gspcli.motion.files.number_tables import wrong_number
-
-    cells = [cell.strip() for cell in text.split(",")]
-    for cell in cells:
-        if wrong := wrong_number(cell):
-            message = f"--{name}: {wrong}"
-            raise GspError(message)
-    if len(cells) not in counts:
-        expected = " or ".join(map(str, counts))
-        message = f"--{name}: found {len(cells)} numbers, expected {expected}"
-        raise GspError(message)
-    return [float(cell) for cell in cells]
-
-
 def _six(text: str | None, name: str) -> list[float] | None:
     if text is None:
         return None
-    numbers = _numbers(text, (1, 6), name)
+    from gspcli.motion.files.number_tables import numbers_of
+
+    numbers = numbers_of(text, (1, 6), f"--{name}")
     return numbers * 6 if len(numbers) == 1 else numbers
 
 
@@ -227,16 +226,19 @@ def _stated_tolerances(instance: Instance) -> list[float] | None:
 
 
 def _load(text: str, point: Array) -> tuple[list[float], list[float], Any]:
+    from gspcli.motion.files.number_tables import numbers_of
+
     wrench, _, where = re.sub(r"\s", "", text).partition("@")
-    numbers = _numbers(wrench, (3, 6), "load")
-    at = _numbers(where, (3,), "load") if where else point
+    numbers = numbers_of(wrench, (3, 6), "--load")
+    at = numbers_of(where, (3,), "--load") if where else point
     return numbers[:3], numbers[3:] or [0.0, 0.0, 0.0], at
 
 
 def _geometry(given: Wrenches, text: str) -> GeometryAccuracy:
+    from gspcli.motion.files.number_tables import numbers_of
     from gspcli.motion.statics.geometry_errors import geometry_accuracy
 
-    coordinates, *tilts = _numbers(text, (1, 2), "geometry")
+    coordinates, *tilts = numbers_of(text, (1, 2), "--geometry")
     if min(coordinates, *tilts, 0) < 0:
         message = f"--geometry: found {text}, expected numbers of at least 0"
         raise GspError(message)

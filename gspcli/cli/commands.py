@@ -40,6 +40,8 @@ BY_HEADING: dict[str, dict[str, str]] = {
         "track": "Follow assembly modes while the values change, and prove that none jumps.",
         "analyze": "Analyze assembly modes: screws, Jacobian matrix, forces, stiffness "
         "and accuracy.",
+        "dynamics": "Compute forces of the drives along a motion, motions under forces, natural "
+        "frequencies.",
         "clearance": "Bound how far values, or the pose, may change before a mode meets a "
         "singularity.",
         "scan": "Count the real assembly modes where one or two values vary.",

@@ -24,9 +24,11 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 #: Where the numbers come from that not every command has.
 _SOURCES = {
-    "force": "gsp analyze with --load",
+    "force": "gsp analyze with --load, or gsp dynamics",
     "moment": "gsp analyze with --load, of a type with angles",
     "stiffness": "gsp analyze with --stiffness",
+    "power": "gsp dynamics",
+    "frequency": "gsp dynamics with --modes",
     "error": "gsp analyze with --tolerance",
 }
 

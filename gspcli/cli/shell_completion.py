@@ -139,6 +139,7 @@ _COMPLETERS: dict[str, Completer] = {
     "DIRECTORY": _folder,
     "FILE": _file,
     "FOLDER": _folder,
+    "FORCES": _file,
     "FORM": _form,
     "KIND": _kind,
     "KINDS": _kinds,

@@ -100,6 +100,26 @@ def _leg(x: Vector, y: Vector) -> Chain:
     return Link(x, joints), _ball(y)
 
 
+def driven_leg(x: Vector, y: Vector, axis: Vector | None) -> Chain:
+    """Return a leg of two bodies: one on a universal joint at the base, one that slides in it.
+
+    The second ends at the platform's point, where a ball would be.
+
+    Parameters
+    ----------
+    x, y
+        The points of the base and of the platform at the pose.
+    axis
+        The first axis of the universal joint, a unit vector; any one across the leg if None.
+    """
+    e, distance = _direction(y - x, _AXES[2])
+    first = _across(e)[0] if axis is None else axis
+    second = np.cross(first, e)
+    second /= np.linalg.norm(second)
+    cylinder = Link(x, (Joint("hinge", first, x), Joint("hinge", second, x)))
+    return cylinder, Link(y, (Joint("slide", e, x, distance),))
+
+
 def _above_base(x: Vector, v: Vector, y: Vector) -> Chain:
     height = float((y - x) @ v)
     side = -1.0 if height < 0 else 1.0

@@ -9,7 +9,6 @@ actuator ``drive_k`` pulls towards the same change.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from xml.etree import ElementTree as ET
 
@@ -17,39 +16,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli import __version__
-from gspcli.export.chains import Chain, Joint, Link, chain
+from gspcli.catalogue.kinds import Kind
+from gspcli.export.chains import Chain, Joint, Link, chain, driven_leg
+from gspcli.export.simulated_masses import Inertial, SimulatedMasses
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.lengths import METRES
 from gspcli.geometry.primitives import Line, Plane
 
 Array = NDArray[np.float64]
 
-#: Names of units of length in metres; any other is taken for the metre.
-METRES = {
-    "m": 1.0,
-    "dm": 0.1,
-    "cm": 0.01,
-    "mm": 1e-3,
-    "um": 1e-6,
-    "µm": 1e-6,
-    "km": 1e3,
-    "in": 0.0254,
-    "inch": 0.0254,
-    "ft": 0.3048,
-}
 #: Seconds a step. With stiff constraints loops stay closed to 1e-6 lengths over seconds.
 TIME_STEP = 5e-5
-#: Kilogrammes of the platform and of each link. Light links would make stiff constraints soft; so
-#: they weigh as much as the platform, but gravity does not pull at them.
-_MASS = 1.0
-#: What a joint has of inertia by itself, as a share of that of a link: no two parallel joints of a
-#: link can then be without any.
-_ROTOR = 0.01
 _SOLIMP = "0.9999 0.9999 0.001 0.5 2"
 _BASE, _PLATFORM, _CHAIN = "0.45 0.5 0.55 1", "0.2 0.45 0.8 1", "0.85 0.5 0.15 1"
 
 
-def mjcf(instance: Instance, R: Array, T: Array, *, gravity: float = 9.81) -> str:
+def mjcf(instance: Instance, R: Array, T: Array, *, gravity: float | None = None) -> str:
     """Return the model of an instance at a real pose as XML.
 
     Parameters
@@ -59,7 +42,7 @@ def mjcf(instance: Instance, R: Array, T: Array, *, gravity: float = 9.81) -> st
     R, T
         The pose: rotation, shape (3, 3), and translation, shape (3,), in its units.
     gravity
-        Acceleration against z, in m/s^2.
+        Acceleration against z, in m/s^2; by default what the instance states, else 9.81.
     """
     return _Model(instance, R, T, gravity).text()
 
@@ -67,7 +50,7 @@ def mjcf(instance: Instance, R: Array, T: Array, *, gravity: float = 9.81) -> st
 class _Model:
     """The XML of one model."""
 
-    def __init__(self, instance: Instance, R: Array, T: Array, gravity: float) -> None:
+    def __init__(self, instance: Instance, R: Array, T: Array, gravity: float | None) -> None:
         self.instance = instance
         numbers = Arrangement.of(instance)
         self.metre = METRES.get(instance.units.length, 1.0)
@@ -77,8 +60,9 @@ class _Model:
         self.own = numbers.y * self.metre
         self.y, self.w = self.own @ R.T + self.T, numbers.u @ R.T
         self.kinds = numbers.kinds
+        self.masses = SimulatedMasses(instance, self.own.mean(axis=0), self.size)
         self.root = ET.Element("mujoco", model=_name(instance))
-        self._settings(gravity)
+        self._settings(self.masses.gravity(gravity))
         self.world = ET.SubElement(self.root, "worldbody")
         self._bodies()
 
@@ -91,13 +75,13 @@ class _Model:
         head = f"<!-- gsp {__version__}: {self.instance.type.id}; {scale}; radians -->\n"
         return head + ET.tostring(self.root, encoding="unicode") + "\n"
 
-    def _settings(self, gravity: float) -> None:
+    def _settings(self, gravity: Array) -> None:
         ET.SubElement(self.root, "compiler", angle="radian", autolimits="true")
         ET.SubElement(
             self.root,
             "option",
             timestep=f"{TIME_STEP:g}",
-            gravity=f"0 0 {-gravity:g}",
+            gravity=_numbers(gravity),
             integrator="implicitfast",
             tolerance="1e-15",
             iterations="100",
@@ -131,24 +115,13 @@ class _Model:
             quat=_numbers(_quaternion(self.R)),
         )
         ET.SubElement(platform, "freejoint", name="platform")
-        _inertia(platform, self.own.mean(axis=0), self.size)
+        _inertia(platform, self.masses.platform)
         for geom in self._shapes(self.own, self.w @ self.R, platform=True):
             platform.append(geom)
         equality = ET.SubElement(self.root, "equality")
         actuator = ET.SubElement(self.root, "actuator")
-        parts = zip(self.kinds, self.x, self.v, self.y, self.w, strict=True)
-        for number, (kind, *vectors) in enumerate(parts, 1):
-            links = chain(kind, *vectors)
-            self._chain(number, links)
-            end = f"chain_{number}_{len(links)}"
-            ET.SubElement(
-                equality,
-                "weld",
-                name=f"loop_{number}",
-                body1="platform",
-                body2=end,
-                torquescale=_numbers([self.size]),
-            )
+        for number, kind in enumerate(self.kinds, 1):
+            value = self._chain(number, kind, equality)
             ET.SubElement(
                 equality,
                 "joint",
@@ -156,9 +129,8 @@ class _Model:
                 joint1=f"value_{number}",
                 polycoef="0 0 0 0 0",
             )
-            (value,) = (j.value for link in links for j in link.joints if j.value is not None)
-            stiffness = 1e4 * (1.0 if kind.is_distance else self.size**2)
-            damping = 2 * math.sqrt(stiffness)
+            stiffness = self.masses.stiffness(number - 1, angle=not kind.is_distance)
+            damping = self.masses.damping(stiffness)
             # The control is the change of the value: stiffness (value + control - q).
             ET.SubElement(
                 actuator,
@@ -170,15 +142,39 @@ class _Model:
                 biasprm=_numbers([stiffness * value, -stiffness, -damping]),
             )
 
-    def _chain(self, number: int, links: Chain) -> None:
+    def _chain(self, number: int, kind: Kind, equality: ET.Element) -> float:
+        """Add the chain of a constraint, closed at the platform, and return its value."""
+        vectors = [a[number - 1] for a in (self.x, self.v, self.y, self.w)]
+        weighs = self.masses.has_leg(number - 1)
+        if weighs:
+            x, _, y, _ = vectors
+            links = driven_leg(x, y, self.masses.leg_axis(number - 1))
+            bodies = list(self.masses.leg_bodies(number - 1, links[1].joints[0].axis))
+        else:
+            links = chain(kind, *vectors)
+            bodies = [self.masses.link] * len(links)
+        self._links(number, links, bodies)
+        loop = {"name": f"loop_{number}", "body1": "platform"}
+        end = f"chain_{number}_{len(links)}"
+        if weighs:
+            anchor = _numbers(self.own[number - 1])
+            ET.SubElement(equality, "connect", loop, body2=end, anchor=anchor)
+        else:
+            ET.SubElement(equality, "weld", loop, body2=end, torquescale=_numbers([self.size]))
+        (value,) = (j.value for link in links for j in link.joints if j.value is not None)
+        return value
+
+    def _links(self, number: int, links: Chain, bodies: list[Inertial]) -> None:
         parent, origin = self.world, np.zeros(3)
-        for position, link in enumerate(links, 1):
+        for position, (link, inertial) in enumerate(zip(links, bodies, strict=True), 1):
             name = f"chain_{number}_{position}"
             pos = _numbers(link.origin - origin)
-            body = ET.SubElement(parent, "body", name=name, pos=pos, gravcomp="1")
+            body = ET.SubElement(parent, "body", name=name, pos=pos)
+            if not inertial.falls:
+                body.set("gravcomp", "1")
             for order, joint in enumerate(link.joints, 1):
                 self._joint(body, joint, link, f"{name}_{order}", number)
-            _inertia(body, np.zeros(3), self.size)
+            _inertia(body, inertial)
             if position > 1 and np.linalg.norm(link.origin - origin) > 1e-6 * self.size:
                 rod = self._rod(np.zeros(3), link.origin - origin)
                 ET.SubElement(parent, "geom", rod, rgba=_CHAIN)
@@ -186,8 +182,8 @@ class _Model:
 
     def _joint(self, body: ET.Element, joint: Joint, link: Link, name: str, number: int) -> None:
         attributes = {"name": name, "type": joint.type, "pos": _numbers(joint.point - link.origin)}
-        rotor = _ROTOR * _MASS * (1.0 if joint.type == "slide" else self.size**2)
-        attributes["armature"] = _numbers([rotor])
+        driven = None if joint.value is None else number - 1
+        attributes["armature"] = _numbers([self.masses.armature(joint.type, driven)])
         if joint.type != "ball":
             attributes["axis"] = _numbers(joint.axis)
         if joint.value is not None:
@@ -227,15 +223,16 @@ class _Model:
             yield ET.Element("geom", shape)
 
 
-def _inertia(body: ET.Element, centre: Array, size: float) -> None:
-    moments = [0.1 * _MASS * size**2] * 3
-    ET.SubElement(
-        body,
-        "inertial",
-        pos=_numbers(centre),
-        mass=_numbers([_MASS]),
-        diaginertia=_numbers(moments),
-    )
+def _inertia(body: ET.Element, inertial: Inertial) -> None:
+    matrix = inertial.matrix
+    found = {"pos": _numbers(inertial.centre), "mass": _numbers([inertial.mass])}
+    if np.array_equal(matrix, np.diag(np.diag(matrix))):
+        found["diaginertia"] = _numbers(np.diag(matrix))
+    else:
+        found["fullinertia"] = _numbers(
+            [*np.diag(matrix), matrix[0, 1], matrix[0, 2], matrix[1, 2]]
+        )
+    ET.SubElement(body, "inertial", found)
 
 
 def _name(instance: Instance) -> str:

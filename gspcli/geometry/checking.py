@@ -68,4 +68,16 @@ def checked(instance: Instance) -> Instance:
             "three fix the orientation (Definition 2.1)"
         )
         raise ArgumentError(message, "constraints")
+    if instance.dynamics is not None:
+        _check_masses(instance)
     return instance
+
+
+def _check_masses(instance: Instance) -> None:
+    from gspcli.geometry.masses import mistakes
+
+    kinds = [row.kind for row in instance.constraints]
+    assert instance.dynamics is not None
+    for place, message in mistakes(instance.dynamics, kinds, instance.units.length):
+        parts = [f"[{part}]" if isinstance(part, int) else f".{part}" for part in place]
+        raise ArgumentError(message, "".join(parts)[1:])

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from enum import Enum
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import Kind
@@ -16,6 +16,9 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.numbers import Number, Real
 from gspcli.geometry.primitives import Geometry
 from gspcli.records import dataclass
+
+if TYPE_CHECKING:
+    from gspcli.geometry.masses import Dynamics
 
 
 class Side(Enum):
@@ -45,7 +48,7 @@ class Units:
     Attributes
     ----------
     length
-        The name of the length unit; it is only carried along.
+        The name of the length unit; only masses give it a meaning (`lengths.METRES`).
     angle
         The unit of angle values.
     """
@@ -115,6 +118,8 @@ class Instance:
     further
         Primitives that no constraint uses: the body (``platform`` or ``base``), the name and the
         primitive. They are places for sensors.
+    dynamics
+        Masses, inertias and drives, or None if the file does not say. They change no pose.
     """
 
     constraints: tuple[Constraint, ...]
@@ -122,6 +127,7 @@ class Instance:
     name: str | None = None
     source: str | None = None
     further: tuple[tuple[str, str, Geometry], ...] = ()
+    dynamics: Dynamics | None = None
 
     def __repr__(self) -> str:
         kinds = " ".join(row.kind.name for row in self.constraints)

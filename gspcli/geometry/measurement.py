@@ -18,7 +18,7 @@ import numpy as np
 from gspcli.catalogue.kinds import DPL, Kind, Law
 from gspcli.geometry.arrangement import Bodies
 from gspcli.geometry.constraint_polynomials import COSINE, Gradient, Hessian, polynomial
-from gspcli.geometry.quaternions import Field, cross, dot
+from gspcli.geometry.quaternions import Field, apply, cross, dot
 
 #: Lines that meet at a smaller angle than this (radians) are measured as parallel ones.
 _PARALLEL = 1e-9
@@ -83,6 +83,27 @@ def hessian(bodies: Bodies, R: Field, T: Field) -> Field:
         first, second = _gradient(kind, *vectors), _hessian(kind, *vectors)
         matrices[..., k, :, :] = by_twist_twice(first, second, arm[..., k, :], vectors[1])
     return matrices
+
+
+def curvature(bodies: Bodies, R: Field, T: Field, twists: Field) -> Field:
+    """Return the second derivatives of `measured` along constant twists, ``(..., 6) -> (..., n)``.
+
+    These are ``t.H t`` with the matrices of `hessian`, for a seventh of the time.
+    """
+    r, w, arm = bodies.placed(R, T)
+    v = np.broadcast_to(bodies.v, w.shape)
+    omega = np.broadcast_to(twists[..., None, :3], arm.shape)
+    turned, w_moves = cross(omega, arm), cross(omega, w)
+    r_moves, r_bends = turned + twists[..., None, 3:], cross(omega, turned)
+    w_bends = cross(omega, w_moves)
+    found: Field = np.zeros(r.shape[:-1], dtype=r.dtype)
+    for kind, k in _alike(bodies.kinds):
+        vectors = r[..., k, :], w[..., k, :], v[..., k, :]
+        first, second = _gradient(kind, *vectors), _hessian(kind, *vectors)
+        a, b = r_moves[..., k, :], w_moves[..., k, :]
+        bent = dot(a, apply(second.rr, a) + 2 * apply(second.rw, b)) + dot(b, apply(second.ww, b))
+        found[..., k] = bent + dot(first.r, r_bends[..., k, :]) + dot(first.w, w_bends[..., k, :])
+    return found
 
 
 def by_twist(gradient: Gradient, arm: Field, w: Field) -> Field:

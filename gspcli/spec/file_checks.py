@@ -19,6 +19,7 @@ from gspcli.spec.plain import ConstraintFields, InstanceFields, PrimitiveFields
 from gspcli.wording import listed, shown, suggestion
 
 if TYPE_CHECKING:
+    from gspcli.geometry.masses import Dynamics
     from gspcli.spec.models import ConstraintModel, InstanceModel, PrimitiveModel
 
     #: What is read of each, plainly or with a search for mistakes.
@@ -88,6 +89,7 @@ class FileChecker:
         self._check_cones(constraints)
         complete = tuple(constraint for constraint in constraints if constraint is not None)
         units = self.model.units
+        dynamics = self._dynamics(constraints)
         if self.problems or units is None or len(complete) != CONSTRAINTS:
             return None
         instance = Instance(
@@ -96,6 +98,7 @@ class FileChecker:
             self.model.name,
             self.model.source,
             self._further(complete),
+            dynamics,
         )
         self._check_type(instance)
         return instance
@@ -229,6 +232,19 @@ class FileChecker:
                         "a cone limits the directions of legs"
                     )
                     self._note(node, message)
+
+    def _dynamics(self, constraints: list[Constraint | None]) -> Dynamics | None:
+        """Return what is said of masses, and note what no platform can have."""
+        if self.model.dynamics is None:
+            return None
+        from gspcli.spec.mass_checks import problems_of_masses, stated_dynamics
+
+        dynamics = stated_dynamics(self.model.dynamics)
+        kinds = [row.kind for row in constraints if row is not None]
+        if dynamics is not None and len(kinds) == len(constraints) and self.model.units:
+            length = self.model.units.length
+            self.problems += problems_of_masses(self.root, dynamics, kinds, length)
+        return dynamics
 
     def _check_type(self, instance: Instance) -> None:
         if self.model.type is None:

@@ -73,6 +73,47 @@ class UnitsFields(NamedTuple):
     angle: str
 
 
+class RigidBodyFields(NamedTuple):
+    """As `mass_models.RigidBodyModel`."""
+
+    mass: Number
+    centre: list[Number]
+    inertia: list[Number]
+
+
+class LegBodyFields(NamedTuple):
+    """As `mass_models.LegBodyModel`."""
+
+    mass: Number
+    centre: Number
+    inertia: Number | None
+    axial: Number | None
+
+
+class LegFields(NamedTuple):
+    """As `mass_models.LegModel`."""
+
+    cylinder: LegBodyFields | None
+    rod: LegBodyFields | None
+    universal: list[Number] | None
+
+
+class DrivesFields(NamedTuple):
+    """As `mass_models.DrivesModel`."""
+
+    inertia: list[Number] | None
+    stiffness: list[Number] | None
+
+
+class DynamicsFields(NamedTuple):
+    """As `mass_models.DynamicsModel`."""
+
+    gravity: list[Number] | None
+    platform: RigidBodyFields
+    legs: list[LegFields] | None
+    drives: DrivesFields | None
+
+
 class InstanceFields(NamedTuple):
     """As `models.InstanceModel`."""
 
@@ -83,6 +124,7 @@ class InstanceFields(NamedTuple):
     platform: dict[str, PrimitiveFields]
     base: dict[str, PrimitiveFields]
     constraints: list[ConstraintFields]
+    dynamics: DynamicsFields | None = None
 
 
 def read_plainly(root: Value) -> InstanceFields | None:
@@ -123,7 +165,7 @@ def _direction(value: Value) -> list[Number]:
 
 def _instance(root: Value) -> InstanceFields:
     needed = ("gsp", "units", "platform", "base", "constraints")
-    given = _section(root, needed, _SAID)
+    given = _section(root, needed, (*_SAID, "dynamics"))
     version(given["gsp"])
     units = _section(given["units"], ("length", "angle"))
     said = [optional_text(given[key]) if key in given else None for key in _SAID]
@@ -135,6 +177,7 @@ def _instance(root: Value) -> InstanceFields:
         _body(given["platform"]),
         _body(given["base"]),
         [_constraint(entry) for entry in _list(given["constraints"])],
+        _dynamics(given["dynamics"]) if "dynamics" in given else None,
     )
 
 
@@ -191,3 +234,43 @@ def _choice(value: Value, *choices: str) -> str:
     if not isinstance(value, Scalar) or value not in choices:
         raise ValueError
     return str(value)
+
+
+def _dynamics(value: Value) -> DynamicsFields:
+    given = _section(value, ("platform",), ("gravity", "legs", "drives"))
+    body = _section(given["platform"], RigidBodyFields._fields)
+    drives = None
+    if "drives" in given:
+        stated = _section(given["drives"], (), DrivesFields._fields)
+        drives = DrivesFields(*(_several(stated.get(key)) for key in DrivesFields._fields))
+    legs = given.get("legs")
+    return DynamicsFields(
+        _numbers(given["gravity"]) if "gravity" in given else None,
+        RigidBodyFields(
+            number(body["mass"]), _numbers(body["centre"]), _numbers(body["inertia"], 6)
+        ),
+        None if legs is None else list(map(_leg, legs if isinstance(legs, Sequence) else [legs])),
+        drives,
+    )
+
+
+def _several(value: Value | None) -> list[Number] | None:
+    """Return a list of numbers, or one number as a list."""
+    if value is None:
+        return None
+    return [number(entry) for entry in (value if isinstance(value, Sequence) else [value])]
+
+
+def _leg(value: Value) -> LegFields:
+    given = _section(value, (), LegFields._fields)
+    return LegFields(
+        _leg_body(given["cylinder"]) if "cylinder" in given else None,
+        _leg_body(given["rod"]) if "rod" in given else None,
+        _direction(given["universal"]) if "universal" in given else None,
+    )
+
+
+def _leg_body(value: Value) -> LegBodyFields:
+    given = _section(value, ("mass", "centre"), ("inertia", "axial"))
+    moments = [number(given[key]) if key in given else None for key in ("inertia", "axial")]
+    return LegBodyFields(number(given["mass"]), number(given["centre"]), *moments)

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
-from typing import TextIO
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, TextIO
 
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.checking import expected
 from gspcli.geometry.instance import Constraint, Instance, Side
-from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Geometry, Line, Plane, Point
+
+if TYPE_CHECKING:
+    from gspcli.geometry.masses import Dynamics, Leg
 
 _PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_.']*( [A-Za-z0-9_.']+)*")
 _BODIES = ("platform", "base")
@@ -63,6 +67,8 @@ def dumps(instance: Instance) -> str:
     units = instance.units
     header.append(f"units: {{length: {scalar(units.length)}, angle: {units.angle.value}}}")
     lines = [*header, *platform.lines(), *base.lines(), "constraints:", *constraints]
+    if instance.dynamics is not None:
+        lines += ["dynamics:", *_dynamics(instance.dynamics)]
     return "\n".join(lines) + "\n"
 
 
@@ -107,7 +113,7 @@ class _Body:
         return [f"{self.key}:", *rows]
 
 
-def _vector(vector: Vector) -> str:
+def _vector(vector: Sequence[Number]) -> str:
     return "[" + ", ".join(map(str, vector)) + "]"
 
 
@@ -135,3 +141,37 @@ def _constraint(constraint: Constraint, platform: str, base: str) -> str:
     off = "" if constraint.tolerance is None else f", tolerance: {constraint.tolerance}"
     value = f"value: {constraint.value}{span}{off}{side}"
     return f"  - {{{quantity}: [{platform}, {base}], {value}}}"
+
+
+def _dynamics(dynamics: Dynamics) -> list[str]:
+    """Return the lines of what is stated of masses."""
+    body, legs, drives = dynamics.platform, dynamics.legs, dynamics.drives
+    lines = [
+        f"  gravity: {_vector(dynamics.gravity)}",
+        f"  platform: {{mass: {body.mass}, centre: {_vector(body.centre)}, "
+        f"inertia: {_vector(body.inertia)}}}",
+    ]
+    if len(legs) == 1:
+        lines.append(f"  legs: {_leg(legs[0])}")
+    elif legs:
+        lines += ["  legs:", *(f"    - {_leg(leg)}" for leg in legs)]
+    said = [f"inertia: {_several(drives.inertia)}"]
+    if drives.stiffness is not None:
+        said.append(f"stiffness: {_several(drives.stiffness)}")
+    return [*lines, f"  drives: {{{', '.join(said)}}}"]
+
+
+def _several(numbers: Sequence[Number]) -> str:
+    return str(numbers[0]) if len(numbers) == 1 else _vector(numbers)
+
+
+def _leg(leg: Leg) -> str:
+    said = [
+        f"{name}: {{mass: {body.mass}, centre: {body.centre}, inertia: {body.inertia}, "
+        f"axial: {body.axial}}}"
+        for name, body in (("cylinder", leg.cylinder), ("rod", leg.rod))
+        if body is not None
+    ]
+    if leg.universal is not None:
+        said.append(f"universal: {_vector(leg.universal)}")
+    return f"{{{', '.join(said)}}}"

@@ -49,6 +49,8 @@ CALLS = [
     ["count", "--type", "6PP", "--geometry", "generic,3-3"],
     ["analyze", "@rubin-m2"],
     ["analyze", "@octahedral-3-3", "--mode", "1", "--load", "0,0,-9.81", "--tolerance", "0.001"],
+    ["dynamics", "MASSES", "--mode", "15"],
+    ["dynamics", "MASSES", "--mode", "1", "--modes"],
     ["clearance", "@octahedral-3-3", "--mode", "1"],
     ["clearance", "@octahedral-3-3", "--mode", "1", "--of", "pose"],
     ["sensors", "@rubin-m2"],

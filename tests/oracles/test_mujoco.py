@@ -10,6 +10,9 @@ from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS
 from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.types import all_types
 from gspcli.cli.main import run
+from gspcli.dynamics import inverse_dynamics
+from gspcli.dynamics.mass_model import MassModel
+from gspcli.export import simulated_masses
 from gspcli.export.mjcf import TIME_STEP, mjcf
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import jacobian, measured
@@ -21,6 +24,8 @@ from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.solver.generate import random_instance
 from gspcli.spec import load
+from tests.support.masses import random_platform
+from tests.support.simulated_trees import signs
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -260,3 +265,30 @@ def test_a_command_writes_the_model(tmp_path, capsys):
     assert (model.nv, model.nu) == (42, 6)
     assert run(["export", "@no-real-pose", "--to", "mjcf"]) == 2
     assert "found 0 real poses" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", OF_EACH_KIND)
+def test_stated_masses_are_those_of_the_model(name, monkeypatch):
+    # Heavier links add more inertia and settle sooner.
+    monkeypatch.setattr(simulated_masses, "LIGHT", 1e-2)
+    rng = np.random.default_rng(12)
+    instance, R, T = random_platform(name, rng, legs=True)
+    stated = MassModel.of(instance)
+    model, data = _loaded(mjcf(instance, R, T))
+    body = model.body("platform")
+    assert body.mass[0] == stated.mass
+    assert np.allclose(body.ipos, stated.centre)
+    assert np.allclose(np.sort(body.inertia), np.linalg.eigvalsh(stated.inertia))
+    assert np.array_equal(model.opt.gravity, stated.gravity)
+    # What gravity pulls at weighs as much as the platform and its legs.
+    falling = model.body_mass[model.body_gravcomp == 0].sum()
+    legs = stated.legs.cylinder[0].sum() + stated.legs.rod[0].sum()
+    assert falling == pytest.approx(stated.mass + legs)
+    # Held: the loops stay closed, and the values are held by the forces that are computed.
+    assert _mobility(model, data) == 0
+    _run(model, data, 0.1)
+    _, moved = _platform(data)
+    assert np.abs(moved - T).max() < 1e-6 * Arrangement.of(instance).length
+    held = np.array([data.efc_force[data.efc_id == number].sum() for number in _holds(model)])
+    expected = inverse_dynamics(instance, R, T).forces[0] * signs(instance, R, T)
+    assert np.abs(held - expected).max() < 1e-3 * np.abs(expected).max()

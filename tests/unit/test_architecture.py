@@ -23,6 +23,7 @@ LAYERS = {
     "atlas": 6,
     "reality": 6,
     "sensing": 5.2,
+    "dynamics": 5.2,
     "motion": 5,
     "solver": 4,
     "certification": 3,
@@ -49,6 +50,7 @@ ROOMS = {
     "click": {"cli"},
     "rich": {"cli"},
     "matplotlib": {"pictures"},
+    "scipy": {"dynamics"},
 }
 #: Rooms within rooms, the lowest first: each imports itself and those before it.
 INNER_ROOMS = {

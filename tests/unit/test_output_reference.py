@@ -31,6 +31,8 @@ OTHERS = [
     ["analyze", "@platform-6-3"],
     ["count", "@no-real-pose"],
     ["count", "--type", "DPL DPL DLP ALL ALH AHH", "--geometry", "planar"],
+    ["dynamics", "MASSES", "--mode", "1"],
+    ["dynamics", "MASSES", "--mode", "2", "--modes"],
     ["clearance", "@figure-3", "--mode", "1"],
     ["scan", "@platform-6-3", "--vary", "3=1.4:1.5:2", "--vary", "5=1.4:1.5:2"],
     ["workspace", "@workspace-study", "--hold", "x=1:2:2", "--connected"],
@@ -40,8 +42,12 @@ OTHERS = [
 
 @pytest.mark.parametrize("words", OTHERS, ids=" ".join)
 def test_other_output_has_the_published_form(
-    words: list[str], capsys: pytest.CaptureFixture[str]
+    words: list[str], capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
+    page = (ROOT / "docs" / "dynamics.md").read_text(encoding="utf-8")
+    masses = tmp_path / "masses.yaml"
+    masses.write_text(re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)[0], encoding="utf-8")
+    words = [str(masses) if word == "MASSES" else word for word in words]
     assert run([*words, "--format", "json"]) == 0
     document = json.loads(capsys.readouterr().out)
     form = document["schema"].removeprefix("gsp.").partition("/")[0]

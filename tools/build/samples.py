@@ -17,7 +17,7 @@ from gspcli.resources import data_directory, instance_files
 from gspcli.spec import load
 
 #: Runs that together print all keys of a command, where the examples of its help do not; POSES,
-#: TWICE, VALUES, REACH, LOOP and STATE are files made here.
+#: TWICE, VALUES, REACH, LOOP, STATE, MASSES, PATH and FORCES are files made here.
 SAMPLES: dict[str, tuple[str, ...]] = {
     "enumerate": (
         "--class 6D --only PP,PH",
@@ -86,6 +86,16 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@rubin-m2 VALUES --require range,condition<=9,clearance>=0.1,pose-clearance>=0",
         "@workspace-study-cones --require cone",
     ),
+    "dynamics": (
+        "MASSES",
+        "MASSES PATH --require force<=40",
+        "MASSES --pose 0,0,0,1,0,0,0",
+        "MASSES --pose 0,0,1e-7,1,0,0,0",
+        "MASSES --modes --require frequency>=20",
+        "MASSES --pose 0,0,1e-7,1,0,0,0 --modes",
+        "MASSES --pose 0,0,0,1,0,0,0 --modes",
+        "MASSES --pose 5,0,190,1,0,0,0 --forward FORCES",
+    ),
     "clearance": (
         "@octahedral-3-3 --mode 1",
         "@singular-pose --mode 1",
@@ -111,6 +121,8 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@workspace-study --over z --within z=0:100",
     ),
 }
+#: Where a platform with masses stands, rows of poses and rows of forces.
+_PAGE = Path(__file__).resolve().parents[2] / "docs" / "dynamics.md"
 #: Takes hours, or prints what only a wrong record makes it print.
 _LONG = {"atlas verify"}
 #: Values after which the platform is in another mode, and folds of others on the way.
@@ -181,6 +193,13 @@ def words(name: str, sample: str, folder: Path) -> list[str]:
         path = folder / "reach.csv"
         path.write_text("\n".join(["x,y,z,qw,qx,qy,qz", *poses]) + "\n", encoding="utf-8")
         sample = sample.replace("REACH", f"@workspace-study-cones {path} --near 0,0,60,1,0,0,0")
+    if "MASSES" in sample:
+        page = _PAGE.read_text(encoding="utf-8")
+        blocks = re.findall(r"```(?:yaml|csv)\n(.*?)```", page, re.DOTALL)
+        files = {"MASSES": "masses.yaml", "PATH": "path.csv", "FORCES": "forces.csv"}
+        for (word, file), content in zip(files.items(), blocks, strict=True):
+            paths[word] = folder / file
+            paths[word].write_text(content, encoding="utf-8")
     sample = sample.replace("LOOP", f"{_LOOP}.yaml {_LOOP}.csv")
     for word, path in paths.items():
         sample = sample.replace(word, str(path))

@@ -43,7 +43,7 @@ _SAME = 1 - 1e-10
 
 
 def lost(points: NDArray[np.complex128]) -> int:
-    """Return how many of the ends (n, 8), not a number where there is none, are none of their own."""
+    """Return how many of the ends (n, 8) are missing or another path's, too."""
     known = points[np.isfinite(points).all(axis=1)]
     known = known / np.linalg.norm(known, axis=1, keepdims=True)
     alike = np.abs(known.conj() @ known.T) > _SAME

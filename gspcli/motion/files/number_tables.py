@@ -210,6 +210,23 @@ def wrong_number(text: str) -> str:
     return f"found {found}, expected a finite number{hint}"
 
 
+def numbers_of(text: str, counts: Collection[int], name: str) -> list[float]:
+    """Return the numbers of an option, between commas.
+
+    Raises
+    ------
+    SpecError
+        If one is none, or there are not as many as there can be.
+    """
+    cells = [cell.strip() for cell in text.split(",")]
+    wrong = next(filter(None, map(wrong_number, cells)), "")
+    if len(cells) not in counts:
+        expected = listed(map(str, counts))
+        wrong = f"found {len(cells)} numbers, expected {expected}"
+    check([Problem(None, name, wrong)] if wrong else [])
+    return [float(cell) for cell in cells]
+
+
 def check(problems: Sequence[Problem]) -> None:
     """Raise `SpecError` if there are problems, with the first `MOST_PROBLEMS` and a count."""
     if not problems:

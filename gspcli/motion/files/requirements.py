@@ -42,6 +42,8 @@ QUANTITIES = {
     "force": Quantity(False, None, "the largest force in a constraint under the load"),
     "moment": Quantity(False, None, "the largest moment in an angle under the load"),
     "stiffness": Quantity(True, None, "the least stiffness of the point"),
+    "power": Quantity(False, None, "what all drives do, as gsp dynamics"),
+    "frequency": Quantity(True, None, "the lowest natural frequency, as gsp dynamics --modes"),
     "error": Quantity(False, None, "the proved error of the point from the tolerances"),
 }
 

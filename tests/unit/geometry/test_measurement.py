@@ -9,7 +9,7 @@ from gspcli.catalogue.kinds import ALL, DLL, KINDS
 from gspcli.geometry.arrangement import Arrangement, Bodies
 from gspcli.geometry.constraint_polynomials import polynomial
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
-from gspcli.geometry.measurement import _angle, hessian, jacobian, measured
+from gspcli.geometry.measurement import _angle, curvature, hessian, jacobian, measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane, Point, vector
 from gspcli.geometry.quaternions import Field, rotation_from_quaternion
@@ -124,6 +124,17 @@ def test_hessian_against_differences_of_the_jacobian(
             expected = (ahead - behind) / (2 * h)
             found = np.einsum("nij,i,j->n", second, twist, twist)
             np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-6)
+
+
+def test_curvature_is_the_quadratic_form_of_the_hessian(arrangement_of_all_kinds, random_pose):
+    rng = np.random.default_rng(3)
+    arrangement = arrangement_of_all_kinds(rng)
+    R, T = random_pose(rng)
+    twists = rng.normal(size=(5, 6))
+    expected = np.einsum("pi,kij,pj->pk", twists, hessian(arrangement, R, T), twists)
+    poses = np.broadcast_to(R, (5, 3, 3)), np.broadcast_to(T, (5, 3))
+    found = curvature(arrangement, *poses, twists)
+    assert np.allclose(found, expected, rtol=1e-12, atol=1e-12)
 
 
 def test_hessian_against_complex_step(arrangement_of_all_kinds, random_pose):

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import random
+import re
 import subprocess
 import sys
 from copy import deepcopy
+from pathlib import Path
 
 import pytest
 
@@ -18,6 +20,7 @@ from gspcli.spec.plain import InstanceFields, read_plainly
 FILES = instance_files()
 #: Texts that are right somewhere, or nowhere.
 TEXTS = ["", "0", "1", "-2.5", "sqrt(2)", "sqrt(", "deg", "both", "P1", "a b", "x" * 2000, "\x01"]
+TEXTS += ["dynamics", "legs", "rod", "mass", "centre", "inertia", "drives", "universal"]
 TEXTS += ["point", "line", "plane", "value", "crank", "cone", "range", "angle", "distance"]
 
 
@@ -50,11 +53,22 @@ def check(root, found: InstanceFields):
     assert modelled(model, found) == fields(found)
 
 
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "dynamics.md"
+#: With masses, which no shipped file has: one leg for all, and a list of legs.
+WITH_MASSES = re.search(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)[1]
+LEGS = "  legs:\n" + "    - {rod: {mass: 0.2, centre: 50}}\n" * 6
+TEXTS_OF_FILES = {
+    **{name: path.read_text(encoding="utf-8") for name, path in FILES.items()},
+    "one-leg": WITH_MASSES,
+    "six-legs": re.sub(r"  legs:.*?(?=  drives)", LEGS, WITH_MASSES, flags=re.DOTALL),
+}
+
+
 def roots():
-    return [read_ordinary(path.read_text(encoding="utf-8"), name) for name, path in FILES.items()]
+    return [read_ordinary(text, name) for name, text in TEXTS_OF_FILES.items()]
 
 
-@pytest.mark.parametrize("root", roots(), ids=FILES)
+@pytest.mark.parametrize("root", roots(), ids=TEXTS_OF_FILES)
 def test_shipped_files_are_read_plainly(root):
     found = read_plainly(root)
     assert found is not None

@@ -32,6 +32,14 @@ constraints:
   - {angle: [L1, L4], value: 60}
   - {angle: [L1, H4], value: -90}
   - {angle: [H1, H4], value: 180}
+dynamics:
+  gravity: [0, 0, -9.81]
+  platform: {mass: 12, centre: [0, 0, 20], inertia: [4, 5, 6, 0, 0, 0.5]}
+  legs:
+    cylinder: {mass: 0.35, centre: 30, inertia: 9, axial: 1}
+    rod: {mass: 0.2, centre: 30, inertia: 5}
+    universal: [1, 0, 0]
+  drives: {inertia: 0, stiffness: [1e6, 2e6, 1e6, 1e3, 1e3, 1e3]}
 """
 
 

@@ -90,6 +90,26 @@ def test_cones_read_back():
     assert loads(text) == loads(CONES)
 
 
+@pytest.mark.parametrize(
+    ("legs", "lines"),
+    [
+        ("{rod: {mass: 1/3, centre: 2}}", 1),
+        ("[{rod: {mass: 1, centre: 2}}" + ", {cylinder: {mass: 2, centre: 1}}" * 5 + "]", 7),
+        ("{rod: {mass: 1, centre: 2, inertia: 3, axial: 1}, universal: [0, 1, -2]}", 1),
+    ],
+)
+@pytest.mark.parametrize("drives", ["{inertia: [1, 2, 3, 4, 5, 6], stiffness: 1e6}", "{}"])
+def test_masses_read_back(legs, lines, drives):
+    body = "{mass: 12.5, centre: [0, 0, sqrt(2)], inertia: [4, 5, 6, 0, 0, -0.5]}"
+    said = f"dynamics:\n  platform: {body}\n  legs: {legs}\n  drives: {drives}\n"
+    instance = loads(CONES + said)
+    text = dumps(instance)
+    assert loads(text) == instance != loads(CONES)
+    assert f"platform: {body}" in text
+    assert "gravity: [0, 0, -9.81]" in text
+    assert text[text.index("  legs:") : text.index("  drives:")].count("\n") == lines
+
+
 CONES = """\
 gsp: 1
 units: {length: mm, angle: deg}

@@ -1,0 +1,305 @@
+"""`gsp dynamics`: forces of the drives, motions under forces, natural frequencies."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from gspcli.cli.dynamics_rows import Asked, asked_rows, start_of
+from gspcli.cli.dynamics_tables import (
+    force_rows,
+    force_table,
+    mode_rows,
+    mode_tables,
+    motion_table,
+)
+from gspcli.cli.names import load_instance
+from gspcli.cli.output import Column, Output, emit, output_options
+from gspcli.cli.pose_options import pose_options, text_of
+from gspcli.cli.progress_bars import working
+from gspcli.cli.requirements import (
+    add_quantities,
+    measured_quantities,
+    refuse,
+    require_option,
+    required,
+    verdict_entries,
+    verdict_lines,
+)
+from gspcli.errors import GspError, IncompleteError
+from gspcli.wording import listed
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from typing import Any
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from gspcli.dynamics import DriveForces, NaturalModes
+    from gspcli.geometry.instance import Instance
+    from gspcli.motion.files.requirements import Parts, Requirement, Verdict
+
+    Array = NDArray[np.float64]
+    Quantities = Mapping[str, Array | Parts]
+
+#: So many rows are named one by one in a message.
+_MOST_NAMED = 5
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@click.argument("rows", metavar="[ROWS]", required=False)
+@click.option(
+    "--mode",
+    type=click.IntRange(min=1),
+    metavar="K",
+    help="Mode K of SPEC; of a file of values mode K at its first row.",
+)
+@click.option("--pose", metavar="NUMBERS", help="A pose instead: x,y,z,qw,qx,qy,qz.")
+@click.option(
+    "--near", metavar="NUMBERS", help="Of a file of values the mode nearest to a pose at first."
+)
+@pose_options
+@click.option(
+    "--forward",
+    metavar="FORCES",
+    help="How the platform moves under forces: a file with t and F1 ... F6, linear between rows.",
+)
+@click.option(
+    "--twist",
+    metavar="NUMBERS",
+    help="How it moves at first: wx,wy,wz,vx,vy,vz.  [default: at rest]",
+)
+@click.option("--modes", "modal", is_flag=True, help="Natural frequencies and mode shapes instead.")
+@click.option(
+    "--stiffness",
+    metavar="K",
+    help="Stiffness of the drives in N/m and N m/rad, one number or six.  [default: that of SPEC]",
+)
+@require_option("force<=200, range, condition<=50")
+@output_options()
+def command(
+    spec: str,
+    rows: str | None,
+    mode: int | None,
+    pose: str | None,
+    near: str | None,
+    euler: str | None,
+    pivot: str | None,
+    forward: str | None,
+    twist: str | None,
+    modal: bool,
+    stiffness: str | None,
+    require: str | None,
+    output: Output,
+) -> None:
+    """Compute forces of the drives along a motion, motions under forces, natural frequencies.
+
+    SPEC states the masses under dynamics: (docs/dynamics.md). ROWS is a CSV file of poses as `gsp
+    measure` takes it, or of values as `gsp track` does, along which one mode is followed; one of
+    them may be - for standard input. With a column t, in seconds, the platform moves along quintic
+    splines through the rows. Or the rows say how it moves: wx wy wz vx vy vz, its angular velocity
+    and the velocity of the point x y z in the axes of the base, and alphax alphay alphaz ax ay az,
+    their derivatives; for values v1 ... v6 and a1 ... a6; per second, in the units of SPEC. Without
+    t it stands still at each row. Without ROWS there is one row for each real pose of SPEC.
+
+    Each row has the forces of the six drives in N (moments in N m for angles), positive if the
+    drive pushes towards a greater value, and the power of all in W. The worst row and drive are
+    named. At a singular pose there is no force; such rows are named, and the exit code is 4.
+
+    With --forward the platform is let go at a pose (--pose or --mode) under given forces. Each row
+    is a pose with velocities and accelerations, as this command reads them, and energies in J. The
+    exit code is 4 if the motion cannot be followed to the end.
+
+    With --modes the platform hangs on springs, its drives: six natural frequencies in Hz, negative
+    where the pose is not stable, with geometric stiffness by the weights. Of one pose also how the
+    platform moves in each mode.
+
+    With --require the worst row is named, and the exit code is 1 unless all rows keep it: force,
+    moment, power; with --modes frequency; range, cone, condition, clearance as `gsp measure`.
+
+    \b
+    Examples:
+      gsp dynamics platform.yaml
+      gsp dynamics platform.yaml path.csv -o forces.csv
+      gsp dynamics platform.yaml path.csv --require "force<=200, power<=50"
+      gsp dynamics platform.yaml --mode 1 --modes --stiffness 2e6
+      gsp dynamics platform.yaml --pose 0,0,150,1,0,0,0 --forward forces.csv
+    """
+    if forward is not None and (rows is not None or modal or require is not None):
+        message = "--forward takes a pose to start from: no ROWS, --modes or --require"
+        raise click.UsageError(message)
+    for name, given, needs, other in (
+        ("--twist", twist, "--forward", forward is not None),
+        ("--stiffness", stiffness, "--modes", modal),
+        ("--near", near, "ROWS", rows is not None),
+    ):
+        if given is not None and not other:
+            message = f"{name} is for {needs} only"
+            raise click.UsageError(message)
+    if sum(option is not None for option in (pose, mode, near)) > 1:
+        message = "give only one of --pose, --mode and --near"
+        raise click.UsageError(message)
+    if rows is not None and pose is not None:
+        message = "give either ROWS or --pose"
+        raise click.UsageError(message)
+    if spec == "-" and "-" in (rows, forward):
+        message = "SPEC and another file cannot both be standard input"
+        raise click.UsageError(message)
+    instance = load_instance(spec)
+    if forward is not None:
+        _forward(instance, forward, start_of(instance, mode, pose, euler, pivot), twist, output)
+        return
+    requirements = required(require)
+    asked = asked_rows(instance, rows, mode, pose, near, euler, pivot)
+    if modal:
+        _modes(instance, asked, stiffness, requirements, output)
+    else:
+        _forces(instance, asked, requirements, output)
+
+
+def _forces(
+    instance: Instance, asked: Asked, requirements: list[Requirement], output: Output
+) -> None:
+    import numpy as np
+
+    from gspcli.dynamics import inverse_dynamics
+    from gspcli.motion.files.requirements import Parts
+
+    motion = asked.motion
+    found = inverse_dynamics(
+        instance,
+        asked.R,
+        asked.T,
+        t=asked.t,
+        twists=None if motion is None else motion.twists,
+        accelerations=None if motion is None else motion.accelerations,
+    )
+    names = [f"drive {k}" for k in range(1, 7)]
+    known: dict[str, Array | Parts] = {"power": np.abs(found.power)}
+    for name, unit in (("force", "N"), ("moment", "N m")):
+        which = [k for k, one in enumerate(found.units) if one == unit]
+        if which:
+            known[name] = Parts(np.abs(found.forces[:, which]), [names[k] for k in which])
+    rows = force_rows(found, asked)
+    verdicts, more = _judge(instance, asked, requirements, known, rows)
+    lines = verdict_lines(verdicts, asked.place)
+    document = None
+    if output.format == "json":
+        document = _document(found, verdicts, asked)
+    emit(output, force_table(found, asked, rows, more, lines), document=document)
+    _warn(found, asked)
+    refuse(verdicts)
+    _refuse_singular(found, asked)
+
+
+def _judge(
+    instance: Instance,
+    asked: Asked,
+    requirements: list[Requirement],
+    known: Quantities,
+    rows: list[dict[str, Any]],
+) -> tuple[list[Verdict], list[Column]]:
+    """Return whether all rows keep what is required, and the columns that this adds to them."""
+    if not requirements:
+        return [], []
+    from gspcli.motion import measure
+    from gspcli.motion.files.requirements import judge
+
+    values = measure(instance, asked.R, asked.T)
+    found = measured_quantities(instance, requirements, values, asked.R, asked.T, known)
+    more = {name: numbers for name, numbers in found.items() if name not in known}
+    return judge(requirements, found), add_quantities(rows, more)
+
+
+def _document(
+    found: DriveForces | NaturalModes, verdicts: list[Verdict], asked: Asked
+) -> dict[str, Any]:
+    document = found.to_json()
+    for mode, row in zip(asked.modes, document["rows"], strict=False):
+        row["mode"] = mode
+    if verdicts:
+        document["requirements"] = verdict_entries(verdicts, asked.named)
+    return document
+
+
+def _warn(found: DriveForces | NaturalModes, asked: Asked) -> None:
+    """Say at which rows numbers have lost digits."""
+    import numpy as np
+
+    for row in np.flatnonzero(found.nearly_singular < np.inf)[:_MOST_NAMED].tolist():
+        if found.singular[row]:
+            continue
+        condition = found.nearly_singular[row]
+        digits = max(0, 16 - int(np.ceil(np.log10(condition))))
+        click.echo(
+            f"warning: {asked.place(row)} the pose is nearly singular (condition {condition:.2g}): "
+            f"about {digits} digits of its forces are right",
+            err=True,
+        )
+
+
+def _refuse_singular(found: DriveForces | NaturalModes, asked: Asked) -> None:
+    """Raise if there are singular poses, and name them."""
+    rows = found.singular.nonzero()[0].tolist()
+    if not rows:
+        return
+    named = listed([asked.place(row) for row in rows[:_MOST_NAMED]], "and")
+    more = f" and {len(rows) - _MOST_NAMED} more" if len(rows) > _MOST_NAMED else ""
+    message = f"{named}{more} the pose is singular: no forces hold every load there"
+    raise IncompleteError(message)
+
+
+def _modes(
+    instance: Instance,
+    asked: Asked,
+    stiffness: str | None,
+    requirements: list[Requirement],
+    output: Output,
+) -> None:
+    from gspcli.dynamics import natural_modes
+    from gspcli.motion.files.number_tables import numbers_of
+
+    given = None if stiffness is None else numbers_of(stiffness, (1, 6), "--stiffness")
+    found = natural_modes(instance, asked.R, asked.T, stiffness=given)
+    rows = mode_rows(found, asked)
+    known = {"frequency": found.frequencies[:, 0]}
+    verdicts, more = _judge(instance, asked, requirements, known, rows)
+    lines = verdict_lines(verdicts, asked.place)
+    document = None
+    if output.format == "json":
+        document = _document(found, verdicts, asked)
+    emit(output, mode_tables(found, asked, rows, more, lines), document=document)
+    _warn(found, asked)
+    refuse(verdicts)
+    _refuse_singular(found, asked)
+
+
+def _forward(
+    instance: Instance,
+    forces: str,
+    start: tuple[Array, Array],
+    twist: str | None,
+    output: Output,
+) -> None:
+    import numpy as np
+
+    from gspcli.dynamics import simulate
+    from gspcli.dynamics.motion_files import read_forces
+    from gspcli.motion.files.number_tables import numbers_of
+
+    table = read_forces(*text_of(forces))
+    angles = np.repeat([instance.units.angle.in_radians, 1.0], 3)
+    first = 0.0 if twist is None else angles * numbers_of(twist, (6,), "--twist")
+    with working("simulating"):
+        found = simulate(instance, *start, table.t, table.forces, twist=first)
+    document = found.to_json() if output.format == "json" else None
+    emit(output, motion_table(found), document=document)
+    if not found.energy_error < 1e-6:
+        message = (
+            f"the energy is off by {found.energy_error:.1g} of its changes: "
+            "the motion is not to be trusted"
+        )
+        raise GspError(message)

@@ -1,0 +1,167 @@
+"""The poses that `gsp dynamics` is asked about, when, and how the platform moves there."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from gspcli.cli.pose_options import pose_format, text_of
+from gspcli.cli.progress_bars import working
+from gspcli.cli.real_poses import real_poses
+from gspcli.errors import GspError, IncompleteError
+from gspcli.records import dataclass
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from gspcli.dynamics.motion_files import ValueRows
+    from gspcli.dynamics.trajectories import Motion
+    from gspcli.geometry.instance import Instance
+    from gspcli.motion import PoseFormat
+
+    Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """Poses, and what to call them.
+
+    Attributes
+    ----------
+    R, T
+        The poses, shapes (n, 3, 3) and (n, 3).
+    t
+        Times, shape (n,), or None: then the platform stands still unless `motion` says more.
+    motion
+        How it moves there, or None if that is not given.
+    modes
+        Whether the poses are the modes of the instance.
+    """
+
+    R: Array
+    T: Array
+    t: Array | None = None
+    motion: Motion | None = None
+    modes: tuple[int, ...] = ()
+
+    @property
+    def how(self) -> str:
+        """Where the accelerations come from, in words."""
+        if self.motion is not None:
+            return "velocities and accelerations as given"
+        if self.t is not None:
+            return "along quintic splines through the rows, least accurate at both ends"
+        return "at rest" if len(self.T) == 1 or self.modes else "no column t: at rest at each row"
+
+    @property
+    def first_column(self) -> str:
+        """What the rows are counted by."""
+        return "mode" if self.modes else "t" if self.t is not None else "row"
+
+    @property
+    def labels(self) -> list[float]:
+        """What is in the first column, n of them."""
+        if self.t is not None:
+            labels: list[float] = self.t.tolist()
+            return labels
+        return list(self.modes or range(1, len(self.T) + 1))
+
+    def named(self, k: int) -> dict[str, Any]:
+        """Return what a row is called, as data."""
+        names: dict[str, Any] = {"row": k + 1}
+        if self.t is not None:
+            names["t"] = float(self.t[k])
+        return {"mode": self.modes[k]} if self.modes else names
+
+    def place(self, k: int) -> str:
+        """Return what a row is called, in words: ``in row 7 (t = 1.5)``."""
+        if self.modes:
+            return f"in mode {self.modes[k]}"
+        return f"in row {k + 1}" + ("" if self.t is None else f" (t = {self.t[k]:.6g})")
+
+
+def start_of(
+    instance: Instance, mode: int | None, pose: str | None, euler: str | None, pivot: str | None
+) -> tuple[Array, Array]:
+    """Return the one pose that a motion begins at, shapes (3, 3) and (3,)."""
+    asked = _without_file(instance, mode, pose, pose_format(instance, euler, pivot))
+    if len(asked.T) > 1:
+        message = f"found {len(asked.T)} real poses to start from: choose one with --mode or --pose"
+        raise GspError(message)
+    return asked.R[0], asked.T[0]
+
+
+def asked_rows(
+    instance: Instance,
+    rows: str | None,
+    mode: int | None,
+    pose: str | None,
+    near: str | None,
+    euler: str | None,
+    pivot: str | None,
+) -> Asked:
+    """Return the poses of a file, the one that is given, or the real ones of the instance."""
+    from gspcli.dynamics.motion_files import PoseRows, read_rows
+
+    form = pose_format(instance, euler, pivot)
+    if rows is None:
+        return _without_file(instance, mode, pose, form)
+    found = read_rows(*text_of(rows), instance, form)
+    if isinstance(found, PoseRows):
+        if mode is not None or near is not None:
+            message = "--mode and --near are for files of values: this one says the poses"
+            raise GspError(message)
+        if not len(found.T):
+            message = f"{rows}: found no poses, expected at least one"
+            raise GspError(message)
+        return Asked(found.R, found.T, found.t, found.motion)
+    return _followed(instance, found, mode, near, form)
+
+
+def _without_file(
+    instance: Instance, mode: int | None, pose: str | None, form: PoseFormat
+) -> Asked:
+    if pose is not None:
+        from gspcli.motion import read_pose
+
+        given = read_pose(pose, form)
+        return Asked(given.R, given.T)
+    R, T = real_poses(instance, mode)
+    numbers = tuple(range(1, len(R) + 1))
+    if mode is None:
+        return Asked(R, T, modes=numbers)
+    return Asked(R[mode - 1 : mode], T[mode - 1 : mode], modes=(mode,))
+
+
+def _followed(
+    instance: Instance, rows: ValueRows, mode: int | None, near: str | None, form: PoseFormat
+) -> Asked:
+    """Return the poses of one mode along rows of values."""
+    from gspcli.dynamics.motion_files import motion_of_values
+    from gspcli.motion import read_pose, track
+
+    start = None
+    if near is not None:
+        given = read_pose(near, form, "--near")
+        start = given.R[0], given.T[0]
+    with working("following"):
+        modes = None if mode is None else [mode]
+        found = track(instance, rows.values, t=rows.t, modes=modes, near=start)
+    if len(found.modes) != 1:
+        count = len(found.modes)
+        message = f"found {count} real poses at the first row: choose one with --mode or --near"
+        if not count:
+            message = "there is no real pose at the first row\nbegin with other values"
+        raise GspError(message)
+    if found.ends:
+        (end,) = found.ends
+        message = (
+            f"mode {end.mode} ends at t = {end.low:.10g} ({end.kind}): there are no forces beyond\n"
+            "end the rows before it (gsp track tells more)"
+        )
+        raise IncompleteError(message)
+    R, T = found.R[0], found.T[0]
+    motion = None
+    if rows.rates is not None and rows.second_rates is not None:
+        motion = motion_of_values(instance, R, T, rows.rates, rows.second_rates)
+    return Asked(R, T, rows.t, motion)

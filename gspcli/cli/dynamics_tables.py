@@ -1,0 +1,123 @@
+"""What `gsp dynamics` says, as tables for people and programs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from gspcli.cli.output import Column, Table
+from gspcli.dynamics.arrays import plain
+from gspcli.dynamics.drive_forces import FORCES
+from gspcli.dynamics.forward import POSE
+from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY
+from gspcli.dynamics.vibrations import FREQUENCIES
+
+if TYPE_CHECKING:
+    from gspcli.cli.dynamics_rows import Asked
+    from gspcli.dynamics import DriveForces, NaturalModes, SimulatedMotion
+    from gspcli.geometry.instance import Instance
+
+_TWIST = ("rx", "ry", "rz", "x", "y", "z")
+_ENERGIES = ("kinetic", "potential", "work")
+
+
+def force_rows(found: DriveForces, asked: Asked) -> list[dict[str, Any]]:
+    """Return a row for each pose; cells are empty where no forces are known."""
+    keys = (asked.first_column, *FORCES, "power")
+    parts = zip(asked.labels, plain(found.forces), plain(found.power), strict=True)
+    return [dict(zip(keys, (label, *forces, power), strict=True)) for label, forces, power in parts]
+
+
+def force_table(
+    found: DriveForces,
+    asked: Asked,
+    rows: list[dict[str, Any]],
+    more: list[Column],
+    lines: list[str],
+) -> Table:
+    """Return the forces of each row, and the worst of them in a note."""
+    instance = found.instance
+    kinds = [row.kind.name for row in instance.constraints]
+    columns = [Column(asked.first_column, align="right", essential=True)]
+    columns += [
+        Column(key, f"{key} {kind} [{unit}]", align="right", essential=True, aligned=True)
+        for key, kind, unit in zip(FORCES, kinds, found.units, strict=True)
+    ]
+    columns.append(Column("power", "power [W]", align="right"))
+    notes = [f"{asked.how}; positive: the drive pushes towards a greater value"]
+    worst = found.worst
+    if worst is not None:
+        unit = found.units[worst.drive]
+        notes.append(
+            f"worst: {worst.force:.6g} {unit} by drive {worst.drive + 1} {asked.place(worst.row)}"
+        )
+    return Table(columns + more, rows, title=instance.title, notes=notes, summary=lines)
+
+
+def mode_rows(found: NaturalModes, asked: Asked) -> list[dict[str, Any]]:
+    """Return a row of frequencies for each pose."""
+    keys = (asked.first_column, *FREQUENCIES)
+    parts = zip(asked.labels, plain(found.frequencies), strict=True)
+    return [dict(zip(keys, (label, *numbers), strict=True)) for label, numbers in parts]
+
+
+def mode_tables(
+    found: NaturalModes,
+    asked: Asked,
+    rows: list[dict[str, Any]],
+    more: list[Column],
+    lines: list[str],
+) -> list[Table]:
+    """Return the frequencies of each row, or of one pose the modes with their shapes."""
+    instance = found.instance
+    notes = ["natural frequencies in Hz" + _unstable(found)]
+    if len(found.T) > 1 or found.singular.any():
+        columns = [Column(asked.first_column, align="right", essential=True)]
+        columns += [
+            Column(key, f"{key} [Hz]", align="right", essential=True, aligned=True)
+            for key in FREQUENCIES
+        ]
+        return [Table(columns + more, rows, title=instance.title, notes=notes, summary=lines)]
+    shapes = [
+        {"mode": k + 1, "frequency": frequency, **dict(zip(_TWIST, shape, strict=True))}
+        for k, (frequency, shape) in enumerate(
+            zip(found.frequencies[0].tolist(), found.shapes[0].tolist(), strict=True)
+        )
+    ]
+    columns = [
+        Column("mode", align="right", essential=True),
+        Column("frequency", "f [Hz]", align="right", essential=True, aligned=True),
+        *(Column(key, _heading(key, instance), "right", aligned=True) for key in _TWIST),
+    ]
+    notes.append(
+        "shapes: turns about the axes of the base, and the way of the platform's origin; the "
+        "largest is one radian or the typical length"
+    )
+    return [Table(columns, shapes, title=instance.title, notes=notes, summary=lines)]
+
+
+def _unstable(found: NaturalModes) -> str:
+    low = found.squares[~found.singular]
+    return "; negative: the pose is not stable that way" if (low < 0).any() else ""
+
+
+def _heading(key: str, instance: Instance) -> str:
+    return f"{key} [{'rad' if key.startswith('r') else instance.units.length}]"
+
+
+def motion_table(found: SimulatedMotion) -> Table:
+    """Return a row for each time, whose columns `gsp dynamics` reads."""
+    instance = found.instance
+    columns = [Column("t", align="right", essential=True)]
+    columns += [Column(key, align="right", essential=True, aligned=True) for key in POSE]
+    columns += [Column(key, align="right", minor=1) for key in VELOCITY]
+    columns += [Column(key, align="right", minor=3) for key in ACCELERATION]
+    columns += [Column(key, f"{key} [J]", align="right", minor=2) for key in _ENERGIES]
+    table = {key: column.tolist() for key, column in found.table.items()}
+    rows = [dict(zip(table, row, strict=True)) for row in zip(*table.values(), strict=True)]
+    units = instance.units
+    notes = [
+        f"lengths in {units.length}, angles in {units.angle.value}, seconds; w v: angular velocity "
+        "and velocity of the platform's origin; alpha a: their derivatives",
+        f"the work of the drives is the change of the energy to {found.energy_error:.1g}",
+    ]
+    return Table(columns, rows, title=instance.title, notes=notes)

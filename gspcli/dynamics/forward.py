@@ -1,0 +1,302 @@
+"""Forward dynamics: how a platform moves when its drives push with given forces.
+
+The equations are integrated in the space of poses: translation, quaternion, twist. Six numbers move
+six numbers, so there are no loops that could open, and the only drift is that of the energy, which
+is measured: each result says how far the work of the drives is from the change of the energy.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.dynamics.arrays import checked_array, checked_rows, make_read_only, plain
+from gspcli.dynamics.drives import Drives
+from gspcli.dynamics.mass_model import MassModel
+from gspcli.dynamics.moving_bodies import MovingBodies, equation_of_motion
+from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, check_times
+from gspcli.errors import ArgumentError, GspError, IncompleteError
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.quaternions import (
+    apply,
+    dot,
+    quaternion_from_rotation,
+    quaternion_product,
+    rotation_from_quaternion,
+)
+from gspcli.records import dataclass
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+
+#: Relative accuracy of a step, and the absolute one in metres, radians and seconds.
+_RELATIVE, _ABSOLUTE = 1e-11, 1e-14
+#: Calls of the equations of motion before a simulation is given up.
+_MOST_CALLS = 200_000
+#: The columns of a pose in files.
+POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
+
+
+@dataclass(frozen=True, eq=False)
+class SimulatedMotion:
+    """A motion at n times. All arrays are read-only.
+
+    Attributes
+    ----------
+    instance
+        The platform.
+    t
+        Times in seconds, shape (n,).
+    R, T
+        Poses, shapes (n, 3, 3) and (n, 3), in length units.
+    twists, accelerations
+        Angular velocity (rad/s) and velocity of the platform's origin (length units/s) in the axes
+        of the base, and their derivatives, shape (n, 6).
+    forces
+        Of the drives, N and N m, shape (n, 6).
+    kinetic, potential, work
+        Energies of all bodies and the work of the drives since the first row, J, shape (n,).
+    """
+
+    instance: Instance
+    t: Array
+    R: Array
+    T: Array
+    twists: Array
+    accelerations: Array
+    forces: Array
+    kinetic: Array
+    potential: Array
+    work: Array
+
+    def __post_init__(self) -> None:
+        make_read_only(self)
+
+    def __repr__(self) -> str:
+        name = self.instance.name or self.instance.type.id
+        return (
+            f"<SimulatedMotion of {name}: {self.t[-1] - self.t[0]:g} s in {len(self.t)} rows, "
+            f"energy off by {self.energy_error:.1g} of its changes>"
+        )
+
+    @cached_property
+    def energy_error(self) -> float:
+        """How far the energy is from what the drives put in, by the largest change of a part."""
+        energy = self.kinetic + self.potential
+        parts = (self.kinetic, self.potential - self.potential[0], self.work)
+        size = max(float(np.abs(part).max()) for part in parts)
+        return float(np.abs(energy - energy[0] - self.work).max()) / (size or 1.0)
+
+    @cached_property
+    def quaternions(self) -> Array:
+        """Unit quaternions of the rotations, scalar first, continuous along the motion (n, 4)."""
+        e = quaternion_from_rotation(self.R)
+        e[1:] *= np.where(dot(e[1:], e[:-1]) < 0, -1.0, 1.0).cumprod()[:, None]
+        return e
+
+    @cached_property
+    def table(self) -> dict[str, Array]:
+        """The rows by columns, angles in the unit of the instance.
+
+        ``t``, the pose, VELOCITY and ACCELERATION: what `gsp dynamics` reads; then the energies.
+        """
+        angle = np.repeat([1 / self.instance.units.angle.in_radians, 1.0], 3)
+        columns = {"t": self.t}
+        columns |= zip(POSE, np.concatenate((self.T, self.quaternions), axis=1).T, strict=True)
+        columns |= zip(VELOCITY, (self.twists * angle).T, strict=True)
+        columns |= zip(ACCELERATION, (self.accelerations * angle).T, strict=True)
+        energies = {"kinetic": self.kinetic, "potential": self.potential, "work": self.work}
+        return columns | energies
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return `table` as a data frame."""
+        import pandas as pd
+
+        return pd.DataFrame(self.table)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return everything as plain data."""
+        columns = {name: plain(column) for name, column in self.table.items()}
+        rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+        return {
+            "schema": "gsp.dynamics-motion/1",
+            **self.instance.to_json(),
+            "energy_error": self.energy_error,
+            "rows": rows,
+        }
+
+
+def forward_dynamics(
+    instance: Instance, R: ArrayLike, T: ArrayLike, twists: ArrayLike, forces: ArrayLike
+) -> Array:
+    """Return the accelerations of a platform under forces of its drives, shape (n, 6).
+
+    Parameters
+    ----------
+    instance
+        A platform with masses.
+    R, T
+        Poses, shapes (n, 3, 3) and (n, 3), in length units; singular ones as well.
+    twists
+        Angular velocities (rad/s) and velocities of the platform's origin, shape (n, 6) or (6,).
+    forces
+        Forces of the drives (N) and torques (N m for angles), shape (n, 6) or (6,).
+
+    Raises
+    ------
+    ArgumentError
+        As `inverse_dynamics`.
+    """
+    model = MassModel.of(instance)
+    R, T = checked_rows(R, T)
+    t = model.in_metres(checked_array(twists, (len(R), 6), "twists"))
+    F = checked_array(forces, (len(R), 6), "forces")
+    found, _ = _accelerations(model, R, T * model.metre, t, F)
+    return np.asarray(found / np.repeat([1.0, model.metre], 3))
+
+
+def _accelerations(
+    model: MassModel, R: Array, T: Array, twists: Array, forces: Array
+) -> tuple[Array, Array]:
+    """Return accelerations and what the drives do (W), in metres, shapes (n, 6) and (n,)."""
+    drives = Drives(model, R, T)
+    columns = np.swapaxes(drives.rows, -1, -2)
+    mass, needed = equation_of_motion(model, R, T, twists)
+    mass = mass + columns * model.rotors @ drives.rows
+    pushed = apply(columns, forces - drives.inertial(twists, np.zeros_like(twists)))
+    power = dot(forces, apply(drives.rows, twists))
+    return np.linalg.solve(mass, (pushed - needed)[..., None])[..., 0], power
+
+
+def simulate(
+    instance: Instance,
+    R: ArrayLike,
+    T: ArrayLike,
+    t: ArrayLike,
+    forces: ArrayLike,
+    *,
+    twist: ArrayLike = 0.0,
+) -> SimulatedMotion:
+    """Return how a platform moves from a pose under forces that are linear between times.
+
+    Parameters
+    ----------
+    instance
+        A platform with masses.
+    R, T
+        The pose at the first time, shapes (3, 3) and (3,), in length units.
+    t
+        Times in seconds, increasing, shape (n,).
+    forces
+        Of the drives at these times, N and N m, shape (n, 6) or (6,).
+    twist
+        How the platform moves at first: angular velocity (rad/s) and velocity of its origin (length
+        units/s), shape (6,). At rest by default.
+
+    Raises
+    ------
+    ArgumentError
+        If an argument has a wrong shape or number.
+    IncompleteError
+        If the platform gets where a value has no derivative, or moves too wildly to be followed.
+    GspError
+        If SciPy is missing.
+
+    Notes
+    -----
+    Runge and Kutta's method of order 8 (SciPy's ``DOP853``) with a relative accuracy of 1e-11 a
+    step. `SimulatedMotion.energy_error` says what became of it.
+    """
+    model = MassModel.of(instance)
+    R, T = checked_rows(R, T)
+    if len(R) != 1:
+        message = f"found {len(R)} poses, expected one to start from"
+        raise ArgumentError(message, "R, T")
+    times = np.asarray(t, float)
+    if times.ndim != 1 or len(times) < 2:
+        message = f"found shape {times.shape}, expected (n,): two times at least"
+        raise ArgumentError(message, "t")
+    times = checked_array(times, times.shape, "t")
+    check_times(times)
+    F = checked_array(forces, (len(times), 6), "forces")
+    first = model.in_metres(checked_array(twist, (6,), "twist"))
+    e = quaternion_from_rotation(R)[0]
+    states = _integrate(model, np.concatenate((T[0] * model.metre, e, first, [0.0])), times, F)
+    return _described(model, times, states, F)
+
+
+def _integrate(model: MassModel, start: Array, times: Array, forces: Array) -> Array:
+    """Return the states (T, quaternion, twist, work) in metres at times, shape (n, 14)."""
+    try:
+        from scipy.integrate import DOP853
+    except ImportError as error:
+        message = "simulations need SciPy, which is missing: pip install 'gspcli[dynamics]'"
+        raise GspError(message) from error
+
+    def change(t: float, state: Array, low: int) -> Array:
+        span = times[low + 1] - times[low]
+        F = forces[low] + (forces[low + 1] - forces[low]) * ((t - times[low]) / span)
+        R, twist = rotation_from_quaternion(state[None, 3:7]), state[None, 7:13]
+        a, power = _accelerations(model, R, state[None, :3], twist, F[None])
+        turn = quaternion_product(np.concatenate(([0.0], twist[0, :3])), state[3:7]) / 2
+        return np.concatenate((twist[0, 3:], turn, a[0], power))
+
+    states, calls, step = [start], 0, None
+    for low in range(len(times) - 1):
+        try:
+            solver = DOP853(
+                lambda t, state, low=low: change(t, state, low),
+                times[low],
+                states[-1],
+                times[low + 1],
+                rtol=_RELATIVE,
+                atol=_ABSOLUTE,
+                first_step=None if step is None else min(step, times[low + 1] - times[low]),
+            )
+            while solver.status == "running" and calls + solver.nfev < _MOST_CALLS:
+                solver.step()
+        except ArgumentError as error:
+            part = f"between t = {times[low]:g} and {times[low + 1]:g}"
+            message = f"the motion ends {part}: {error.message}"
+            raise IncompleteError(message) from None
+        if solver.status != "finished":
+            message = (
+                f"the motion cannot be followed beyond t = {solver.t:.6g}: it is too wild there\n"
+                "give forces that hold the platform, or fewer times"
+            )
+            raise IncompleteError(message)
+        calls += solver.nfev
+        step = solver.h_abs
+        # The norm of a quaternion means nothing, and is kept by the equations but for rounding.
+        state = solver.y.copy()
+        state[3:7] /= np.linalg.norm(state[3:7])
+        states.append(state)
+    return np.array(states)
+
+
+def _described(model: MassModel, times: Array, states: Array, F: Array) -> SimulatedMotion:
+    """Return the result of states in metres."""
+    T, R, twists = states[:, :3], rotation_from_quaternion(states[:, 3:7]), states[:, 7:13]
+    accelerations, _ = _accelerations(model, R, T, twists, F)
+    bodies, drives = MovingBodies(model, R, T), Drives(model, R, T)
+    mass, _ = equation_of_motion(model, R, T, twists)
+    rates = apply(drives.rows, twists)
+    kinetic = (dot(twists, apply(mass, twists)) + rates**2 @ model.rotors) / 2
+    unit = np.repeat([1.0, model.metre], 3)
+    return SimulatedMotion(
+        model.instance,
+        times,
+        R,
+        T / model.metre,
+        twists / unit,
+        accelerations / unit,
+        F,
+        kinetic,
+        bodies.potential(),
+        states[:, 13],
+    )

@@ -1,0 +1,176 @@
+"""Rows of poses or values with times in files, perhaps with velocities and accelerations."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.dynamics.drive_forces import FORCES
+from gspcli.dynamics.drives import Drives
+from gspcli.dynamics.mass_model import MassModel
+from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, Motion
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.quaternions import apply, cross
+from gspcli.motion import PoseFormat, read_poses, read_values
+from gspcli.motion.files.number_tables import NumberTable
+from gspcli.motion.files.pose_files import names_poses, poses_in
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+
+#: Columns of values: their rates, and the derivatives of these.
+RATES = tuple(f"v{k}" for k in range(1, 7))
+SECOND_RATES = tuple(f"a{k}" for k in range(1, 7))
+#: Those of forces, as headings are read.
+_FORCES = tuple(name.lower() for name in FORCES)
+
+
+@dataclass(frozen=True, eq=False)
+class PoseRows:
+    """Rows of poses: times or None, poses, and how the platform moves there if that is given."""
+
+    t: Array | None
+    R: Array
+    T: Array
+    motion: Motion | None
+
+
+@dataclass(frozen=True, eq=False)
+class ValueRows:
+    """Rows of values, shape (n, 6), in the units of the instance.
+
+    Attributes
+    ----------
+    t
+        Times, shape (n,), or None.
+    values
+        DPH and DHP signed.
+    rates, second_rates
+        Their derivatives by time, shape (n, 6), or None.
+    """
+
+    t: Array | None
+    values: Array
+    rates: Array | None
+    second_rates: Array | None
+
+
+@dataclass(frozen=True, eq=False)
+class ForceRows:
+    """Forces of the drives, N and N m, shape (n, 6), at times, shape (n,)."""
+
+    t: Array
+    forces: Array
+
+
+def read_rows(text: str, name: str, instance: Instance, form: PoseFormat) -> PoseRows | ValueRows:
+    """Read rows of poses (`gspcli.motion.read_poses`) or of values (`gspcli.motion.read_values`).
+
+    Poses may have the columns VELOCITY and ACCELERATION, values RATES and SECOND_RATES: both or
+    none, per second, angles in the unit of the instance.
+
+    Raises
+    ------
+    SpecError
+        With all mistakes, each with line and column.
+    """
+    if text.lstrip()[:1] in ("{", "["):
+        found = read_poses(text, name, form)
+        return PoseRows(None, found.R, found.T, None)
+    table = NumberTable(text, name)
+    if names_poses(table):
+        return _pose_rows(table, instance, form)
+    values = read_values(text, name, instance, form)
+    if values.coordinates:
+        moving = next(iter(values.coordinates))
+        table.note_heading(f"found {moving}, a coordinate that moves, expected only values")
+    rates, second = _both(table, RATES, SECOND_RATES)
+    table.check()
+    return ValueRows(values.t if "t" in table.heading else None, values.values, rates, second)
+
+
+def _both(
+    table: NumberTable, velocity: tuple[str, ...], acceleration: tuple[str, ...]
+) -> tuple[Array, Array] | tuple[None, None]:
+    """Return velocities and accelerations, (n, 6), if the heading has both of them."""
+    if not {*velocity, *acceleration} & set(table.heading):
+        return None, None
+    missing = [name for name in (*velocity, *acceleration) if name not in table.heading]
+    if missing:
+        table.note_heading(
+            f"found velocities or accelerations without {' '.join(missing)}, expected all of "
+            f"{' '.join(velocity)} {' '.join(acceleration)}, or none"
+        )
+        return None, None
+    return table.numbers(velocity), table.numbers(acceleration)
+
+
+def _pose_rows(table: NumberTable, instance: Instance, form: PoseFormat) -> PoseRows:
+    poses = poses_in(table, form)
+    velocity, acceleration = _both(table, VELOCITY, ACCELERATION)
+    if poses is not None and poses.t is not None:
+        for row in np.flatnonzero(np.diff(poses.t) <= 0):
+            message = f"found t = {poses.t[row + 1]:g} after {poses.t[row]:g}: t must increase"
+            table.note_cell(int(row) + 1, "t", message)
+    table.check()
+    assert poses is not None
+    motion = None
+    if velocity is not None and acceleration is not None:
+        angles = np.repeat([instance.units.angle.in_radians, 1.0], 3)
+        at_pivot = Motion(velocity * angles, acceleration * angles)
+        motion = _of_origin(at_pivot, apply(poses.R, np.array(form.pivot)))
+    return PoseRows(poses.t, poses.R, poses.T, motion)
+
+
+def _of_origin(motion: Motion, arm: Array) -> Motion:
+    """Return the motion of the origin of the platform from that of a point at an arm from it."""
+    omega, alpha = motion.twists[:, :3], motion.accelerations[:, :3]
+    twists, accelerations = motion.twists.copy(), motion.accelerations.copy()
+    turned = cross(omega, arm)
+    twists[:, 3:] -= turned
+    accelerations[:, 3:] -= cross(alpha, arm) + cross(omega, turned)
+    return Motion(twists, accelerations)
+
+
+def motion_of_values(
+    instance: Instance, R: Array, T: Array, rates: Array, second_rates: Array
+) -> Motion:
+    """Return how a platform moves at poses, (n, 3, 3) and (n, 3), where its values move so.
+
+    At singular poses, where that is not known, it is at rest.
+    """
+    model = MassModel.of(instance)
+    drives = Drives(model, R, T * model.metre)
+    distances = np.array([row.kind.is_distance for row in instance.constraints])
+    unit = np.where(distances, model.metre, instance.units.angle.in_radians)
+    singular, _ = drives.conditions()
+    rows = np.where(singular[:, None, None], np.eye(6), drives.rows)
+
+    def solved(right: Array) -> Array:
+        return np.where(singular[:, None], 0.0, np.linalg.solve(rows, right[..., None])[..., 0])
+
+    twists = solved(rates * unit)
+    accelerations = solved(second_rates * unit - drives.bends(twists))
+    lengths = np.repeat([1.0, model.metre], 3)
+    return Motion(twists / lengths, accelerations / lengths)
+
+
+def read_forces(text: str, name: str) -> ForceRows:
+    """Read forces of the drives at times: columns t and F1 ... F6.
+
+    Raises
+    ------
+    SpecError
+        With all mistakes, each with line and column.
+    """
+    table = NumberTable(text, name)
+    columns = table.choose(("t", *_FORCES))
+    numbers = table.numbers(columns or ())
+    if columns and len(numbers) < 2:
+        table.note_heading("found one row, expected two at least: a motion needs an end")
+    if columns:
+        for row in np.flatnonzero(np.diff(numbers[:, 0]) <= 0):
+            found = f"found t = {numbers[row + 1, 0]:g} after {numbers[row, 0]:g}"
+            table.note_cell(int(row) + 1, "t", f"{found}: t must increase")
+    table.check()
+    return ForceRows(numbers[:, 0], numbers[:, 1:])

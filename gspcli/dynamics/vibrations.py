@@ -1,0 +1,186 @@
+"""Natural frequencies and mode shapes of a platform that its drives hold at a pose.
+
+The drives are springs. Beside their stiffness the forces count that hold the platform against
+gravity: as the pose changes they turn (geometric stiffness), and so do the weights. That is a small
+part of a stiff machine; of a soft one it decides whether the pose is stable at all.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.dynamics.arrays import by_chunks, checked_array, checked_rows, make_read_only, plain
+from gspcli.dynamics.drives import Drives, Flags
+from gspcli.dynamics.mass_model import MassModel
+from gspcli.dynamics.moving_bodies import MovingBodies, equation_of_motion
+from gspcli.errors import ArgumentError
+from gspcli.geometry.instance import Instance
+from gspcli.records import dataclass
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+
+FREQUENCIES = tuple(f"f{k}" for k in range(1, 7))
+#: Poses computed at a time: their intermediate arrays stay in the cache of a core.
+_CHUNK = 200
+#: The corners between two unit twists, at which quadratic forms are evaluated.
+_PAIRS = np.eye(6)[:, None] + np.eye(6)[None]
+
+
+@dataclass(frozen=True, eq=False)
+class NaturalModes:
+    """The six natural modes at n poses, the slowest first. All arrays are read-only.
+
+    Attributes
+    ----------
+    instance
+        The platform.
+    R, T
+        The poses, shapes (n, 3, 3) and (n, 3), in length units.
+    squares
+        Squares of the angular frequencies, 1/s^2, shape (n, 6): negative if the pose is not stable
+        that way. NaN at singular poses.
+    shapes
+        How the platform moves in each mode, a twist in radians and length units about its origin,
+        shape (n, 6, 6): ``shapes[p, k]`` is mode k at pose p. The largest component is one radian
+        or the typical length of the platform, and positive.
+    preload
+        The forces of the drives that hold the platform against gravity, N and N m, shape (n, 6).
+    singular
+        Which poses are singular, shape (n,).
+    nearly_singular
+        The condition numbers of those above 1e8, where as many digits of the preload are lost; else
+        NaN, shape (n,).
+    """
+
+    instance: Instance
+    R: Array
+    T: Array
+    squares: Array
+    shapes: Array
+    preload: Array
+    singular: Flags
+    nearly_singular: Array
+
+    def __post_init__(self) -> None:
+        make_read_only(self)
+
+    def __repr__(self) -> str:
+        name = self.instance.name or self.instance.type.id
+        count = f"{len(self.T)} pose{'' if len(self.T) == 1 else 's'}"
+        if self.singular.all():
+            return f"<NaturalModes of {name}: {count}, all singular>"
+        low, high = np.nanmin(self.frequencies), np.nanmax(self.frequencies)
+        return f"<NaturalModes of {name}: {count}, {low:.6g} to {high:.6g} Hz>"
+
+    @cached_property
+    def frequencies(self) -> Array:
+        """Natural frequencies, Hz, shape (n, 6): negative where the pose is not stable.
+
+        The platform then leaves it, e times as far each ``1 / (2 pi |f|)`` seconds.
+        """
+        signed: Array = np.sign(self.squares) * np.sqrt(np.abs(self.squares)) / (2 * np.pi)
+        return signed
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a table with a row for each pose: its number and f1 ... f6 in Hz."""
+        import pandas as pd
+
+        columns = dict(zip(FREQUENCIES, self.frequencies.T, strict=True))
+        return pd.DataFrame({"row": np.arange(1, len(self.T) + 1), **columns})
+
+    def to_json(self) -> dict[str, Any]:
+        """Return everything as plain data; singular poses have null for their numbers."""
+        parts = [self.frequencies, self.shapes, self.preload, self.nearly_singular]
+        columns = [range(1, len(self.T) + 1), *map(plain, parts), self.singular.tolist()]
+        keys = ("row", "frequencies", "shapes", "preload", "nearly_singular", "singular")
+        return {
+            "schema": "gsp.dynamics-modes/1",
+            **self.instance.to_json(),
+            "rows": [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)],
+        }
+
+
+def natural_modes(
+    instance: Instance, R: ArrayLike, T: ArrayLike, *, stiffness: ArrayLike | None = None
+) -> NaturalModes:
+    """Return the natural frequencies and mode shapes of a platform held at poses by its drives.
+
+    Parameters
+    ----------
+    instance
+        A platform with masses.
+    R, T
+        Poses, shapes (n, 3, 3) and (n, 3), in length units.
+    stiffness
+        Of the drives, N/m and N m/rad, one number or shape (6,); by default what the instance
+        states.
+
+    Raises
+    ------
+    ArgumentError
+        As `inverse_dynamics`, or if no stiffness is known.
+
+    Notes
+    -----
+    ``det(K - w^2 M) = 0`` with ``K = J^T k J - sum F0 H + V''``: F0 are the forces that hold the
+    weights, H the second derivatives of the values, V the potential energy of the weights. In
+    equilibrium K does not depend on how the pose is parametrized.
+    """
+    model = MassModel.of(instance)
+    R, T = checked_rows(R, T)
+    given = model.stiffness if stiffness is None else checked_array(stiffness, (6,), "stiffness")
+    if given is None:
+        message = (
+            "found no stiffness: state drives: {stiffness: ...} under `dynamics` in the instance "
+            "file, in N/m and N m/rad"
+        )
+        raise ArgumentError(message, "stiffness")
+    if not (given > 0).all():
+        message = f"found {given.min():g}, expected stiffnesses above 0"
+        raise ArgumentError(message, "stiffness")
+
+    def some(rows: slice) -> tuple[Any, ...]:
+        return _modes(model, R[rows], T[rows] * model.metre, given)
+
+    return NaturalModes(instance, R, T, *by_chunks(len(R), _CHUNK, some))
+
+
+def _modes(
+    model: MassModel, R: Array, T: Array, stiffness: Array
+) -> tuple[Array, Array, Array, Flags, Array]:
+    """Return squares, shapes, preload and what is singular, as `NaturalModes` has them."""
+    drives = Drives(model, R, T)
+    singular, conditions = drives.conditions()
+    J, still = drives.rows, np.zeros((len(T), 6))
+    columns = np.where(singular[:, None, None], np.eye(6), np.swapaxes(J, -1, -2))
+    mass, weights = equation_of_motion(model, R, T, still)
+    preload = np.asarray(np.linalg.solve(columns, weights[..., None])[..., 0], float)
+    held = np.einsum("nki,k,nkj->nij", J, stiffness, J)
+    K = held - np.einsum("nk,nkij->nij", preload, drives.second) + _weight_stiffness(model, R, T)
+    M = mass + np.einsum("nki,k,nkj->nij", J, model.rotors, J)
+    # M = C C^T turns K x = w^2 M x into a symmetric problem.
+    C = np.linalg.cholesky(M)
+    half = np.linalg.solve(C, np.swapaxes(np.linalg.solve(C, K), -1, -2))
+    squares: Array
+    squares, vectors = np.linalg.eigh((half + np.swapaxes(half, -1, -2)) / 2)
+    shapes: Array = np.swapaxes(np.linalg.solve(np.swapaxes(C, -1, -2), vectors), -1, -2)
+    weighted = shapes * np.repeat([model.bodies.length, 1.0], 3)
+    largest = np.take_along_axis(weighted, np.abs(weighted).argmax(-1)[..., None], axis=-1)
+    shapes = shapes / largest * model.bodies.length / np.repeat([1.0, model.metre], 3)
+    squares[singular], shapes[singular], preload[singular] = np.nan, np.nan, np.nan
+    return squares, shapes, preload, singular, conditions
+
+
+def _weight_stiffness(model: MassModel, R: Array, T: Array) -> Array:
+    """Return the second derivatives of the potential energy of the weights, (n, 6, 6)."""
+    bodies = MovingBodies(model, R[:, None, None], T[:, None, None])
+    form = bodies.potential_bend(_PAIRS)
+    own = np.einsum("nii->ni", form) / 4
+    return np.asarray((form - own[:, :, None] - own[:, None, :]) / 2)

@@ -1,0 +1,143 @@
+"""What the bodies of a simulated model weigh: as the instance states, or placeholders.
+
+A simulator needs masses for all bodies, also for the links of chains that stand for constraints
+and weigh nothing. Without stated masses each link weighs as much as the platform, since light links
+make stiff constraints soft. With them the links weigh a small part of it. Gravity pulls at neither.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.dynamics.mass_model import MassModel
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.masses import Leg, LegBody
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+
+#: Kilogrammes of the platform and of each link if nothing is stated.
+_MASS = 1.0
+#: What links weigh of the platform where its mass is stated: heavier ones settle sooner, and add
+#: more inertia.
+LIGHT = 1e-3
+#: What a joint has of inertia by itself, as a share of that of a link: no two parallel joints of a
+#: link can then be without any.
+_ROTOR = 0.01
+#: Inertias of leg bodies are at least this share of the mass times the square of the size.
+_SLENDER = 1e-6
+#: Of each link, about its centre: its mass times the square of the size times this.
+_ROUND = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Inertial:
+    """The inertia of a body.
+
+    Attributes
+    ----------
+    mass
+        Kilogrammes.
+    centre
+        The centre of mass in the frame of the body, metres, shape (3,).
+    matrix
+        The matrix of inertia about it in the axes of the body, kg m^2, shape (3, 3).
+    falls
+        Whether gravity pulls at it.
+    """
+
+    mass: float
+    centre: Array
+    matrix: Array
+    falls: bool = True
+
+
+class SimulatedMasses:
+    """The masses of the model of an instance, in SI units.
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    middle
+        The middle of the platform's points, in its frame, shape (3,).
+    size
+        Its typical length, which links have for size, in metres.
+    """
+
+    def __init__(self, instance: Instance, middle: Array, size: float) -> None:
+        self.stated = None if instance.dynamics is None else MassModel.of(instance)
+        self.size = size
+        stated = self.stated
+        round_body = _ROUND * _MASS * size**2 * np.eye(3)
+        self.platform = (
+            Inertial(_MASS, middle, round_body)
+            if stated is None
+            else Inertial(stated.mass, stated.centre, stated.inertia)
+        )
+        link = _MASS if stated is None else LIGHT * stated.mass
+        self.link = Inertial(link, np.zeros(3), _ROUND * link * size**2 * np.eye(3), falls=False)
+
+    def gravity(self, against_z: float | None) -> Array:
+        """Return the acceleration of what falls, shape (3,); as stated unless a number is given."""
+        if against_z is None and self.stated is not None:
+            return self.stated.gravity
+        return np.array([0.0, 0.0, -(9.81 if against_z is None else against_z)])
+
+    def armature(self, kind: str, constraint: int | None) -> float:
+        """Return the inertia of a joint by itself, with the drive of a constraint (from 0) or none.
+
+        Kilogrammes for slides, kg m^2 for others.
+        """
+        own = _ROTOR * self.link.mass * (1.0 if kind == "slide" else self.size**2)
+        if constraint is None or self.stated is None:
+            return own
+        return own + float(self.stated.rotors[constraint])
+
+    def stiffness(self, constraint: int, *, angle: bool) -> float:
+        """Return how stiff the drive of a constraint (from 0) is, N/m or N m/rad."""
+        if self.stated is not None and self.stated.stiffness is not None:
+            return float(self.stated.stiffness[constraint])
+        return 1e4 * self.platform.mass * (self.size**2 if angle else 1.0)
+
+    def damping(self, stiffness: float) -> float:
+        """Return the damping of a drive that lets the platform's mass come to rest at once."""
+        return 2 * math.sqrt(stiffness * self.platform.mass)
+
+    def has_leg(self, constraint: int) -> bool:
+        """Return whether a constraint (from 0) is a leg whose bodies weigh something."""
+        return self.stated is not None and constraint in self.stated.legs.rows
+
+    def leg_axis(self, constraint: int) -> Array | None:
+        """Return the first axis of a leg's universal joint, a unit vector; None if it has none."""
+        assert self.stated is not None
+        axis = self.stated.legs.axes[self.stated.legs.rows.tolist().index(constraint)]
+        return axis if axis.any() else None
+
+    def leg_bodies(self, constraint: int, e: Array) -> tuple[Inertial, Inertial]:
+        """Return cylinder and rod of a leg in the direction e, each in a frame at its joint."""
+        leg = self._leg(constraint)
+        return self._leg_body(leg.cylinder, e), self._leg_body(leg.rod, -e)
+
+    def _leg(self, constraint: int) -> Leg:
+        assert self.stated is not None
+        assert self.stated.instance.dynamics is not None
+        legs = self.stated.instance.dynamics.legs
+        return legs[0 if len(legs) == 1 else self.stated.legs.rows.tolist().index(constraint)]
+
+    def _leg_body(self, body: LegBody | None, way: Array) -> Inertial:
+        assert self.stated is not None
+        least = _SLENDER * self.platform.mass
+        if body is None:
+            return Inertial(least, np.zeros(3), least * self.size**2 * np.eye(3), falls=False)
+        mass, metre = body.mass.value, self.stated.metre
+        slender = _SLENDER * mass * self.size**2
+        across, axial = (
+            max(moment.value * metre**2, slender) for moment in (body.inertia, body.axial)
+        )
+        along = np.outer(way, way)
+        matrix = across * (np.eye(3) - along) + axial * along
+        return Inertial(mass, body.centre.value * metre * way, matrix)

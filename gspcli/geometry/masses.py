@@ -1,0 +1,294 @@
+"""Masses, inertias and drives of a platform, as an instance file states them under `dynamics`.
+
+Lengths are in the unit of length of the instance, inertias in kilogrammes times its square; masses
+are in kilogrammes, gravity in m/s^2, stiffnesses in N/m (distances) and N m/rad (angles).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TypeAlias
+
+import numpy as np
+
+from gspcli.catalogue.kinds import DPP, Kind
+from gspcli.errors import ArgumentError
+from gspcli.geometry.lengths import METRES
+from gspcli.geometry.numbers import Number, Real
+from gspcli.geometry.primitives import Components, Vector, exact_direction, exact_vector
+from gspcli.records import dataclass
+from gspcli.wording import counted, listed, shown, suggestion
+
+#: Principal moments may miss the triangle inequality by this share, which is rounding: those of a
+#: plate reach it.
+_ROUNDING = 1e-9
+#: The entries of a matrix of inertia in the order of `RigidBody.inertia`.
+_ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+#: Where a mistake is: keys and indices from the top of the file.
+Place: TypeAlias = "tuple[str | int, ...]"
+#: The acceleration of gravity if none is stated.
+GRAVITY = (Number.of(0), Number.of(0), Number.of("-9.81"))
+
+
+def _exact(value: Real, where: str) -> Number:
+    try:
+        return Number.of(value)
+    except ArgumentError as error:
+        raise error.within(where) from None
+
+
+def _row(values: Sequence[Real], where: str) -> tuple[Number, ...]:
+    return tuple(_exact(value, f"{where}[{index}]") for index, value in enumerate(values))
+
+
+@dataclass(frozen=True, init=False)
+class RigidBody:
+    """A rigid body.
+
+    Attributes
+    ----------
+    mass
+        Above zero.
+    centre
+        Its centre of mass, in its frame.
+    inertia
+        The matrix of inertia about the centre of mass, in the axes of the frame: its entries xx,
+        yy, zz, xy, xz, yz. Those off the diagonal are minus the integrals of x y, x z and y z.
+    """
+
+    mass: Number
+    centre: Vector
+    inertia: tuple[Number, ...]
+
+    def __init__(self, mass: Real, centre: Components, inertia: Sequence[Real]) -> None:
+        object.__setattr__(self, "mass", _exact(mass, "mass"))
+        object.__setattr__(self, "centre", exact_vector(centre, "centre"))
+        object.__setattr__(self, "inertia", _row(inertia, "inertia"))
+
+    @property
+    def matrix(self) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+        """The matrix of inertia, shape (3, 3)."""
+        matrix = np.zeros((3, 3))
+        for (i, j), entry in zip(_ENTRIES, self.inertia, strict=True):
+            matrix[i, j] = matrix[j, i] = entry.value
+        return matrix
+
+
+@dataclass(frozen=True, init=False)
+class LegBody:
+    """One of the two bodies of a leg, alike in all directions across the leg.
+
+    Attributes
+    ----------
+    mass
+        Above zero.
+    centre
+        How far its centre of mass is from its joint, along the leg and towards the other joint.
+    inertia
+        About any axis through the centre of mass across the leg.
+    axial
+        About the leg itself. It acts only where a universal joint makes the leg spin.
+    """
+
+    mass: Number
+    centre: Number
+    inertia: Number
+    axial: Number
+
+    def __init__(self, mass: Real, centre: Real, inertia: Real = 0, axial: Real = 0) -> None:
+        for name, value in zip(self._names, (mass, centre, inertia, axial), strict=True):
+            object.__setattr__(self, name, _exact(value, name))
+
+    _names = ("mass", "centre", "inertia", "axial")
+
+
+@dataclass(frozen=True, init=False)
+class Leg:
+    """The bodies of a leg, a distance of two points.
+
+    Attributes
+    ----------
+    cylinder
+        The body at the joint of the base, or None if it weighs nothing.
+    rod
+        The body at the joint of the platform, likewise.
+    universal
+        The first axis of the leg's joint at the base if that is a universal joint: a vector fixed
+        in the base, of any length. The joint at the platform is then a ball. None if the leg does
+        not spin about itself.
+    """
+
+    cylinder: LegBody | None
+    rod: LegBody | None
+    universal: Vector | None
+
+    def __init__(
+        self,
+        cylinder: LegBody | None = None,
+        rod: LegBody | None = None,
+        universal: Components | None = None,
+    ) -> None:
+        axis = None if universal is None else exact_direction(universal, "universal")
+        object.__setattr__(self, "cylinder", cylinder)
+        object.__setattr__(self, "rod", rod)
+        object.__setattr__(self, "universal", axis)
+
+
+@dataclass(frozen=True, init=False)
+class Drives:
+    """What drives the six values. Each is one number for all of them, or six.
+
+    Attributes
+    ----------
+    inertia
+        What a drive adds to the inertia of its value: kilogrammes for a distance, an inertia for an
+        angle.
+    stiffness
+        How stiff a drive holds its value, or None if that is not known.
+    """
+
+    inertia: tuple[Number, ...]
+    stiffness: tuple[Number, ...] | None
+
+    def __init__(
+        self,
+        inertia: Real | Sequence[Real] = 0,
+        stiffness: Real | Sequence[Real] | None = None,
+    ) -> None:
+        held = None if stiffness is None else _several(stiffness, "stiffness")
+        object.__setattr__(self, "inertia", _several(inertia, "inertia"))
+        object.__setattr__(self, "stiffness", held)
+
+
+def _several(value: Real | Sequence[Real], where: str) -> tuple[Number, ...]:
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return _row(value, where)
+    return (_exact(value, where),)
+
+
+@dataclass(frozen=True, init=False)
+class Dynamics:
+    """What a platform weighs and what drives it.
+
+    Attributes
+    ----------
+    platform
+        The moving platform.
+    legs
+        One leg for all distances of two points, or one for each of them in their order; empty if
+        no leg weighs anything.
+    drives
+        The drives of the six values.
+    gravity
+        The acceleration of what falls, in the axes of the base, m/s^2.
+    """
+
+    platform: RigidBody
+    legs: tuple[Leg, ...]
+    drives: Drives
+    gravity: Vector
+
+    def __init__(
+        self,
+        platform: RigidBody,
+        legs: Leg | Sequence[Leg] = (),
+        drives: Drives | None = None,
+        gravity: Components = GRAVITY,
+    ) -> None:
+        object.__setattr__(self, "platform", platform)
+        object.__setattr__(self, "legs", (legs,) if isinstance(legs, Leg) else tuple(legs))
+        object.__setattr__(self, "drives", drives or Drives())
+        object.__setattr__(self, "gravity", exact_vector(gravity, "gravity"))
+
+
+def mistakes(dynamics: Dynamics, kinds: Sequence[Kind], length: str) -> Iterator[tuple[Place, str]]:
+    """Yield what no platform can have: where, and what was found and expected.
+
+    Parameters
+    ----------
+    dynamics
+        What is stated.
+    kinds
+        The kinds of the constraints.
+    length
+        The name of the unit of length.
+    """
+    if length not in METRES:
+        message = (
+            f"found {shown(length)}, expected {listed(METRES)}: with masses lengths are taken to "
+            f"metres{suggestion(length, METRES)}"
+        )
+        yield ("units", "length"), message
+    count = sum(kind is DPP for kind in kinds)
+    for part, found in (
+        ("platform", _of_platform(dynamics.platform)),
+        ("legs", _of_legs(dynamics.legs, count)),
+        ("drives", _of_drives(dynamics.drives)),
+    ):
+        for place, message in found:
+            yield ("dynamics", part, *place), message
+
+
+def _of_platform(body: RigidBody) -> Iterator[tuple[Place, str]]:
+    yield from _of_mass(body.mass)
+    if len(body.inertia) != len(_ENTRIES):
+        found = counted(len(body.inertia), "number")
+        yield ("inertia",), f"found {found}, expected six: xx, yy, zz, xy, xz, yz"
+        return
+    low, middle, high = np.linalg.eigvalsh(body.matrix).tolist()
+    found = f"found the principal moments {low:.6g}, {middle:.6g} and {high:.6g}, expected "
+    if not low > 0:
+        yield ("inertia",), f"{found}all above 0: give xx, yy, zz, xy, xz, yz about the centre"
+    elif high > (low + middle) * (1 + _ROUNDING):
+        yield (
+            ("inertia",),
+            f"{found}none above the sum of the others: no body is so "
+            "(xy, xz, yz are entries of the matrix, not integrals: perhaps change their signs)",
+        )
+
+
+def _of_mass(mass: Number) -> Iterator[tuple[Place, str]]:
+    if not mass.value > 0:
+        yield ("mass",), f"found {mass}, expected a mass above 0"
+
+
+def _of_legs(legs: Sequence[Leg], count: int) -> Iterator[tuple[Place, str]]:
+    if legs and not count:
+        yield (), "found legs, but no constraint is a distance of two points"
+    elif len(legs) > 1 and len(legs) != count:
+        expected = f"one for all, or {count}: one for each distance of two points"
+        yield (), f"found {len(legs)} legs, expected {expected}"
+    for index, leg in enumerate(legs):
+        where: Place = () if len(legs) == 1 else (index,)
+        if leg.cylinder is None and leg.rod is None:
+            yield where, "found no body, expected a cylinder, a rod or both"
+        for name, body in (("cylinder", leg.cylinder), ("rod", leg.rod)):
+            for place, message in () if body is None else _of_leg_body(body):
+                yield (*where, name, *place), message
+
+
+def _of_leg_body(body: LegBody) -> Iterator[tuple[Place, str]]:
+    yield from _of_mass(body.mass)
+    for name, moment in (("inertia", body.inertia), ("axial", body.axial)):
+        if moment.value < 0:
+            yield (name,), f"found {moment}, expected an inertia of at least 0"
+    most = 2 * body.inertia.value
+    if most >= 0 and body.axial.value > most * (1 + _ROUNDING):
+        expected = f"at most twice the inertia across the leg, {most:.6g}: no body has more"
+        yield ("axial",), f"found {body.axial}, expected {expected}"
+
+
+def _of_drives(drives: Drives) -> Iterator[tuple[Place, str]]:
+    for name, numbers in (("inertia", drives.inertia), ("stiffness", drives.stiffness)):
+        if numbers is None:
+            continue
+        if len(numbers) not in (1, 6):
+            yield (name,), f"found {len(numbers)} numbers, expected one for all, or six"
+        for index, number in enumerate(numbers):
+            stiff = name == "stiffness"
+            if number.value < 0 or (stiff and number.value == 0):
+                expected = "a stiffness above 0" if stiff else "an inertia of at least 0"
+                place: Place = (name,) if len(numbers) == 1 else (name, index)
+                yield place, f"found {number}, expected {expected}"

@@ -1,0 +1,65 @@
+"""What the shape of a file does not tell of masses: bodies that exist, numbers of legs, units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+
+from gspcli.catalogue.kinds import Kind
+from gspcli.errors import Problem
+from gspcli.geometry.masses import GRAVITY, Drives, Dynamics, Leg, LegBody, RigidBody, mistakes
+from gspcli.spec.document import Mapping, Sequence
+from gspcli.spec.plain import DynamicsFields, LegBodyFields, LegFields
+
+if TYPE_CHECKING:
+    from gspcli.spec.mass_models import DynamicsModel, LegBodyModel, LegModel
+
+    #: What is read of each, plainly or with a search for mistakes.
+    AnyDynamics: TypeAlias = DynamicsModel | DynamicsFields
+    AnyLeg: TypeAlias = LegModel | LegFields
+    AnyLegBody: TypeAlias = LegBodyModel | LegBodyFields
+
+Stated = TypeVar("Stated")
+
+
+def stated_dynamics(model: AnyDynamics | None) -> Dynamics | None:
+    """Return what a file says of masses; None if it says nothing, or nothing that can be read."""
+    if model is None or None in (model.legs or ()):
+        return None
+    body, drives = model.platform, model.drives
+    return Dynamics(
+        RigidBody(body.mass, body.centre, body.inertia),
+        [_leg(leg) for leg in model.legs or () if leg is not None],
+        None if drives is None else Drives(_or_zero(drives.inertia), drives.stiffness),
+        GRAVITY if model.gravity is None else model.gravity,
+    )
+
+
+def _or_zero(stated: Stated | None) -> Stated | int:
+    return 0 if stated is None else stated
+
+
+def _leg(model: AnyLeg) -> Leg:
+    return Leg(_leg_body(model.cylinder), _leg_body(model.rod), model.universal)
+
+
+def _leg_body(model: AnyLegBody | None) -> LegBody | None:
+    if model is None:
+        return None
+    return LegBody(model.mass, model.centre, _or_zero(model.inertia), _or_zero(model.axial))
+
+
+def problems_of_masses(
+    root: Mapping, dynamics: Dynamics, kinds: Iterable[Kind], length: str
+) -> list[Problem]:
+    """Return what no platform can have of what a file says of masses, each with its place."""
+    problems = []
+    for place, message in mistakes(dynamics, list(kinds), length):
+        node: Any = root
+        for part in place:
+            if isinstance(node, Sequence) and isinstance(part, str):
+                # One leg for all, but between brackets.
+                (node,) = node
+            node = node[part]
+        problems.append(Problem(node.location, node.path, message))
+    return problems

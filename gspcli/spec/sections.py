@@ -1,0 +1,181 @@
+"""What the models of an instance file are made of: sections, lists, numbers, and notes of mistakes.
+
+A broken element never hides the mistakes in another: it is noted with its place in the list that is
+given as the validation context, and None stands in for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, Any, ClassVar, TypeVar
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    WithJsonSchema,
+    WrapValidator,
+    model_validator,
+)
+from pydantic.json_schema import SkipJsonSchema
+
+from gspcli.errors import Problem
+from gspcli.geometry.numbers import Number
+from gspcli.spec.document import Mapping, Missing, Scalar, Sequence, Value, locate
+from gspcli.spec.entries import complain, found, nonzero, number, optional_text, text
+from gspcli.wording import listed, nearest, shown, suggestion
+
+Item = TypeVar("Item")
+
+
+def note(error: ValidationError, problems: list[Problem]) -> None:
+    """Add the problems of a validation error, each at the place of the value it is about."""
+    for detail in error.errors(include_url=False):
+        value = detail["input"]
+        # None stands in for optional and for broken elements only; no file contains it.
+        if isinstance(value, Missing) or detail["type"] == "none_required":
+            continue
+        cause = detail.get("ctx", {}).get("error")
+        message = str(cause) if cause else detail["msg"]
+        problems.append(Problem(value.location, value.path, message))
+
+
+def problems_of(info: ValidationInfo) -> list[Problem]:
+    """Return the list in which mistakes are noted."""
+    problems: list[Problem] = info.context  # type: ignore[assignment]
+    return problems
+
+
+def _tolerate(value: Any, handler: Callable[[Any], Item], info: ValidationInfo) -> Item | None:
+    try:
+        return handler(value)
+    except ValidationError as error:
+        note(error, problems_of(info))
+        return None
+
+
+Tolerant = Annotated[Item | SkipJsonSchema[None], WrapValidator(_tolerate)]
+
+
+def list_of(expected: str, length: int | None = None) -> BeforeValidator:
+    """Check that a value is a list, of a certain length."""
+
+    def check(value: Value) -> Value:
+        if not isinstance(value, Sequence):
+            raise complain(value, expected)
+        if length is not None and len(value) != length:
+            entries = "1 entry" if len(value) == 1 else f"{len(value)} entries"
+            message = f"found {entries}, expected {expected}"
+            raise ValueError(message)
+        return value
+
+    return BeforeValidator(check)
+
+
+def choice_of(*choices: str) -> BeforeValidator:
+    """Check that a value is one of some words."""
+
+    def check(value: Value) -> str:
+        if value not in choices:
+            near = suggestion(value, choices) if isinstance(value, Scalar) else ""
+            message = f"found {found(value)}, expected {listed(choices)}{near}"
+            raise ValueError(message)
+        return str(value)
+
+    return BeforeValidator(check)
+
+
+Text = Annotated[str, BeforeValidator(text)]
+OptionalText = Annotated[str | SkipJsonSchema[None], BeforeValidator(optional_text)]
+Real = Annotated[
+    Number,
+    BeforeValidator(number),
+    WithJsonSchema(
+        {
+            "type": ["number", "string"],
+            "description": "A number, exactly as written, or an expression such as sqrt(3)/2.",
+        }
+    ),
+]
+Vector = Annotated[
+    list[Real], Field(min_length=3, max_length=3), list_of("three numbers [x, y, z]", 3)
+]
+Direction = Annotated[Vector, AfterValidator(nonzero)]
+
+
+def _schema_of(schema: dict[str, Any], model: type[Section]) -> None:
+    if model.one_of:
+        schema["oneOf"] = [{"required": [key]} for key in model.one_of]
+    for entry in schema["properties"].values():
+        entry.pop("default", None)
+        entry.pop("title", None)
+    if model.needs:
+        schema["dependentRequired"] = {key: [other] for key, other in model.needs.items()}
+
+
+class Section(BaseModel):
+    """A mapping with known keys.
+
+    Attributes
+    ----------
+    one_of
+        Keys of which exactly one must be given.
+    needs
+        Keys that make sense only beside another one.
+    """
+
+    model_config = ConfigDict(
+        extra="forbid",
+        frozen=True,
+        arbitrary_types_allowed=True,
+        json_schema_extra=_schema_of,
+        defer_build=True,
+    )
+    one_of: ClassVar[tuple[str, ...]] = ()
+    needs: ClassVar[dict[str, str]] = {}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _check_keys(cls, section: Value, info: ValidationInfo) -> Mapping:
+        """Note wrong keys and return the section without them; `Missing` where one lacks."""
+        known = list(cls.model_fields)
+        if not isinstance(section, Mapping):
+            keys = listed(cls.one_of) if cls.one_of else listed(known, "and")
+            raise complain(section, f"a mapping with {keys}")
+        problems = problems_of(info)
+        kept, misspelt = Mapping(), set()
+        for key, value in section.items():
+            if key in known:
+                kept[key] = value
+                continue
+            near = nearest(key, [name for name in known if name not in section])
+            misspelt.add(near)
+            hint = f": did you mean {near}?" if near else ""
+            message = f"found the unknown key {shown(key)}, expected {listed(known)}{hint}"
+            problems.append(Problem(key.location, key.path, message))
+        required = [name for name, field in cls.model_fields.items() if field.is_required()]
+        absent = [name for name in required if name not in kept]
+        for name in absent:
+            kept[Scalar(name)] = locate(Missing(), section.location, section.path)
+        if unnamed := [name for name in absent if name not in misspelt]:
+            words = (
+                f"key {unnamed[0]} is"
+                if len(unnamed) == 1
+                else f"keys {listed(unnamed, 'and')} are"
+            )
+            problems.append(Problem(section.location, section.path, f"the {words} missing"))
+        given = [name for name in cls.one_of if name in kept]
+        if len(given) > 1 or (cls.one_of and not given and not misspelt & set(cls.one_of)):
+            what = listed(given, "and") if given else "none of them"
+            message = f"found {what}, expected exactly one of {listed(cls.one_of)}"
+            problems.append(Problem(section.location, section.path, message))
+        for needy, other in cls.needs.items():
+            if needy in kept and other not in kept and given:
+                place = kept[Scalar(needy)]
+                message = f"found a {needy} at a {given[0]}, expected one only at a {other}"
+                problems.append(Problem(place.location, place.path, message))
+        return locate(kept, section.location, section.path)

@@ -1,0 +1,56 @@
+"""Forces against Pinocchio, which knows joints and bodies and no formula of ours."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gspcli.catalogue.types import all_types
+from gspcli.dynamics import inverse_dynamics
+from tests.support.masses import (
+    MACHINES,
+    in_metres,
+    machine,
+    random_motion,
+    random_platform,
+    with_masses,
+)
+from tests.support.pinocchio_trees import PinocchioTree
+from tests.support.simulated_trees import signs
+
+pytest.importorskip("pinocchio")
+
+RANDOM = np.random.default_rng(2004).choice(len(all_types()), 200, replace=False) + 1
+
+
+def disagreement(instance, R, T, rng):
+    """Return how far forces are from Pinocchio's for a random motion."""
+    t, a = random_motion(instance, rng)
+    found = inverse_dynamics(instance, R, T, twists=t, accelerations=a).forces[0]
+    tree = PinocchioTree(instance, R, T)
+    expected = tree.forces(in_metres(instance, t), in_metres(instance, a)) * signs(instance, R, T)
+    return float(np.abs(found - expected).max() / np.abs(expected).max())
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_forces_of_shipped_machines(name):
+    rng, (instance, R, T) = np.random.default_rng(9), machine(name)
+    for universal in (False, True):
+        weighed = with_masses(instance, rng, universal=universal)
+        assert disagreement(weighed, R, T, rng) < 1e-9
+
+
+@pytest.mark.parametrize(
+    "name", ["DPL DPP DPP DPP DPH DHP", "DLL DPP DPP DPH DHP DLP", "DPP DPL DLP ALH AHL AHH"]
+)
+def test_forces_of_every_kind(name):
+    rng = np.random.default_rng(10)
+    for _ in range(3):
+        assert disagreement(*random_platform(name, rng), rng) < 1e-9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", RANDOM)
+def test_forces_of_random_types(number):
+    rng = np.random.default_rng(number)
+    assert disagreement(*random_platform(str(number), rng), rng) < 1e-9
