@@ -16,44 +16,6 @@ from gspcli.cli.streams import discard, reason, say
 from gspcli.errors import INTERRUPTED, GspError, IncompleteError
 from gspcli.wording import brief, shortened, shown, similar
 
-<<<<<<< HEAD
-=======
-_TYPES = "What types are"
-_PLATFORM = "One platform"
-_REAL = "How many solutions can be real"
-_MOVING = "Platforms that move"
-_ALONG = "To look at and take along"
-#: The subcommands in the order of the help, and the heading that each stands under; each is
-#: `command` of the module of its name (a dash is an underscore there).
-COMMANDS = {
-    "enumerate": _TYPES,
-    "show": _TYPES,
-    "bound": _TYPES,
-    "constraint": _TYPES,
-    "realize": _TYPES,
-    "table": _TYPES,
-    "derive": _TYPES,
-    "atlas": _TYPES,
-    "new": _PLATFORM,
-    "example": _PLATFORM,
-    "check": _PLATFORM,
-    "count": _PLATFORM,
-    "solve": _PLATFORM,
-    "certify": _PLATFORM,
-    "sample": _REAL,
-    "maximize-real": _REAL,
-    "measure": _MOVING,
-    "track": _MOVING,
-    "analyze": _MOVING,
-    "clearance": _MOVING,
-    "scan": _MOVING,
-    "workspace": _MOVING,
-    "calibrate": _MOVING,
-    "view": _ALONG,
-    "export": _ALONG,
-}
-
->>>>>>> c89c214 (gsp calibrate: the true numbers of a platform from measured values and poses)
 INTERNAL_ERROR = 70
 #: What click quotes: all that was written, however long.
 _QUOTED = re.compile(r"(?<!\w)'([^'\n]+)'(?!\w)")

@@ -18,12 +18,7 @@ WIDTHS = [40, 48, 60, 72, 80, 96, 100, 120, 140, 160, 180, 200]
 _UNLIMITED = 50_000
 Shown = Callable[..., tuple[list[str], int]]
 EXAMPLES = "data/examples"
-<<<<<<< HEAD
 #: What is looked at besides a sample of each command that prints tables and is not here.
-=======
-MEASURED = "docs/calibration/measured.csv"
-#: What is looked at, at least one call of every command that prints tables.
->>>>>>> c89c214 (gsp calibrate: the true numbers of a platform from measured values and poses)
 CALLS = [
     ["enumerate", "--limit", "4"],
     ["enumerate", "--count"],
@@ -63,12 +58,6 @@ CALLS = [
     ["workspace", "@workspace-study", "--over", "x,z"],
     ["workspace", "@workspace-study", "--over", "x,z", "--boxes", "--tolerance", "0.9"],
     ["scan", "@octahedral-3-3", "--vary", "1=1.4:1.6:5"],
-<<<<<<< HEAD
-=======
-    ["track", "@octahedral-3-3", "{folder}/values.csv"],
-    ["calibrate", "@workspace-study-cones", MEASURED, "--robust"],
-    ["calibrate", "@workspace-study-cones", "--plan", "3"],
->>>>>>> c89c214 (gsp calibrate: the true numbers of a platform from measured values and poses)
     ["measure", "@dietmaier", "--pose", "0.1,0.2,1.5,1,0.1,0,0"],
     ["sample", "3D3A PH PH PH", "--count", "20", "--jobs", "1"],
 ]
