@@ -16,7 +16,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from tools.recording import ROOT, parser, save
 
 import gspcli
 from gspcli.calibration.parameters import Model
@@ -25,6 +24,7 @@ from gspcli.cli.main import run
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_vector
 from gspcli.resources import instance_files
+from tools.recording import ROOT, parser, save
 
 SEED = 14
 MADE = 0.15
