@@ -34,7 +34,6 @@ from gspcli.errors import INTERRUPTED, GspError, IncompleteError
 from gspcli.wording import counted
 
 if TYPE_CHECKING:
-
     import numpy as np
     from numpy.typing import NDArray
 

@@ -472,7 +472,7 @@ KEYS: dict[str, str] = {
     "calibrate.number": "the number, as base.B1.x or offset.3",
     "stated": "what is stated",
     "calibrate.found": "what was found",
-    "sigma": "its standard deviation",
+    "calibrate.sigma": "its standard deviation",
     "change/sigma": "change over the standard deviation",
     "covariance": "covariance of the numbers, in their order",
     "unknown": "what the data do not tell",
