@@ -17,6 +17,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from gspcli.calibration import calibrate
     from gspcli.catalogue.bounds import family_bounds, type_bounds
     from gspcli.catalogue.coincidence import coincident_types
     from gspcli.catalogue.constraints import constraint_facts
@@ -63,6 +64,7 @@ _HOMES = {
     "Units": "gspcli.geometry.instance",
     "all_types": "gspcli.catalogue.types",
     "angle": "gspcli.geometry.building",
+    "calibrate": "gspcli.calibration",
     "certify": "gspcli.solver.certifying",
     "coincident_types": "gspcli.catalogue.coincidence",
     "constraint_facts": "gspcli.catalogue.constraints",
@@ -119,6 +121,7 @@ __all__ = [
     "__version__",
     "all_types",
     "angle",
+    "calibrate",
     "certify",
     "coincident_types",
     "constraint_facts",

@@ -191,10 +191,10 @@ def _judge(
     if not requirements:
         return [], []
     from gspcli.motion.files.requirements import judge
-    from gspcli.motion.poses.inverse_kinematics import measure
+    from gspcli.motion.poses.inverse_kinematics import values_at
 
     given, known = analysis.given, analysis.quantities()
-    values = measure(given.instance, given.R, given.T)
+    values = values_at(given.instance, given.R, given.T)
     found = measured_quantities(given.instance, requirements, values, given.R, given.T, known)
     more = {name: numbers for name, numbers in found.items() if name not in known}
     return judge(requirements, found), add_quantities(entries, more)

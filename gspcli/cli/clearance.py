@@ -102,7 +102,8 @@ def command(
             reach = pose_clearance(instance, R[k], T[k], points=chosen, refine=refine)
             row = _row_of_pose(instance, reach)
         else:
-            row = _row_of_values(clearance(instance, R[k], T[k], weights=weights, refine=refine))
+            near = clearance(instance, R[k], T[k], weights=weights, refine=refine)
+            row = _row_of_values(instance, near)
         found.append({**asked.named(k), **row})
     unit = _unit(instance, of, ranged=weights is not None)
     emit(output, _table(instance, found, of, unit), document=_document(instance, of, found))
@@ -125,12 +126,15 @@ def _points(text: str) -> list[list[float]]:
     return [[float(cell) for cell in point] for point in points]
 
 
-def _row_of_values(found: Clearance) -> dict[str, Any]:
+def _row_of_values(instance: Instance, found: Clearance) -> dict[str, Any]:
     """Return what is known of how far the values of one mode may change."""
     row = _bounds(found.lower, found.upper, found.ratio)
     if found.values is None:
         return row
-    row |= {"by": "fold" if found.end is None else "end of range", "values": found.values.tolist()}
+    from gspcli.geometry.offsets import readings_of
+
+    readings = readings_of(instance, found.values).tolist()
+    row |= {"by": "fold" if found.end is None else "end of range", "values": readings}
     if found.end is not None:
         row["constraint"] = found.end + 1
     if found.fold is not None:

@@ -47,6 +47,7 @@ BY_HEADING: dict[str, dict[str, str]] = {
         "scan": "Count the real assembly modes where one or two values vary.",
         "workspace": "Show what a platform can reach: travel of each axis, positions, "
         "orientations.",
+        "calibrate": "Find the true numbers of a platform from measured values and poses.",
     },
     "To look at and take along": {
         "view": "Show a platform, all its assembly modes and how it moves.",

@@ -78,7 +78,8 @@ def _sentence(result: Track, event: LimitEvent) -> str:
     at_first = event.high == result.t[0]
     what = "is outside" if at_first else "leaves" if event.leaves else "comes back into"
     if event.kind == "range":
-        low, high = result.instance.constraints[event.constraint].limits or ("", "")
+        row = result.instance.constraints[event.constraint]
+        low, high = map(row.reading_of, row.limits or ())
         subject = f"the value of constraint {event.constraint + 1} {what} its range"
         return f"{subject} from {low} to {high} at t = {event.low:.10g}"
     when = f"between t = {event.low:.10g} and {event.high:.10g}"

@@ -140,9 +140,11 @@ def _judged(
     """Return whether all rows keep what is required, and the columns that this adds to them."""
     if not requirements:
         return [], []
+    from gspcli.geometry.offsets import values_of
     from gspcli.motion.files.requirements import judge
 
-    found = measured_quantities(instance, requirements, values, table.R, table.T)
+    meant = values_of(instance, values)
+    found = measured_quantities(instance, requirements, meant, table.R, table.T)
     return judge(requirements, found), add_quantities(rows, found)
 
 

@@ -69,13 +69,14 @@ def text_of(path: str) -> tuple[str, str]:
 
 def warn_of_range(instance: Instance, t: Sequence[float], values: Array) -> None:
     """Say on standard error which values are outside the ranges of the instance, if any."""
+    from gspcli.geometry.offsets import values_of
     from gspcli.motion import out_of_range
 
-    outside = out_of_range(instance, values)
+    outside = out_of_range(instance, values_of(instance, values))
     for k, constraint in enumerate(instance.constraints):
         rows = outside[:, k].nonzero()[0].tolist()
         if rows and constraint.limits is not None:
-            low, high = constraint.limits
+            low, high = map(constraint.reading_of, constraint.limits)
             more = f" (and at {len(rows) - 1} more rows)" if len(rows) > 1 else ""
             say(
                 f"t = {t[rows[0]]:g}: the value {values[rows[0], k]:.6g} of constraint {k + 1} is "

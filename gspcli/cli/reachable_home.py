@@ -125,12 +125,12 @@ def _mode(
     import numpy as np
 
     from gspcli.geometry.limits import within_limits
-    from gspcli.motion import measure
+    from gspcli.motion.poses.inverse_kinematics import values_at
 
     R, T = real_poses(instance, mode)
     if mode is not None:
         return Home(R[mode - 1], T[mode - 1], pivot, size, mode)
-    kept = within_limits(instance, measure(instance, R, T), R, T).nonzero()[0]
+    kept = within_limits(instance, values_at(instance, R, T), R, T).nonzero()[0]
     if not len(kept):
         message = (
             f"no real pose keeps all ranges and cones, of {len(R)}\ngive a home pose with --pose"

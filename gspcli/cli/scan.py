@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from contextlib import nullcontext
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -34,8 +34,6 @@ from gspcli.errors import INTERRUPTED, GspError, IncompleteError
 from gspcli.wording import counted
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     import numpy as np
     from numpy.typing import NDArray
 
@@ -147,9 +145,10 @@ def command(
 
     instance = load_instance(spec)
     axes = [Axis(int(name) - 1, nodes) for name, nodes in axes_of("--vary", texts, _NUMBERS)]
-    _check_values(instance, axes)
+    asked = Scan.empty(instance, axes)
+    found = Scan.empty(*_corrected(asked), clearance=quantity == "clearance")
+    _check_values(found)
     total = math.prod(len(axis.values) for axis in axes)
-    found = Scan.empty(instance, axes, clearance=quantity == "clearance")
     limits = Boundary()
     interrupted = False
     try:
@@ -159,6 +158,7 @@ def command(
     except KeyboardInterrupt:
         interrupted = True
         say(f"interrupted after {(found.modes != MISSING).sum()} of {total} nodes")
+    found, limits = _as_read(asked, found, limits)
     if output.format in DRAWINGS:
         from gspcli.pictures.maps import mode_map
 
@@ -180,15 +180,49 @@ def command(
     return 0
 
 
-def _check_values(instance: Instance, axes: Sequence[Axis]) -> None:
+def _corrected(asked: Scan) -> tuple[Instance, list[Axis]]:
+    """Return what to scan, with the offsets of SPEC in its values."""
+    from gspcli.geometry.offsets import without_offsets
+
+    axes = [
+        replace(axis, values=tuple(value + offset for value in axis.values)) if offset else axis
+        for axis, offset in zip(asked.axes, _offsets(asked), strict=True)
+    ]
+    return without_offsets(asked.instance), axes
+
+
+def _as_read(asked: Scan, found: Scan, limits: Boundary) -> tuple[Scan, Boundary]:
+    """Return what was found with values as SPEC has them, offsets taken away again."""
+    offsets = _offsets(asked)
+    if not any(offsets):
+        return found, limits
+    limits.crossings = [
+        replace(one, values=tuple(v - o for v, o in zip(one.values, offsets, strict=True)))
+        for one in limits.crossings
+    ]
+    limits.curves = [
+        replace(curve, values=curve.values - offsets, cusps=curve.cusps - offsets)
+        for curve in limits.curves
+    ]
+    return replace(found, instance=asked.instance, axes=asked.axes), limits
+
+
+def _offsets(asked: Scan) -> list[float]:
+    from gspcli.geometry.offsets import offsets
+
+    every = offsets(asked.instance, signed=False)
+    return [float(every[axis.constraint]) for axis in asked.axes]
+
+
+def _check_values(found: Scan) -> None:
     """Raise if a value is none that its constraint can have."""
     from gspcli.geometry.numbers import Number
     from gspcli.geometry.ranges import wrong_value
 
-    for axis in axes:
-        kind = instance.constraints[axis.constraint].kind
+    for axis in found.axes:
+        kind = found.instance.constraints[axis.constraint].kind
         for value in (axis.values[0], axis.values[-1]):
-            wrong = wrong_value(kind, Number.of(value), instance.units.angle)
+            wrong = wrong_value(kind, Number.of(value), found.instance.units.angle)
             if wrong and not kind.has_sides:
                 message = f"--vary: found {value:g} for constraint {axis.constraint + 1}, {wrong}"
                 raise GspError(message)

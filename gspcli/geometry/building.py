@@ -24,7 +24,14 @@ from gspcli.catalogue.kinds import (
 from gspcli.catalogue.types import CONSTRAINTS
 from gspcli.errors import ArgumentError
 from gspcli.geometry.checking import checked
-from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
+from gspcli.geometry.instance import (
+    AngleUnit,
+    Constraint,
+    Instance,
+    Side,
+    Units,
+    with_offset,
+)
 from gspcli.geometry.numbers import Number, Real
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point
 from gspcli.wording import listed, shortened, shown
@@ -114,6 +121,7 @@ def distance(
     *,
     side: Side | str = Side.BOTH,
     range: tuple[Real, Real] | None = None,
+    offset: Real | None = None,
 ) -> Constraint:
     """Return a distance between a primitive of the platform and one of the base.
 
@@ -128,17 +136,24 @@ def distance(
         ``negative``, or ``both``.
     range
         The smallest and the largest value that the machine can have there.
+    offset
+        What is added to ``value`` and ``range`` (readings) to make them the distance itself.
 
     Raises
     ------
     ArgumentError
         If there is no such distance, as between two planes, or a number is none.
     """
-    return _constraint("distance", platform, base, value, side, range)
+    return _constraint("distance", platform, base, value, side, range, offset)
 
 
 def angle(
-    platform: Geometry, base: Geometry, value: Real, *, range: tuple[Real, Real] | None = None
+    platform: Geometry,
+    base: Geometry,
+    value: Real,
+    *,
+    range: tuple[Real, Real] | None = None,
+    offset: Real | None = None,
 ) -> Constraint:
     """Return an angle between a line or plane of the platform and one of the base.
 
@@ -151,13 +166,15 @@ def angle(
         180 degrees, of a line and a plane between -90 and 90.
     range
         The smallest and the largest value that the machine can have there.
+    offset
+        What is added to ``value`` and ``range`` (readings) to make them the angle itself.
 
     Raises
     ------
     ArgumentError
         If there is no such angle, as of a point, or a number is none.
     """
-    return _constraint("angle", platform, base, value, Side.BOTH, range)
+    return _constraint("angle", platform, base, value, Side.BOTH, range, offset)
 
 
 def _constraint(
@@ -167,6 +184,7 @@ def _constraint(
     value: Real,
     side: Side | str,
     limits: tuple[Real, Real] | None,
+    offset: Real | None,
 ) -> Constraint:
     for where, primitive in (("platform", platform), ("base", base)):
         if not isinstance(primitive, Point | Line | Plane):
@@ -179,7 +197,13 @@ def _constraint(
         raise ArgumentError(message, "side")
     ends = None if limits is None else _limits(limits)
     # Any number: the constraint makes it exact.
-    return Constraint(kind, platform, base, value, Side(side), limits=ends)  # type: ignore[arg-type]
+    made = Constraint(kind, platform, base, value, Side(side), limits=ends)  # type: ignore[arg-type]
+    if offset is None:
+        return made
+    try:
+        return with_offset(made, Number.of(offset))
+    except ArgumentError as error:
+        raise error.within("offset") from None
 
 
 def _limits(limits: Any) -> tuple[Number, Number]:

@@ -9,6 +9,9 @@ from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.primitives import Point
 from gspcli.geometry.ranges import wrong_half_angle, wrong_value
 
+#: What an offset of a distance to a plane needs.
+ONE_SIDE = "expected one only with a side: it is added to the signed distance"
+
 
 def expected(instance: Instance) -> Instance:
     """Return an argument that is an instance, whatever its numbers.
@@ -48,6 +51,9 @@ def checked(instance: Instance) -> Instance:
         if row.side is not Side.BOTH and not row.kind.has_sides:
             message = f"found a side for {row.kind}, expected one only for DPH and DHP"
             raise ArgumentError(message, f"constraints[{index}].side")
+        if row.offset is not None and row.kind.has_sides and row.side is Side.BOTH:
+            message = f"found an offset for {row.kind}, {ONE_SIDE}"
+            raise ArgumentError(message, f"constraints[{index}].offset")
         for where, primitive in (("platform", row.platform), ("base", row.base)):
             cone = primitive.cone if isinstance(primitive, Point) else None
             if cone and (wrong := wrong_half_angle(cone.half_angle, instance.units.angle)):

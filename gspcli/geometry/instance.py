@@ -68,8 +68,8 @@ class Constraint:
     platform, base
         The primitives, each in the frame of its body.
     value
-        The distance in length units or the angle in angle units of the instance; a number of any
-        kind is made exact (`Number.of`).
+        The distance in length units or the angle in angle units of the instance, as it is between
+        the primitives; a number of any kind is made exact (`Number.of`).
     side
         For DPH and DHP: where the point lies; `Side.BOTH` for all other kinds.
     platform_name, base_name
@@ -79,6 +79,10 @@ class Constraint:
         motion and say nothing about the poses that the value has.
     tolerance
         How far the machine's value may be off, or None if the file does not say.
+    offset
+        What is added to a reading (what a file, a table or an encoder says) to make it the value;
+        None if they are the same. Of a DPH or DHP it is added to the signed distance, so that
+        one side must be chosen. `value` and `limits` have it added already.
     """
 
     kind: Kind
@@ -90,10 +94,48 @@ class Constraint:
     base_name: str = ""
     limits: tuple[Number, Number] | None = None
     tolerance: Number | None = None
+    offset: Number | None = None
 
     def __post_init__(self) -> None:
         if type(self.value) is not Number:
             object.__setattr__(self, "value", _number(self.value, "value"))
+
+    def value_of(self, reading: Number) -> Number:
+        """Return the value that a reading means: with the offset, exactly.
+
+        This is where offsets are honoured: a reading becomes a value as it enters.
+        """
+        return reading if self.offset is None else _sum(reading, self.offset, -self._turned)
+
+    def reading_of(self, value: Number) -> Number:
+        """Return the reading at which the machine has a value: without the offset, exactly."""
+        return value if self.offset is None else _sum(value, self.offset, self._turned)
+
+    @property
+    def _turned(self) -> int:
+        """The sign of a value less its offset, where values are not signed: on the other side."""
+        return 1 if self.side is Side.NEGATIVE else -1
+
+
+def with_offset(row: Constraint, offset: Number) -> Constraint:
+    """Return a constraint, whose value and limits are readings, with an offset."""
+    shifted = replace(row, offset=offset)
+    limits = row.limits
+    return replace(
+        shifted,
+        value=shifted.value_of(row.value),
+        limits=limits and (shifted.value_of(limits[0]), shifted.value_of(limits[1])),
+    )
+
+
+def _sum(number: Number, offset: Number, sign: int) -> Number:
+    """Return a number with an offset added or taken away, as a fraction where it is one."""
+    undone = "-" if sign > 0 else "+"
+    if number.operation == undone and number.arguments[1] == offset:
+        taken: Number = number.arguments[0]
+        return taken
+    result = Number("+" if sign > 0 else "-", (number, offset))
+    return result if result.fraction is None else Number("rational", (result.fraction,))
 
 
 def _number(value: Real, where: str) -> Number:

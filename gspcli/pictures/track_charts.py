@@ -27,10 +27,12 @@ def track_chart(track: Track, fmt: str) -> bytes:
     with styled():
         from matplotlib.figure import Figure
 
+        from gspcli.geometry.offsets import readings_of
+
         figure = Figure(figsize=(7.2, 3.0), layout="constrained")
         left, right = figure.subplots(1, 2)
         units = track.instance.units
-        for k, column in enumerate(track.values.T):
+        for k, column in enumerate(readings_of(track.instance, track.values).T):
             left.plot(track.t, column, color=SOFT, linewidth=1.0)
             left.annotate(str(k + 1), (track.t[0], column[0]), ha="right", fontsize=7)
         left.set(xlabel="t", ylabel="values", title="values of the constraints")

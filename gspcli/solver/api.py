@@ -13,6 +13,7 @@ from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.offsets import values_of
 from gspcli.solver.all_poses import all_poses
 from gspcli.solver.arguments import value_rows, whole
 from gspcli.solver.batch import PoseBatch, joined
@@ -95,7 +96,8 @@ def solve_values(
     instance
         The geometry, units and sides.
     values
-        Distances and angles in the units and order of the instance, shape (batch, 6).
+        Distances and angles in the units and order of the instance, shape (batch, 6); offsets are
+        added to them.
     seed, jobs, starts
         As for `solve`.
     certify
@@ -145,4 +147,5 @@ def solve_batch(
     ):
         blocks.append(block)
         deque(islice(steps, len(block)), maxlen=0)
-    return joined(Arrangement.of(instance), value_rows(values), blocks)
+    rows = values_of(instance, value_rows(values), signed=False)
+    return joined(Arrangement.of(instance), rows, blocks)

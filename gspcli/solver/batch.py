@@ -108,7 +108,7 @@ class PoseBatch:
     Attributes
     ----------
     arrangement, values
-        The geometry, and the sets of values, shape (b, 6).
+        The geometry, and the sets of values with the offsets of the instance added, shape (b, 6).
     number
         How many distinct poses each set has, shape (b,).
     R, T

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.offsets import values_of
 from gspcli.solver.all_poses import all_poses
 from gspcli.solver.arguments import problems_of, value_rows, whole
 from gspcli.solver.batch import Block
@@ -42,7 +43,7 @@ def pose_blocks(
     """
     checked(instance)
     seed, jobs = whole(seed, "seed", least=0), whole(jobs, "jobs", least=1)
-    rows = value_rows(values)
+    rows = values_of(instance, value_rows(values), signed=False)
     wrong = {
         k: PoseSet.unsolved(instance.expected, problem)
         for k, problem in problems_of(instance, rows).items()

@@ -9,7 +9,15 @@ from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, DPP, KINDS_BY_NA
 from gspcli.catalogue.parsing import parse_type
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES
 from gspcli.errors import Problem, TypeNameError
-from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
+from gspcli.geometry.checking import ONE_SIDE
+from gspcli.geometry.instance import (
+    AngleUnit,
+    Constraint,
+    Instance,
+    Side,
+    Units,
+    with_offset,
+)
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Cone, Crank, Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.ranges import wrong_half_angle, wrong_value
@@ -130,36 +138,53 @@ class FileChecker:
         kind = self._kind(pair, quantity, platform, base)
         if kind is None or model is None:
             return None
-        if self.unit is not None and (wrong := wrong_value(kind, model.value, self.unit)):
-            value = node[Scalar("value")]
-            self._note(value, f"found {shown(value)}, {wrong}")
         if model.side is not None and not kind.has_sides:
             message = f"found a side for {kind.name}, expected one only for DPH and DHP"
             self._note(node[Scalar("side")], message)
-        side = Side(model.side or "both")
-        limits = self._limits(node, model, kind)
+        row = Constraint(
+            kind,
+            platform,
+            base,
+            model.value,
+            Side(model.side or "both"),
+            str(pair[0]),
+            str(pair[1]),
+            None if model.range is None else (model.range[0], model.range[1]),
+            model.tolerance,
+        )
+        if model.offset is not None:
+            row = with_offset(row, model.offset)
+            if kind.has_sides and row.side is Side.BOTH:
+                message = f"found an offset for {kind.name}, {ONE_SIDE}"
+                self._note(node[Scalar("offset")], message)
+        self._check_value(row, node[Scalar("value")], row.value)
+        self._check_limits(row, node)
         tolerance = model.tolerance
         if tolerance is not None and tolerance.value < 0:
             written = node[Scalar("tolerance")]
             self._note(written, f"found {shown(written)}, expected a tolerance of at least 0")
-        return Constraint(
-            kind, platform, base, model.value, side, str(pair[0]), str(pair[1]), limits, tolerance
-        )
+        return row
 
-    def _limits(
-        self, node: Mapping, model: AnyConstraint, kind: Kind
-    ) -> tuple[Number, Number] | None:
-        if model.range is None:
-            return None
-        low, high = model.range
+    def _check_value(self, row: Constraint, written: Scalar, value: Number) -> None:
+        """Check a value or limit, offset included, that is written as a reading."""
+        if self.unit is not None and (wrong := wrong_value(row.kind, value, self.unit)):
+            found = (
+                shown(written)
+                if row.offset is None
+                else f"{shown(written)} with offset {row.offset}"
+            )
+            self._note(written, f"found {found}, {wrong}")
+
+    def _check_limits(self, row: Constraint, node: Mapping) -> None:
+        if row.limits is None:
+            return
         written = node[Scalar("range")]
-        for number, text in zip(model.range, written, strict=True):
-            if self.unit is not None and (wrong := wrong_value(kind, number, self.unit)):
-                self._note(text, f"found {shown(text)}, {wrong}")
+        for number, text in zip(row.limits, written, strict=True):
+            self._check_value(row, text, number)
+        low, high = row.limits
         if low.value > high.value:
             message = f"found {shown(written[0])} above {shown(written[1])}, expected [low, high]"
             self._note(written, message)
-        return low, high
 
     def _primitive(
         self, name: Value, where: str, body: Body | None, other: Body | None

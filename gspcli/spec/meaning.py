@@ -42,8 +42,9 @@ def remarks(instance: Instance) -> list[tuple[int, str]]:
     for index, constraint in enumerate(instance.constraints):
         kind, value = constraint.kind, constraint.value
         if constraint.limits is not None and outside(value, constraint.limits):
-            low, high = constraint.limits
-            found.append((index, f"the value {value} is outside its range from {low} to {high}"))
+            reading = constraint.reading_of(value)
+            low, high = map(constraint.reading_of, constraint.limits)
+            found.append((index, f"the value {reading} is outside its range from {low} to {high}"))
         count = equations(constraint, instance.units.angle)
         if count > 1:
             message = (

@@ -129,6 +129,11 @@ class ConstraintModel(Section):
     tolerance: Real | SkipJsonSchema[None] = Field(
         None, description="How far the machine's value may be off, at least zero."
     )
+    offset: Real | SkipJsonSchema[None] = Field(
+        None,
+        description="What is added to value and range to make them the distance or angle itself; "
+        "a calibration finds it. Default: 0.",
+    )
     side: Annotated[
         Literal["positive", "negative", "both"] | SkipJsonSchema[None],
         choice_of("positive", "negative", "both"),

@@ -63,6 +63,7 @@ class ConstraintFields(NamedTuple):
     value: Number
     range: list[Number] | None
     tolerance: Number | None
+    offset: Number | None
     side: str | None
 
 
@@ -219,13 +220,14 @@ def _cone(value: Value) -> ConeFields:
 
 def _constraint(value: Value) -> ConstraintFields:
     quantity = "angle" if "angle" in _entries(value) else "distance"
-    given = _section(value, (quantity, "value"), ("range", "tolerance", "side"))
+    given = _section(value, (quantity, "value"), ("range", "tolerance", "offset", "side"))
     for entry in _list(given[quantity], 2):
         name(entry)
     return ConstraintFields(
         number(given["value"]),
         _numbers(given["range"], 2) if "range" in given else None,
         number(given["tolerance"]) if "tolerance" in given else None,
+        number(given["offset"]) if "offset" in given else None,
         _choice(given["side"], "positive", "negative", "both") if "side" in given else None,
     )
 

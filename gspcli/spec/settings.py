@@ -22,7 +22,7 @@ def set_values(instance: Instance, settings: Mapping[int, Real] | Iterable[Real]
     settings
         Values by the numbers of the constraints, from 1, as ``{1: 5.2, 3: "sqrt(2)"}``; or such
         texts as ``["1=5.2", "3=sqrt(2)"]``; or the values of all six, shape (6,). They are numbers
-        of any kind (`Number.of`), in the units of the instance.
+        of any kind (`Number.of`), in the units of the instance; offsets are added to them.
 
     Raises
     ------
@@ -74,10 +74,12 @@ def _value(instance: Instance, index: int, value: Real, where: str) -> Number:
         exact = Number.of(value)
     except ArgumentError as error:
         raise error.within(where) from None
-    if wrong := wrong_value(instance.constraints[index].kind, exact, instance.units.angle):
+    row = instance.constraints[index]
+    value = row.value_of(exact)
+    if wrong := wrong_value(row.kind, value, instance.units.angle):
         message = f"found {exact}, {wrong}"
         raise ArgumentError(message, where)
-    return exact
+    return value
 
 
 def _of_texts(instance: Instance, settings: Iterable[str]) -> dict[int, Number]:
@@ -95,12 +97,12 @@ def _of_texts(instance: Instance, settings: Iterable[str]) -> dict[int, Number]:
             message = f"found constraint {index + 1} twice"
         else:
             try:
-                values[index] = parse_number(text)
+                row = instance.constraints[index]
+                values[index] = row.value_of(parse_number(text))
             except ValueError as error:
                 message = str(error)
             else:
-                kind, unit = instance.constraints[index].kind, instance.units.angle
-                if wrong := wrong_value(kind, values[index], unit):
+                if wrong := wrong_value(row.kind, values[index], instance.units.angle):
                     message = f"found {shown(text)}, {wrong}"
         if message:
             problems.append(Problem(None, f"--set {shown(setting)}", message))

@@ -136,10 +136,13 @@ def _primitive(geometry: Geometry) -> str:
 def _constraint(constraint: Constraint, platform: str, base: str) -> str:
     quantity = "distance" if constraint.kind.is_distance else "angle"
     side = "" if constraint.side is Side.BOTH else f", side: {constraint.side.value}"
-    limits = constraint.limits
-    span = "" if limits is None else f", range: [{limits[0]}, {limits[1]}]"
+    reading, span = constraint.reading_of(constraint.value), ""
+    if constraint.limits is not None:
+        low, high = map(constraint.reading_of, constraint.limits)
+        span = f", range: [{low}, {high}]"
     off = "" if constraint.tolerance is None else f", tolerance: {constraint.tolerance}"
-    value = f"value: {constraint.value}{span}{off}{side}"
+    shift = "" if constraint.offset is None else f", offset: {constraint.offset}"
+    value = f"value: {reading}{span}{off}{shift}{side}"
     return f"  - {{{quantity}: [{platform}, {base}], {value}}}"
 
 

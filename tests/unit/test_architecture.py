@@ -19,6 +19,7 @@ LAYERS = {
     "cli": 7,
     "pictures": 6,
     "export": 5.5,
+    "calibration": 5.5,
     "paper": 6,
     "atlas": 6,
     "reality": 6,

@@ -15,6 +15,7 @@ import click
 from gspcli.cli.main import cli, run
 from gspcli.resources import data_directory, instance_files
 from gspcli.spec import load
+from tools.recording import ROOT
 
 #: Runs that together print all keys of a command, where the examples of its help do not; POSES,
 #: TWICE, VALUES, REACH, LOOP, STATE, MASSES, PATH and FORCES are files made here.
@@ -120,6 +121,11 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "@workspace-study --position 0,0,400 --tolerance 0.5",
         "@workspace-study --over z --within z=0:100",
     ),
+    "calibrate": (
+        "@workspace-study-cones MEASURED --sigma value=0.002 --sigma position=0.005",
+        "@workspace-study-cones MEASURED --robust --hold offset.1",
+        "@workspace-study-cones --plan 3",
+    ),
 }
 #: Where a platform with masses stands, rows of poses and rows of forces.
 _PAGE = Path(__file__).resolve().parents[2] / "docs" / "dynamics.md"
@@ -127,6 +133,8 @@ _PAGE = Path(__file__).resolve().parents[2] / "docs" / "dynamics.md"
 _LONG = {"atlas verify"}
 #: Values after which the platform is in another mode, and folds of others on the way.
 _LOOP = data_directory() / "trajectories" / "mode-change"
+#: Made-up measurements of a real machine.
+_MEASURED = ROOT / "docs" / "calibration" / "measured.csv"
 #: Exit codes that go with complete output: done, a check failed, not finite, not completed.
 _ANSWERS = (0, 1, 3, 4)
 #: What stands in examples for a file of the reader, or needs a shell.
@@ -176,6 +184,7 @@ def words(name: str, sample: str, folder: Path) -> list[str]:
         "STATE": "s.json",
     }
     paths = {word: folder / name for word, name in names.items()}
+    paths["MEASURED"] = _MEASURED
     if "POSES" in sample or "TWICE" in sample:
         text = output(["solve", "@figure-3", "--format", "json"])
         paths["POSES"].write_text(text, encoding="utf-8")

@@ -212,4 +212,9 @@ STEPS = (
         ),
         "tools.build.drawings --check",
     ),
+    Step(
+        "calibration-page",
+        ("docs/calibration/*.csv", "docs/images/calibration-*.svg"),
+        "tools.build.calibration_page --check",
+    ),
 )

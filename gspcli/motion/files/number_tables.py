@@ -169,8 +169,16 @@ class NumberTable:
             filled = [any(cells) for cells in zip(*columns, strict=True)]
             self._lines = [row for row, kept in zip(self._lines, filled, strict=True) if kept]
 
-    def numbers(self, columns: Sequence[str]) -> Array:
-        """Return the numbers in some columns, shape (rows, columns); NaN for each mistake."""
+    def numbers(self, columns: Sequence[str], *, blanks: bool = False) -> Array:
+        """Return the numbers in some columns, shape (rows, columns); NaN for each mistake.
+
+        Parameters
+        ----------
+        columns
+            Their names as in `heading`.
+        blanks
+            Whether cells may be empty: they are NaN, too.
+        """
         places = [self.heading.index(name) for name in columns]
         rows = np.full((len(self._lines), len(places)), math.nan)
         for k, (number, line) in enumerate(self._lines):
@@ -180,20 +188,28 @@ class NumberTable:
             except (ValueError, IndexError):
                 rows[k] = math.nan
             if not all(map(math.isfinite, rows[k])) or "_" in line:
-                self._complain(number, line, places, columns)
+                rows[k] = self._complain(number, line, places, columns, blanks=blanks)
         return rows
 
     def _complain(
-        self, number: int, line: str, places: Sequence[int], columns: Sequence[str]
-    ) -> None:
-        """Note the cells of a row that are no numbers."""
-        cells = self._cells(line)
+        self,
+        number: int,
+        line: str,
+        places: Sequence[int],
+        columns: Sequence[str],
+        *,
+        blanks: bool,
+    ) -> list[float]:
+        """Return the numbers of a row, and note the cells that are none."""
+        cells, found = self._cells(line), []
         for place, name in zip(places, columns, strict=True):
-            if place >= len(cells):
-                continue
-            if message := wrong_number(cells[place].text):
+            text = cells[place].text if place < len(cells) else ""
+            wrong = wrong_number(text)
+            found.append(math.nan if wrong else float(text))
+            if wrong and place < len(cells) and (text or not blanks):
                 location = Location(self.name, number, cells[place].column)
-                self.problems.append(Problem(location, name, message))
+                self.problems.append(Problem(location, name, wrong))
+        return found
 
     def check(self) -> None:
         """Raise `SpecError` with all mistakes found so far, if there are any."""

@@ -23,14 +23,14 @@ from gspcli.wording import shown
 
 Array = NDArray[np.float64]
 
-#: Columns: the position of the pivot, that of the frame, a quaternion.
+#: Columns: the position of the pivot, that of the frame; a quaternion, angles, the entries of R.
 POSITION = ("x", "y", "z")
 TRANSLATION = ("tx", "ty", "tz")
 QUATERNION = ("qw", "qx", "qy", "qz")
-_ANGLES = ("rx", "ry", "rz")
-_ENTRIES = tuple(f"r{i}{j}" for i in "123" for j in "123")
+ANGLES = ("rx", "ry", "rz")
+ENTRIES = tuple(f"r{i}{j}" for i in "123" for j in "123")
 #: All columns that say where a platform is.
-COLUMNS = (*POSITION, *TRANSLATION, *QUATERNION, *_ANGLES, *_ENTRIES)
+COLUMNS = (*POSITION, *TRANSLATION, *QUATERNION, *ANGLES, *ENTRIES)
 #: Entries of R may differ from those of a rotation by this much: they are often rounded to three
 #: decimals. The nearest rotation is taken.
 _ROUNDED = 1e-3
@@ -117,23 +117,23 @@ def poses_in(table: NumberTable, form: PoseFormat) -> PoseTable | None:
     Mistakes are noted in the table; a pose with one has numbers that mean nothing.
     """
     position = table.choose(POSITION, TRANSLATION)
-    rotation = table.choose(QUATERNION, _ANGLES, _ENTRIES)
+    rotation = table.choose(QUATERNION, ANGLES, ENTRIES)
     if position == TRANSLATION and any(form.pivot):
         table.note_heading("found Tx Ty Tz, the pose of the frame; expected x y z with a pivot")
-    if rotation is not None and rotation != _ANGLES and form.euler:
+    if rotation is not None and rotation != ANGLES and form.euler:
         table.note_heading(f"found {' '.join(rotation)}, expected rx ry rz with an Euler sequence")
-    if rotation == _ANGLES and form.euler is None:
+    if rotation == ANGLES and form.euler is None:
         table.note_heading(
             "found rx ry rz without the order of the axes: say it with --euler, such as ZYX or xyz"
         )
     t = table.numbers(["t"])[:, 0] if "t" in table.heading else None
     points = table.numbers(position) if position else None
     turns = table.numbers(rotation) if rotation else None
-    if rotation is None or turns is None or (rotation == _ANGLES and form.euler is None):
+    if rotation is None or turns is None or (rotation == ANGLES and form.euler is None):
         return None
     whole = np.flatnonzero(np.isfinite(turns).all(axis=1))
     R = np.full((len(turns), 3, 3), np.nan)
-    R[whole], wrong = _rotations(turns[whole], form)
+    R[whole], wrong = rotations_of(turns[whole], form)
     for row, message in wrong:
         table.note_cell(int(whole[row]), rotation[0], message)
     if points is None:
@@ -171,7 +171,7 @@ def read_pose(text: str, form: PoseFormat, name: str = "--pose") -> PoseTable:
 def pose_numbers(text: str, name: str) -> tuple[tuple[str, ...], list[float]]:
     """Return the columns of a pose on the command line and its numbers; see `read_pose`."""
     cells = [cell for cell in re.split(r"[,;\s]+", text.strip()) if cell]
-    names = {7: QUATERNION, 6: _ANGLES, 12: _ENTRIES}.get(len(cells))
+    names = {7: QUATERNION, 6: ANGLES, 12: ENTRIES}.get(len(cells))
     if names is None:
         message = (
             f"found {len(cells)} numbers in {shown(text)}, expected x,y,z and qw,qx,qy,qz; or "
@@ -198,14 +198,14 @@ def poses_of(numbers: Array, form: PoseFormat) -> tuple[Array, Array]:
     form
         What they do not say.
     """
-    R, _ = _rotations(numbers[:, 3:], form)
+    R, _ = rotations_of(numbers[:, 3:], form)
     return R, numbers[:, :3] - apply(R, np.array(form.pivot))
 
 
-def _rotations(numbers: Array, form: PoseFormat) -> tuple[Array, list[tuple[int, str]]]:
+def rotations_of(numbers: Array, form: PoseFormat) -> tuple[Array, list[tuple[int, str]]]:
     """Return rotations (n, 3, 3) of rows of numbers, and what is wrong with which rows."""
     wrong: list[tuple[int, str]] = []
-    if numbers.shape[1] == len(_ANGLES):
+    if numbers.shape[1] == len(ANGLES):
         assert form.euler is not None
         return rotation_from_euler(form.euler, numbers * form.in_radians), wrong
     if numbers.shape[1] == len(QUATERNION):
@@ -278,7 +278,7 @@ def _pose(entry: Any) -> tuple[Array, Array] | str:
         if part.shape != shape or not np.isfinite(part).all():
             return f"found no {key} of {' x '.join(map(str, shape))} finite numbers"
         parts.append(part)
-    R, wrong = _rotations(parts[0].reshape(1, 9), PoseFormat())
+    R, wrong = rotations_of(parts[0].reshape(1, 9), PoseFormat())
     return wrong[0][1] if wrong else (R[0], parts[1])
 
 

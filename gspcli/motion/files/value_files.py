@@ -15,6 +15,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import BODIES, Coordinate, choose, stated
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
+from gspcli.geometry.offsets import readings_of, values_of
 from gspcli.geometry.ranges import wrong_value
 from gspcli.motion.files.number_tables import NumberTable
 from gspcli.motion.files.pose_files import PoseFormat, names_poses, poses_in
@@ -149,26 +150,26 @@ def _moving(table: NumberTable, instance: Instance) -> dict[str, Coordinate]:
 
 
 def stated_values(instance: Instance) -> Array:
-    """Return the values of an instance with the sign of a negative side, shape (6,)."""
+    """Return the readings of an instance with the sign of a negative side, shape (6,)."""
     arrangement = Arrangement.of(instance)
     values: Array = np.where(arrangement.sides < 0, -arrangement.values, arrangement.values)
-    return values
+    return readings_of(instance, values)
 
 
 def _check_meaning(
     table: NumberTable, instance: Instance, values: Array, columns: list[int]
 ) -> None:
     """Note values that the kinds of their constraints cannot have."""
-    unit = instance.units.angle
+    unit, meant = instance.units.angle, values_of(instance, values)
     for k in columns:
         kind = instance.constraints[k].kind
         if kind.has_sides:
             continue
         for row in np.flatnonzero(np.isfinite(values[:, k])):
-            value = float(values[row, k])
+            value = float(meant[row, k])
             wrong = wrong_value(kind, Number.of(value), unit)
             if value == 0 and kind in (DPP, DPL, DLP):
                 wrong = f"expected more: {kind.name} with value 0 is more than one equation"
             if wrong:
-                message = f"found {value:.12g} for constraint {k + 1}, {wrong}"
+                message = f"found {values[row, k]:.12g} for constraint {k + 1}, {wrong}"
                 table.note_cell(int(row), str(k + 1), message)

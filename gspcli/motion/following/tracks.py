@@ -74,7 +74,8 @@ class Track:
     followed
         The same, with points for lines of a DLL that stay parallel all along.
     t, values
-        The rows, shapes (r,) and (r, 6); the values change linearly between them.
+        The rows, shapes (r,) and (r, 6); the values, with the offsets of the instance added, change
+        linearly between them.
     modes
         The numbers of the modes as `solve` orders them at the first row; those that are born later
         are numbered on. Shape (m,).

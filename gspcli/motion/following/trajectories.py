@@ -13,6 +13,7 @@ from gspcli.errors import ArgumentError, IncompleteError, NotFiniteError
 from gspcli.geometry.coordinates import choose
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.numbers import Number
+from gspcli.geometry.offsets import values_of
 from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
 from gspcli.motion.following.branch_runs import SAME, Run
 from gspcli.motion.following.moving_geometry import MovingGeometry
@@ -44,6 +45,7 @@ def track(
         Geometry and units; its values are not used.
     values
         Shape (r, 6), in the units and order of the instance; DPH and DHP distances are signed.
+        Offsets are added to them.
     coordinates
         Of primitives that move, by their names (`gspcli.geometry.coordinates`), such as
         ``base.B1.x`` in length units or ``crank.B1`` in angle units; each of shape (r,).
@@ -69,7 +71,7 @@ def track(
     NotFiniteError, IncompleteError
         If the poses at an end of the trajectory are infinitely many or could not all be found.
     """
-    rows = _checked(values, "values", (None, 6))
+    rows = values_of(instance, _checked(values, "values", (None, 6)))
     moving = coordinates or {}
     chosen = choose(instance, list(moving))
     columns = [_checked(column, name, (len(rows),)) for name, column in moving.items()]
@@ -120,7 +122,7 @@ def track_from(
     instance
         Geometry and units; its values are not used.
     values
-        Shape (r, 6).
+        Shape (r, 6), with the offsets of the instance added.
     R, T
         Poses at the first row, shapes (n, 3, 3) and (n, 3); they are numbered from 1.
     options

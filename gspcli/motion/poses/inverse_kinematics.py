@@ -10,6 +10,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import jacobian, measured
+from gspcli.geometry.offsets import readings_of
 
 Array = NDArray[np.float64]
 
@@ -23,7 +24,8 @@ def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
     """Return the values of all constraints at poses, in the units of the instance.
 
     The values of the instance itself are not used. Distances to planes (DPH and DHP) are signed:
-    positive on the side to which the normal points. All other distances are at least zero.
+    positive on the side to which the normal points. All other distances are at least zero. Where
+    a constraint has an offset it is taken away: what is returned is what the machine reads.
 
     Parameters
     ----------
@@ -44,6 +46,11 @@ def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
     ArgumentError
         If the arrays have other shapes or numbers that are not finite.
     """
+    return readings_of(instance, values_at(instance, R, T))
+
+
+def values_at(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
+    """Return the distances and angles at poses; as `measure`, offsets left alone."""
     R, T = checked_poses(R, T)
     arrangement = Arrangement.of(instance)
     rotations, translations = R.reshape(-1, 3, 3), T.reshape(-1, 3)

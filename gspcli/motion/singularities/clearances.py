@@ -22,7 +22,7 @@ from gspcli.geometry.ranges import value_range
 from gspcli.motion.following.branch_follower import MovingPlatform, Stop, apart
 from gspcli.motion.following.tracks import Event
 from gspcli.motion.following.trajectories import track_from
-from gspcli.motion.poses.inverse_kinematics import measure, value_slopes
+from gspcli.motion.poses.inverse_kinematics import value_slopes, values_at
 from gspcli.motion.singularities.enclosures import Neighbourhood
 from gspcli.records import dataclass
 
@@ -65,7 +65,7 @@ def clearances(
         return proved
     platform = MovingPlatform(apart(instance))
     widths = platform.internal(_weights(weights))
-    values = platform.internal(measure(instance, R, T))
+    values = platform.internal(values_at(instance, R, T))
     near = Neighbourhood(platform, platform.points(R, T), values)
     scale = _estimate(near, widths)
     low, high = np.zeros_like(scale), scale
@@ -169,7 +169,7 @@ def clearance(
     R, T = np.asarray(R, float), np.asarray(T, float)
     units = _weights(weights)
     lower = float(clearances(instance, R[None], T[None], weights=units)[0])
-    values = measure(instance, R, T)
+    values = values_at(instance, R, T)
     best = _range_end(instance, values, units, lower)
     room = best.upper * _SHORT
     if lower == 0:

@@ -16,7 +16,7 @@ from gspcli.geometry.quaternions import (
     quaternion_product,
 )
 from gspcli.motion.following.branch_follower import MovingPlatform, apart
-from gspcli.motion.poses.inverse_kinematics import measure
+from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.singularities.enclosures import SIGNS, Neighbourhood
 from gspcli.motion.statics.wrenches import Wrenches
 from gspcli.records import dataclass
@@ -93,7 +93,7 @@ def accuracy(given: Wrenches, tolerances: ArrayLike) -> Accuracy:
 def _bounds(instance: Instance, given: Wrenches, limits: Array) -> tuple[Array, Array, Array]:
     """Return proved bounds of each error (n, 6), of the rotation and of the distance (n,)."""
     platform = MovingPlatform(apart(instance), LocalFrames.none())
-    values = platform.internal(measure(instance, given.R, given.T))
+    values = platform.internal(values_at(instance, given.R, given.T))
     points = platform.points(given.R, given.T)
     box = Neighbourhood(platform, points, values).box(platform.internal(limits))
     e = points[:, :4]

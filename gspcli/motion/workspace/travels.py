@@ -12,7 +12,8 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range, tilts
-from gspcli.motion.poses.inverse_kinematics import measure
+from gspcli.geometry.offsets import readings_of
+from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.workspace.pose_boxes import NEGATIVE, PARAMETERS, REGULAR, PoseBoxes
 from gspcli.records import dataclass
 
@@ -145,14 +146,16 @@ def travels(
 
 def violations(instance: Instance, R: Array, T: Array) -> list[str]:
     """Return in words which limits a pose leaves, by more than rounding."""
-    values = measure(instance, R, T)
+    values = values_at(instance, R, T)
+    readings = readings_of(instance, values)
     found = []
     for k in out_of_range(instance, values).nonzero()[0].tolist():
-        limits = instance.constraints[k].limits
-        assert limits is not None
+        row = instance.constraints[k]
+        assert row.limits is not None
+        low, high = map(row.reading_of, row.limits)
         found.append(
-            f"the value {values[k]:.6g} of constraint {k + 1} is outside its range from "
-            f"{limits[0]} to {limits[1]}"
+            f"the value {readings[k]:.6g} of constraint {k + 1} is outside its range from "
+            f"{low} to {high}"
         )
     angles = tilts(instance, R, T)
     for k in out_of_cone(instance, R, T).nonzero()[0].tolist():

@@ -1,0 +1,309 @@
+"""From measurements to the numbers of a platform, or to what the measurements do not tell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.calibration.fitting import HUBER, Fit, fit
+from gspcli.calibration.measurements import Measurements, Noise, value_rows
+from gspcli.calibration.options import PRIOR, Options, chosen_model, noise_of
+from gspcli.calibration.parameters import Model
+from gspcli.calibration.results import Calibration
+from gspcli.calibration.starts import started
+from gspcli.calibration.unknowns import Unknowns, advice, unknowns
+from gspcli.catalogue.kinds import DLL
+from gspcli.errors import ArgumentError, IncompleteError
+from gspcli.geometry.checking import checked
+from gspcli.geometry.instance import Instance
+from gspcli.wording import counted, shown, suggestion
+
+Array = NDArray[np.float64]
+
+#: Below so many deviations, by what is known before, a distance of lines may have either sign.
+_SMALL = 3.0
+#: What is so many times as large as the median is far out.
+_FAR_OUT = 15.0
+#: The threshold of a robust fit is at least this part of the usual one, for exact data.
+_LEAST = 1e-3
+#: In so many lines an error says what is unknown.
+_MOST_LINES = 3
+
+
+def calibrate(
+    instance: Instance,
+    values: ArrayLike,
+    R: ArrayLike | None = None,
+    T: ArrayLike | None = None,
+    *,
+    points: Mapping[str, ArrayLike] | None = None,
+    targets: Mapping[str, ArrayLike] | None = None,
+    inclinations: ArrayLike | None = None,
+    cranks: ArrayLike | None = None,
+    sigma: Mapping[str, float] | None = None,
+    estimate: Iterable[str] = (),
+    hold: Iterable[str] = (),
+    robust: bool = False,
+    prior: float | None = None,
+    hold_unknown: bool = False,
+) -> Calibration:
+    """Find the true numbers of a platform from measured values and poses.
+
+    All that was measured has errors, poses too: they are found with the numbers of the platform, by
+    least squares. Anything may be NaN: it was not measured then.
+
+    Parameters
+    ----------
+    instance
+        The platform as stated.
+    values
+        Readings in the units and order of the instance; DPH and DHP signed. Shape (n, 6).
+    R, T
+        Rotations (n, 3, 3) and positions of the platform's origin (n, 3), as far as measured.
+    points
+        Positions of points of the platform that were measured, by the names of the primitives, or
+        of `targets`; each (n, 3).
+    targets
+        Where such points are in the platform's frame, by name, each (3,).
+    inclinations
+        Angles of the platform's x and y axes above the horizontal, in the angle unit, (n, 2).
+    cranks
+        Angles of the cranks in their order, in the angle unit, shape (n, m).
+    sigma
+        Standard deviations: ``value`` and ``position`` (lengths); ``angle``, ``rotation``,
+        ``inclination`` and ``crank`` (in the angle unit). Poses are exact if those of position and
+        rotation are 0. What is not stated is 1e-5 of a typical length or of a radian; if
+        nothing is stated the scatter of the data says how large all are.
+    estimate
+        What is estimated besides primitives and offsets: ``scales``, ``frames`` (of the measuring
+        device and the target), or parameters by name, as ``offset.2`` of a plane.
+    hold
+        What keeps what is stated: ``offsets``, ``platform``, ``base``, or names such as
+        ``platform.P1``, ``offset.3``.
+    robust
+        Whether outliers count by their modulus (a pseudo-Huber loss).
+    prior
+        How well the numbers are known before, in length units; a two-hundredth of a typical length
+        if None. What the data tell less well is not known from them.
+    hold_unknown
+        Whether what the data do not tell keeps what is stated, instead of being an error.
+
+    Returns
+    -------
+    Calibration
+        Numbers with their covariance, the platform with them, poses and residuals.
+
+    Raises
+    ------
+    IncompleteError
+        If the data do not tell all that is to be estimated: what they do not, and what to measure.
+    ArgumentError
+        If an argument has a wrong shape or name.
+    """
+    seen = _measurements(instance, values, R, T, points, targets, inclinations, cranks)
+    options = Options(tuple(estimate), tuple(hold), robust, prior, hold_unknown)
+    return calibrate_rows(instance, seen, sigma or {}, options)
+
+
+def calibrate_rows(
+    instance: Instance, seen: Measurements, sigma: Mapping[str, float], options: Options
+) -> Calibration:
+    """Find the true numbers of a platform; as `calibrate`.
+
+    Parameters
+    ----------
+    instance
+        The platform as stated.
+    seen
+        What was measured.
+    sigma
+        As for `calibrate`.
+    options
+        What is estimated, and how.
+    """
+    checked(instance)
+    model = chosen_model(instance, options, cranks=seen.cranks is not None)
+    noise = noise_of(model, sigma)
+    if noise.exact and not (seen.whole.all() and len(seen)):
+        message = "found poses that are not whole, expected whole ones where they are exact"
+        raise ArgumentError(message, "sigma")
+    _check_told(seen, noise)
+    model, R, T = started(instance, model, seen, noise)
+    start = model.anchored(R, T), R, T
+    prior = options.prior or PRIOR * model.length
+    huber = HUBER if options.robust else None
+    found, scatter = _fitted(start, seen, noise, huber, prior, stated=bool(sigma))
+    unknown = unknowns(found, seen)
+    if unknown.missing and not options.hold_unknown:
+        raise IncompleteError(_refusal(instance, unknown, found, seen))
+    worst = _without_worst(found, seen, noise, huber, prior / scatter)
+    return Calibration(instance, found, seen, noise, scatter, unknown, worst)
+
+
+def _fitted(
+    start: tuple[Model, Array, Array],
+    seen: Measurements,
+    noise: Noise,
+    huber: float | None,
+    prior: float,
+    *,
+    stated: bool,
+) -> tuple[Fit, float]:
+    """Return the fit, and the factor of all deviations if they were not stated."""
+    start = _with_signs(start, seen, noise, prior)
+    if stated:
+        return fit(*start, seen, noise, huber=huber, prior=prior), 1.0
+    # How large the noise is, is known only when everything has been estimated.
+    found = fit(*start, seen, noise, huber=huber)
+    scatter = _scatter(found, huber)
+    if huber is not None:
+        # Outliers are such by the noise that there is.
+        huber *= max(scatter, _LEAST)
+        found = fit(*start, seen, noise, huber=huber)
+        scatter = _scatter(found, huber)
+    weak = found.known & (scatter > prior * found.singular)
+    if weak.any():
+        found = fit(*start, seen, noise, huber=huber, prior=prior / scatter)
+        scatter = _scatter(found, huber)
+    return found, scatter
+
+
+def _with_signs(
+    start: tuple[Model, Array, Array], seen: Measurements, noise: Noise, prior: float
+) -> tuple[Model, Array, Array]:
+    """Return a start at which small distances of lines have the sign that they have in truth.
+
+    Readings of them have none. Those that are small are left out first: the others tell their sign.
+    """
+    model = start[0]
+    lines = [k for k, kind in enumerate(model.kinds) if kind is DLL]
+    if not lines:
+        return start
+    slopes = value_rows(*start, seen, noise).by_model[:, lines] * noise.value * model.sizes
+    unsure = _SMALL * prior * np.linalg.norm(slopes[..., model.free], axis=-1)
+    readings = seen.readings.copy()
+    small = readings[:, lines] < unsure
+    if not small.any():
+        return start
+    readings[:, lines] = np.where(small, np.nan, readings[:, lines])
+    first = fit(*start, replace(seen, readings=readings), noise, prior=prior)
+    return first.model, first.R, first.T
+
+
+def _scatter(found: Fit, huber: float | None) -> float:
+    """Return the standard deviation of what is left; of a robust fit without what is far out."""
+    if found.freedom <= 0:
+        return 1e-9
+    left = np.abs(found.residual[np.isfinite(found.residual)])
+    if huber is not None:
+        left = left[left <= _FAR_OUT * np.median(left)]
+    # Rounding alone is left of exact data.
+    return max(float(np.sqrt(np.sum(left**2) / found.freedom)), 1e-9)
+
+
+def _without_worst(
+    found: Fit, seen: Measurements, noise: Noise, huber: float | None, prior: float
+) -> tuple[int, Fit] | None:
+    """Return the row that agrees least and the fit without it, if that tells as much."""
+    if len(seen) < 2 or found.freedom <= 0:
+        return None
+    worst = int(np.nansum(found.residual**2, axis=1).argmax())
+    rest = np.arange(len(seen)) != worst
+    places = found.R[rest], found.T[rest]
+    other = fit(found.model, *places, seen.taken(rest), noise, huber=huber, prior=prior)
+    if other.freedom <= 0 or int(other.known.sum()) < int(found.known.sum()):
+        return None
+    return worst, other
+
+
+def _check_told(seen: Measurements, noise: Noise) -> None:
+    """Raise if no row has more numbers than a pose has."""
+    if not len(seen) or (not noise.exact and int(seen.numbers.max()) <= 6):
+        message = (
+            "no row has more than six numbers, which a pose explains whatever the platform is: "
+            "measure values and poses, or points"
+        )
+        raise IncompleteError(message)
+
+
+def _refusal(instance: Instance, unknown: Unknowns, found: Fit, seen: Measurements) -> str:
+    """Return what the data do not tell, and what to measure."""
+    wanted = int(found.model.free.sum()) - unknown.frames
+    told = wanted - unknown.missing
+    lines = [f"the data tell {told} of {counted(wanted, 'number')}"]
+    if unknown.sentences:
+        lines[0] += "; they do not tell"
+        rest = "; ".join(unknown.sentences[_MOST_LINES - 1 :])
+        lines += [f"  {sentence}" for sentence in (*unknown.sentences[: _MOST_LINES - 1], rest)]
+    lines = [line for line in lines if line.strip()]
+    lines.append(f"{advice(instance, found, seen)}; or go on with what is told (--hold-unknown)")
+    return "\n".join(lines)
+
+
+def _measurements(
+    instance: Instance,
+    values: ArrayLike,
+    R: ArrayLike | None,
+    T: ArrayLike | None,
+    points: Mapping[str, ArrayLike] | None,
+    targets: Mapping[str, ArrayLike] | None,
+    inclinations: ArrayLike | None,
+    cranks: ArrayLike | None,
+) -> Measurements:
+    """Return what was measured, checked and in radians."""
+    readings = _shaped(values, "values", (None, 6)).copy()
+    n, unit = len(readings), instance.units.angle.in_radians
+    angles = [k for k, row in enumerate(instance.constraints) if not row.kind.is_distance]
+    readings[:, angles] *= unit
+    blank = np.full((n, 3, 3), np.nan)
+    at = {name: _shaped(one, f"targets[{name!r}]", (3,)) for name, one in (targets or {}).items()}
+    seen = {name: _shaped(one, f"points[{name!r}]", (n, 3)) for name, one in (points or {}).items()}
+    check_points(instance, list(seen), at, "points")
+    return Measurements(
+        readings,
+        blank if R is None else _shaped(R, "R", (n, 3, 3)),
+        blank[:, 0] if T is None else _shaped(T, "T", (n, 3)),
+        np.zeros(3),
+        seen,
+        at,
+        np.zeros((0, 2))
+        if inclinations is None
+        else _shaped(inclinations, "inclinations", (n, 2)) * unit,
+        None if cranks is None else _shaped(cranks, "cranks", (n, None)) * unit,
+        tuple(str(k) for k in range(1, n + 1)),
+    )
+
+
+def check_points(
+    instance: Instance, names: Iterable[str], targets: Mapping[str, object], where: str
+) -> None:
+    """Raise if a name is neither that of a point of the platform nor of a target."""
+    known = [row.platform_name for row in instance.constraints if row.kind.platform.value == "P"]
+    for name in names:
+        if name not in known and name not in targets:
+            message = (
+                f"found the unknown point {shown(name)}, expected a point of the platform, or "
+                f"where it is on the target{suggestion(name, known)}"
+            )
+            raise ArgumentError(message, where)
+
+
+def _shaped(given: ArrayLike, name: str, shape: tuple[int | None, ...]) -> Array:
+    try:
+        array = np.asarray(given, float)
+    except (TypeError, ValueError):
+        array = np.zeros(())
+    fits = array.ndim == len(shape) and all(
+        n in (None, m) for n, m in zip(shape, array.shape, strict=True)
+    )
+    if not fits:
+        expected = ", ".join("rows" if n is None else str(n) for n in shape)
+        message = f"found shape {array.shape}, expected ({expected})"
+        raise ArgumentError(message, name)
+    if np.isinf(array).any():
+        message = "found an infinite number, expected finite ones, NaN for what was not measured"
+        raise ArgumentError(message, name)
+    return array

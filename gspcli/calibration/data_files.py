@@ -1,0 +1,201 @@
+"""Files of measurements: CSV with a heading, in which any cell may be blank."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.calibration.calibrating import check_points
+from gspcli.calibration.measurements import Measurements
+from gspcli.calibration.parameters import Model
+from gspcli.errors import ArgumentError, Problem, SpecError
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.instance import Instance
+from gspcli.motion.files.number_tables import NumberTable, wrong_number
+from gspcli.motion.files.pose_files import (
+    ANGLES,
+    ENTRIES,
+    POSITION,
+    QUATERNION,
+    TRANSLATION,
+    PoseFormat,
+    rotations_of,
+)
+from gspcli.motion.files.value_files import stated_values
+from gspcli.wording import listed, shown
+
+Array = NDArray[np.float64]
+
+_INCLINATIONS = ("incl.x", "incl.y")
+_NUMBERS = tuple("123456")
+
+
+def read_measurements(
+    text: str,
+    name: str,
+    instance: Instance,
+    form: PoseFormat,
+    targets: Mapping[str, Array] | None = None,
+) -> Measurements:
+    """Read what was measured.
+
+    Columns ``1`` to ``6`` are readings of the constraints (DPH and DHP signed), ``x y z`` and a
+    rotation the pose as `gsp measure` reads it, ``P1.x P1.y P1.z`` the position of a point of the
+    platform or a target, ``incl.x incl.y`` the inclinations of the platform's axes, ``crank.B1``
+    the angle of a crank. Where cranks have columns a leg without one keeps its stated length. Other
+    columns are left out.
+
+    Parameters
+    ----------
+    text, name
+        The content, and how messages name it.
+    instance
+        The platform as stated.
+    form
+        What the file does not say of poses.
+    targets
+        Where points of the target are in the platform's frame, by name.
+
+    Raises
+    ------
+    SpecError
+        With all mistakes, each with line and column.
+    """
+    table, targets = NumberTable(text, name), targets or {}
+    # Cells cannot be told apart in rows that have too few.
+    table.check()
+    groups = _groups(table, instance, targets)
+    n = len(table)
+    pivot = np.array(form.pivot)
+    readings = np.full((n, 6), np.nan)
+    found = [number for number in _NUMBERS if number in table.heading]
+    readings[:, [int(number) - 1 for number in found]] = table.numbers(found, blanks=True)
+    cranks = _cranks(table, instance, readings)
+    positions, rotations = _poses(table, form)
+    seen = {one: table.numbers([f"{one}.{axis}" for axis in "xyz"], blanks=True) for one in groups}
+    tilts = np.zeros((0, 2))
+    if set(_INCLINATIONS) & set(table.heading):
+        if not set(_INCLINATIONS) <= set(table.heading):
+            table.note_heading("found one of incl.x and incl.y, expected both")
+        else:
+            tilts = table.numbers(_INCLINATIONS, blanks=True) * form.in_radians
+    lines = [str(k + 1) for k in range(n)]
+    if "t" in table.heading:
+        lines = [text or line for text, line in zip(table.texts("t"), lines, strict=True)]
+    angles = Arrangement.of(instance).angles
+    readings[:, angles] *= form.in_radians
+    if not table.problems and not found and cranks is None:
+        table.note_heading("found no readings, expected some of the columns 1 2 3 4 5 6")
+    table.check()
+    return Measurements(
+        readings, rotations, positions, pivot, seen, dict(targets), tilts, cranks, tuple(lines)
+    )
+
+
+def _groups(table: NumberTable, instance: Instance, targets: Mapping[str, Array]) -> list[str]:
+    """Return the points that have columns; note columns that mean nothing."""
+    found: dict[str, set[str]] = {}
+    for written in table.written:
+        head, dot, axis = written.rpartition(".")
+        if re.fullmatch(r"[0-9]+", written) and written not in _NUMBERS:
+            table.note_column(written, f"found {written}, expected a constraint from 1 to 6")
+        elif not dot or head == "crank" or written in _INCLINATIONS:
+            continue
+        elif axis in "xyz" and axis:
+            found.setdefault(head, set()).add(axis)
+            try:
+                check_points(instance, [head], targets, "")
+            except ArgumentError as error:
+                table.note_column(written, error.message)
+        else:
+            message = (
+                f"found {shown(written)}, expected NAME.x, NAME.y, NAME.z, incl.x or crank.NAME"
+            )
+            table.note_column(written, message)
+    for head, axes in found.items():
+        if missing := [axis for axis in "xyz" if axis not in axes]:
+            table.note_heading(f"the columns of {head} lack {listed(missing, 'and')}")
+    return [head for head, axes in found.items() if len(axes) == 3] if not table.problems else []
+
+
+def _cranks(table: NumberTable, instance: Instance, readings: Array) -> Array | None:
+    """Return the angles of cranks in radians, if any; fill in the lengths of their legs."""
+    written = [one for one in table.written if one.lower().startswith("crank.")]
+    if not written:
+        return None
+    cranks = Model.of(instance, cranks=True).cranks
+    names = [f"crank.{crank.name}" for crank in cranks]
+    expected = listed(names) if names else "no cranks, for SPEC has none"
+    for one in written:
+        if one not in names:
+            table.note_column(one, f"found {shown(one)}, expected {expected}")
+    if lacking := [one for one in names if one not in written]:
+        table.note_heading(f"the columns of cranks lack {listed(lacking, 'and')}")
+    if table.problems:
+        return None
+    stated = stated_values(instance)
+    for crank in cranks:
+        for row in crank.rows:
+            if str(row + 1) not in table.heading:
+                readings[:, row] = stated[row]
+    return table.numbers(names, blanks=True) * instance.units.angle.in_radians
+
+
+def _poses(table: NumberTable, form: PoseFormat) -> tuple[Array, Array]:
+    """Return positions of the pivot and rotations, NaN where there are none."""
+    n, heading = len(table), set(table.heading)
+    positions, rotations = np.full((n, 3), np.nan), np.full((n, 3, 3), np.nan)
+    if heading & {*POSITION, *TRANSLATION}:
+        columns = table.choose(POSITION, TRANSLATION)
+        if columns == TRANSLATION and any(form.pivot):
+            table.note_heading("found Tx Ty Tz, the pose of the frame; expected x y z with a pivot")
+        if columns:
+            positions = table.numbers(columns, blanks=True)
+    if not heading & {*QUATERNION, *ANGLES, *ENTRIES}:
+        return positions, rotations
+    columns = table.choose(QUATERNION, ANGLES, ENTRIES)
+    if columns is None:
+        return positions, rotations
+    if (columns == ANGLES) != (form.euler is not None):
+        table.note_heading(
+            "found rx ry rz without the order of the axes: say it with --euler, such as ZYX or xyz"
+            if columns == ANGLES
+            else f"found {' '.join(columns)}, expected rx ry rz with an Euler sequence"
+        )
+        return positions, rotations
+    numbers = table.numbers(columns, blanks=True)
+    there = np.isfinite(numbers)
+    for row in np.flatnonzero(there.any(axis=1) & ~there.all(axis=1)).tolist():
+        lacking = columns[int(np.flatnonzero(~there[row])[0])]
+        message = "found nothing, expected a number: a rotation is blank or whole"
+        table.note_cell(row, lacking, message)
+    whole = np.flatnonzero(there.all(axis=1))
+    rotations[whole], wrong = rotations_of(numbers[whole], form)
+    for row, message in wrong:
+        table.note_cell(int(whole[row]), columns[0], message)
+    return positions, rotations
+
+
+def targets_of(texts: tuple[str, ...]) -> dict[str, Array]:
+    """Return points of the target, written as ``NAME=X,Y,Z``.
+
+    Raises
+    ------
+    SpecError
+        With all that is wrong.
+    """
+    found, problems = {}, []
+    for text in texts:
+        name, equals, numbers = text.partition("=")
+        cells = numbers.split(",")
+        if not name or not equals or len(cells) != 3 or any(map(wrong_number, cells)):
+            message = f"found {shown(text)}, expected NAME=X,Y,Z"
+            problems.append(Problem(None, "--target", message))
+        else:
+            found[name] = np.array([float(cell) for cell in cells])
+    if problems:
+        raise SpecError(problems)
+    return found

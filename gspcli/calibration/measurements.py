@@ -1,0 +1,315 @@
+"""What was measured: readings of the values, and of poses whatever is known of them.
+
+Each sort gives residuals with their derivatives by the parameters of the model and by a twist of
+each pose, divided by the standard deviation of what was measured; what was not measured is NaN.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import field, fields, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.calibration.parameters import Block, Model
+from gspcli.catalogue.kinds import DLL
+from gspcli.geometry.constraint_polynomials import Gradient
+from gspcli.geometry.measurement import by_twist, gradients, measured
+from gspcli.geometry.quaternions import rotation_from_vector, vector_from_rotation
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+
+_VERTICAL = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Standard deviations of what is measured; lengths, and angles in radians.
+
+    Attributes
+    ----------
+    value, angle
+        Of readings of distances and of angles.
+    position, rotation
+        Of a coordinate of a position (or point), and of a turn of a pose about an axis; both zero
+        if poses are exact.
+    inclination, crank
+        Of an inclination, and of the angle of a crank.
+    """
+
+    value: float
+    angle: float
+    position: float
+    rotation: float
+    inclination: float
+    crank: float
+
+    @property
+    def exact(self) -> bool:
+        """Whether poses are exact."""
+        return self.position == 0 and self.rotation == 0
+
+    @classmethod
+    def usual(cls, length: float) -> Noise:
+        """Return what is assumed if nothing is said: 1e-5 of a typical length and of a radian."""
+        return cls(1e-5 * length, 1e-5, 1e-5 * length, 1e-5, 1e-5, 1e-5)
+
+
+class Rows(NamedTuple):
+    """Residuals of n poses, whitened."""
+
+    residual: Array
+    """Shape (n, q)."""
+    by_model: Array
+    """By all p parameters, shape (n, q, p)."""
+    by_pose: Array
+    """By a twist of the pose (rotation about the platform's origin, translation), (n, q, 6)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Measurements:
+    """What was measured at n poses; NaN where it was not.
+
+    Attributes
+    ----------
+    readings
+        Of the values, in units of length and radians; DPH and DHP signed, shape (n, 6).
+    rotations
+        Shape (n, 3, 3).
+    positions
+        Of the pivot, shape (n, 3).
+    pivot
+        In the platform's (target's) frame, shape (3,).
+    points
+        Points of the platform by the names of their primitives, or of the target, each (n, 3).
+    targets
+        Where the latter are on the target, by name, each (3,).
+    inclinations
+        Angles of the platform's x and y axes above the horizontal, in radians, shape (n, 2).
+    cranks
+        Angles of the cranks, radians, a column for each, shape (n, m); None if there are none.
+    lines
+        Where each row stands, for people: its t or its number, shape (n,).
+    """
+
+    readings: Array
+    rotations: Array
+    positions: Array
+    pivot: Array
+    points: Mapping[str, Array] = field(default_factory=dict)
+    targets: Mapping[str, Array] = field(default_factory=dict)
+    inclinations: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    cranks: Array | None = None
+    lines: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.readings)
+
+    def taken(self, rows: NDArray[np.bool_] | NDArray[np.intp]) -> Measurements:
+        """Return those of some rows, by index or mask."""
+        changes = {}
+        for one in fields(self):
+            part = getattr(self, one.name)
+            if one.name == "points":
+                part = {name: seen[rows] for name, seen in part.items()}
+            elif one.name == "lines":
+                part = tuple(np.array(part, object)[rows].tolist())
+            elif one.name not in ("pivot", "targets") and part is not None and len(part):
+                part = part[rows]
+            changes[one.name] = part
+        return replace(self, **changes)
+
+    @cached_property
+    def numbers(self) -> NDArray[np.int64]:
+        """How many numbers each row has, crank angles not counted, shape (n,)."""
+        parts = [self.readings, self.positions, self.rotations[:, 0], *self.points.values()]
+        if len(self.inclinations):
+            parts.append(self.inclinations)
+        found: NDArray[np.int64] = sum(np.isfinite(part).sum(axis=1) for part in parts)
+        return found
+
+    @cached_property
+    def whole(self) -> NDArray[np.bool_]:
+        """Which rows have a full pose, shape (n,)."""
+        there = np.isfinite(self.positions).all(axis=1)
+        return np.asarray(there & np.isfinite(self.rotations).all(axis=(1, 2)))
+
+    def rows(self, model: Model, R: Array, T: Array, noise: Noise) -> Rows:
+        """Return all rows at poses; only those of values where poses are exact."""
+        parts = [value_rows(model, R, T, self, noise)]
+        if not noise.exact:
+            if np.isfinite(self.rotations).any():
+                parts.append(_rotation_rows(model, R, self.rotations, noise.rotation))
+            if np.isfinite(self.positions).any():
+                parts.append(
+                    _point_rows(model, R, T, self.pivot, self.positions, noise.position, moves=None)
+                )
+            for name, seen in self.points.items():
+                at = self.targets.get(name)
+                moves = name if at is None else None
+                parts.append(_point_rows(model, R, T, at, seen, noise.position, moves=moves))
+            if len(self.inclinations):
+                parts.append(_inclination_rows(model, R, self.inclinations, noise.inclination))
+        return Rows(*(np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True)))
+
+
+def hat(a: Array) -> Array:
+    """Return the matrices of cross products, ``hat(a) b = a x b``, (..., 3) -> (..., 3, 3)."""
+    x, y, z = np.moveaxis(a, -1, 0)
+    o = np.zeros_like(x)
+    return np.stack((o, -z, y, z, o, -x, -y, x, o), axis=-1).reshape(*a.shape, 3)
+
+
+def value_rows(model: Model, R: Array, T: Array, seen: Measurements, noise: Noise) -> Rows:
+    """Return ``f - v (1 + s) - o`` for each reading v of each pose."""
+    bodies = model.bodies(seen.cranks)
+    values, by = measured(bodies, R, T), gradients(bodies, R, T)
+    skew = [k for k, kind in enumerate(model.kinds) if kind is DLL]
+    if skew:
+        # Readings of the distance of two lines have no sign.
+        sign = np.where(values[:, skew] < 0, -1.0, 1.0)
+        values[:, skew] *= sign
+        for part in by:
+            part[:, skew] *= sign[..., None]
+    residual = values - seen.readings * (1 + model.scales) - model.offsets
+    by_model = np.zeros((*residual.shape, len(model.free)))
+    for block, span in model.spans():
+        rows = list(block.rows)
+        by_point, by_unit = _in_body(by, R, block)
+        moves, turns = model.displacements(block, seen.cranks)
+        by_model[:, rows, span] = by_point @ np.swapaxes(moves, 1, 2) + by_unit @ turns.T
+    at, numbers = model.geometry, np.arange(6)
+    by_model[:, numbers, at + numbers] = -1
+    by_model[:, numbers, at + 6 + numbers] = -seen.readings
+    sigma = np.array([noise.value if kind.is_distance else noise.angle for kind in model.kinds])
+    weight = 1 / np.broadcast_to(sigma, residual.shape)
+    if seen.cranks is not None:
+        weight = 1 / np.hypot(sigma, noise.crank * _by_cranks(model, R, by, seen.cranks))
+    _, w, arm = bodies.placed(R, T)
+    by_pose = by_twist(by, arm, w)
+    return Rows(residual * weight, by_model * weight[..., None], by_pose * weight[..., None])
+
+
+def _in_body(by: Gradient, R: Array, block: Block) -> tuple[Array, Array]:
+    """Return the derivatives by a point and a direction in the frame of their body, (n, k, 3)."""
+    rows = list(block.rows)
+    if block.body == "base":
+        return -by.r[:, rows], by.v[:, rows]
+    return by.r[:, rows] @ R, by.w[:, rows] @ R
+
+
+def _by_cranks(model: Model, R: Array, by: Gradient, angles: Array) -> Array:
+    """Return the derivatives of the values by the angle of their crank, shape (n, 6)."""
+    found = np.zeros(by.r.shape[:2])
+    for axis, move in model.by_angles(angles):
+        by_point, _ = _in_body(by, R, axis)
+        found[:, list(axis.rows)] += np.einsum("nka,na->nk", by_point, move)
+    return found
+
+
+def _frames(model: Model) -> tuple[Array, Array, Array, Array]:
+    """Return the pose of the base in the device's frame and of the target in the platform's."""
+    turns = rotation_from_vector(model.frames.reshape(2, 2, 3)[:, 0])
+    return turns[0], model.frames[3:6], turns[1], model.frames[9:]
+
+
+def _rotation_rows(model: Model, R: Array, seen: Array, sigma: float) -> Rows:
+    """Return the turns from rotations measured to those of the target in the device's frame."""
+    A, _, B, _ = _frames(model)
+    there = A @ R @ B
+    turn = vector_from_rotation(there @ np.swapaxes(np.nan_to_num(seen, nan=0.5), 1, 2))
+    turn[~np.isfinite(seen).all(axis=(1, 2))] = np.nan
+    # The inverse of the left Jacobian matrix of the exponential, to its third order.
+    K = hat(turn)
+    inverse = np.eye(3) - K / 2 + K @ K / 12
+    by_model = np.zeros((len(R), 3, len(model.free)))
+    at = model.geometry + 12
+    by_model[:, :, at : at + 3] = inverse @ _left(model.frames[:3])
+    by_model[:, :, at + 6 : at + 9] = inverse @ A @ R @ _left(model.frames[6:9])
+    by_pose = np.concatenate((inverse @ A, np.zeros((len(R), 3, 3))), axis=2)
+    return Rows(turn / sigma, by_model / sigma, by_pose / sigma)
+
+
+def _left(omega: Array) -> Array:
+    """Return the left Jacobian matrix of the exponential: how a rotation turns with its vector."""
+    angle = float(np.linalg.norm(omega))
+    K = hat(omega)
+    if angle < 1e-6:
+        half: Array = np.eye(3) + K / 2
+        return half
+    flat = (1 - np.cos(angle)) / angle**2
+    left: Array = np.eye(3) + flat * K + (angle - np.sin(angle)) / angle**3 * K @ K
+    return left
+
+
+def _point_rows(
+    model: Model,
+    R: Array,
+    T: Array,
+    at: Array | None,
+    seen: Array,
+    sigma: float,
+    *,
+    moves: str | None,
+) -> Rows:
+    """Return how far a point of the target, or of a primitive of the platform, is from seen.
+
+    Parameters
+    ----------
+    model, R, T
+        As for `value_rows`.
+    at
+        The point in the target's frame; None for that of a primitive.
+    seen
+        Where it was measured, in the device's frame, shape (n, 3).
+    sigma
+        Of each coordinate.
+    moves
+        The primitive.
+    """
+    A, a, B, b = _frames(model)
+    first, by_model = model.geometry + 12, np.zeros((len(R), 3, len(model.free)))
+    if at is not None:
+        local = B @ at + b
+        by_model[:, :, first + 6 : first + 9] = -A @ R @ hat(B @ at) @ _left(model.frames[6:9])
+        by_model[:, :, first + 9 :] = A @ R
+    else:
+        block, span = next(
+            (block, span)
+            for block, span in model.spans()
+            if (block.body, block.name, block.sort) == ("platform", moves, "point")
+        )
+        local = block.point
+        by_model[:, :, span] = A @ R @ block.shifts.T
+    arm = R @ local
+    place = (arm + T) @ A.T
+    by_model[:, :, first : first + 3] = -hat(place) @ _left(model.frames[:3])
+    by_model[:, :, first + 3 : first + 6] = np.eye(3)
+    by_pose = np.concatenate((-A @ hat(arm), np.broadcast_to(A, R.shape)), axis=2)
+    return Rows((place + a - seen) / sigma, by_model / sigma, by_pose / sigma)
+
+
+def _inclination_rows(model: Model, R: Array, seen: Array, sigma: float) -> Rows:
+    """Return how far the axes x and y of the target are from the inclinations measured."""
+    A, _, B, _ = _frames(model)
+    up = A.T @ _VERTICAL
+    here = np.swapaxes(R, 1, 2) @ up
+    sines = (here @ B)[:, :2]
+    slope = 1 / np.sqrt(np.maximum(1 - sines**2, 1e-12))
+    # A turn omega of R changes R^T up by R^T (up x omega), one of A likewise; one of B by B^T (up
+    # x).
+    by_pose = np.zeros((len(R), 2, 6))
+    by_pose[:, :, :3] = (B.T @ np.swapaxes(R, 1, 2) @ hat(up))[:, :2]
+    by_model = np.zeros((len(R), 2, len(model.free)))
+    at = model.geometry + 12
+    turned = B.T @ np.swapaxes(R, 1, 2) @ A.T @ hat(_VERTICAL) @ _left(model.frames[:3])
+    by_model[:, :, at : at + 3] = turned[:, :2]
+    by_model[:, :, at + 6 : at + 9] = (B.T @ hat(here) @ _left(model.frames[6:9]))[:, :2]
+    weight = slope[..., None] / sigma
+    return Rows(
+        (np.arcsin(np.clip(sines, -1, 1)) - seen) / sigma, by_model * weight, by_pose * weight
+    )

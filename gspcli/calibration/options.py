@@ -1,0 +1,119 @@
+"""What is estimated and how, and how exactly it was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.calibration.measurements import Noise
+from gspcli.calibration.parameters import Model
+from gspcli.errors import ArgumentError
+from gspcli.geometry.instance import Instance
+from gspcli.records import dataclass
+from gspcli.wording import listed, shown, suggestion
+
+#: What the numbers of a platform are known to before it is calibrated, in typical lengths: parts
+#: are
+#: made to a two-hundredth of the machine, and what is known less well from data is not known.
+PRIOR = 1 / 200
+#: What noise can be stated of.
+SIGMAS = ("value", "angle", "position", "rotation", "inclination", "crank")
+_ANGLES = {"angle", "rotation", "inclination", "crank"}
+
+
+@dataclass(frozen=True)
+class Options:
+    """What is estimated, and how.
+
+    Attributes
+    ----------
+    estimate
+        What is estimated besides primitives and offsets: ``scales``, ``frames``, or parameters.
+    hold
+        What keeps what is stated: ``offsets``, ``platform``, ``base``, ``platform.P1``,
+        ``offset.3`` ….
+    robust
+        Whether residuals beyond two standard deviations count by their modulus, not their square.
+    prior
+        What is known before, in length units; None for a two-hundredth of a typical length.
+    hold_unknown
+        Whether what the data do not tell keeps what is stated, instead of being an error.
+    """
+
+    estimate: tuple[str, ...] = ()
+    hold: tuple[str, ...] = ()
+    robust: bool = False
+    prior: float | None = None
+    hold_unknown: bool = False
+
+
+def chosen_model(instance: Instance, options: Options, *, cranks: bool) -> Model:
+    """Return the model with the parameters free that are to be estimated.
+
+    Raises
+    ------
+    ArgumentError
+        If a name is that of no parameter.
+    """
+    model = Model.of(instance, cranks=cranks)
+    free = model.free.copy()
+    for names, where, value in (
+        (options.estimate, "estimate", True),
+        (options.hold, "hold", False),
+    ):
+        for name in names:
+            free[_meant(model, name, where)] = value
+    if not free.any():
+        message = "found nothing that is to be estimated"
+        raise ArgumentError(message, "hold")
+    return replace(model, free=free)
+
+
+def _meant(model: Model, name: str, where: str) -> NDArray[np.bool_]:
+    """Return which parameters a name means: one, all of a primitive, of a body, or of a sort."""
+    sorts = {
+        "offsets": ("offset.",),
+        "scales": ("scale.",),
+        "frames": ("device.", "target."),
+    }
+    prefixes = sorts.get(name, (f"{name}.",))
+    meant = np.array([one == name or one.startswith(prefixes) for one in model.names])
+    if not meant.any():
+        parts = {one.rpartition(".")[0] for one in model.names} | set(model.names)
+        known = sorted(parts | set(sorts) | {"platform", "base"})
+        message = (
+            f"found {shown(name)}, expected offsets, scales, frames, platform, base, or a name "
+            f"such as {model.names[0].rpartition('.')[0]} or offset.1{suggestion(name, known)}"
+        )
+        raise ArgumentError(message, where)
+    return meant
+
+
+def noise_of(model: Model, sigma: Mapping[str, float]) -> Noise:
+    """Return the standard deviations that are stated, or assumed.
+
+    Raises
+    ------
+    ArgumentError
+        If a name or a number is wrong.
+    """
+    changes: dict[str, Any] = {}
+    for name, number in sigma.items():
+        if name not in SIGMAS:
+            message = f"found {shown(name)}, expected {listed(SIGMAS)}{suggestion(name, SIGMAS)}"
+            raise ArgumentError(message, "sigma")
+        least = 0.0 if name in ("position", "rotation", "crank") else np.nextafter(0, 1)
+        if not (np.isfinite(number) and number >= least):
+            expected = "a positive number" if least else "a number of at least 0"
+            message = f"found {number:g}, expected {expected}"
+            raise ArgumentError(message, f"sigma[{name!r}]")
+        changes[name] = float(number) * (model.in_radians if name in _ANGLES else 1.0)
+    noise = replace(Noise.usual(model.length), **changes)
+    if (noise.position == 0) != (noise.rotation == 0):
+        message = "found one of position and rotation zero, expected both (poses are exact) or none"
+        raise ArgumentError(message, "sigma")
+    return noise

@@ -1,0 +1,236 @@
+"""What a calibration found: numbers with their deviations, and how well they explain the data."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.calibration.fitting import Fit
+from gspcli.calibration.measurements import Measurements, Noise
+from gspcli.calibration.numbers import FileNumbers, calibrated, file_numbers
+from gspcli.calibration.parameters import Model
+from gspcli.calibration.unknowns import Unknowns
+from gspcli.geometry.instance import Instance
+from gspcli.records import dataclass
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """The numbers of a platform that were found from measurements.
+
+    Attributes
+    ----------
+    stated
+        The platform as it was given.
+    fit
+        The end of the fit: parameters, poses, residuals.
+    seen
+        What was measured.
+    noise
+        The standard deviations that were used.
+    scatter
+        What all deviations are multiplied by, because the noise was not stated: the root of
+        chi-squared by its degrees of freedom. One if it was.
+    unknowns
+        What the data do not tell; it keeps what is stated.
+    without_worst
+        The same without the row that agrees least, and its index; None if that cannot be told.
+    """
+
+    stated: Instance
+    fit: Fit
+    seen: Measurements
+    noise: Noise
+    scatter: float
+    unknowns: Unknowns
+    without_worst: tuple[int, Fit] | None = None
+
+    def __repr__(self) -> str:
+        count = int(self.estimated.sum())
+        chi = f"chi-squared {self.chi_squared:.4g} of {self.freedom}"
+        unknown = f", {self.unknowns.missing} directions unknown" if self.unknowns.missing else ""
+        return f"<Calibration: {count} numbers from {len(self.seen)} rows, {chi}{unknown}>"
+
+    @cached_property
+    def _found(self) -> FileNumbers:
+        return file_numbers(self.stated, self.fit.model)
+
+    @cached_property
+    def _stated(self) -> FileNumbers:
+        cranks = self.seen.cranks is not None
+        return file_numbers(self.stated, Model.of(self.stated, cranks=cranks))
+
+    @cached_property
+    def estimated(self) -> NDArray[np.bool_]:
+        """Which of all numbers of the file (and frames) depend on what was estimated."""
+        by = self._found.slopes[:, self.fit.model.free]
+        return np.asarray((by != 0).any(axis=1))
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The names of the numbers found, m of them: ``base.B1.x``, ``offset.3`` …."""
+        return tuple(np.array(self._found.names)[self.estimated].tolist())
+
+    @cached_property
+    def before(self) -> Array:
+        """What was stated, shape (m,)."""
+        return _fixed(self._stated.values[self.estimated])
+
+    @cached_property
+    def after(self) -> Array:
+        """What was found, in the units of the file, shape (m,)."""
+        return _fixed(self._found.values[self.estimated])
+
+    @cached_property
+    def covariance(self) -> Array:
+        """The covariance of the numbers found, shape (m, m)."""
+        whole = self._found.covariance(self.fit.covariance) * self.scatter**2
+        return _fixed(whole[np.ix_(self.estimated, self.estimated)])
+
+    @cached_property
+    def sigma(self) -> Array:
+        """Their standard deviations, shape (m,); zero for what keeps what is stated."""
+        return _fixed(np.sqrt(np.maximum(np.diag(self.covariance), 0.0)))
+
+    @cached_property
+    def deviations(self) -> dict[str, float]:
+        """The standard deviation of each number found, by its name."""
+        return dict(zip(self.names, self.sigma.tolist(), strict=True))
+
+    @cached_property
+    def instance(self) -> Instance:
+        """The platform with the numbers found; readings stay as they are, and get offsets."""
+        return calibrated(self.stated, self.fit.model, self.deviations)
+
+    @cached_property
+    def R(self) -> Array:
+        """The rotations found, shape (n, 3, 3)."""
+        return _fixed(self.fit.R)
+
+    @cached_property
+    def T(self) -> Array:
+        """The translations found, shape (n, 3)."""
+        return _fixed(self.fit.T)
+
+    @property
+    def chi_squared(self) -> float:
+        """The sum of squares of the residuals divided by their deviations."""
+        return float(np.nansum(self.fit.residual**2))
+
+    @property
+    def freedom(self) -> int:
+        """Its degrees of freedom."""
+        return self.fit.freedom
+
+    @cached_property
+    def residuals(self) -> Array:
+        """What is left of each reading, in standard deviations, shape (n, 6); NaN for blanks."""
+        return _fixed(self.fit.residual[:, :6])
+
+    @cached_property
+    def pose_residuals(self) -> Array:
+        """What is left of what was measured of each pose, in deviations, shape (n, k)."""
+        return _fixed(self.fit.residual[:, 6:])
+
+    @cached_property
+    def rows(self) -> Array:
+        """What each row adds to chi-squared, shape (n,)."""
+        return _fixed(np.nansum(self.fit.residual**2, axis=1))
+
+    @cached_property
+    def worst(self) -> tuple[int, float, float] | None:
+        """The row that agrees least, chi-squared without it, and the most that a number moves.
+
+        The last in its standard deviations. None if the others alone do not tell as much.
+        """
+        if self.without_worst is None:
+            return None
+        row, other = self.without_worst
+        numbers = file_numbers(self.stated, other.model).values[self.estimated]
+        known = self.sigma > 0
+        moved = np.abs(numbers - self.after)[known] / self.sigma[known]
+        left = float(np.nansum(other.residual**2))
+        return row, left, float(moved.max(initial=0.0))
+
+    def to_frame(self) -> DataFrame:
+        """Return a row for each number: stated, found, sigma, and the change over sigma."""
+        import pandas as pd
+
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.where(self.sigma > 0, (self.after - self.before) / self.sigma, np.nan)
+        columns = {
+            "stated": self.before,
+            "found": self.after,
+            "sigma": self.sigma,
+            "change_over_sigma": ratio,
+        }
+        return pd.DataFrame(columns, index=pd.Index(self.names, name="number"))
+
+    def to_json(self) -> dict[str, Any]:
+        """Return all of it as plain data, covariance included."""
+        model = self.fit.model
+        worst = self.worst
+        return {
+            **self.stated.to_json(),
+            "rows": len(self.seen),
+            "chi_squared": self.chi_squared,
+            "freedom": self.freedom,
+            "scatter": self.scatter,
+            "noise": {
+                "value": self.noise.value,
+                "angle": self.noise.angle / model.in_radians,
+                "position": self.noise.position,
+                "rotation": self.noise.rotation / model.in_radians,
+                "inclination": self.noise.inclination / model.in_radians,
+                "crank": self.noise.crank / model.in_radians,
+            },
+            "numbers": [
+                {"name": name, "stated": a, "found": b, "sigma": s}
+                for name, a, b, s in zip(
+                    self.names,
+                    self.before.tolist(),
+                    self.after.tolist(),
+                    self.sigma.tolist(),
+                    strict=True,
+                )
+            ],
+            "covariance": self.covariance.tolist(),
+            "unknown": {
+                "directions": self.unknowns.count,
+                "frames": self.unknowns.frames,
+                "what": list(self.unknowns.sentences),
+            },
+            "worst": None
+            if worst is None
+            else {
+                "row": self.seen.lines[worst[0]],
+                "chi_squared": float(self.rows[worst[0]]),
+                "chi_squared_without": worst[1],
+                "largest_change_over_sigma": worst[2],
+            },
+            "poses": [
+                {"row": line, "R": R, "T": T, "chi_squared": chi}
+                for line, R, T, chi in zip(
+                    self.seen.lines,
+                    self.R.tolist(),
+                    self.T.tolist(),
+                    self.rows.tolist(),
+                    strict=True,
+                )
+            ],
+        }
+
+
+def _fixed(array: Array) -> Array:
+    """Return an array that cannot be written to."""
+    fixed = np.array(array)
+    fixed.setflags(write=False)
+    return fixed

@@ -1,0 +1,240 @@
+"""`gsp calibrate`: from measured values and poses to the true numbers of a platform."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from gspcli.cli.calibration_tables import calibration_document, calibration_table
+from gspcli.cli.names import load_instance
+from gspcli.cli.output import DRAWINGS, FORMATS, Output, emit, output_options, write
+from gspcli.cli.pose_options import pose_format, pose_options, text_of
+from gspcli.cli.progress_bars import working
+from gspcli.defaults import SEED
+from gspcli.errors import GspError, Problem, SpecError
+from gspcli.wording import shown
+
+if TYPE_CHECKING:
+    from gspcli.calibration import Options
+    from gspcli.calibration.measurements import Measurements
+    from gspcli.geometry.instance import Instance
+
+
+@click.command()
+@click.argument("spec", metavar="SPEC")
+@click.argument("data", metavar="[DATA]", required=False)
+@click.option(
+    "--sigma",
+    "sigmas",
+    metavar="WHAT=NUMBER",
+    multiple=True,
+    help="Standard deviation of value, position (lengths), angle, rotation, inclination or crank "
+    "(angles); may be repeated.",
+)
+@click.option(
+    "--estimate",
+    metavar="WHAT",
+    multiple=True,
+    help="Also estimate scales, frames (of device and target), or a number such as offset.2.",
+)
+@click.option(
+    "--hold",
+    metavar="WHAT",
+    multiple=True,
+    help="Keep as stated: offsets, platform, base, or such as platform.P1, base.H2, offset.3.",
+)
+@click.option(
+    "--target",
+    "targets",
+    metavar="NAME=X,Y,Z",
+    multiple=True,
+    help="Where a point with columns NAME.x, NAME.y, NAME.z is in the platform's frame.",
+)
+@click.option(
+    "--robust", is_flag=True, help="Count outliers less: by their modulus (pseudo-Huber)."
+)
+@click.option(
+    "--prior",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="D",
+    help="How well the numbers are known before, a length.  [default: 1/200 of a typical length]",
+)
+@click.option(
+    "--hold-unknown",
+    is_flag=True,
+    help="Keep what DATA does not tell as it is stated, instead of refusing.",
+)
+@click.option(
+    "--plan",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Which N poses to measure next, after those of DATA if it is given.",
+)
+@click.option(
+    "--mode",
+    type=click.IntRange(min=1),
+    metavar="K",
+    help="With --plan: the real pose about which poses are planned.  [default: the least turned]",
+)
+@click.option(
+    "--seed", default=SEED, show_default=True, type=click.IntRange(min=0), help="Of --plan."
+)
+@pose_options
+@output_options(formats=(*FORMATS, "yaml", *DRAWINGS))
+def command(
+    spec: str,
+    data: str | None,
+    sigmas: tuple[str, ...],
+    estimate: tuple[str, ...],
+    hold: tuple[str, ...],
+    targets: tuple[str, ...],
+    robust: bool,
+    prior: float | None,
+    hold_unknown: bool,
+    plan: int | None,
+    mode: int | None,
+    seed: int,
+    euler: str | None,
+    pivot: str | None,
+    output: Output,
+) -> None:
+    """Find the true numbers of a platform from measured values and poses.
+
+    SPEC is the platform as stated, DATA a CSV file with a heading, - for standard input. Columns of
+    DATA, in which any cell may be blank: 1 ... 6 are what the machine reads for the constraints
+    (DPH, DHP signed); x, y, z and a rotation the pose as `gsp measure` reads it; P1.x, P1.y, P1.z
+    the measured position of the point P1 of the platform (or of a --target); incl.x, incl.y the
+    angles of the platform's axes x and y above the horizontal; crank.B1 the angle of a crank;
+    and t a name of the row.
+
+    All of it has errors, poses too: the coordinates of all points, lines and planes and the offsets
+    of the values are found by least squares together with the poses. What DATA does not
+    tell is refused (exit code 4), in words, with what to measure. The table has what is stated,
+    what was found, its standard deviation sigma, and the change over sigma; chi-squared should
+    be near its degrees of freedom if --sigma is right. Without --sigma the scatter of DATA says how
+    large the noise is. With --sigma position=0 --sigma rotation=0 poses are exact.
+
+    With -o FILE.yaml the result is an instance file with `offset` at constraints, which every
+    command honours; JSON has the covariance; a picture shows the residuals.
+
+    With --plan N nothing is fitted but the geometry that is known so far: N poses within ranges and
+    cones are chosen so that their measurement tells most (D-optimal), with what will be known then.
+
+    \b
+    Examples:
+      gsp calibrate machine.yaml measured.csv --sigma value=0.001 --sigma position=0.005 \\
+        --sigma rotation=0.001
+      gsp calibrate machine.yaml measured.csv -o calibrated.yaml
+      gsp calibrate machine.yaml measured.csv -o residuals.svg
+      gsp calibrate machine.yaml tracker.csv --estimate frames --robust --format json
+      gsp calibrate machine.yaml --plan 12 -o poses.csv
+      gsp calibrate machine.yaml measured.csv --plan 6
+    """
+    if data is None and plan is None:
+        message = "give DATA, or --plan N for which poses to measure"
+        raise click.UsageError(message)
+    if spec == data == "-":
+        message = "SPEC and DATA cannot both be standard input"
+        raise click.UsageError(message)
+    if mode is not None and plan is None:
+        message = "--mode says about which pose to plan: give it with --plan"
+        raise click.UsageError(message)
+    if plan is not None and output.format in ("yaml", *DRAWINGS):
+        message = f"a plan cannot be written as {output.format}: use one of {', '.join(FORMATS)}"
+        raise click.UsageError(message)
+    from gspcli.calibration import Options, calibrate_rows
+    from gspcli.calibration.data_files import read_measurements, targets_of
+
+    instance = load_instance(spec)
+    form = pose_format(instance, euler, pivot)
+    noise, options = _numbers(sigmas), Options(estimate, hold, robust, prior, hold_unknown)
+    seen = None
+    if data is not None:
+        seen = read_measurements(*text_of(data), instance, form, targets_of(targets))
+    if plan is not None:
+        _plan(instance, seen, noise, options, plan, mode, seed, output)
+        return
+    assert seen is not None
+    with working("fitting"):
+        result = calibrate_rows(instance, seen, noise, options)
+    if not result.fit.converged:
+        message = (
+            "the fit did not come to an end\n"
+            "look for wrong rows (units, order of axes, signs), or try --robust"
+        )
+        raise GspError(message)
+    if output.format == "yaml":
+        from gspcli.calibration.instance_files import calibrated_text
+
+        write(output, calibrated_text(result))
+    elif output.format in DRAWINGS:
+        from gspcli.pictures.residual_charts import residual_chart
+
+        write(output, residual_chart(result, output.format))
+    else:
+        document = calibration_document(result) if output.format == "json" else None
+        emit(output, calibration_table(result), document=document)
+
+
+def _plan(
+    instance: Instance,
+    seen: Measurements | None,
+    noise: dict[str, float],
+    options: Options,
+    count: int,
+    mode: int | None,
+    seed: int,
+    output: Output,
+) -> None:
+    """Write which poses to measure."""
+    from gspcli.calibration.planning import planned
+    from gspcli.cli.calibration_tables import plan_document, plan_table
+    from gspcli.cli.reachable_home import home_pose
+    from gspcli.motion import PoseFormat
+
+    home = home_pose(
+        instance,
+        PoseFormat(),
+        mode=mode,
+        pose=None,
+        orientation=None,
+        position=None,
+        needed=True,
+    )
+    with working("choosing poses"):
+        found = planned(
+            instance, count, home.R, home.T, seen=seen, sigma=noise, options=options, seed=seed
+        )
+    document = plan_document(found) if output.format == "json" else None
+    emit(output, plan_table(found), document=document)
+
+
+def _numbers(texts: tuple[str, ...]) -> dict[str, float]:
+    """Return standard deviations by their names.
+
+    Raises
+    ------
+    SpecError
+        With all that is wrong.
+    """
+    from gspcli.motion.files.number_tables import wrong_number
+
+    found: dict[str, float] = {}
+    problems = []
+    for text in texts:
+        name, equals, number = text.partition("=")
+        message = ""
+        if not equals:
+            message = f"found {shown(text)}, expected WHAT=NUMBER, as value=0.001"
+        elif name in found:
+            message = f"found {name} twice"
+        else:
+            message = wrong_number(number)
+        if message:
+            problems.append(Problem(None, "--sigma", message))
+        else:
+            found[name] = float(number)
+    if problems:
+        raise SpecError(problems)
+    return found

@@ -1,0 +1,130 @@
+"""Tables and documents of `gsp calibrate`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from gspcli.cli.output import Column, Table
+from gspcli.wording import counted
+
+if TYPE_CHECKING:
+    from gspcli.calibration import Calibration
+    from gspcli.calibration.planning import Plan
+
+_POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
+
+
+def calibration_table(result: Calibration) -> Table:
+    """Return the numbers found, with what was stated."""
+    rows = [
+        {
+            "number": name,
+            "stated": before,
+            "found": after,
+            "sigma": float(f"{sigma:.3g}"),
+            "change/sigma": float(f"{(after - before) / sigma:.4g}") if sigma > 0 else None,
+        }
+        for name, before, after, sigma in zip(
+            result.names,
+            result.before.tolist(),
+            result.after.tolist(),
+            result.sigma.tolist(),
+            strict=True,
+        )
+    ]
+    columns = [
+        Column("number", essential=True),
+        *(Column(key, align="right", essential=True, aligned=True) for key in ("stated", "found")),
+        Column("sigma", align="right", essential=True),
+        Column("change/sigma", align="right"),
+    ]
+    units = result.stated.units
+    return Table(
+        columns,
+        rows,
+        title=result.stated.title,
+        summary=_summary(result),
+        notes=[
+            f"lengths in {units.length}, angles in {units.angle.value}; scales and directions plain"
+        ],
+    )
+
+
+def _summary(result: Calibration) -> list[str]:
+    """Return what came out, in sentences."""
+    chi, freedom = result.chi_squared, result.freedom
+    lines = [f"{counted(len(result.seen), 'row')}, {counted(len(result.names), 'number')} found"]
+    if freedom <= 0:
+        lines.append("as many numbers were measured as are found: nothing says how good they are")
+    elif result.scatter == 1.0:
+        lines.append(
+            f"chi-squared {chi:.4g} of {freedom} degrees of freedom, "
+            f"between {_quantile(freedom, -1.96):.4g} and {_quantile(freedom, 1.96):.4g} in 95 %"
+        )
+    else:
+        noise = result.noise.value * result.scatter
+        lines.append(
+            f"the noise was not stated: {noise:.2g} {result.stated.units.length} by the scatter "
+            f"({freedom} degrees of freedom)"
+        )
+    if result.unknowns.missing:
+        what = counted(result.unknowns.missing, "direction")
+        lines.append(
+            f"{what} not told by the data, as stated: {'; '.join(result.unknowns.sentences)}"
+        )
+    if result.unknowns.frames:
+        lines.append("the frames of base and platform are as stated, as well as they can be")
+    worst = result.worst
+    if worst is not None:
+        row, left, moved = worst
+        rest = result.without_worst[1].freedom if result.without_worst else 0
+        line = f"worst row: {result.seen.lines[row]}"
+        if result.scatter == 1.0:
+            line += f", {result.rows[row]:.4g} of chi-squared ({left:.4g} of {rest} without it)"
+        lines.append(f"{line}; left out, no number moves by more than {moved:.2g} sigma")
+    return lines
+
+
+def _quantile(freedom: int, z: float) -> float:
+    """Return a quantile of chi-squared (Wilson and Hilferty 1931)."""
+    part = 2 / (9 * freedom)
+    found: float = freedom * max(1 - part + z * part**0.5, 0.0) ** 3
+    return found
+
+
+def calibration_document(result: Calibration) -> dict[str, Any]:
+    """Return the JSON document of a calibration."""
+    return {"schema": "gsp.calibrate/1", **result.to_json()}
+
+
+def plan_table(plan: Plan) -> Table:
+    """Return poses to measure, with what the machine reads there."""
+    columns = [Column("t", align="right", essential=True)]
+    columns += [Column(key, align="right", essential=True, aligned=True) for key in _POSE]
+    columns += [
+        Column(str(k), f"{k} {row.kind.name}", align="right", aligned=True, minor=1)
+        for k, row in enumerate(plan.instance.constraints, 1)
+    ]
+    return Table(
+        columns,
+        [
+            {
+                "t": k,
+                **dict(zip(_POSE, pose, strict=True)),
+                **{str(j): value for j, value in enumerate(readings, 1)},
+            }
+            for k, (pose, readings) in enumerate(
+                zip(plan.pose_numbers.tolist(), plan.readings.tolist(), strict=True), 1
+            )
+        ],
+        title=plan.instance.title,
+        summary=plan.sentences,
+        notes=[
+            "readings 1 to 6 are those with the geometry as stated: replace them by what is read"
+        ],
+    )
+
+
+def plan_document(plan: Plan) -> dict[str, Any]:
+    """Return the JSON document of a plan."""
+    return {"schema": "gsp.calibrate/1", **plan.to_json()}

@@ -1,0 +1,174 @@
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+import gspcli
+
+ROOT = Path(__file__).parents[2]
+MEASURED = ROOT / "docs" / "calibration" / "measured.csv"
+LEVEL = ROOT / "docs" / "calibration" / "level.csv"
+MACHINE = "@workspace-study-cones"
+SIGMA = ("--sigma", "value=0.002", "--sigma", "position=0.005", "--sigma", "rotation=0.001")
+
+
+def test_table(gsp):
+    run = gsp("calibrate", MACHINE, MEASURED, *SIGMA, "--robust")
+    assert (run.code, run.err) == (0, "")
+    lines = run.out.splitlines()
+    assert lines[0].startswith("Hexapod of a workspace study with joint cones: DPP")
+    assert lines[2] == "24 rows, 42 numbers found"
+    assert "of 102 degrees of freedom, between 75.94 and 131.8 in 95 %" in lines[3]
+    assert lines[4].startswith("worst row: 8, ")
+    assert re.split(r"\s{2,}", lines[6]) == ["number", "stated", "found", "sigma", "change/sigma"]
+    assert len([line for line in lines if line.startswith(("platform.", "base.", "offset."))]) == 42
+
+
+def test_csv_and_json_have_the_same_numbers(gsp):
+    csv = gsp("calibrate", MACHINE, MEASURED, *SIGMA, "--format", "csv")
+    assert csv.code == 0
+    assert "chi-squared" in csv.err
+    head, *rows = csv.out.splitlines()
+    assert head == "number,stated,found,sigma,change/sigma"
+    document = json.loads(gsp("calibrate", MACHINE, MEASURED, *SIGMA, "--format", "json").out)
+    assert document["schema"] == "gsp.calibrate/1"
+    assert [row.split(",")[0] for row in rows] == [one["name"] for one in document["numbers"]]
+    covariance = document["covariance"]
+    for k, one in enumerate(document["numbers"]):
+        assert covariance[k][k] ** 0.5 == pytest.approx(one["sigma"])
+        assert float(rows[k].split(",")[2]) == pytest.approx(one["found"], abs=1e-12)
+    assert document["worst"]["row"] == "8"
+
+
+def test_the_instance_file(gsp, tmp_path):
+    path = tmp_path / "calibrated.yaml"
+    run = gsp("calibrate", MACHINE, MEASURED, *SIGMA, "--robust", "-o", path)
+    assert (run.code, run.out, run.err) == (0, "", "")
+    text = path.read_text(encoding="utf-8")
+    assert text.startswith("# calibrated by gsp calibrate from 24 rows: chi-squared ")
+    line = next(line for line in text.splitlines() if line.startswith("  P1: "))
+    assert re.search(r"\]\S*.*  # ± 0\.\d+, 0\.\d+, 0\.\d+$", line)
+    assert len(re.findall(r"offset: -?[\d.]+\}  # offset ± 0\.\d+$", text, re.MULTILINE)) == 6
+    found = gspcli.load(path)
+    assert [row.reading_of(row.value) for row in found.constraints] == [
+        row.value
+        for row in gspcli.load(ROOT / "data/platforms/workspace-study-cones.yaml").constraints
+    ]
+    # What is read and measured agrees with the file to what was measured, but for the wrong one.
+    poses = gsp("measure", path, MEASURED, "--format", "csv").out.splitlines()[1:]
+    read = MEASURED.read_text(encoding="utf-8").splitlines()[2:]
+    differences = [
+        abs(float(a) - float(b))
+        for ours, theirs in zip(poses, read, strict=True)
+        for a, b in zip(ours.split(",")[1:7], theirs.split(",")[1:7], strict=True)
+    ]
+    assert sorted(differences)[-2] < 0.05 < sorted(differences)[-1]
+
+
+def test_a_picture(gsp, tmp_path):
+    path = tmp_path / "residuals.svg"
+    assert gsp("calibrate", MACHINE, MEASURED, *SIGMA, "-o", path).code == 0
+    assert path.read_text(encoding="utf-8").startswith("<?xml")
+
+
+def test_what_is_not_told_is_refused_and_nothing_is_written(gsp, tmp_path):
+    path = tmp_path / "calibrated.yaml"
+    run = gsp("calibrate", MACHINE, LEVEL, *SIGMA, "-o", path)
+    assert run.code == 4
+    assert not path.exists()
+    lines = run.err.splitlines()
+    assert len(lines) <= 5
+    assert lines[0] == "error: the data tell 21 of 42 numbers; they do not tell"
+    assert (
+        lines[1] == "  constraints 1, 2, 3, 4, 5 and 6: both primitives together along x, y and z"
+    )
+    assert "measure poses that turn the platform" in lines[-1]
+    held = gsp("calibrate", MACHINE, LEVEL, *SIGMA, "--hold-unknown", "-o", path)
+    assert held.code == 0
+    assert "directions that the data do not tell are as stated" in path.read_text(encoding="utf-8")
+
+
+def test_a_plan_can_be_measured_and_gone_on_from(gsp, tmp_path):
+    path = tmp_path / "poses.csv"
+    run = gsp("calibrate", MACHINE, "--plan", "8", *SIGMA, "-o", path)
+    assert run.code == 0
+    assert "8 of 3000 poses within ranges and cones" in run.err
+    assert len(path.read_text(encoding="utf-8").splitlines()) == 9
+    # As planned they are a perfect machine.
+    same = gsp("calibrate", MACHINE, path, *SIGMA, "--format", "json")
+    assert same.code == 0
+    found = json.loads(same.out)
+    assert all(abs(one["found"] - one["stated"]) < 1e-5 for one in found["numbers"])
+    expected = json.loads(gsp("calibrate", MACHINE, "--plan", "8", *SIGMA, "--format", "json").out)
+    sigma = {one["name"]: one["sigma"] for one in expected["expected"]}
+    for one in found["numbers"]:
+        assert one["sigma"] == pytest.approx(sigma[one["name"]], rel=0.05)
+    more = gsp("calibrate", MACHINE, LEVEL, "--plan", "4", *SIGMA, "--format", "json")
+    assert more.code == 0
+    assert all(one["sigma"] < one["before"] for one in json.loads(more.out)["expected"])
+
+
+HEAD = "t,1,2,3,4,5,6,x,y,z,qw,qx,qy,qz\n"
+ROW = "1,120,120,120,120,120,120,0,0,100,1,0,0,0\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (HEAD + ROW.replace("120", "12o", 1), "data.csv:2:3: 1: found '12o', expected a finite"),
+        (HEAD + ROW.replace(",1,0,0,0", ",1,,0,0"), "data.csv:2:37: found nothing, expected a num"),
+        (HEAD + ROW.replace(",1,0,0,0", ",0,0,0,0"), "found a quaternion of length zero"),
+        (HEAD + ROW.replace("1,0,0,0\n", "1,0,0\n"), "data.csv:2:1: found 13 cells, expected 14"),
+        (HEAD.replace("qw", "qq") + ROW, "qw is missing"),
+        (HEAD.replace("6", "7") + ROW, "data.csv:1:13: found 7, expected a constraint from 1 to 6"),
+        (HEAD.replace("t", "P9.x") + ROW, "found the unknown point 'P9', expected a point of"),
+        (HEAD.replace("t", "P1.x") + ROW, "the columns of P1 lack y and z"),
+        (HEAD.replace("t", "crank.B1") + ROW, "found 'crank.B1', expected no cranks"),
+        (HEAD.replace("t", "incl.x") + ROW, "found one of incl.x and incl.y, expected both"),
+        ("x,y,z\n1,2,3\n", "found no readings, expected some of the columns 1 2 3 4 5 6"),
+        ("1,2,3,rx,ry,rz\n1,2,3,4,5,6\n", "without the order of the axes: say it with --euler"),
+        ("", "found nothing, expected a heading and rows"),
+    ],
+)
+def test_mistakes_have_their_place(gsp, tmp_path, monkeypatch, text, message):
+    monkeypatch.chdir(tmp_path)
+    Path("data.csv").write_text(text, encoding="utf-8")
+    run = gsp("calibrate", MACHINE, "data.csv", "-o", "out.yaml")
+    assert run.code == 2
+    assert message in run.err
+    assert not Path("out.yaml").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ((), "give DATA, or --plan N"),
+        ((MEASURED, "--sigma", "value"), "--sigma: found 'value', expected WHAT=NUMBER"),
+        ((MEASURED, "--sigma", "value=x"), "--sigma: found 'x', expected a finite number"),
+        ((MEASURED, "--sigma", "valu=1"), "found 'valu', expected value, angle, position"),
+        ((MEASURED, "--hold", "P1"), "found 'P1', expected offsets, scales, frames"),
+        ((MEASURED, "--target", "Q=1,2"), "--target: found 'Q=1,2', expected NAME=X,Y,Z"),
+        ((MEASURED, "--mode", "1"), "give it with --plan"),
+        (("--plan", "3", "-o", "plan.yaml"), "a plan cannot be written as yaml"),
+    ],
+)
+def test_wrong_options(gsp, words, message):
+    run = gsp("calibrate", MACHINE, *words)
+    assert run.code == 2
+    assert message in run.err
+
+
+def test_blank_cells_points_and_standard_input(gsp, tmp_path):
+    """Readings and positions in tables of their own; a point instead of the pose."""
+    head, *rows = MEASURED.read_text(encoding="utf-8").splitlines()[1:]
+    cells = [row.split(",") for row in rows]
+    cells[2][4] = cells[3][1] = ""
+    cells[5][10:] = [""] * 4
+    path = tmp_path / "some.csv"
+    path.write_text("\n".join([head, *map(",".join, cells)]) + "\n", encoding="utf-8")
+    run = gsp("calibrate", MACHINE, path, *SIGMA, "--robust", "--format", "json")
+    assert run.code == 0
+    assert json.loads(run.out)["freedom"] == 102 - 2 - 3

@@ -1,0 +1,53 @@
+"""Intervals of 95 % contain the truth 95 times of a hundred."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from measured_machines import SIGMA, noisy, nominal, numbers, pose_error, reachable, real
+
+import gspcli
+from gspcli.calibration.options import PRIOR, noise_of
+from gspcli.calibration.parameters import Model
+from gspcli.calibration.planning import d_optimal, exchanged, pose_errors, told_by
+
+
+@pytest.mark.slow
+def test_intervals_cover_the_truth():
+    """All of them 93 to 97 % in 200 repetitions, each of 42 numbers 90 to 99 %."""
+    rng = np.random.default_rng(11)
+    hits, freedom, chi = [], 0, []
+    for _ in range(200):
+        found = gspcli.calibrate(
+            nominal(), *noisy(real(), *reachable(30, rng), rng), sigma=SIGMA, hold_unknown=True
+        )
+        assert found.unknowns.count == 0
+        model = found.fit.model
+        sigma = np.sqrt(np.diag(found.fit.covariance)[model.free])
+        hits.append(np.abs(numbers(model) - numbers(real())) < 1.96 * sigma)
+        chi.append(found.chi_squared)
+        freedom = found.freedom
+    share = np.mean(hits, axis=0)
+    assert 0.93 <= share.mean() <= 0.97
+    assert 0.90 <= share.min() <= share.max() <= 0.99
+    assert np.mean(chi) == pytest.approx(freedom, rel=0.03)
+
+
+@pytest.mark.slow
+def test_twelve_planned_poses_are_as_good_as_thirty_random_ones():
+    """With noise, for the machine as built: the pose at other values, and the numbers."""
+    model = Model.of(nominal())
+    places = reachable(3000, np.random.default_rng(5))
+    slopes = told_by(model, *places, None, noise_of(model, SIGMA))
+    before = np.eye(42) / (PRIOR * model.length) ** 2
+    plan = exchanged(slopes, d_optimal(slopes, 12, before), before, pose_errors(model, *places))
+    rng, test = np.random.default_rng(6), reachable(300, np.random.default_rng(99))
+    errors = {"planned": [], "random": []}
+    for _ in range(300):
+        for how, some in (("planned", plan), ("random", rng.choice(3000, 30, replace=False))):
+            seen = noisy(real(), places[0][some], places[1][some], rng)
+            found = gspcli.calibrate(nominal(), *seen, sigma=SIGMA, hold_unknown=True).fit.model
+            rms = np.sqrt(np.mean((numbers(found) - numbers(real())) ** 2))
+            errors[how].append((pose_error(found, *test), rms))
+    planned, random = (np.sqrt(np.mean(np.square(errors[how]), axis=0)) for how in errors)
+    assert (planned <= random).all(), (planned, random)

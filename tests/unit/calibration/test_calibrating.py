@@ -1,0 +1,329 @@
+"""Numbers are found from measurements: exact ones exactly, noisy ones as well as is predicted."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from measured_machines import (
+    SIGMA,
+    noisy,
+    nominal,
+    numbers,
+    reachable,
+    readings,
+    real,
+)
+
+import gspcli
+from gspcli.calibration.parameters import Model
+from gspcli.errors import ArgumentError, IncompleteError
+from gspcli.geometry.measurement import measured
+from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.motion import crank_angles
+from gspcli.resources import data_path
+
+EXACT = {"position": 0, "rotation": 0}
+
+
+def _errors(result):
+    return numbers(result.fit.model) - numbers(real())
+
+
+@pytest.mark.parametrize("sigma", [None, EXACT])
+def test_seven_exact_poses_give_all_42_numbers(sigma):
+    """The bar is 1e-8 mm, a hundred-millionth of what is looked for."""
+    R, T = reachable(7, np.random.default_rng(0))
+    result = gspcli.calibrate(nominal(), readings(real(), R, T), R, T, sigma=sigma, prior=1e6)
+    assert result.fit.model.free.sum() == result.estimated.sum() == 42
+    assert np.abs(_errors(result)).max() < 1e-8
+    assert np.abs(_errors(gspcli.calibrate(nominal(), readings(real(), R, T), R, T))).max() < 1e-8
+
+
+def test_six_poses_are_refused_with_how_many_more():
+    R, T = reachable(6, np.random.default_rng(0))
+    with pytest.raises(
+        IncompleteError, match="tell 36 of 42 numbers\nmeasure at least 1 more pose;"
+    ):
+        gspcli.calibrate(nominal(), readings(real(), R, T), R, T)
+
+
+def test_noise_is_predicted():
+    rng = np.random.default_rng(1)
+    R, T = reachable(60, rng)
+    values, R_seen, T_seen = noisy(real(), R, T, rng)
+    result = gspcli.calibrate(nominal(), values, R_seen, T_seen, sigma=SIGMA)
+    assert result.freedom == 60 * 12 - 60 * 6 - 42
+    assert abs(result.chi_squared - result.freedom) < 4 * np.sqrt(2 * result.freedom)
+    order = [f"platform.P{k}." for k in range(1, 7)]
+    assert all(any(name.startswith(p) for name in result.names) for p in order)
+    truth = dict(zip(result.names, result.after - result.sigma * 0, strict=True))
+    for k, offset in enumerate(real().offsets, 1):
+        assert abs(truth[f"offset.{k}"] - offset) < 5 * result.deviations[f"offset.{k}"]
+    # Poses are found better than they were measured.
+    assert np.abs(result.T - T).max() < np.abs(T_seen - T).max()
+    # Without a word on the noise the scatter tells it, if all of it is in the usual proportions.
+    assert result.scatter == 1
+    same = gspcli.calibrate(nominal(), values, R_seen, T_seen)
+    assert 0 < same.scatter < 1
+
+
+def test_the_new_file_is_the_machine():
+    rng = np.random.default_rng(2)
+    R, T = reachable(20, rng)
+    values = readings(real(), R, T)
+    result = gspcli.calibrate(nominal(), values, R, T)
+    again = gspcli.loads(gspcli.dumps(result.instance))
+    assert np.abs(gspcli.measure(again, R, T) - values).max() < 1e-8
+    assert np.abs(gspcli.measure(nominal(), R, T) - values).max() > 1
+    assert again.constraints[0].reading_of(again.constraints[0].value).value == pytest.approx(
+        nominal().constraints[0].value.value
+    )
+    # A second calibration changes nothing.
+    second = gspcli.calibrate(again, values, R, T)
+    assert np.abs(second.after - second.before).max() < 1e-7
+
+
+def test_translations_only_are_refused_by_name():
+    """The rank is 24 of 42; with noise it is full, and 18 directions have deviations of 100 mm."""
+    rng = np.random.default_rng(3)
+    R, T = reachable(40, rng, tilt=0.0)
+    for values, turns, places in ((readings(real(), R, T), R, T), noisy(real(), R, T, rng)):
+        with pytest.raises(IncompleteError) as caught:
+            gspcli.calibrate(nominal(), values, turns, places, sigma=SIGMA)
+        text = str(caught.value)
+        assert text.startswith("the data tell 24 of 42 numbers")
+        assert "constraints 1, 2, 3, 4, 5 and 6: both primitives together along x, y and z" in text
+        assert "tell at most 24, however many: measure poses that turn the platform" in text
+        assert text.count("\n") < 5
+        kept = gspcli.calibrate(nominal(), values, turns, places, sigma=SIGMA, hold_unknown=True)
+        assert kept.unknowns.missing == 18
+        # What is not told is not moved: nothing is changed by more than the machine is wrong.
+        assert np.abs(kept.after - kept.before).max() < 10
+
+
+def test_outliers():
+    """2 % of the values off by 0.5 mm, 500 deviations."""
+    rng = np.random.default_rng(4)
+    R, T = reachable(60, rng)
+    values, turns, places = noisy(real(), R, T, rng)
+    wrong = values + 0.5 * (rng.random(values.shape) < 0.02)
+    assert (wrong != values).any()
+    rms = [
+        np.sqrt(
+            np.mean(
+                _errors(gspcli.calibrate(nominal(), v, turns, places, sigma=SIGMA, robust=r)) ** 2
+            )
+        )
+        for v, r in ((values, False), (wrong, False), (wrong, True))
+    ]
+    assert rms[2] < 2 * rms[0] < rms[1]
+
+
+def test_blank_cells_and_rows_of_less():
+    rng = np.random.default_rng(5)
+    R, T = reachable(40, rng)
+    values = readings(real(), R, T)
+    values[::2, 2] = np.nan
+    R[3::4] = np.nan
+    values[3::4] = readings(real(), *reachable(40, np.random.default_rng(5)))[3::4]
+    result = gspcli.calibrate(nominal(), values, R, T)
+    assert np.abs(_errors(result)).max() < 1e-7
+
+
+def test_points_of_a_target_are_as_good_as_poses():
+    rng = np.random.default_rng(6)
+    R, T = reachable(12, rng)
+    targets = {"C": [0, 0, 0], "D": [80, 0, 0], "E": [0, 80, 10]}
+    points = {name: R @ np.array(at) + T for name, at in targets.items()}
+    result = gspcli.calibrate(nominal(), readings(real(), R, T), points=points, targets=targets)
+    assert np.abs(_errors(result)).max() < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("what", "count", "hint"),
+    [("positions", 39, "three points of the platform"), ("inclinations", 35, "measure positions")],
+)
+def test_part_of_a_pose_tells_part_of_the_numbers(what, count, hint):
+    rng = np.random.default_rng(7)
+    R, T = reachable(60, rng)
+    values = readings(real(), R, T)
+    given = (
+        {"T": T} if what == "positions" else {"inclinations": np.rad2deg(np.arcsin(R[:, 2, :2]))}
+    )
+    with pytest.raises(IncompleteError, match=f"at most {count}, however many.*{hint}"):
+        gspcli.calibrate(nominal(), values, **given)
+
+
+def test_unknown_frames():
+    """Distances within each body do not depend on where device and target are."""
+    rng = np.random.default_rng(8)
+    R, T = reachable(30, rng)
+    values = readings(real(), R, T)
+    A, B = rotation_from_vector(np.array([[0.5, -1.2, 2.0], [0.02, 0.3, 0.01]]))
+    a, b = np.array([5000, 3, -2000.0]), np.array([1, 20, 30.0])
+    seen = A @ R @ B, (T + R @ b) @ A.T + a
+    result = gspcli.calibrate(nominal(), values, *seen, estimate=["frames"])
+    assert result.unknowns.frames == result.unknowns.count == 12
+    for body in ("platform", "base"):
+        found, true = (
+            np.array([block.point for block in model.blocks if block.body == body])
+            for model in (result.fit.model, real())
+        )
+        apart = [np.linalg.norm(p[:, None] - p, axis=-1) for p in (found, true)]
+        assert np.abs(apart[0] - apart[1]).max() < 1e-6
+    assert np.abs(result.fit.model.offsets - real().offsets).max() < 1e-6
+
+
+def _near(instance, count, rng, turn=0.3, shift=0.15):
+    home = gspcli.solve(instance)
+    R, T = home.R[home.real].real, home.T[home.real].real
+    best = int(np.lexsort((T[:, 2], np.trace(R, axis1=1, axis2=2).round(6)))[-1])
+    length = Model.of(instance).length
+    turns = rotation_from_vector(turn / 1.7 * rng.normal(size=(count, 3)))
+    return turns @ R[best], T[best] + shift * length * rng.uniform(-1, 1, (count, 3))
+
+
+@pytest.mark.parametrize(
+    ("folder", "name"),
+    [
+        ("examples", "fixture-3-2-1"),
+        ("platforms", "three-vee-250mm"),
+        ("platforms", "sdss-primary"),
+        ("examples", "surfaces-psc"),
+        ("examples", "example-6.8"),
+        ("examples", "parallel-edges"),
+        ("examples", "figure-2"),
+    ],
+)
+def test_other_machines(folder, name):
+    """Fixtures, couplings, mixtures with lines: what was found reads as the true machine does."""
+    rng = np.random.default_rng(9)
+    instance = gspcli.load(data_path(folder, f"{name}.yaml"))
+    model = Model.of(instance)
+    step = np.where(
+        model.free, 0.002 * model.length * model.sizes * rng.normal(size=len(model.free)), 0
+    )
+    truth = model.moved(step)
+    R, T = _near(instance, 60, rng)
+    values = readings(truth, R, T)
+    angles = [k for k, kind in enumerate(model.kinds) if not kind.is_distance]
+    values[:, angles] /= model.in_radians
+    result = gspcli.calibrate(instance, values, R, T, hold_unknown=True)
+    new_R, new_T = _near(instance, 20, rng)
+    found, true = (readings(m, new_R, new_T) for m in (result.fit.model, truth))
+    assert np.abs(found - true).max() < 1e-9 * model.length
+    assert np.abs(readings(model, new_R, new_T) - true).max() > 1e-4 * model.length
+
+
+def test_a_rotary_hexapod():
+    """Eleven numbers a leg: axis and point of the crank (7), rod, joint of the platform (3)."""
+    rng = np.random.default_rng(10)
+    instance = gspcli.load(data_path("platforms", "t-top-head.yaml"))
+    R, T = _near(instance, 150, rng, turn=0.2, shift=0.08)
+    _, angles = crank_angles(instance, R, T)
+    there = np.isfinite(angles).all(axis=1)
+    angles = np.deg2rad(angles[there][:60])
+    model = Model.of(instance, cranks=True)
+    assert model.free.sum() == 66
+    step = np.where(
+        model.free, 1e-3 * model.length * model.sizes * rng.normal(size=len(model.free)), 0
+    )
+    truth = model.moved(step)
+    # The true poses at these angles, by Newton's method on the true machine.
+    R, T = R[there][:60], T[there][:60]
+    stated = np.array([row.value.value for row in instance.constraints])
+    for _ in range(20):
+        bodies = truth.bodies(angles)
+        from gspcli.geometry.measurement import jacobian
+
+        short = measured(bodies, R, T) - stated - truth.offsets
+        twist = np.linalg.solve(jacobian(bodies, R, T), -short[..., None])[..., 0]
+        R, T = rotation_from_vector(twist[:, :3]) @ R, T + twist[:, 3:]
+    assert np.abs(short).max() < 1e-12
+    values = np.tile(stated, (len(T), 1))
+    result = gspcli.calibrate(instance, values, R, T, cranks=np.rad2deg(angles))
+    assert result.unknowns.count == 0
+    found, true = (readings(m, R, T, angles + 0.1) for m in (result.fit.model, truth))
+    assert np.abs(found - true).max() < 1e-9 * model.length
+
+
+def test_scales_and_held_numbers():
+    rng = np.random.default_rng(11)
+    truth = replace(real(), scales=1e-4 * rng.normal(size=6))
+    R, T = reachable(40, rng)
+    values = readings(truth, R, T)
+    result = gspcli.calibrate(nominal(), values, R, T, estimate=["scales"])
+    assert np.abs(result.fit.model.scales - truth.scales).max() < 1e-10
+    # The file's values are readings times the scale.
+    row = result.instance.constraints[0]
+    before = nominal().constraints[0].value.value
+    assert row.value.value - row.offset.value == pytest.approx(before * (1 + truth.scales[0]))
+    held = gspcli.calibrate(
+        nominal(), values, R, T, hold=["platform", "offset.2"], hold_unknown=True
+    )
+    assert not any(name.startswith("platform") or name == "offset.2" for name in held.names)
+    assert held.instance.constraints[0].platform == nominal().constraints[0].platform
+
+
+def test_the_result_is_plain_and_read_only():
+    R, T = reachable(12, np.random.default_rng(12))
+    result = gspcli.calibrate(nominal(), readings(real(), R, T), R, T, sigma=SIGMA)
+    assert repr(result).startswith("<Calibration: 42 numbers from 12 rows, chi-squared ")
+    frame = result.to_frame()
+    assert list(frame.columns) == ["stated", "found", "sigma", "change_over_sigma"]
+    assert frame.shape == (42, 4)
+    document = result.to_json()
+    assert len(document["numbers"]) == len(document["covariance"]) == 42
+    for array in (result.after, result.sigma, result.covariance, result.R, result.residuals):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0
+    assert result.worst is not None
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"hold": ["platfrom"]}, "hold: found 'platfrom', .*did you mean platform"),
+        ({"estimate": ["scale.7"]}, "estimate: found 'scale.7'"),
+        ({"sigma": {"valu": 1}}, "sigma: found 'valu', .*did you mean value"),
+        ({"sigma": {"value": 0}}, "found 0, expected a positive number"),
+        ({"sigma": {"position": 0}}, "expected both"),
+        ({"T": np.zeros((3, 2))}, r"T: found shape \(3, 2\)"),
+        ({"points": {"Q": np.zeros((12, 3))}}, "unknown point 'Q'"),
+        ({"values": "no"}, "values: found shape"),
+    ],
+)
+def test_wrong_arguments(change, message):
+    R, T = reachable(12, np.random.default_rng(12))
+    given = {"values": readings(real(), R, T), "R": R, "T": T} | change
+    with pytest.raises(ArgumentError, match=message):
+        gspcli.calibrate(nominal(), **given)
+
+
+def test_nothing_measured_but_poses_or_values():
+    R, T = reachable(12, np.random.default_rng(12))
+    for given in (
+        {"values": readings(real(), R, T)},
+        {"values": np.full((12, 6), np.nan), "R": R, "T": T},
+    ):
+        with pytest.raises(IncompleteError, match="no row has more than six numbers"):
+            gspcli.calibrate(nominal(), **given)
+
+
+def test_outliers_where_the_noise_is_not_stated():
+    """Ten times the usual noise: what is an outlier is told by the scatter."""
+    rng = np.random.default_rng(13)
+    R, T = reachable(60, rng)
+    values = readings(real(), R, T) + 0.05 * rng.normal(size=(60, 6))
+    turns = rotation_from_vector(1e-4 * rng.normal(size=(60, 3))) @ R
+    places = T + 0.05 * rng.normal(size=(60, 3))
+    wrong = values + 3 * (rng.random(values.shape) < 0.02)
+    results = [
+        gspcli.calibrate(nominal(), v, turns, places, robust=r, hold_unknown=True)
+        for v, r in ((values, False), (wrong, False), (wrong, True))
+    ]
+    rms = [np.sqrt(np.mean(_errors(result) ** 2)) for result in results]
+    assert rms[2] < 2 * rms[0] < rms[1]
+    assert 0.7 < results[2].scatter / results[0].scatter < 1.4

@@ -1,0 +1,168 @@
+"""Poses that are planned tell more than random ones, and what will be known is predicted."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from measured_machines import HOME, SIGMA, noisy, nominal, reachable, real, seen_of
+
+import gspcli
+from gspcli.calibration.exact_ranks import exact_rank
+from gspcli.calibration.options import PRIOR, noise_of
+from gspcli.calibration.parameters import Model
+from gspcli.calibration.planning import (
+    candidates,
+    d_optimal,
+    exchanged,
+    planned,
+    pose_errors,
+    told_by,
+)
+from gspcli.errors import ArgumentError
+from gspcli.geometry.limits import within_limits
+from gspcli.motion.poses.inverse_kinematics import values_at
+from gspcli.resources import data_path
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return planned(nominal(), 12, np.eye(3), HOME, sigma=SIGMA)
+
+
+def test_twelve_planned_poses_are_as_good_as_thirty_random_ones():
+    """In the pose at other values and in the numbers; of the same 3000 candidates."""
+    model = Model.of(nominal())
+    places = reachable(3000, np.random.default_rng(5))
+    slopes = told_by(model, *places, None, noise_of(model, SIGMA))
+    before = np.eye(42) / (PRIOR * model.length) ** 2
+    errors = pose_errors(model, *places)
+    plan = exchanged(slopes, d_optimal(slopes, 12, before), before, errors)
+    rng = np.random.default_rng(6)
+
+    def expected(chosen):
+        known = before + np.einsum("kqa,kqb->ab", slopes[chosen], slopes[chosen])
+        covariance = np.linalg.inv(known)
+        return np.trace(errors @ covariance), np.trace(covariance)
+
+    others = [expected(rng.choice(3000, 30, replace=False)) for _ in range(50)]
+    assert (np.array(expected(plan)) < np.median(others, axis=0)).all()
+
+
+def test_a_plan_uses_all_of_the_reach(plan):
+    """Twelve poses of it tell the numbers better than thirty of what is turned by 20 degrees."""
+    rng, sigma = np.random.default_rng(7), []
+    for places in ((plan.R, plan.T), reachable(30, rng)):
+        found = gspcli.calibrate(nominal(), *noisy(real(), *places, rng), sigma=SIGMA)
+        sigma.append(np.sqrt(np.mean(found.sigma**2)))
+    assert sigma[0] < sigma[1] / 1.5
+
+
+def test_what_will_be_known_is_predicted(plan):
+    rng = np.random.default_rng(1)
+    found = gspcli.calibrate(nominal(), *noisy(real(), plan.R, plan.T, rng), sigma=SIGMA)
+    known = dict(zip(plan.names, plan.sigma, strict=True))
+    ratio = [found.deviations[name] / known[name] for name in found.names]
+    # At the stated geometry, that differs by millimetres.
+    assert 0.8 < min(ratio) <= max(ratio) < 1.25
+    assert (plan.sigma < plan.before).all()
+
+
+def test_planned_poses_are_within_reach(plan):
+    assert plan.limited
+    assert within_limits(nominal(), values_at(nominal(), plan.R, plan.T), plan.R, plan.T).all()
+    assert "12 of 3000 poses within ranges and cones" in plan.sentences[0]
+    # Cones, too, which this machine has.
+    machine = gspcli.load(data_path("platforms", "workspace-study-cones.yaml"))
+    home = gspcli.solve(machine)
+    kept = within_limits(
+        machine, values_at(machine, home.R.real, home.T.real), home.R.real, home.T.real
+    )
+    k = int(np.flatnonzero(kept & home.real)[0])
+    R, T = candidates(machine, home.R[k].real, home.T[k].real, 0, count=200)
+    assert len(R) == 200
+    assert within_limits(machine, values_at(machine, R, T), R, T).all()
+
+
+def test_a_plan_goes_on_from_data(plan):
+    rng = np.random.default_rng(2)
+    R, T = reachable(40, rng, tilt=0.0)
+    values, turns, places = noisy(real(), R, T, rng)
+    more = planned(nominal(), 4, np.eye(3), HOME, seen=seen_of(values, turns, places), sigma=SIGMA)
+    # Translations are measured: turns tell the rest.
+    assert more.sigma.max() < 0.1 * more.before.max()
+    assert np.linalg.norm(more.R - np.eye(3), axis=(1, 2)).min() > 0.2
+
+
+def test_home_must_be_within_reach():
+    with pytest.raises(ArgumentError, match="home does not keep the limits"):
+        planned(nominal(), 3, np.eye(3), 3 * HOME, sigma=SIGMA)
+
+
+def test_choices_of_few_against_all_of_them():
+    """Three of eight."""
+    from itertools import combinations_with_replacement
+
+    slopes = np.random.default_rng(3).normal(size=(8, 2, 4))
+    before = 0.1 * np.eye(4)
+
+    def determinant(chosen):
+        rows = slopes[list(chosen)]
+        return np.linalg.det(before + np.einsum("kqa,kqb->ab", rows, rows))
+
+    every = list(combinations_with_replacement(range(8), 3))
+    greedy = d_optimal(slopes, 3, before)
+    assert determinant(greedy) > 0.8 * max(map(determinant, every))
+
+    def error(chosen):
+        rows = slopes[list(chosen)]
+        return np.trace(np.linalg.inv(before + np.einsum("kqa,kqb->ab", rows, rows)))
+
+    # Exchanges end where no single one is better.
+    chosen = exchanged(slopes, greedy, before, np.eye(4)).tolist()
+    assert error(chosen) <= error(greedy)
+    for k in range(3):
+        for other in range(8):
+            assert error([*chosen[:k], other, *chosen[k + 1 :]]) >= error(chosen) - 1e-12
+
+
+@pytest.mark.parametrize(
+    ("how", "rank"),
+    [
+        ({}, 42),
+        ({"motion": "translations"}, 24),
+        ({"motion": "one axis"}, 36),
+        ({"measured": "position"}, 39),
+        ({"measured": "inclination"}, 35),
+    ],
+)
+def test_exact_ranks(how, rank):
+    assert exact_rank(nominal(), Model.of(nominal()), **how) == rank
+
+
+@pytest.mark.parametrize(
+    ("name", "offsets", "rank"), [("six-planes", False, 36), ("six-planes", True, 36)]
+)
+def test_an_offset_of_a_plane_can_never_be_told(name, offsets, rank):
+    from dataclasses import replace
+
+    instance = gspcli.load(data_path("examples", f"{name}.yaml"))
+    model = Model.of(instance)
+    free = model.free.copy()
+    free[model.geometry : model.geometry + 6] = offsets
+    assert free.sum() == 36 + 6 * offsets
+    assert exact_rank(instance, replace(model, free=free)) == rank
+
+
+def test_an_offset_of_a_plane_is_refused_in_words():
+    rng = np.random.default_rng(4)
+    instance = gspcli.load(data_path("examples", "fixture-3-2-1.yaml"))
+    from gspcli.geometry.quaternions import rotation_from_vector
+
+    R = rotation_from_vector(0.2 * rng.normal(size=(40, 3)))
+    T = 20 * rng.normal(size=(40, 3))
+    values = gspcli.measure(instance, R, T)
+    with pytest.raises(
+        gspcli.GspError, match="plane A along its normal, with the offset"
+    ) as caught:
+        gspcli.calibrate(instance, values, R, T, estimate=["offsets"])
+    assert "normal, with the offsets of constraints 1, 2 and 3" in str(caught.value)

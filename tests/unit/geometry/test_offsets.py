@@ -1,0 +1,224 @@
+"""An offset of a constraint is honoured by all that takes or tells values.
+
+Each test compares a platform with offsets with the same one whose values and ranges have them
+added by hand, and has at least one offset that would be seen.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import gspcli
+from gspcli.cli.main import run
+from gspcli.errors import ArgumentError, SpecError
+from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.limits import out_of_range
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.offsets import offsets, readings_of, values_of
+from gspcli.motion.following.limit_events import limit_events
+from gspcli.motion.poses.inverse_kinematics import values_at
+from gspcli.resources import data_path
+
+#: A leg that reads 0.02 too little, one that reads from a switch at 0.4, one without an offset.
+SHIFTS = {0: "0.02", 1: "0.4", 3: "-sqrt(2)/100"}
+
+
+def _added() -> Instance:
+    return gspcli.load(data_path("platforms", "rubin-m2.yaml"))
+
+
+def _offset() -> Instance:
+    """The same platform by its readings."""
+    rows = list(_added().constraints)
+    for k, text in SHIFTS.items():
+        rows[k] = replace(rows[k], offset=Number.of(text))
+    return replace(_added(), constraints=tuple(rows))
+
+
+def test_a_file_reads_back_and_states_readings():
+    text = gspcli.dumps(_offset())
+    assert "value: 0.473, range: [0.4589, 0.4871], offset: 0.02" in text
+    again = gspcli.loads(text)
+    assert again.constraints[0].value.fraction == Fraction("0.493")
+    assert again == gspcli.loads(gspcli.dumps(again))
+    for one, other in zip(again.constraints, _added().constraints, strict=True):
+        assert one.value.value == pytest.approx(other.value.value, abs=1e-15)
+        assert [x.value for x in one.limits] == pytest.approx([x.value for x in other.limits])
+
+
+def test_both_readers_agree():
+    from gspcli.spec.any_yaml import parse
+    from gspcli.spec.models import InstanceModel
+    from gspcli.spec.ordinary import read_ordinary
+    from gspcli.spec.plain import read_plainly
+
+    text = gspcli.dumps(_offset())
+    plain = read_plainly(read_ordinary(text, "spec"))
+    model = InstanceModel.model_validate(parse(text, "spec", []), context=[])
+    assert plain is not None
+    for one, other in zip(plain.constraints, model.constraints, strict=True):
+        assert one.offset == other.offset
+    assert plain.constraints[2].offset is None
+
+
+def test_solve_and_certify():
+    one, other = gspcli.solve(_offset()), gspcli.solve(_added())
+    assert len(one.solutions) == len(other.solutions)
+    assert np.abs(one.T - other.T).max() < 1e-9
+    assert gspcli.certify(_offset(), one.R, one.T).certified == len(one.R)
+    assert gspcli.certify(_misread(), one.R, one.T).certified == 0
+
+
+def _misread() -> Instance:
+    """The readings taken for values."""
+    given = _offset()
+    rows = tuple(
+        replace(row, value=row.reading_of(row.value), offset=None) for row in given.constraints
+    )
+    return replace(given, constraints=rows)
+
+
+def test_measure_is_the_inverse_of_solve():
+    given = _offset()
+    result = gspcli.solve(given)
+    at = result.real
+    measured = gspcli.measure(given, result.R[at].real, result.T[at].real)
+    stated = [row.reading_of(row.value).value for row in given.constraints]
+    assert measured == pytest.approx(np.tile(stated, (at.sum(), 1)), abs=1e-9)
+    plain = values_at(given, result.R[at].real, result.T[at].real)
+    assert np.abs(plain - measured - offsets(given)).max() < 1e-14
+
+
+def test_values_of_batches_and_settings_are_readings():
+    given, added = _offset(), _added()
+    readings = np.array([row.reading_of(row.value).value for row in given.constraints])
+    rows = readings + np.linspace(0, 0.005, 3)[:, None]
+    one = gspcli.solve_batch(given, rows)
+    other = gspcli.solve_batch(added, values_of(given, rows))
+    assert np.array_equal(np.nan_to_num(one.T), np.nan_to_num(other.T))
+    assert np.abs(readings_of(given, values_of(given, rows)) - rows).max() < 1e-15
+    for settings in ({1: "0.48"}, ["1=0.48"]):
+        changed = gspcli.set_values(given, settings)
+        assert changed.constraints[0].value.fraction == Fraction("0.5")
+    # A reading may be negative where the distance is not.
+    assert gspcli.set_values(given, {2: -0.01}).constraints[1].value.value == pytest.approx(0.39)
+    with pytest.raises(ArgumentError, match="at least 0"):
+        gspcli.set_values(given, {1: -0.03})
+
+
+def test_track_follows_readings_and_its_ranges():
+    given, added = _offset(), _added()
+    readings = np.array([row.reading_of(row.value).value for row in given.constraints])
+    rows = np.stack((readings, readings + 0.02))
+    one = gspcli.track(given, rows, modes=[1], certify=False)
+    other = gspcli.track(added, values_of(given, rows), modes=[1], certify=False)
+    assert np.abs(one.T - other.T).max() < 1e-12
+    events = [(e.constraint, e.leaves, e.low) for e in limit_events(one)]
+    assert events == [(e.constraint, e.leaves, e.low) for e in limit_events(other)]
+    assert {k for k, _, _ in events} == set(range(6))
+    assert not out_of_range(given, values_of(given, readings)).any()
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("count", "{}"),
+        ("analyze", "{}", "--mode", "1", "--format", "csv", "--part", "jacobian"),
+        ("export", "{}", "--to", "mjcf"),
+        ("workspace", "{}", "--format", "json"),
+    ],
+    ids=lambda arguments: arguments[0],
+)
+def test_commands_agree(arguments, tmp_path, capsys):
+    shown = []
+    for instance in (_offset(), _added()):
+        # The same decimal numbers, so that what is written is the same, too.
+        rows = tuple(
+            replace(row, value=Number.of(round(row.value.value, 9)), limits=None)
+            if row.limits is None or arguments[0] != "workspace"
+            else row
+            for row in instance.constraints
+        )
+        path = tmp_path / "platform.yaml"
+        path.write_text(gspcli.dumps(replace(instance, constraints=rows)))
+        shown.append((run([part.format(path) for part in arguments]), capsys.readouterr().out))
+    assert shown[0][0] == 0
+    assert shown[0] == shown[1]
+
+
+def test_clearance_tells_readings(tmp_path, capsys):
+    path = tmp_path / "platform.yaml"
+    path.write_text(gspcli.dumps(_offset()))
+    assert run(["clearance", str(path), "--mode", "1", "--format", "json"]) == 0
+    (mode,) = json.loads(capsys.readouterr().out)["modes"]
+    there = gspcli.measure(_offset(), mode["R"], mode["T"])
+    assert mode["values"] == pytest.approx(there, abs=1e-6)
+
+
+def test_scan_tells_readings(tmp_path, capsys):
+    outputs = []
+    for name, instance, low in (("offset", _offset(), 0.46), ("added", _added(), 0.48)):
+        path = tmp_path / f"{name}.yaml"
+        path.write_text(gspcli.dumps(instance))
+        assert run(["scan", str(path), "--vary", f"1={low}:{low + 0.02}:3", "--format", "csv"]) == 0
+        outputs.append(capsys.readouterr().out.splitlines()[1:])
+    first, second = ([row.split(",") for row in out] for out in outputs)
+    assert [row[1] for row in first] == [row[1] for row in second]
+    assert [float(row[0]) for row in first] == pytest.approx([0.46, 0.47, 0.48])
+
+
+PLANE = """\
+gsp: 1
+units: {length: mm, angle: deg}
+platform: {P: {point: [0, 0, 0]}, Q: {point: [1, 0, 0]}, R: {point: [0, 1, 0]}}
+base:
+  H: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}
+  I: {plane: {point: [0, 0, 0], normal: [0, 1, 0]}}
+  J: {plane: {point: [0, 0, 0], normal: [1, 0, 0]}}
+constraints:
+  - {distance: [P, H], value: 5, offset: 0.1, side: negative}
+  - {distance: [Q, H], value: -0.02, offset: 0.1, side: positive}
+  - {distance: [R, H], value: 1}
+  - {distance: [P, I], value: 1}
+  - {distance: [Q, I], value: 1}
+  - {distance: [P, J], value: 1}
+"""
+
+
+def test_an_offset_of_a_plane_is_added_to_the_signed_distance():
+    given = gspcli.loads(PLANE)
+    assert given.constraints[0].value.fraction == Fraction("4.9")
+    assert given.constraints[0].side is Side.NEGATIVE
+    assert given.constraints[1].value.fraction == Fraction("0.08")
+    assert gspcli.loads(gspcli.dumps(given)) == given
+    assert gspcli.measure(given, np.eye(3), [0, 0, -4.9])[0] == pytest.approx(-5)
+    signed, unsigned = offsets(given), offsets(given, signed=False)
+    assert signed[:2].tolist() == [0.1, 0.1]
+    assert unsigned[:2].tolist() == [-0.1, 0.1]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("offset: 0.1, side: positive", "offset: 0.1", "expected one only with a side"),
+        ("value: -0.02", "value: -0.2", "found '-0.2' with offset 0.1, expected a distance"),
+        ("offset: 0.1, side: neg", "offset: x, side: neg", "x"),
+    ],
+)
+def test_wrong_offsets_are_refused(old, new, message):
+    with pytest.raises(SpecError, match=message):
+        gspcli.loads(PLANE.replace(old, new))
+
+
+def test_offsets_of_python_objects():
+    point = gspcli.Point([0, 0, 0])
+    row = gspcli.distance(point, gspcli.Point([1, 0, 0]), 0.1, range=(0, 1), offset="0.2")
+    assert (row.value.fraction, row.offset.fraction) == (Fraction(3, 10), Fraction(1, 5))
+    assert [x.fraction for x in row.limits] == [Fraction(1, 5), Fraction(6, 5)]
+    with pytest.raises(ArgumentError, match="offset"):
+        gspcli.distance(point, point, 1, offset="nothing")

@@ -1,0 +1,104 @@
+"""Rebuild what docs/calibration.md shows: made-up measurements of a real machine, and pictures.
+
+    python -m tools.build.calibration_page [--check]
+
+The machine is `workspace-study-cones`. Its joints are moved and its legs get offsets at random, as
+if it had been made to 0.15 mm; the poses are those of ``gsp calibrate --plan`` and some at random;
+what is read and seen there has normal noise of the size that the page states. One reading is wrong
+by 0.2 mm, so that there is something to find.
+"""
+
+from __future__ import annotations
+
+import io
+from contextlib import redirect_stderr, redirect_stdout
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+import gspcli
+from gspcli.calibration.parameters import Model
+from gspcli.calibration.planning import candidates, planned
+from gspcli.cli.main import run
+from gspcli.geometry.measurement import measured
+from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_vector
+from gspcli.resources import instance_files
+from tools.recording import ROOT, parser, save
+
+SEED = 14
+MADE = 0.15
+#: Standard deviations: mm of readings and positions, degrees of rotations.
+SIGMA = {"value": 0.002, "position": 0.005, "rotation": 0.001}
+#: Row and constraint of the reading that is wrong, and by how much (mm).
+WRONG = (8, 3, 0.2)
+FOLDER = ROOT / "docs" / "calibration"
+IMAGES = ROOT / "docs" / "images"
+HEAD = "# made up: python -m tools.build.calibration_page\nt,1,2,3,4,5,6,x,y,z,qw,qx,qy,qz\n"
+
+
+def _home(machine: gspcli.Instance) -> tuple[np.ndarray, np.ndarray]:
+    """Return the mode that is turned least, the upper one."""
+    result = gspcli.solve(machine)
+    R, T = result.R[result.real].real, result.T[result.real].real
+    trace = np.trace(R, axis1=1, axis2=2).round(6)
+    best = int(np.lexsort((T[:, 2], trace))[-1])
+    return R[best], T[best]
+
+
+def _measured(truth: Model, R: np.ndarray, T: np.ndarray, rng: np.random.Generator) -> str:
+    """Return a file of what is read and seen at poses."""
+    values = measured(truth.bodies(), R, T) - truth.offsets
+    values += SIGMA["value"] * rng.normal(size=values.shape)
+    if len(values) > WRONG[0] and np.ptp(R, axis=0).max() > 0:
+        values[WRONG[0] - 1, WRONG[1] - 1] += WRONG[2]
+    turn = rotation_from_vector(np.deg2rad(SIGMA["rotation"]) * rng.normal(size=T.shape))
+    R, T = turn @ R, T + SIGMA["position"] * rng.normal(size=T.shape)
+    lines = [
+        ",".join([str(k), *(f"{x:.4f}" for x in (*row, *place)), *(f"{x:.7f}" for x in q)])
+        for k, (row, place, q) in enumerate(
+            zip(values, T, quaternion_from_rotation(R), strict=True), 1
+        )
+    ]
+    return HEAD + "\n".join(lines) + "\n"
+
+
+def _picture(*words: str) -> bytes:
+    with TemporaryDirectory() as folder, redirect_stdout(io.StringIO()):
+        path = Path(folder) / "picture.svg"
+        with redirect_stderr(io.StringIO()) as said:
+            code = run(["calibrate", "@workspace-study-cones", *words, "-o", str(path)])
+        if code:
+            raise SystemExit(said.getvalue())
+        return path.read_bytes()
+
+
+def main() -> int:
+    """Write the files, or compare them."""
+    options = parser(__doc__).parse_args()
+    machine = gspcli.load(instance_files()["workspace-study-cones"])
+    rng = np.random.default_rng(SEED)
+    model = Model.of(machine)
+    truth = model.moved(np.where(model.free, MADE * model.sizes * rng.normal(size=60), 0.0))
+    R, T = _home(machine)
+    plan = planned(machine, 16, R, T, sigma=SIGMA)
+    more = candidates(machine, R, T, SEED, count=8)
+    poses = np.concatenate((plan.R, more[0])), np.concatenate((plan.T, more[1]))
+    level = T + rng.uniform(-1, 1, (20, 3)) * [10, 10, 8]
+    files: dict[Path, str | bytes] = {
+        FOLDER / "measured.csv": _measured(truth, *poses, rng),
+        FOLDER / "level.csv": _measured(truth, np.broadcast_to(R, (20, 3, 3)), level, rng),
+    }
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "measured.csv"
+        path.write_text(str(files[FOLDER / "measured.csv"]), encoding="utf-8")
+        words = [str(path)]
+        for name, sigma in SIGMA.items():
+            words += ["--sigma", f"{name}={sigma}"]
+        files[IMAGES / "calibration-wrong.svg"] = _picture(*words)
+        files[IMAGES / "calibration-robust.svg"] = _picture(*words, "--robust")
+    return save(files, check=options.check, confirmed="the measurements and pictures of the page")
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
