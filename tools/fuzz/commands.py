@@ -326,7 +326,9 @@ def record(rows: list[dict[str, object]], seed: int) -> None:
 
 
 def _recorded() -> list[dict[str, str]]:
-    return list(csv.DictReader(TARGET.open(encoding="utf-8"))) if TARGET.is_file() else []
+    if not TARGET.is_file():
+        return []
+    return list(csv.DictReader(TARGET.read_text(encoding="utf-8").splitlines()))
 
 
 def recorded_otherwise() -> list[str]:
