@@ -123,11 +123,11 @@ def command(
 
     \b
     Examples:
-      gsp calibrate machine.yaml measured.csv --sigma value=0.001 --sigma position=0.005 \\
+      gsp calibrate machine.yaml measured.csv --sigma value=0.001 \\
         --sigma rotation=0.001
       gsp calibrate machine.yaml measured.csv -o calibrated.yaml
       gsp calibrate machine.yaml measured.csv -o residuals.svg
-      gsp calibrate machine.yaml tracker.csv --estimate frames --robust --format json
+      gsp calibrate machine.yaml tracker.csv --estimate frames --robust
       gsp calibrate machine.yaml --plan 12 -o poses.csv
       gsp calibrate machine.yaml measured.csv --plan 6
     """

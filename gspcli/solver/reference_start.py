@@ -67,7 +67,7 @@ class Reference:
     Attributes
     ----------
     start
-        Its system in canonical order, balanced.
+        Its system in canonical order; with products balanced.
     scale
         The unit of f in it.
     """
@@ -116,10 +116,13 @@ def _solved_reference(structure: Structure) -> Reference | None:
         points = tracked.first().points
         if not tracked.is_regular or len(points) != path_count(structure):
             continue
-        balanced, unit = given.coefficients.balanced()
-        points[:, 4:] /= float(unit)
+        scale = 1.0
+        if any(structure.products):
+            balanced, unit = given.coefficients.balanced()
+            given, scale = System(structure, balanced), float(unit)
+            points[:, 4:] /= scale
         points /= np.linalg.norm(points, axis=1, keepdims=True)
-        return Reference(StartSystem(System(structure, balanced), points), float(unit))
+        return Reference(StartSystem(given, points), scale)
     return None
 
 
