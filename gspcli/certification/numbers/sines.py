@@ -17,7 +17,7 @@ Pair = tuple[Array, Array]
 #: Absolute error of what is computed here. Of an argument of at most 1.6 the terms that are left
 #: out are less than 2^-108. With u = 2^-53 a product errs by at most 5 u^2 of itself, and a sum by
 #: 4 u^2 of the moduli of what is added; the argument errs by 7 u^2 of itself. By Horner's rule term
-#: k errs by at most (28 k + 12) u^2 of itself: its k products and sums, its coefficient, the squares
+#: k errs by at most (28 k + 12) u^2 of itself: its products and sums, its coefficient, the squares
 #: and the argument; less than 64 u^2 = 2^-100 for the sum of all terms. Those computed in doubles
 #: are less than 2^-50, and err by 2^-49 of themselves at most.
 SINE_ERROR = 2.0**-96
