@@ -203,7 +203,8 @@ struct Rounded {
 // nearest multiple of kGrid units.
 INLINE Rounded round_entry(const V& x, const D& error, const D& unit) {
   const D size = x.hi < 0.0 ? -x.hi : x.hi, none = D{};
-  const D base = size < kSmall * unit ? 1.5 * kSmall * unit : none;
+  // The sum is of the binade whose last digit is kGrid units.
+  const D small = kSmall * unit, base = size < small ? (x.hi < 0.0 ? 2.0 * small : small) : none;
   const V s = exact_sum(base, x.hi);
   const D rest = s.lo + x.lo, reach = kOutward * (error + 0x1p-50 * (rest < 0.0 ? -rest : rest));
   const D up = s.hi + (rest + reach), down = s.hi + (rest - reach);

@@ -22,7 +22,7 @@ constexpr int kQuaternion = 4, kCoordinates = 3, kNumbers = kQuaternion + kCoord
 constexpr double kDecimals = 1e9;
 
 struct Key {
-  std::array<double, 2 * kNumbers> number;  // real parts first
+  std::array<double, 4 * kNumbers> number;  // rounded, then as they are; real parts first
   bool real;
 
   // What is not a number comes last.
@@ -47,10 +47,13 @@ nb::object order(Array<bool, 1> real, Array<std::complex<double>, 2> quaternions
   for (std::size_t i = 0; i < count; ++i) {
     keys[i].real = real(i);
     for (int k = 0; k < kNumbers; ++k) {
-      const std::complex<double> x =
-          k < kQuaternion ? quaternions(i, k) : translations(i, k - kQuaternion) * (1.0 / unit);
-      keys[i].number[k] = std::rint(x.real() * kDecimals);
-      keys[i].number[kNumbers + k] = std::rint(x.imag() * kDecimals);
+      const bool turning = k < kQuaternion;
+      const std::complex<double> x = turning ? quaternions(i, k) : translations(i, k - kQuaternion),
+                                 part = turning ? x : x * (1.0 / unit);
+      keys[i].number[k] = std::rint(part.real() * kDecimals);
+      keys[i].number[kNumbers + k] = std::rint(part.imag() * kDecimals);
+      keys[i].number[2 * kNumbers + k] = x.real();
+      keys[i].number[3 * kNumbers + k] = x.imag();
     }
   }
   auto found = std::make_unique<std::int64_t[]>(count);

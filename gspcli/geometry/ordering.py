@@ -19,7 +19,7 @@ def stable_order(
 
     Real ones come first; then by the quaternion, then by the translation, each component in turn,
     rounded to nine decimals (translations in powers of ten of the typical length), real parts
-    before imaginary parts.
+    before imaginary parts. Poses that agree in all of these are compared with all their digits.
 
     Parameters
     ----------

@@ -97,7 +97,7 @@ def solve_values(
         The geometry, units and sides.
     values
         Distances and angles in the units and order of the instance, shape (batch, 6); offsets are
-        added to them.
+        added to them. Doubles are meant exactly, as fractions.
     seed, jobs, starts
         As for `solve`.
     certify

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from functools import cached_property
 from math import ceil, log2
 from typing import TYPE_CHECKING
@@ -69,7 +70,8 @@ class Problem:
 
     def with_values(self, values: NDArray[np.float64]) -> Problem:
         """Return the same geometry with other values (6,), doubles that are meant exactly."""
-        numbers = {i: Number.of(x) for i, x in enumerate(values.tolist())}
+        # Of a float itself a number would be the shortest decimal.
+        numbers = {i: Number.of(Fraction(x)) for i, x in enumerate(values.tolist())}
         return Problem(
             self.instance.with_values(numbers),
             self.arrangement.with_values(values),

@@ -211,8 +211,8 @@ HEAVY = {"numpy", "sympy", "pandas", "flint", "pydantic", "yaml", "rich", "scipy
         (
             "from gspcli.cli.main import run; run(['solve', '@nano-hexapod', '--format', 'json'])",
             # `numpy.ma` is loaded by `np.unique`, which takes as long as solving that platform, and
-            # nothing is to be searched.
-            HEAVY - {"numpy", "flint"} | {"numpy.ma", "gspcli.solver.search"},
+            # no path is to be followed with more digits.
+            HEAVY - {"numpy", "flint"} | {"numpy.ma", "gspcli.solver.strategies.more_digits"},
         ),
     ],
 )

@@ -41,7 +41,7 @@ from gspcli.certification.numbers.rounding import (
     ROUNDED,
     TINY,
 )
-from gspcli.certification.numbers.sines import SINE_ERROR, cosines, sines
+from gspcli.certification.numbers.sines import SINE_ERROR, sines
 from gspcli.defaults import TOLERANCE
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
 from gspcli.geometry.numbers import Number
@@ -113,6 +113,7 @@ class ValueProofs:
         given = instance.constraints
         self.kinds = tuple([row.kind for row in given])
         self._distances = [i for i, kind in enumerate(self.kinds) if kind.is_distance]
+        self._angles = [i for i, kind in enumerate(self.kinds) if not kind.is_distance]
         largest = None if rows is None else np.abs(rows[:, self._distances]).max(axis=0).tolist()
         self.scale = length_scale(instance, largest)
         zero = [
@@ -135,29 +136,31 @@ class ValueProofs:
         """Return the equations; None if the frames are too far from the platform for doubles."""
         return cls(instance, rows) if LocalFrames.of(instance).is_none else None
 
-    def _cosines(self, kind: Kind, angles: Array) -> Array:
-        """Return the values of ``R u . v`` that angles ask for (`Statement.cosine`)."""
+    def _cosines(self, rows: Array) -> tuple[Array, Array]:
+        """Return the values of ``R u . v`` that angles ask for (`Statement.cosine`), (2, b, k)."""
+        laws = [self.kinds[i].law for i in self._angles]
+        signs, complements = np.array([x.sign for x in laws]), np.array([x.is_cosine for x in laws])
         degrees = self.instance.units.angle is AngleUnit.DEGREE
-        function = cosines if kind.law.is_cosine else sines
-        return function(angles, degrees=degrees) * kind.law.sign
+        high, low = sines(rows[:, self._angles], complements, degrees=degrees)
+        return high * signs, low * signs
 
     def _values(self, rows: Array, choices: Array) -> Array:
         """Return what the kernel wants of each value (native/ends.hpp), shape (b, k, 6, 6)."""
         values = np.repeat(rows[:, None, :], len(choices), axis=1)
         bounds, lows, gaps = np.empty_like(values), np.zeros_like(values), np.zeros_like(values)
-        for i, kind in enumerate(self.kinds):
-            if kind.is_distance:
-                # Exact: a power of two.
-                values[..., i] /= self.scale
-                if kind in (DPH, DHP):
-                    values[..., i] *= choices[:, i]
-                else:
-                    values[..., i], lows[..., i] = two_product(values[..., i], values[..., i])
-                bounds[..., i] = np.abs(values[..., i])
+        for i in self._distances:
+            # Exact: a power of two.
+            values[..., i] /= self.scale
+            if self.kinds[i] in (DPH, DHP):
+                values[..., i] *= choices[:, i]
             else:
-                values[..., i] = self._cosines(kind, rows[:, i])[:, None]
-                bounds[..., i] = np.abs(values[..., i]) + _COSINE_ERROR
-                gaps[..., i] = SINE_ERROR
+                values[..., i], lows[..., i] = two_product(values[..., i], values[..., i])
+            bounds[..., i] = np.abs(values[..., i])
+        if self._angles:
+            k = self._angles
+            values[..., k], lows[..., k] = (x[:, None] for x in self._cosines(rows))
+            bounds[..., k] = np.abs(values[..., k]) + _COSINE_ERROR
+            gaps[..., k] = SINE_ERROR
         distances = np.broadcast_to(np.abs(rows)[:, None] / self.scale, values.shape)
         return np.stack((values, bounds, distances, lows, gaps, np.zeros_like(gaps)), axis=2)
 

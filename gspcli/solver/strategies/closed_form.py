@@ -17,6 +17,8 @@ def closed_form(problem: Problem) -> Iterator[Ends]:
     found = study_points(given, given.values[given.distances][None], given.values[None])
     if not found.general[0]:
         return
-    same = (problem.choices[:, None] == found.signs).all(axis=2)
-    if same.any(axis=1).all():
-        yield Ends(found.points[0][np.argmax(same, axis=1)], problem.frames)
+    # The two signs of a distance of lines are both of one side.
+    signs = np.where(given.sided, found.signs, 1.0)
+    each = [found.points[0, (signs == choice).all(axis=1)] for choice in problem.choices]
+    if all(len(points) for points in each):
+        yield Ends(np.stack(each).reshape(len(each), -1, 8), problem.frames)

@@ -1,15 +1,13 @@
-"""Ends of paths with more digits: what Newton's method reaches, and what it leaves alone."""
+"""Paths followed with more digits: all of them arrive, each once, with the digits asked for."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from gspcli.continuation.monodromy import random_quadrics
 from gspcli.continuation.systems import Coefficients, FineCoefficients, Structure, System
-from gspcli.continuation.tracked_paths import track_all
+from gspcli.continuation.tracked_paths import joined_ends, track_all
 
 
 @pytest.fixture(scope="module")
@@ -25,17 +23,51 @@ def target(tracked_paths):
     return FineCoefficients.of(exactly)
 
 
-def test_simple_ends_are_known_to_64_digits(tracked_paths, target):
-    ends = tracked_paths.first()
-    better = tracked_paths.improved(ends, target)
-    assert better.digits == 64
-    assert better.low.shape == (tracked_paths.paths, 3, 8)
-    assert np.abs(better.points - ends.points).max() < 1e-12 * np.abs(ends.points).max()
-    # Of the same end with an error Newton's method makes the same numbers, in any multiple.
-    shaken = replace(ends, points=ends.points * (1 + 1e-9 * np.random.default_rng(2).random(8)))
-    again = tracked_paths.improved(shaken, target)
-    for one, other in zip(_ratios(better), _ratios(again), strict=True):
-        assert abs(one - other) < 1e-50
+def _in_order(tracked_paths, index, target, **options):
+    """Return the ends of some paths in the order of their indices."""
+    parts = list(tracked_paths.track(index, target, **options))
+    which = np.concatenate([index for index, _ in parts])
+    assert sorted(which.tolist()) == list(range(len(index)))
+    return joined_ends([ends for _, ends in parts]).take(np.argsort(which))
+
+
+def _overlaps(one, other):
+    one, other = (x / np.linalg.norm(x, axis=1)[:, None] for x in (one, other))
+    return np.abs(one.conj() @ other.T)
+
+
+@pytest.mark.parametrize("few", [1, 12])
+@pytest.mark.parametrize("digits", [32, 64])
+def test_paths_that_arrive_early_come_first_and_each_once(
+    tracked_paths, target, digits, few, monkeypatch
+):
+    monkeypatch.setattr("gspcli.continuation.tracked_paths._FEW_STEPS", few)
+    index = np.arange(3, 9)
+    parts = list(tracked_paths.track(index, target, digits=digits))
+    assert len(parts) == (1 if few > 1 else 2)
+    assert sorted(np.concatenate([which for which, _ in parts]).tolist()) == list(range(6))
+    first = tracked_paths.first().points[index]
+    for which, ends in parts:
+        assert ends.digits == digits
+        assert ends.low.shape == (len(which), 3, 8)
+        assert ends.converged.all()
+        # With more digits each path leads where it led with few.
+        assert np.diag(_overlaps(ends.points, first[which])).min(initial=1) > 1 - 1e-12
+
+
+@pytest.mark.parametrize(("digits", "near"), [(32, 1e-22), (64, 1e-46)])
+def test_ends_have_the_digits_that_were_asked_for(tracked_paths, target, digits, near):
+    """Along other random paths the same solutions are reached, in other multiples."""
+    every = np.arange(tracked_paths.count)
+    index = every if digits == 32 else every[:4]
+    ends = _in_order(tracked_paths, index, target, digits=digits)
+    others = _in_order(tracked_paths, every, target, digits=digits, attempt=1)
+    overlaps = _overlaps(ends.points, others.points)
+    partner = overlaps.argmax(axis=1)
+    assert overlaps[np.arange(len(index)), partner].min() > 1 - 1e-12
+    ratios = _ratios(others)
+    for one, k in zip(_ratios(ends), partner.tolist(), strict=True):
+        assert abs(one - ratios[k]) < near * abs(one)
 
 
 def _ratios(ends):
@@ -50,37 +82,7 @@ def _ratios(ends):
         return [(a / b).mid() for a, b in sums]
 
 
-def test_what_newtons_method_does_not_settle_stays(tracked_paths, target):
-    ends = tracked_paths.first().take(np.arange(3))
-    wrong = replace(ends, points=np.full_like(ends.points, np.nan))
-    same = tracked_paths.improved(wrong, target)
-    assert np.isnan(same.points).all()
-    assert not same.low.any()
-
-
-def test_newtons_method_with_32_digits_says_where_it_converges(tracked_paths, target):
-    ends = tracked_paths.first().take(np.arange(6))
-    shaken = ends.points * (1 + 1e-6 * np.random.default_rng(3).random(8))
-    shaken[4] = np.nan
-    index, better = tracked_paths.converged(replace(ends, points=shaken), target)
-    assert sorted(index.tolist()) == [0, 1, 2, 3, 5]
-    assert better.digits == 32
-    units = [x / np.linalg.norm(x, axis=1)[:, None] for x in (better.points, ends.points[index])]
-    overlap = np.abs((units[0] * units[1].conj()).sum(axis=1))
-    assert overlap.min() > 1 - 1e-12
-    none, nothing = tracked_paths.converged(ends.take(np.zeros(6, np.bool_)), target)
-    assert len(none) == len(nothing.points) == 0
-
-
-@pytest.mark.parametrize("few", [1, 12])
-def test_paths_that_arrive_early_come_first_and_each_once(tracked_paths, target, few, monkeypatch):
-    monkeypatch.setattr("gspcli.continuation.tracked_paths._FEW_STEPS", few)
-    index = np.arange(8)
-    parts = list(tracked_paths.deeply(index, target))
-    assert len(parts) == (1 if few > 1 else 2)
-    assert sorted(np.concatenate([which for which, _ in parts]).tolist()) == index.tolist()
-    first = tracked_paths.first().points[:8]
-    for which, ends in parts:
-        assert ends.settled.all()
-        units = [x / np.linalg.norm(x, axis=1)[:, None] for x in (ends.points, first[which])]
-        assert np.abs((units[0] * units[1].conj()).sum(axis=1)).min(initial=1) > 1 - 1e-12
+def test_no_paths_have_no_ends(tracked_paths, target):
+    for digits in (32, 64):
+        ends = _in_order(tracked_paths, np.arange(0), target, digits=digits)
+        assert len(ends.points) == len(ends.low) == len(ends.converged) == 0

@@ -162,9 +162,9 @@ def test_both_sides_are_the_plate_on_both_faces(length: str) -> None:
 
 
 def test_one_pose_too_few_or_too_many_is_never_complete(monkeypatch: pytest.MonkeyPatch) -> None:
-    from gspcli.solver import special
+    from gspcli.solver import by_count
 
-    count = special.exact_count(_spec(*LONG_FOOT))
+    count = by_count.exact_count(_spec(*LONG_FOOT))
     assert count is not None
     (side,) = count.sides
     for wrong in (3, 5):
@@ -172,7 +172,9 @@ def test_one_pose_too_few_or_too_many_is_never_complete(monkeypatch: pytest.Monk
                       for p in side.parts)  # fmt: skip
         other = replace(side, solutions=wrong, distinct=wrong, parts=parts)
         said = replace(count, solutions=wrong, distinct=wrong, sides=(other,))
-        monkeypatch.setattr(special, "exact_count", _told(count.primes, said, special.exact_count))
+        monkeypatch.setattr(
+            by_count, "exact_count", _told(count.primes, said, by_count.exact_count)
+        )
         result = solve(_spec(*LONG_FOOT))
         assert result.verdict == "incomplete"
         assert not result.certified.any()

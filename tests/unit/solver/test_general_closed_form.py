@@ -1,5 +1,6 @@
 """The closed form of one platform at once: as the one of many sets of values finds them."""
 
+from fractions import Fraction
 from itertools import islice
 
 import numpy as np
@@ -8,11 +9,14 @@ import pytest
 from bench.cases import random_instances
 from gspcli import load, solve
 from gspcli.certification.poses.many_values import ValueProofs
-from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.numbers import Number
 from gspcli.resources import data_path
-from gspcli.solver.closed_form import solve_closed_form
-from gspcli.solver.closed_form_proofs import proved_closed_form, proved_general_form
+from gspcli.solver.all_poses import all_poses
+from gspcli.solver.closed_form import solve_closed_forms
+from gspcli.solver.closed_form_proofs import block_of, prove_closed_forms
+from gspcli.solver.problem import Problem
+from gspcli.solver.proof import CountKind
+from gspcli.solver.strategies.closed_form import closed_form
 
 TYPES = (
     "DPL DPL DLP 3ALL",
@@ -22,32 +26,47 @@ TYPES = (
 )
 
 
+def refused(*_):
+    message = "no paths are to be needed"
+    raise AssertionError(message)
+
+
+def exactly(values):
+    return {i: Number.of(Fraction(x)) for i, x in enumerate(values.tolist())}
+
+
 @pytest.mark.parametrize("type_text", TYPES)
-def test_poses_accounts_and_proofs_are_those_of_the_careful_way(type_text):
-    compared = 0
-    for instance in islice(random_instances(type_text, 5), 4):
-        arrangement, proofs = Arrangement.of(instance), ValueProofs.of(instance, None)
-        quick = proved_general_form(proofs, arrangement)
-        careful = proved_closed_form(proofs, arrangement, solve_closed_form(arrangement))
-        if quick is None or careful is None or careful.proof is None:
-            continue
-        compared += 1
-        quick, careful = (poses.in_order(arrangement.length) for poses in (quick, careful))
-        assert (quick.account, quick.proof) == (careful.account, careful.proof)
-        assert len(quick.R) == instance.expected
-        np.testing.assert_array_equal(quick.real, careful.real)
-        np.testing.assert_allclose(quick.R, careful.R, rtol=0, atol=1e-9)
-        np.testing.assert_allclose(quick.T, careful.T, rtol=0, atol=1e-8 * arrangement.length)
-    assert compared > 1
+def test_poses_accounts_and_proofs_are_those_of_many_sets_of_values(type_text, monkeypatch):
+    monkeypatch.setattr(Problem, "tracked", property(refused))
+    for given in islice(random_instances(type_text, 5), 4):
+        values = np.array([row.value.value for row in given.constraints])
+        instance = given.with_values(exactly(values))
+        problem, proofs = Problem(instance), ValueProofs.of(instance, values[None])
+        found = list(solve_closed_forms(problem.arrangement, values[None]))
+        _, poses = prove_closed_forms(proofs, problem.arrangement, values[None], found)
+        assert poses.complete.all()
+        (many,) = block_of(poses, np.zeros(1, int))
+        one, many = (x.in_order(problem.arrangement.length) for x in (all_poses(problem), many))
+        assert (one.account, one.proof) == (many.account, many.proof)
+        assert len(one.R) == instance.expected
+        for name in ("quaternions", "R", "T", "real"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(many, name))
 
 
 def test_what_is_special_goes_the_careful_way():
     example = load(str(data_path("examples", "example-6.8.yaml")))
     special = example.with_values({5: Number.of("sqrt(52)")})  # cylinders touch
-    (general,) = islice(random_instances("DPL DPL DLP 3ALL", 5), 1)
+    assert list(closed_form(Problem(special))) == []
+    found = solve(special)
+    assert found.verdict == "complete"
+    assert (found.multiplicity > 1).any()
+
+
+@pytest.mark.parametrize("certify", [True, False])
+def test_both_sides_of_planes_are_found_at_once(certify, monkeypatch):
+    monkeypatch.setattr(Problem, "tracked", property(refused))
     two_sided = next(random_instances("DPH DPL DPP 3ALL", 5, one_sided=False))
-    for instance in (special, two_sided):
-        proofs = ValueProofs.of(instance, None)
-        assert proved_general_form(proofs, Arrangement.of(instance)) is None
-    assert solve(general, certify=False).proof is None
-    assert solve(two_sided).verdict == "complete"
+    found = solve(two_sided, certify=certify)
+    assert found.verdict == "complete"
+    assert found.proof.by is CountKind.TYPE
+    assert found.certified.all()

@@ -4,25 +4,19 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.parsing import parse_type
-from gspcli.continuation.reduced_homotopy import LONG_STEPS
-from gspcli.continuation.start import distinct, path_count, start_system
+from gspcli.continuation.start import distinct, path_count
 from gspcli.continuation.systems import Coefficients, Structure, System
 from gspcli.continuation.tracked_paths import track_all
 from gspcli.continuation.tracker import track
 from gspcli.continuation.tracker_options import SHORT
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.solver import direct, solve, tracking
 from gspcli.solver import reference_start as references
+from gspcli.solver import solve
 from gspcli.solver.generate import random_instance
+from gspcli.solver.solved_starts import SolvedStarts
 from gspcli.solver.study_systems import coefficients_at
 
 TYPES = ("5PP PL", "4PL 2LP", "2DLL 2PL PH ALL")
-
-
-@pytest.fixture(autouse=True)
-def nothing_kept():
-    references._uses.cache_clear()
-    references._reference.cache_clear()
 
 
 def platforms(name, number):
@@ -30,11 +24,15 @@ def platforms(name, number):
     return [random_instance(parse_type(name), rng)[0] for _ in range(number)]
 
 
+def reference_of(structure):
+    return references._solved_reference(structure.canonical())
+
+
 def test_a_reference_is_solved_when_it_is_asked_for_again():
-    structure = Structure("psssss", (True,) + (False,) * 5)
-    assert references.reference_start(structure) is None
-    start = references.reference_start(structure).start
-    assert references.reference_start(structure).start is start
+    structure, starts = Structure("psssss", (True,) + (False,) * 5), SolvedStarts()
+    assert references.reference_start(structure, starts) is None
+    start = references.reference_start(structure, starts).start
+    assert references.reference_start(structure, starts).start is start
     assert len(start.points) == path_count(structure) == 80
     assert distinct(start.points)
     assert start.system.residuals(start.points).max() < 1e-10
@@ -42,30 +40,29 @@ def test_a_reference_is_solved_when_it_is_asked_for_again():
 
 
 def test_lines_that_meet_have_none():
-    structure = Structure("llssss", (False, True) + (False,) * 4)
-    assert [references.reference_start(structure) for _ in range(2)] == [None, None]
+    structure, starts = Structure("llssss", (False, True) + (False,) * 4), SolvedStarts()
+    assert [references.reference_start(structure, starts) for _ in range(2)] == [None, None]
 
 
 @pytest.mark.parametrize("name", TYPES)
 def test_the_answer_is_that_of_the_stored_start(name, monkeypatch):
-    stored, first, near = platforms(name, 3), platforms(name, 3), []
-    known = solve(stored[0])
-    solve(first[1])
+    first, second = platforms(name, 2)
+    known, starts, near = solve(first, starts=SolvedStarts()), SolvedStarts(), []
+    solve(second, starts=starts)
     follow = references.track_near
 
     def watched(*args, **options):
         near.append(True)
         return follow(*args, **options)
 
-    monkeypatch.setattr(tracking, "track_near", watched)
-    found = solve(first[0])
+    monkeypatch.setattr(references, "track_near", watched)
+    found = solve(first, starts=starts)
     assert near
     assert found.proof == known.proof is not None
     assert found.certified.all()
     assert found.counts == known.counts
-    # Two conjugates that agree in nine decimals may change places.
-    gaps = np.linalg.norm(found.T[:, None] - known.T[None], axis=2).min(axis=0)
-    assert (gaps < 1e-7 * (1 + np.linalg.norm(known.T, axis=1))).all()
+    for part in ("quaternions", "R", "T", "real"):
+        np.testing.assert_array_equal(getattr(found, part), getattr(known, part))
 
 
 def test_paths_are_shorter():
@@ -74,10 +71,9 @@ def test_paths_are_shorter():
         structure, coefficients = coefficients_at(Arrangement.of(given).normalized)
         target = System.of(structure, *(part[0] for part in coefficients))
         (far,) = track_all([target], seed=1, options=SHORT)
-        references.reference_start(structure)
-        reference = references.reference_start(structure)
+        reference = reference_of(structure)
         ordered = Coefficients(*(part[:, list(structure.order)] for part in coefficients))
-        (near,) = references.track_near(reference, ordered, seed=1, jobs=1, options=SHORT)
+        (near,) = references.track_near(reference, ordered, seed=1, jobs=1)
         steps.append((near._results.steps.mean(), far._results.steps.mean()))
     near, far = np.mean(steps, axis=0)
     assert near < 0.65 * far
@@ -87,7 +83,7 @@ def test_paths_are_shorter():
 def test_a_reference_in_other_frames_is_the_same_platform(name):
     (given,) = platforms(name, 1)
     structure, _ = coefficients_at(Arrangement.of(given).normalized)
-    reference = references._reference(structure.canonical())
+    reference = reference_of(structure)
     start, turned = reference.start, reference.turned
     np.testing.assert_allclose(turned.maps[0], np.eye(8), atol=1e-15)
     np.testing.assert_allclose(turned.coefficients.g[0], start.system.coefficients.g, atol=1e-15)
@@ -103,7 +99,7 @@ def test_the_frames_are_those_in_which_equations_are_most_alike():
     steps = []
     for given in platforms("5PP PL", 8):
         structure, coefficients = coefficients_at(Arrangement.of(given).normalized)
-        reference = references._reference(structure.canonical())
+        reference = reference_of(structure)
         ordered = Coefficients(*(part[:, list(structure.order)] for part in coefficients))
         own = references.Reference(reference.start, reference.scale)
         first = reference.turned.coefficients.take(slice(0, 1))
@@ -114,7 +110,7 @@ def test_the_frames_are_those_in_which_equations_are_most_alike():
             near, inner = references._nearest(each, ordered.in_units(np.array(each.scale)))
             parts = zip(inner.normalized()[:2], near.system.coefficients[:2], strict=True)
             likeness = sum((x[0] * y.conj()).sum().real for x, y in parts)
-            (tracked_paths,) = references.track_near(each, ordered, seed=1, jobs=1, options=SHORT)
+            (tracked_paths,) = references.track_near(each, ordered, seed=1, jobs=1)
             found.append((likeness, tracked_paths._results.steps.mean()))
         assert found[0][0] >= found[1][0]
         steps.append([x for _, x in found])
@@ -127,7 +123,7 @@ def test_the_frames_are_those_in_which_equations_are_most_alike():
 def test_real_quadrics_are_followed_as_complex_ones_are(name, build):
     (given,) = platforms(name, 1)
     structure, coefficients = coefficients_at(Arrangement.of(given).normalized)
-    reference = references._reference(structure.canonical())
+    reference = reference_of(structure)
     ordered = Coefficients(*(part[:, list(structure.order)] for part in coefficients))
     inner = ordered.in_units(np.array(reference.scale))
     start, target = references._nearest(reference, inner)
@@ -151,56 +147,8 @@ def test_normals_of_three_planes_do_not_become_dependent_on_the_way():
     lost = 0
     for given in platforms("3PH 3DLL", 8):
         structure, coefficients = coefficients_at(Arrangement.of(given).normalized)
-        reference = references._reference(structure.canonical())
+        reference = reference_of(structure)
         ordered = Coefficients(*(part[:, list(structure.order)] for part in coefficients))
-        for near in references.track_near(reference, ordered, seed=1, jobs=1, options=SHORT):
+        for near in references.track_near(reference, ordered, seed=1, jobs=1):
             lost += (near._results.status != 0).sum()
     assert lost == 0
-
-
-@pytest.mark.parametrize("name", ["6PP", "3PH 3HP", "3PP 2PH ALL"])
-def test_without_products_long_steps_of_real_forms_are_proved(name, monkeypatch):
-    first, second = platforms(name, 2)
-    known = solve(second)
-    solve(first)
-    used = []
-    proved = direct._proved_from
-
-    def watched(start, options, *args):
-        found = proved(start, options, *args)
-        used.append((start.system.is_real, options is LONG_STEPS, found is not None))
-        return found
-
-    monkeypatch.setattr(direct, "_proved_from", watched)
-    found = solve(second)
-    assert used == [(False, True, True)]
-    assert found.certified.all()
-    assert len(found.R) == found.expected == known.expected
-    np.testing.assert_allclose(found.T, known.T, atol=1e-8)
-
-
-@pytest.mark.parametrize("lost", [1, 40])
-def test_lost_and_colliding_paths_are_followed_again(lost, monkeypatch):
-    first, second = platforms("6PP", 2)
-    known = solve(second)
-    solve(first)
-    ends = direct.ends_from_start
-
-    def spoilt(start, quadrics, options):
-        points = ends(start, quadrics, options)
-        if options is LONG_STEPS:
-            points[2] = points[3]
-            points[:lost] = np.nan
-        return points
-
-    stored = []
-    monkeypatch.setattr(direct, "ends_from_start", spoilt)
-    monkeypatch.setattr(
-        direct, "start_system", lambda given: stored.append(1) or start_system(given)
-    )
-    found = solve(second)
-    # A few from the reference, all from the stored start.
-    assert bool(stored) == (lost == 40)
-    assert found.certified.all()
-    assert len(found.R) == 40
-    np.testing.assert_allclose(found.T, known.T, atol=1e-8)

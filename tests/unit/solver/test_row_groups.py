@@ -12,9 +12,10 @@ from gspcli.catalogue.parsing import parse_type
 from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
-from gspcli.solver import row_groups, search, solve, solve_batch
+from gspcli.solver import row_groups, solve, solve_batch
 from gspcli.solver.generate import random_instance
 from gspcli.solver.one_geometry import geometry_among
+from gspcli.solver.strategies import elimination
 
 SETS = 10
 
@@ -96,27 +97,33 @@ def test_a_start_that_proves_something_else_leaves_its_sets_to_others(monkeypatc
     assert batch.proved.all()
 
 
+def watched(monkeypatch):
+    """Return a list to which the digits of all paths with more than double precision are added."""
+    track, digits = TrackedPaths.track, []
+
+    def counting(*given, **options):
+        digits.append(options["digits"])
+        return track(*given, **options)
+
+    monkeypatch.setattr(TrackedPaths, "track", counting)
+    return digits
+
+
 def test_poses_nearly_at_infinity_are_not_followed_with_the_most_digits(monkeypatch):
     instance, rows = case()
-    row = rows[0] * 1e8
-    monkeypatch.setattr(TrackedPaths, "deepest", None)
-    result = solve(given(instance, row))
+    digits = watched(monkeypatch)
+    result = solve(given(instance, rows[0] * 1e8))
     assert (result.account.verdict, result.account.found) == ("complete", 40)
     assert result.poses.certified.all()
+    assert 64 not in digits
 
 
 def test_what_no_path_comes_near_is_not_tried_again(monkeypatch):
     instance, rows = case()
-    monkeypatch.setattr(search, "_ELIMINABLE", 0)
-    monkeypatch.setattr(search, "_MOST_ELIMINABLE", 0)
-    deepest, calls = TrackedPaths.deepest, []
-
-    def counting(*given):
-        calls.append(given)
-        return deepest(*given)
-
-    monkeypatch.setattr(TrackedPaths, "deepest", counting)
+    monkeypatch.setattr(elimination, "_ELIMINABLE", 0)
+    monkeypatch.setattr(elimination, "_MOST", 0)
+    digits = watched(monkeypatch)
     result = solve(given(instance, rows[0] * 1e8))
     assert (result.account.verdict, result.account.lost) == ("incomplete", 40)
     assert result.poses.proof is None
-    assert len(calls) == 1
+    assert digits.count(64) == 1

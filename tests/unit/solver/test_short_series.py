@@ -1,12 +1,17 @@
-"""Platforms with products: short series where all ends are proved, long ones else."""
+"""The first paths of a platform: the quickest where all ends are proved, careful ones else."""
 
 import numpy as np
 import pytest
 
 from gspcli.catalogue.parsing import parse_type
-from gspcli.solver import solve, tracking
+from gspcli.solver import solve
 from gspcli.solver.generate import random_instance
+from gspcli.solver.problem import Problem
 from gspcli.solver.proof import CountKind
+from gspcli.solver.solved_starts import SolvedStarts
+from gspcli.solver.strategies import stored_start
+
+PARTS = ("quaternions", "R", "T", "real")
 
 
 @pytest.fixture(scope="module")
@@ -21,8 +26,8 @@ def refused(*_, **__):
 
 @pytest.mark.parametrize("certify", [True, False])
 def test_proved_ends_of_short_series_are_the_answer(platform, certify, monkeypatch):
-    monkeypatch.setattr(tracking, "track_platforms", refused)
-    found = solve(platform, certify=certify)
+    monkeypatch.setattr(Problem, "tracked", property(refused))
+    found = solve(platform, certify=certify, starts=SolvedStarts())
     assert found.proof.by is CountKind.TYPE
     assert len(found.R) == found.certified.sum() == found.expected == 80
     assert found.residuals.max() < 1e-8
@@ -31,31 +36,70 @@ def test_proved_ends_of_short_series_are_the_answer(platform, certify, monkeypat
 @pytest.mark.parametrize("certify", [True, False])
 def test_mutual_moments_are_proved_too_without_being_asked(certify, monkeypatch):
     """Paths that are judged by eye take three times as long."""
-    monkeypatch.setattr(tracking, "track_platforms", refused)
+    monkeypatch.setattr(Problem, "tracked", property(refused))
     legs = random_instance(parse_type("6D 4PP PL LL"), np.random.default_rng(5))[0]
     found = solve(legs, certify=certify)
     assert found.proof.by is CountKind.TYPE
     assert len(found.R) == found.certified.sum() == found.expected
 
 
-def test_what_is_not_proved_is_followed_again(platform, monkeypatch):
-    known = solve(platform)
-    short = tracking.short_pursuits
+@pytest.mark.parametrize("name", ["5PP PL", "6PP"])
+def test_what_is_not_proved_is_found_by_careful_paths(name, monkeypatch):
+    given = random_instance(parse_type(name), np.random.default_rng(3))[0]
+    known = solve(given, starts=SolvedStarts())
 
-    def spoilt(arrangement, *, seed, jobs):
-        for (tracked_paths,) in short(arrangement, seed=seed, jobs=jobs):
-            tracked_paths._results.points[0, 0] = tracked_paths._results.points[0, 1]
-            tracked_paths.is_regular = False
-            yield [tracked_paths]
+    def spoilt(ways):
+        def ends(problem):
+            for found in ways(problem):
+                # With a pair of conjugates each pose of which is lost.
+                found.points[:, :30] = found.points[:, 30:31]
+                found.points[:, 31] = np.nan
+                yield found
 
-    monkeypatch.setattr(tracking, "short_pursuits", spoilt)
-    found = solve(platform)
+        return ends
+
+    for quick in ("short_series", "reduced_paths"):
+        monkeypatch.setattr(stored_start, quick, spoilt(getattr(stored_start, quick)))
+    careful = []
+    monkeypatch.setattr(
+        Problem, "tracked", property(lambda problem: careful.append(1) or tracked(problem))
+    )
+    found = solve(given, starts=SolvedStarts())
+    assert careful
+    assert found.proof == known.proof
     assert found.proof.by is CountKind.TYPE
-    np.testing.assert_allclose(found.T, known.T, atol=1e-9)
+    for part in PARTS:
+        np.testing.assert_array_equal(getattr(found, part), getattr(known, part))
+
+
+def tracked(problem):
+    from gspcli.continuation.tracked_paths import track_all
+
+    return list(track_all(problem.systems, seed=problem.seed, jobs=problem.jobs))
+
+
+@pytest.mark.parametrize("lost", [1, 40])
+def test_poses_that_every_first_path_misses_are_found_with_more_digits(lost, monkeypatch):
+    given = random_instance(parse_type("6PP"), np.random.default_rng(5))[0]
+    known = solve(given, starts=SolvedStarts())
+    monkeypatch.setattr(stored_start, "reduced_paths", lambda _: iter(()))
+
+    def careful(problem):
+        for found in careful_paths(problem):
+            found.points[:, :lost] = np.nan
+            yield found
+
+    careful_paths = stored_start.careful_paths
+    monkeypatch.setattr(stored_start, "careful_paths", careful)
+    found = solve(given, starts=SolvedStarts())
+    assert found.proof == known.proof
+    for part in PARTS:
+        np.testing.assert_array_equal(getattr(found, part), getattr(known, part))
 
 
 def test_platforms_without_products_have_quicker_paths():
-    from gspcli.geometry.arrangement import Arrangement
-
     legs = random_instance(parse_type("6PP"), np.random.default_rng(3))[0]
-    assert list(tracking.short_pursuits(Arrangement.of(legs), seed=1, jobs=1)) == []
+    problem = Problem(legs, starts=SolvedStarts())
+    assert list(stored_start.short_series(problem)) == []
+    [ends] = stored_start.reduced_paths(problem)
+    assert ends.points.shape == (1, 40, 8)

@@ -16,6 +16,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.solver import one_geometry, solve_batch, solve_values
 from gspcli.solver.generate import random_instance
+from gspcli.solver.solved_starts import SolvedStarts
 from gspcli.solver.start_pool import StartPool
 
 SETS = 160
@@ -31,7 +32,8 @@ def case(name: str = "DPP DPP DPP DPP DPP DPP"):
 
 
 def geometry_of(instance: Instance, rows: np.ndarray) -> one_geometry.Geometry:
-    found = one_geometry.geometry_among(Arrangement.of(instance), rows, lambda: None, 1, 1)
+    arrangement, starts = Arrangement.of(instance), SolvedStarts()
+    found = one_geometry.geometry_among(arrangement, rows, lambda: None, 1, 1, starts)
     assert found is not None
     return found
 

@@ -60,3 +60,9 @@ def test_study_points_are_in_a_real_patch() -> None:
     assert (np.abs(points[:, :4]) <= 1 + 1e-12).all()
     given = np.concatenate((e, f), axis=1)
     np.testing.assert_allclose(points, given / given[rows, patches][:, None], rtol=1e-9, atol=1e-9)
+
+
+def test_few_forms_have_a_monomial_in_common() -> None:
+    """The numbers of roundings that bounds allow for depend on it (`numbers.rounding`)."""
+    assert (study.form_hessians() != 0).sum(axis=0).max() == 4
+    assert np.abs(study.form_hessians()[: study.TRANSLATION[-1] + 1]).sum(axis=2).max() == 2

@@ -10,7 +10,8 @@ import pytest
 from gspcli.certification.equations.frames import OWN
 from gspcli.certification.poses.collection import Collection
 from gspcli.certification.poses.locator import Locator
-from gspcli.geometry.quaternions import quaternion_from_rotation, study_from_pose
+from gspcli.certification.poses.many_values import ValueProofs
+from gspcli.geometry.quaternions import study_from_pose
 
 SIDES = (0,) * 6
 
@@ -20,57 +21,83 @@ def point(R: np.ndarray, T: np.ndarray) -> np.ndarray:
 
 
 @pytest.fixture
-def all_forty(dietmaier, forty) -> tuple[Collection, np.ndarray, np.ndarray]:
-    R, T = (array.astype(complex) for array in forty)
-    return Collection(Locator(dietmaier, OWN), SIDES), R, T
+def all_forty(dietmaier, forty) -> tuple[Collection, np.ndarray]:
+    R, T = forty
+    points = np.array([point(*pose) for pose in zip(R, T, strict=True)])
+    return Collection(Locator(dietmaier, OWN), SIDES), points
 
 
-def test_doubles_prove_dietmaiers_forty_poses(all_forty):
-    collection, R, T = all_forty
-    proved = collection.add_doubles(R, T, quaternion_from_rotation(R))
-    assert len(collection) == proved.sum() > 30
-    # The others are not known well enough.
-    rest = np.array([point(*pose) for pose in zip(R[~proved], T[~proved], strict=True)])
-    assert collection.add(collection.locator.locate(rest, None, SIDES)) == len(rest)
+def proved(collection: Collection, points: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return what the kernel proves near points in lengths of the instance."""
+    proofs = ValueProofs(collection.locator.instance, None)
+    found = proofs.decide_own(np.ones((1, 6)), points[None], OWN)
+    known = (found.certified & found.rounded)[0]
+    assert known.any()
+    parts = found.R, found.T, found.quaternions, found.real, found.deviation
+    return tuple(part[0, known] for part in parts)
+
+
+def same_poses(collection: Collection, others: tuple[np.ndarray, ...]) -> None:
+    for name, other in zip(("R", "T", "quaternions", "real"), others, strict=False):
+        np.testing.assert_array_equal(getattr(collection, name), other)
+
+
+def test_the_kernel_proves_dietmaiers_forty_poses(all_forty):
+    collection, points = all_forty
+    found = proved(collection, points)
+    assert collection.add_proved(*found).tolist() == list(range(40))
     assert len(collection) == 40
     assert collection.real.all()
-
-
-def test_what_is_no_pose_is_not_added(all_forty):
-    collection, R, T = all_forty
-    T[7] += 0.1
-    proved = collection.add_doubles(R, T, quaternion_from_rotation(R))
-    assert not proved[7]
-    assert len(collection) == proved.sum() > 30
+    same_poses(collection, found)
+    # What balls locate is there already.
+    assert collection.add(collection.locator.locate(points, None, SIDES)) == 0
+    assert len(collection) == 40
 
 
 def test_a_pose_given_twice_counts_once(all_forty):
-    collection, R, T = all_forty
-    collection.add_doubles(R[:5], T[:5], quaternion_from_rotation(R[:5]))
-    again = collection.locator.locate(
-        np.array([point(*pose) for pose in zip(R[3:7], T[3:7], strict=True)]), None, SIDES
-    )
-    assert collection.add(again) == 2
-    assert len(collection) == 7
-    assert collection.add(again) == 0
+    collection, points = all_forty
+    assert collection.add_proved(*proved(collection, points[:5])).tolist() == [0, 1, 2, 3, 4]
+    again = proved(collection, points[3:7])
+    assert collection.add_proved(*again).tolist() == [3, 4, 5, 6]
+    located = collection.locator.locate(points[5:9], None, SIDES)
+    assert collection.add(located) == 2
+    assert collection.add(located) == 0
+    assert len(collection) == 9
+
+
+def test_what_balls_locate_are_the_same_numbers(all_forty):
+    collection, points = all_forty
+    assert collection.add(collection.locator.locate(points, None, SIDES)) == 40
+    found = proved(collection, points)
+    same_poses(collection, found)
+    assert collection.add_proved(*found).tolist() == list(range(40))
+
+
+def test_a_pose_twice_in_one_call_counts_once(all_forty):
+    collection, points = all_forty
+    found = proved(collection, points[[0, 1, 1]])
+    assert collection.add_proved(*found).tolist() == [0, 1, 1]
+    assert len(collection) == 2
+
+
+def test_the_place_of_a_pose_is_told_up_to_its_bound(all_forty):
+    collection, points = all_forty
+    found = proved(collection, points)
+    collection.add_proved(*(part[:10] for part in found))
+    for k in range(10):
+        assert collection.place_near(found[0][k], found[1][k] + 1e-9, 1e-8) == k
+    assert collection.place_near(found[0][20], found[1][20], 1e-8) == -1
+    # Of two that it may be none is told.
+    assert collection.place_near(found[0][0], found[1][0], 1e3) == -1
 
 
 def test_newton_that_goes_to_another_pose_makes_nothing_new(all_forty, monkeypatch):
-    collection, R, T = all_forty
-    collection.add_doubles(R[3:4], T[3:4], quaternion_from_rotation(R[3:4]))
-    points = np.array([point(*pose) for pose in zip(R[3:5], T[3:5], strict=True)])
-    same, other = collection.locator.locate(points, None, SIDES)
+    collection, points = all_forty
+    collection.add_proved(*proved(collection, points[3:4]))
+    same, other = collection.locator.locate(points[3:5], None, SIDES)
     monkeypatch.setattr(collection.locator, "locate_exactly", lambda *_: other)
     assert collection.add([same]) == 0
     assert len(collection) == 1
-
-
-def test_equal_doubles_prove_one_pose(all_forty):
-    collection, R, T = all_forty
-    twice = [0, 1, 1]
-    proved = collection.add_doubles(R[twice], T[twice], quaternion_from_rotation(R[twice]))
-    assert proved.tolist() == [True, True, False]
-    assert len(collection) == 2
 
 
 def test_neighbours_that_doubles_cannot_tell_apart_are_two(tangent):
@@ -112,22 +139,19 @@ def test_conjugates_that_doubles_cannot_tell_apart_are_compared_in_balls(tangent
 
 @pytest.mark.parametrize("digits", [8, 30])
 @pytest.mark.parametrize("sign", [1, -1])
-def test_what_more_digits_prove_is_added_where_doubles_tell_it_from_the_rest(tangent, digits, sign):
+def test_what_is_known_only_up_to_its_neighbour_is_compared_in_balls(tangent, digits, sign):
+    """Bounds of proved poses overlap where doubles do not tell them apart."""
     gap = (2 * sign * 10.0**-digits + 0j) ** 0.5
     points = np.array([point(np.eye(3), [1, 0, 0])] * 2)
     low = np.array(
         [[[0, 0, 0, 0, *point(np.eye(3), [0, 0, way])[4:] * gap]] for way in (0.9, -0.9)]
     )
     collection = Collection(Locator(tangent(1 + sign * Fraction(1, 10**digits)), OWN), SIDES)
-    apart = digits == 8
-    assert collection.add_with_digits(points, low).tolist() == [True, apart]
-    assert len(collection) == 1 + apart
-    assert collection.add_conjugates() == 0
-    assert collection.add_close_conjugates() == (not apart and sign < 0)
-    assert collection.add_close_conjugates() == 0
-    # In balls nothing is new that was there, and what was too near is.
-    again = collection.locator.locate(points, low, SIDES)
-    assert collection.add(again) == (not apart and sign > 0)
-    assert len(collection) == 2
-    assert collection.add_with_digits(points, low).tolist() == [False, False]
+    one, other = collection.locator.locate(points, low, SIDES)
+    given = one.R[None], one.T[None], one.quaternion[None], np.array([one.real])
+    # As bad as a bound may be: the other pose is within it.
+    assert collection.add_proved(*given, np.array([1e-3])).tolist() == [0]
+    assert collection.add([one]) == 0
+    assert collection.add([other]) == 1
+    assert collection.add([one, other]) == 0
     assert collection.real.tolist() == [sign > 0] * 2

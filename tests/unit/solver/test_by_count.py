@@ -6,24 +6,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gspcli.solver.search import Search
 
 from gspcli import load
 from gspcli.catalogue.kinds import KINDS_BY_NAME
 from gspcli.catalogue.parsing import parse_type
 from gspcli.certification.counting import count_geometry, exact_count
 from gspcli.certification.counting.modular_platform import ModularPlatform
-from gspcli.certification.equations.frames import Frames
-from gspcli.certification.poses.locator import Locator
+from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.defaults import SEED
-from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point, vector
-from gspcli.solver import search, solve, special
+from gspcli.solver import by_count, side, solve
 from gspcli.solver.generate import random_instance
+from gspcli.solver.ledger import Ledger
+from gspcli.solver.problem import Problem
 from gspcli.solver.proof import CountKind
-from gspcli.solver.tracking import track_platforms
 
 ORIGIN, X, Y, Z = (vector(*v) for v in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
 P = Point(ORIGIN)
@@ -94,9 +92,9 @@ def test_a_geometry_without_poses_for_most_values_proves_nothing(
 ) -> None:
     platform = load(EXAMPLES / "similar-hexagons.yaml")
     assert count_geometry(platform).solutions == 0
-    monkeypatch.setattr("gspcli.solver.search._MOST_ATTEMPTS", 0)
-    monkeypatch.setattr("gspcli.solver.search._ELIMINABLE", 0)
-    monkeypatch.setattr("gspcli.solver.special.exact_count", lambda *_, **__: None)
+    monkeypatch.setattr("gspcli.solver.strategies.more_digits._MOST_ATTEMPTS", 0)
+    monkeypatch.setattr("gspcli.solver.strategies.elimination._ELIMINABLE", 0)
+    monkeypatch.setattr("gspcli.solver.by_count.exact_count", lambda *_, **__: None)
     assert solve(platform).verdict == "incomplete"
 
 
@@ -107,7 +105,7 @@ def test_large_general_platforms_are_not_counted(monkeypatch: pytest.MonkeyPatch
         message = "this is not to be needed"
         raise AssertionError(message)
 
-    monkeypatch.setattr(special, "exact_count", refused)
+    monkeypatch.setattr(by_count, "exact_count", refused)
     platform, _ = random_instance(parse_type("6D PP PL PL PL LP HP"), np.random.default_rng(9))
     result = solve(platform)
     assert result.proof is not None
@@ -120,15 +118,18 @@ def test_the_end_of_a_lost_path_may_be_no_point() -> None:
     ends = np.array(
         [[0j] * 8, [np.nan] * 8, [1, 2j, 3, 4, 5, 6, 7j, 8], [1, -2j, 3, 4, 5, 6, -7j, 8]]
     )
-    assert search._sources(ends).tolist() == [0, 1, 2, 2]
+    assert side._sources(ends).tolist() == [0, 1, 2, 2]
 
 
-def test_many_paths_astray_are_not_followed_before_a_count() -> None:
+def test_many_paths_astray_are_not_followed_before_a_count(monkeypatch: pytest.MonkeyPatch) -> None:
     """Half of the paths end elsewhere, as with every special geometry."""
-    axis = one_axis("0.5")
-    arrangement = Arrangement.of(axis)
-    [(_, tracked)] = track_platforms([arrangement], seed=SEED)
-    locator = Locator(axis, Frames.of(arrangement))
-    each = [Search(arrangement, locator, tracked_paths, (0,) * 6) for tracked_paths in tracked]
-    assert special._as_many_as_the_type(arrangement, each) is None
-    assert not any(len(one.found) for one in each)
+
+    def refused(*_: object, **__: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr(TrackedPaths, "track", refused)
+    monkeypatch.setattr(Problem, "geometry_count", None)
+    problem = Problem(one_axis("0.5"))
+    ledger = Ledger(problem)
+    assert by_count._by_geometry_or_type(problem, ledger) is None
+    assert not len(ledger)

@@ -8,9 +8,12 @@ import pytest
 from gspcli.certification import counting
 from gspcli.geometry.numbers import Number
 from gspcli.resources import data_path
-from gspcli.solver import solve, special_geometry
+from gspcli.solver import by_count, solve
 from gspcli.solver.geometry_start import StartMethod, geometry_start
+from gspcli.solver.kept_geometry import kept_geometry
+from gspcli.solver.problem import Problem
 from gspcli.solver.proof import CountKind
+from gspcli.solver.solved_starts import STARTS, SolvedStarts
 from gspcli.spec import load
 
 SPECIAL = {
@@ -72,12 +75,12 @@ def test_a_start_that_lacks_a_solution_proves_nothing(monkeypatch):
         pool = replace(start.pool, points=start.pool.points[:, 1:])
         return replace(start, points=start.points[1:], pool=pool)
 
-    geometry_start.cache_clear()
     monkeypatch.setattr("gspcli.solver.one_geometry.geometry_start", lacking)
-    found = solve(instance)
-    geometry_start.cache_clear()
-    assert found.proof == known.proof
-    assert len(found.R) == len(known.R) == 16
+    starts = SolvedStarts()
+    for _ in range(2):
+        found = solve(instance, starts=starts)
+        assert found.proof == known.proof
+        assert len(found.R) == len(known.R) == 16
 
 
 @pytest.mark.parametrize("name", ["linuxcnc-hexapod", "sdss-primary"])
@@ -91,14 +94,13 @@ def test_the_first_of_a_geometry_needs_neither_a_start_nor_an_exact_count(name, 
     def counted(*_, **__):
         raise AssertionError
 
-    special_geometry._visits.cache_clear()
+    STARTS.clear()
     monkeypatch.setattr("gspcli.solver.one_geometry.geometry_start", seen)
-    monkeypatch.setattr("gspcli.solver.special.exact_count", counted)
+    monkeypatch.setattr("gspcli.solver.by_count.exact_count", counted)
     first = solve(platform("platforms", name))
-    assert set(ways) == {StartMethod.FLAT}
+    assert not ways
     second = solve(platform("platforms", name))
-    assert StartMethod.SOLVED in ways
-    assert StartMethod.QUICK not in ways
+    assert ways == [StartMethod.SOLVED]
     assert first.proof == second.proof
     assert len(first.R) == len(second.R) == SPECIAL["platforms", name]
 
@@ -115,7 +117,7 @@ def test_a_start_from_a_solved_platform_has_the_solutions_of_any_other(name, mon
             )
         return start
 
-    special_geometry._visits.cache_clear()
+    STARTS.clear()
     monkeypatch.setattr("gspcli.solver.one_geometry.geometry_start", each)
     for _ in range(2):
         solve(platform("platforms", name))
@@ -131,49 +133,48 @@ def test_a_start_from_a_solved_platform_has_the_solutions_of_any_other(name, mon
 
 def test_poses_of_which_two_are_the_same_are_no_start():
     instance = platform("examples", "octahedral-3-3")
-    special_geometry._visits.cache_clear()
-    known = solve(instance)
-    [visits] = [special_geometry._visits(special_geometry._rows(instance))]
-    arrangement, poses = visits.first
+    starts = SolvedStarts()
+    known = solve(instance, starts=starts)
+    arrangement, poses = starts.platform(known.arrangement)
     # Two paths from one pose meet.
-    visits.first = arrangement, poses.reordered(np.array([0, 0, *range(2, len(poses.R))]))
-    assert solve(instance).proof == known.proof
-    assert len(solve(instance).R) == len(known.R)
+    twice = poses.reordered(np.array([0, 0, *range(2, len(poses.R))]))
+    wrong = SolvedStarts()
+    wrong.keep_platform(arrangement, twice)
+    for _ in range(2):
+        found = solve(instance, starts=wrong)
+        assert found.proof == known.proof
+        assert len(found.R) == len(known.R)
 
 
 def test_nearly_special_platforms_are_proved_by_their_geometry_too(monkeypatch):
     # Of its 36 poses doubles can prove 28.
-    monkeypatch.setattr("gspcli.solver.special.exact_count", lambda *_, **__: None)
+    monkeypatch.setattr("gspcli.solver.by_count.exact_count", lambda *_, **__: None)
     found = solve(platform("platforms", "rubin-camera"))
     assert found.proof.by is CountKind.GEOMETRY
     assert len(found.R) == found.certified.sum() == 36
 
 
 def test_values_of_zero_and_platforms_not_to_be_counted_go_other_ways():
-    instance = platform("examples", "octahedral-3-3")
-    assert solve(instance, prove=False).proof is None
+    instance, starts = platform("examples", "octahedral-3-3"), SolvedStarts()
+    assert solve(instance, prove=False, starts=starts).proof is None
+    assert kept_geometry(Problem(instance, starts=starts)) is None
     zero = instance.with_values({0: Number.of(0)})
-    assert special_geometry.proved_by_geometry(*given(zero), seed=1, limit=2.0) is None
-    special_geometry._visits.cache_clear()
-    found = [special_geometry.proved_by_geometry(*given(instance), seed=1, limit=2.0) for _ in "12"]
-    assert [poses is None for poses in found] == [True, False]
-
-
-def given(instance):
-    from gspcli.certification.poses.many_values import ValueProofs
-    from gspcli.geometry.arrangement import Arrangement
-
-    return instance, ValueProofs.of(instance, None), Arrangement.of(instance)
+    solve(zero, starts=starts)
+    assert starts.platform(Problem(zero).arrangement) is None
+    solve(instance, starts=starts)
+    assert kept_geometry(Problem(instance, starts=starts)).found == 16
+    assert not Problem(instance, prove=False, starts=starts).has_kept_geometry
+    assert not Problem(zero, starts=starts).has_kept_geometry
 
 
 def test_a_count_of_the_geometry_that_proves_nothing_is_followed_by_that_of_the_platform(
     monkeypatch,
 ):
-    count = special_geometry.kept_count
-    monkeypatch.setattr(special_geometry, "proved_by_geometry", lambda *_, **__: None)
-    monkeypatch.setattr(
-        "gspcli.solver.special.kept_count", lambda *about: replace(count(*about), error=1.0)
-    )
-    found = solve(platform("examples", "octahedral-3-3"))
+    count = counting.geometry_count
+    for room in (counting, by_count):
+        monkeypatch.setattr(
+            room, "geometry_count", lambda *about, **how: replace(count(*about, **how), solutions=0)
+        )
+    found = solve(platform("examples", "octahedral-3-3"), starts=SolvedStarts())
     assert found.proof.by is CountKind.EXACT
     assert len(found.R) == found.certified.sum() == 16

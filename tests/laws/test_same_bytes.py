@@ -1,0 +1,202 @@
+"""The same platform gives the same bytes, however its poses are found; each is rounded correctly.
+
+What is compared are the numbers of certified poses, the verdict and the counts.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from functools import cache
+
+import numpy as np
+import pytest
+
+from gspcli import _kernel
+from gspcli.catalogue.parsing import parse_type
+from gspcli.certification import certify, refine
+from gspcli.certification.equations.frames import OWN
+from gspcli.certification.numbers.correct_rounding import GRID, SMALL
+from gspcli.certification.poses.locator import Locator
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.residuals import sides_of
+from gspcli.resources import data_path
+from gspcli.solver import all_poses, solve, solve_batch, solve_values
+from gspcli.solver.generate import random_instance
+from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.solved_starts import SolvedStarts
+from gspcli.solver.strategies import more_digits, stored_start
+
+#: Files: general and special geometries, and lines; types: all relations, sides and angles.
+FILES = (
+    "examples/dietmaier",
+    "examples/octahedral-3-3",
+    "examples/platform-6-4",
+    "examples/surfaces-psc",
+    "examples/no-real-pose",
+    "platforms/nano-hexapod",
+    "platforms/rubin-m2",
+    "platforms/linuxcnc-hexapod",
+)
+TYPES = ("6PP", "5PP PL", "3PP 2PH ALL", "2PL LP 3AHH", "DPH DHP DLL ALL ALH AHH", "6D 4PP PL LL")
+GEOMETRIES = ("6PP", "3PP 2PH ALL", "2PL LP 3AHH", "DPH DHP DLL ALL ALH AHH", "6D 4PP PL LL")
+NAMES = (*FILES, *TYPES)
+PARTS = ("quaternions", "R", "T", "real", "multiplicity")
+
+
+@cache
+def platform(name: str) -> Instance:
+    folder, _, file = name.partition("/")
+    if file:
+        from gspcli.spec import load
+
+        return load(data_path(folder, f"{file}.yaml"))
+    return random_instance(parse_type(name), np.random.default_rng(3))[0]
+
+
+def said(poses: PoseSet) -> tuple[object, ...]:
+    """Return what is to be the same, the numbers of certified poses as bytes."""
+    chosen = poses.certified
+    numbers = tuple(getattr(poses, part)[chosen].tobytes() for part in PARTS)
+    account = poses.account
+    return (*numbers, account.verdict, account.expected, account.found, len(poses.R))
+
+
+@cache
+def known(name: str) -> tuple[object, ...]:
+    """Return what is said of a platform of which nothing is kept."""
+    return said(solve(platform(name), starts=SolvedStarts()).poses)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_whatever_came_before(name: str) -> None:
+    starts, instance = SolvedStarts(), platform(name)
+    for _ in range(3):
+        assert said(solve(instance, starts=starts).poses) == known(name)
+
+
+def test_in_whatever_order() -> None:
+    starts = SolvedStarts()
+    for name in np.random.default_rng(1).permutation(NAMES * 2).tolist():
+        assert said(solve(platform(name), starts=starts).poses) == known(name)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_whatever_the_seed_and_the_threads(name: str) -> None:
+    for options in ({"seed": 1}, {"seed": 77, "jobs": 2}, {"certify": False}):
+        poses = solve(platform(name), starts=SolvedStarts(), **options).poses
+        if options.get("certify", True) or poses.certified.all():
+            assert said(poses) == known(name)
+
+
+@pytest.mark.parametrize("build", ["portable", "avx2", "avx512"])
+def test_whatever_the_processor(build: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Proofs by another build of the kernel, and paths by another."""
+    order = ["portable", "avx2", "avx512"]
+    if order.index(build) > order.index(_kernel.build()):
+        pytest.skip(f"this processor cannot run {build}")
+    for name in ("decide", "track", "track_values", "track_reduced"):
+        given = getattr(_kernel, name)
+        monkeypatch.setattr(
+            _kernel, name, lambda *a, _given=given, **k: _given(*a, **{**k, "build": build})
+        )
+    for name in NAMES:
+        assert said(solve(platform(name), starts=SolvedStarts()).poses) == known(name)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_whatever_strategy_finds_them(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Careful paths from the start; and where doubles prove nothing, what is left."""
+    instance = platform(name)
+    with monkeypatch.context() as patch:
+        patch.setattr(all_poses, "first_strategies", lambda _: iter([stored_start.careful_paths]))
+        assert said(solve(instance, starts=SolvedStarts()).poses) == known(name)
+
+
+@pytest.mark.parametrize("name", ["examples/dietmaier", "6PP", "2PL LP 3AHH"])
+def test_whether_the_kernel_proves_them_or_balls(name: str, monkeypatch) -> None:
+    monkeypatch.setattr("gspcli.solver.problem.ValueProofs.of", lambda *_: None)
+    assert said(solve(platform(name), starts=SolvedStarts()).poses) == known(name)
+
+
+def test_whether_doubles_or_more_digits_find_them(monkeypatch) -> None:
+    monkeypatch.setattr(all_poses, "first_strategies", lambda _: iter([]))
+    monkeypatch.setattr(more_digits, "in_balls", everything_unresolved)
+    assert said(solve(platform("6PP"), starts=SolvedStarts()).poses) == known("6PP")
+
+
+def everything_unresolved(side):
+    side.unresolved = np.arange(side.paths.count)
+    yield
+
+
+@pytest.mark.parametrize("name", GEOMETRIES)
+def test_whether_alone_or_among_many(name: str) -> None:
+    instance = platform(name)
+    own = np.array([row.value.value for row in instance.constraints])
+    rows = own * (1 + 0.01 * np.random.default_rng(2).normal(size=(6, 6)))
+    exactly = [{i: Number.of(Fraction(x)) for i, x in enumerate(row.tolist())} for row in rows]
+    alone = [
+        said(solve(instance.with_values(numbers), starts=SolvedStarts()).poses)
+        for numbers in exactly
+    ]
+    for chosen, options in ((slice(None), {"jobs": 2}), (slice(None), {"seed": 5}), ([2, 4], {})):
+        starts = SolvedStarts()
+        for _ in range(2):
+            many = solve_values(instance, rows[chosen], starts=starts, **options)
+            expected = np.array(alone, object)[chosen].tolist()
+            length = Arrangement.of(instance).length
+            assert [list(said(one.in_order(length))) for one in many] == expected
+    batch = solve_batch(instance, rows, starts=SolvedStarts())
+    for k, poses in enumerate(solve_values(instance, rows, starts=SolvedStarts())):
+        number = batch.number[k]
+        for part in ("R", "T", "real", "multiplicity"):
+            assert getattr(batch, part)[k, :number].tobytes() == getattr(poses, part).tobytes()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_double_is_the_correct_rounding(name: str) -> None:
+    """Against balls of 512 bits, located anew."""
+    instance = platform(name)
+    result = solve(instance, starts=SolvedStarts())
+    chosen = np.flatnonzero(result.certified)[:40]
+    assert len(chosen)
+    locator = Locator(instance, OWN)
+    R, T = result.R[chosen].astype(complex), result.T[chosen].astype(complex)
+    signs = sides_of(result.arrangement, R, T).tolist()
+    for k, sides in zip(chosen.tolist(), map(locator.sides, signs), strict=True):
+        found = locator.near(result.R[k] + 0j, result.T[k] + 0j, sides, 512)
+        assert found.R.tobytes() == (result.poses.R[k] + 0j).tobytes()
+        assert found.T.tobytes() == (result.poses.T[k] + 0j).tobytes()
+        assert found.quaternion.tobytes() == (result.poses.quaternions[k] + 0j).tobytes()
+
+
+@pytest.mark.parametrize("name", ["examples/dietmaier", "5PP PL", "DPH DHP DLL ALL ALH AHH"])
+def test_decimals_say_the_same(name: str) -> None:
+    """Against what `refine` prints: decimals that share no rounding with doubles."""
+    instance = platform(name)
+    result = solve(instance, starts=SolvedStarts())
+    R, T = result.R[:6], result.T[:6]
+    for certificate, turn, place in zip(certify(instance, R, T), R, T, strict=True):
+        exact = refine(instance, certificate, 40)
+        for real, imag, doubles, least in (
+            (exact.R, exact.R_imag, turn, 0.0),
+            (exact.T, exact.T_imag, place, Locator(instance, OWN).scale),
+        ):
+            parts = [np.ravel(np.array(real))]
+            parts += [np.ravel(np.array(imag))] if imag is not None else []
+            numbers = [[Fraction(x) for x in part] for part in parts]
+            given = [np.ravel(doubles).real.tolist(), np.ravel(doubles).imag.tolist()]
+            largest = max(abs(float(x)) for part in numbers for x in part)
+            unit = Fraction(max(least, 2.0 ** math.frexp(largest)[1]))
+            for some, ours in zip(numbers, given, strict=False):
+                assert ours == [nearest(x, unit) for x in some]
+
+
+def nearest(number: Fraction, unit: Fraction) -> float:
+    """Return the double nearest to a number, or the multiple of the grid if it is small."""
+    if abs(number) >= SMALL * unit:
+        return float(number)
+    return float(round(number / (GRID * unit)) * GRID * unit)
