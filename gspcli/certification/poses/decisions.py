@@ -47,6 +47,8 @@ class Decisions(NamedTuple):
     quaternions: Complex
 
 
+# What is no rotation has no quaternion: it is not certified.
+@np.errstate(all="ignore")
 def decide(instance: Instance, R: ArrayLike, T: ArrayLike) -> Decisions:
     """Certify the poses of an instance, and decide which are real.
 
