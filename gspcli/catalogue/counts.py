@@ -77,6 +77,7 @@ class GenericCounts:
 def letters(distances: tuple[Kind, ...]) -> str:
     """Return the spaces of the six quadrics or products, in canonical order.
 
+    >>> from gspcli.catalogue.kinds import DLL, DLP, DPL, DPP
     >>> letters((DPP, DPL, DLP, DLL))
     'aapqls'
     """
@@ -92,6 +93,7 @@ def mirrored(distances: tuple[Kind, ...]) -> tuple[Kind, ...]:
 def law(distances: tuple[Kind, ...]) -> int:
     """Return the one-sided count by its proof: a factor 2 for each product of quadrics.
 
+    >>> from gspcli.catalogue.kinds import DLP, DPL
     >>> law((DPL, DPL, DLP))
     64
     """

@@ -36,5 +36,5 @@ def test_refined_rotations_are_orthogonal_to_the_last_digit(gsp: Run) -> None:
 
 def test_jobs_do_not_change_the_answer(gsp: Run) -> None:
     one = gsp("solve", SPEC, "--all", "--format", "csv").out
-    for jobs in ("2", "99999"):
+    for jobs in ("2", "256"):
         assert one == gsp("solve", SPEC, "--all", "--format", "csv", "--jobs", jobs).out

@@ -69,7 +69,7 @@ def test_all_modes_are_more_than_one(gsp: Callable, tmp_path: Path) -> None:
 def test_a_direction_is_two_angles(gsp: Callable) -> None:
     outcome = gsp("view", "@octahedral-3-3", "--from", "up")
     assert outcome.code == 2
-    assert "--from up: expected two angles in degrees" in outcome.err
+    assert "--from: found 'up', expected two angles in degrees" in outcome.err
 
 
 def test_what_gsp_track_writes_can_be_seen(gsp: Callable, tmp_path: Path) -> None:

@@ -122,8 +122,11 @@ def test_pictures(gsp, tmp_path, over):
         (("--over", "x", "--within", "x=1:2:3"), "--within: found 'x=1:2:3'"),
         (("--over", "x", "--within", "y=1:2"), "within: found y, expected a parameter that varies"),
         (("--hold", "q=1"), "--hold: found 'q=1', expected NAME=LOW:HIGH:COUNT"),
-        (("--hold", "z=1:2:99999"), "--hold: found 99999 combinations"),
-        (("--orientation", "1,0,0"), "--orientation 1,0,0: expected qw,qx,qy,qz, or rx,ry,rz"),
+        (("--hold", "z=1:2:99999"), "--hold: found 99999 values, expected at most 1000"),
+        (
+            ("--orientation", "1,0,0"),
+            "--orientation: found '1,0,0', expected qw,qx,qy,qz, or rx,ry,rz",
+        ),
         (("--orientation", "1,0,0,x"), "--orientation: qz: found 'x'"),
         (("--position", "1,2"), "--position"),
         (("--pose", "0,0,9999,1,0,0,0"), "home does not keep the limits: the value 9999.98"),

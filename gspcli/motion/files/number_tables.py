@@ -18,8 +18,6 @@ Array = NDArray[np.float64]
 #: One cell, in quotation marks or not, up to a delimiter.
 _CELL = r'[ ]*(?:"((?:[^"]|"")*)"|([^{d}]*?))[ ]*(?:[{d}]|$)'
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
-#: More mistakes than this are counted, not listed.
-MOST_PROBLEMS = 20
 
 
 @dataclass(frozen=True)
@@ -244,11 +242,6 @@ def numbers_of(text: str, counts: Collection[int], name: str) -> list[float]:
 
 
 def check(problems: Sequence[Problem]) -> None:
-    """Raise `SpecError` if there are problems, with the first `MOST_PROBLEMS` and a count."""
-    if not problems:
-        return
-    ordered = sorted(problems, key=lambda problem: (problem.location is None, problem.location))
-    shown_ones, more = ordered[:MOST_PROBLEMS], len(ordered) - MOST_PROBLEMS
-    if more > 0:
-        shown_ones.append(Problem(None, "", f"and {more} more mistakes"))
-    raise SpecError(shown_ones)
+    """Raise `SpecError` if there are problems, in the order of their places."""
+    if problems:
+        raise SpecError(sorted(problems, key=lambda one: (one.location is None, one.location)))

@@ -70,7 +70,7 @@ def test_sides() -> None:
 
 @pytest.mark.parametrize("sides", ["up", [1], {"7": "positive"}, {"1": "both"}, {"1": [1]}])
 def test_bad_sides_are_mistakes(sides: object) -> None:
-    with pytest.raises(SpecError, match="expected positive or negative by the number"):
+    with pytest.raises(SpecError, match="expected positive or negative by numbers of constraints"):
         read_candidates(json.dumps([{"R": R.tolist(), "T": T, "sides": sides}]), "poses")
 
 
