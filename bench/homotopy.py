@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.continuation.accounts import random_start
+from gspcli.continuation.endpoints import random_start
 from gspcli.continuation.quadrics import NORM
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import Structure

@@ -9,125 +9,36 @@ paths. The account with the fewest lost paths counts.
 
 from __future__ import annotations
 
-from dataclasses import field, replace
-from functools import lru_cache
-from random import Random
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.dimension import real_point, sample_motions, split, tangents
-from gspcli.continuation.endgame import ENDGAME, EndgameOptions, find_ends
+from gspcli.continuation.endgame import find_ends
+from gspcli.continuation.endpoints import (
+    ACCOUNTS,
+    AccountOptions,
+    Endpoints,
+    EndsOnCurve,
+    random_start,
+)
 from gspcli.continuation.ends import (
     SINGULAR_ERROR,
     clusters,
     distances,
     infinite,
-    may_coincide,
     regular_error,
 )
 from gspcli.continuation.paths import PathAccount
-from gspcli.continuation.quadrics import ComplexArray, FloatArray
+from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.regularity import clearly_simple, simple
 from gspcli.continuation.retracking import collided
 from gspcli.continuation.start import StartSystem
-from gspcli.continuation.systems import EQUATIONS, System
+from gspcli.continuation.systems import System
 from gspcli.continuation.tracker import PathResults, PathStatus, track
 from gspcli.continuation.tracker_options import CAREFUL, EXTENDED, PARANOID, TrackerOptions
 from gspcli.records import dataclass
-
-
-@dataclass(frozen=True)
-class AccountOptions:
-    """Settings of the account of all paths."""
-
-    attempts: int = 4
-    """Sets of random paths that are tried until nothing is lost. The last is `PARANOID`."""
-    end_error: float = 1e-6
-    """Largest difference of the two means of the endgame at which its end is known: the error of
-    the end is the square of it (`EndgameOptions.samples`), far below `SINGULAR_ERROR`."""
-    split: float = 1e-4
-    """Two simple solutions are those that a double end stands for if they are not further from it:
-    the square root of the error in the values that the endgame leaves, generously."""
-    endgame: EndgameOptions = ENDGAME
-
-
-ACCOUNTS = AccountOptions()
-#: Where the solutions have been counted, so that lost ones are missed.
-COUNTED = AccountOptions(attempts=2)
-#: For systems that are known to have infinitely many solutions: of the others only simple ones are
-#: asked for, and nobody says that these are all.
-BESIDE_CURVES = AccountOptions(attempts=2, endgame=EndgameOptions(max_winding=6))
-
-
-@dataclass(frozen=True, eq=False)
-class EndsOnCurve:
-    """Ends on a positive-dimensional solution set; as `solve.SolutionCurve`, norm 1."""
-
-    dimension: int
-    points: ComplexArray
-    motion: ComplexArray
-    real: bool
-
-
-@dataclass(frozen=True, eq=False)
-class Endpoints:
-    """The ends of all paths of one system; points of norm 1."""
-
-    points: ComplexArray
-    multiplicity: NDArray[np.int64]
-    condition: FloatArray
-    residual: FloatArray
-    account: PathAccount
-    suspect: bool = False
-    """Winding numbers and multiplicities contradict each other."""
-    curves: list[EndsOnCurve] = field(default_factory=list)
-
-    @property
-    def doubts(self) -> tuple[int, bool]:
-        """How much is not known; less is better."""
-        return self.account.lost, self.suspect
-
-
-@lru_cache(maxsize=256)
-def random_start(start: StartSystem, seed: int, attempt: int) -> System:
-    """Return the start system with its factors multiplied by random phases: another path."""
-    # Not NumPy's generator, which takes longer to load than to solve most systems.
-    draws = Random(f"{seed} {attempt}")
-    turns = np.array([[draws.random() for _ in range(EQUATIONS)] for _ in range(2)])
-    g, h = np.exp(2j * np.pi * turns)
-    return start.system.scaled(g, h)
-
-
-def all_regular(results: PathResults, simple: NDArray[np.bool_] | None = None) -> NDArray[np.bool_]:
-    """Return for which targets (B,) all paths end at distinct finite regular solutions.
-
-    Parameters
-    ----------
-    results
-        The ends of all paths.
-    simple
-        Which of them are simple solutions, shape (B, P); by the kernel's own numbers if None.
-    """
-    error = regular_error(results.correction)
-    known = clearly_simple(results) if simple is None else simple
-    good = np.asarray((known & ~infinite(results.points, error)).all(axis=1))
-    near = may_coincide(results.points, error)[1].any(axis=1)
-    for i in np.flatnonzero(good & near):
-        good[i] = len(clusters(results.points[i], error[i])) == results.points.shape[1]
-    return good
-
-
-def regular_ends(results: PathResults, i: int) -> Endpoints:
-    """Return the ends of the paths to a target for which `all_regular` holds."""
-    count = results.points.shape[1]
-    return Endpoints(
-        results.points[i],
-        np.ones(count, dtype=np.int64),
-        results.condition[i],
-        results.residual[i],
-        PathAccount(expected=count, found=count),
-    )
 
 
 def classify_endpoints(

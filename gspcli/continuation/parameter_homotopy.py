@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gspcli.continuation.accounts import all_regular
+from gspcli.continuation.endpoints import all_regular
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.systems import EQUATIONS, System
 from gspcli.continuation.tracker import track

@@ -9,11 +9,11 @@ from itertools import groupby, islice
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.continuation.accounts import (
+from gspcli.continuation.accounts import classify_endpoints
+from gspcli.continuation.endpoints import (
     ACCOUNTS,
     AccountOptions,
     all_regular,
-    classify_endpoints,
     random_start,
     regular_ends,
 )

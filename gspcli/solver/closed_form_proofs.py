@@ -25,7 +25,7 @@ Index = NDArray[np.intp]
 def prove_closed_forms(
     proofs: ValueProofs,
     arrangement: Arrangement,
-    rows: Array | None,
+    rows: Array,
     found: Sequence[PoseSet | None],
 ) -> tuple[Index, ProvedPoses] | None:
     """Return what is proved of sets of poses, and which these are.
@@ -35,14 +35,13 @@ def prove_closed_forms(
     proofs, arrangement
         The geometry, exactly and in floating point.
     rows
-        The sets of values, shape (b, 6); None for the one of the instance.
+        The sets of values, shape (b, 6).
     found
         The poses of each. Sets that have not as many as the type are left out.
     """
-    values = arrangement.values[None] if rows is None else rows
-    choices = side_choices(arrangement.with_values(np.ones_like(values[0])))
+    choices = side_choices(arrangement.with_values(np.ones_like(rows[0])))
     chosen, points = [], []
-    for k, (row, poses) in enumerate(zip(values, found, strict=True)):
+    for k, (row, poses) in enumerate(zip(rows, found, strict=True)):
         given = arrangement.with_values(row)
         index = None if poses is None else _by_sides(given, choices, poses)
         if poses is None or index is None:
@@ -55,8 +54,6 @@ def prove_closed_forms(
     if not chosen:
         return None
     where = np.array(chosen, np.intp)
-    if rows is None:
-        return where, proofs.decide_own(choices, points[0], OWN)
     return where, proofs.decide(rows[where], choices, np.stack(points), OWN)
 
 

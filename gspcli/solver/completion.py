@@ -11,7 +11,7 @@ import numpy as np
 
 from gspcli.certification.poses.collection import Collection
 from gspcli.certification.poses.multiple import MultiplePose, multiple_poses
-from gspcli.continuation.accounts import COUNTED
+from gspcli.continuation.endpoints import COUNTED
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.tracked_paths import PathEnds
 from gspcli.geometry.quaternions import canonical_sign

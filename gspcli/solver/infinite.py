@@ -9,7 +9,7 @@ from itertools import islice
 import numpy as np
 
 from gspcli.certification import decide
-from gspcli.continuation.accounts import BESIDE_CURVES
+from gspcli.continuation.endpoints import BESIDE_CURVES
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.geometry.arrangement import Arrangement

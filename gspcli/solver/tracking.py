@@ -10,7 +10,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.continuation.accounts import ACCOUNTS, AccountOptions
+from gspcli.continuation.endpoints import ACCOUNTS, AccountOptions
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.solutions import SystemSolutions
 from gspcli.continuation.systems import System

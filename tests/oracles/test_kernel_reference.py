@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gspcli.continuation.accounts import random_start
+from gspcli.continuation.endpoints import random_start
 from gspcli.continuation.monodromy import random_quadrics
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import Structure, System

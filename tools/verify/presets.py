@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.parsing import parse_type
 from gspcli.continuation import tracker_options
-from gspcli.continuation.accounts import random_start
+from gspcli.continuation.endpoints import random_start
 from gspcli.continuation.reduced_homotopy import ends_from_start
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import System

@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 from gspcli.catalogue import kinds
 from gspcli.catalogue.kinds import Kind
 from gspcli.certification.equations import study
-from gspcli.certification.equations.ball_system import (
+from gspcli.certification.equations.local_frames import length_scale
+from gspcli.certification.equations.quadratic_forms import (
     Form,
     base_height,
     mutual_moment,
@@ -31,7 +32,6 @@ from gspcli.certification.equations.ball_system import (
     scaled,
     square_distance,
 )
-from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.equations.statement import statements
 from gspcli.certification.numbers.balls import norm
 from gspcli.certification.numbers.rounding import OUTWARD, TINY

@@ -13,7 +13,7 @@ from flint import arb
 
 from gspcli.certification.branches.moving import Equation, Law, Shape
 from gspcli.certification.branches.taylor import Element, MovingSystem
-from gspcli.certification.equations.ball_system import base_height, platform_height, scaled
+from gspcli.certification.equations.quadratic_forms import base_height, platform_height, scaled
 from gspcli.certification.numbers.balls import ball, norm
 from gspcli.geometry.coordinates import Coordinate
 from gspcli.geometry.instance import Instance

@@ -61,23 +61,6 @@ def all_different(entries: NDArray[np.complex128], deviations: NDArray[np.float6
     return True
 
 
-def first_of_each(
-    entries: NDArray[np.complex128], deviations: NDArray[np.float64]
-) -> NDArray[np.bool_]:
-    """Return which poses are proved different from all that are kept before them, shape (n,).
-
-    Parameters
-    ----------
-    entries, deviations
-        As for `all_different`.
-    """
-    kept = np.zeros(len(entries), np.bool_)
-    for k, entry in enumerate(entries):
-        gaps = np.abs(entries[kept] - entry).max(axis=1, initial=0)
-        kept[k] = bool((gaps > (deviations[kept] + deviations[k]) * OUTWARD).all())
-    return kept
-
-
 def places(
     entries: NDArray[np.complex128], deviations: NDArray[np.float64], known: int
 ) -> NDArray[np.intp]:

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gspcli.continuation.accounts import random_start
 from gspcli.continuation.endgame import ENDGAME, find_ends
+from gspcli.continuation.endpoints import random_start
 from gspcli.continuation.ends import clusters, infinite
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import System

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gspcli.continuation.accounts import random_start
+from gspcli.continuation.endpoints import random_start
 from gspcli.continuation.quadrics import evaluate
 from gspcli.continuation.regularity import clearly_simple, nonlinearity, simple
 from gspcli.continuation.solve import solve_system

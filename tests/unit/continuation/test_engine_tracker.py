@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gspcli import _kernel
-from gspcli.continuation.accounts import random_start
+from gspcli.continuation.endpoints import random_start
 from gspcli.continuation.monodromy import random_quadrics
 from gspcli.continuation.start import start_system
 from gspcli.continuation.systems import Coefficients, Structure, System
