@@ -4,6 +4,8 @@ import re
 import sys
 from pathlib import Path
 
+from pygments.lexers.special import TextLexer
+
 import gspcli
 
 project = "gsp"
@@ -76,3 +78,5 @@ def setup(app):
     app.connect("source-read", _gallery)
     app.connect("build-finished", _views)
     app.connect("autodoc-process-docstring", _literals, priority=400)
+    # Examples of CSV have nothing to highlight.
+    app.add_lexer("csv", TextLexer)
