@@ -2,7 +2,7 @@
 //
 // Rounding: an expression in doubles differs from its exact value by at most m u / (1 - m u), u = 2^-53,
 // times the same expression of the moduli of its terms, if no term goes through more than m roundings
-// (as in gspcli.certification.poses.floating). The numbers z and d of a chord are exact by definition.
+// (as in gspcli.certification.poses.isolation). The numbers z and d of a chord are exact by definition.
 // Entries of Hessian matrices carry 4 roundings, a gradient 12, a value 21, c 9, N 5. A coefficient
 // of a plain equation has at most 27, one of the other equations 60 (c times N^2 - B^2). Splitting off
 // the factor tau^2 - 1/4 adds 6, products with Y 12. So kPlain = 64 u and kOthers = 128 u bound it

@@ -1,6 +1,6 @@
 // From the ends of paths to proved poses, for many sets of values of one geometry; plain data.
 //
-// The theorem and the bounds are those of gspcli.certification.poses.floating, the equations those of
+// The theorem and the bounds are those of gspcli.certification.poses.isolation, the equations those of
 // gspcli.certification.poses.many_values: a value changes how often N is in its equation.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace gsp {
 struct OpenGeometry {
   ProofSystem equations;       // with distances and cosines of zero
   const double* weight;        // (6) of the value in how often N is in the main quadric
-  const double* weight_bound;  // (6) see `floating.converted`
+  const double* weight_bound;  // (6) see `Doubled` in open_equations.hpp
   const double* norm_bound;    // (6) of how often N is there without the value
   const std::int32_t* turned;  // (6) the quadric that is multiplied by the distance; -1: none
   // The points' own frames and unit: f becomes unit f + (base e - e platform) / 2.
@@ -28,7 +28,7 @@ struct OpenGeometry {
 };
 
 // One set of values: the function that is in the equation (a square, the distance, a cosine), what
-// bounds it as `floating.converted` wants it, the distance itself where a quadric is turned, what double
+// bounds it, the distance itself where a quadric is turned, what double
 // precision leaves of the value, by how much that still errs, and what double precision leaves of
 // the distance.
 struct OpenValues {

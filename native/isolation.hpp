@@ -1,4 +1,4 @@
-// The theorem of gspcli.certification.poses.floating for as many points as there are lanes.
+// The theorem of gspcli.certification.poses.isolation for as many points as there are lanes.
 //
 // Included by ends.cpp in each of its builds: all in an anonymous namespace, so
 // that the linker cannot merge functions that were compiled for different processors.

@@ -1,7 +1,7 @@
 // Proofs in floating point that exactly one solution is near a point; plain data, no Python.
 //
 // The theorem, the bounds of all rounding errors and the names are those of
-// gspcli.certification.poses.floating: here the same is computed for as many points as there are lanes.
+// gspcli.certification.poses.isolation: here the same is computed for as many points as there are lanes.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ struct ProofEquation {
 struct ProofSystem {
   int quadrics;
   const double* hessian;  // (quadrics, 8, 8)
-  const double* moduli;   // likewise: of the terms of each entry, see `floating.Doubles`
+  const double* moduli;   // likewise: of the terms of each entry
   const ProofEquation* equation;
 };
 

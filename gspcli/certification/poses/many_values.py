@@ -1,7 +1,7 @@
 """Proofs for many platforms of one geometry at a time: what differs is the values.
 
 The theorem is that of `isolation`, the equations those of `ball_system`, the bounds of rounding
-errors those of `floating`; the native kernel writes them down from numbers of 32 digits, and
+errors those of `rounding`; the native kernel writes them down from numbers of 32 digits, and
 computes them for as many points as it has lanes. A value enters few coefficients, linearly as its
 square, itself or its cosine. Values are doubles here, meant exactly, or those of the instance.
 """
