@@ -114,6 +114,7 @@ def intersection_number(spaces: str) -> int:
     return len(_base(Structure(spaces).canonical().spaces)[2])
 
 
+@cache
 def path_count(structure: Structure) -> int:
     """Return the generic number of solutions of a structure: 2^products times I."""
     return int(2 ** sum(structure.products) * intersection_number(structure.spaces))

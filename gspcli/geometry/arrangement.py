@@ -152,20 +152,24 @@ class Arrangement(Bodies):
         """The sides to look on: as `sides`, but a distance of zero has only one, shape (n,)."""
         return np.where(self.sided & (self.values == 0), 1, self.sides)
 
+    @cached_property
+    def _layout(self) -> _Layout:
+        return _layout(self.kinds)
+
     @property
     def sided(self) -> NDArray[np.bool_]:
         """Which constraints have sides, shape (n,)."""
-        return _layout(self.kinds).sided
+        return self._layout.sided
 
     @property
     def distances(self) -> Index:
         """Indices of the distance constraints."""
-        return _layout(self.kinds).distances
+        return self._layout.distances
 
     @property
     def angles(self) -> Index:
         """Indices of the angle constraints."""
-        return _layout(self.kinds).angles
+        return self._layout.angles
 
     @cached_property
     def targets(self) -> Array:
@@ -183,7 +187,7 @@ class Arrangement(Bodies):
             Values of all constraints, shape (..., n), in the units of the instance. The
             result runs over `angles`.
         """
-        layout = _layout(self.kinds)
+        layout = self._layout
         values = values[..., layout.angles] * self.in_radians
         return layout.sign * np.where(layout.cosine, np.cos(values), np.sin(values))
 

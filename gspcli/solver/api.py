@@ -8,7 +8,6 @@ from itertools import chain, islice
 
 from numpy.typing import ArrayLike
 
-from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
@@ -67,14 +66,17 @@ def solve(
     """
     checked(instance)
     seed, jobs = whole(seed, "seed", least=0), whole(jobs, "jobs", least=1)
-    local_frames = LocalFrames.of(instance)
-    # Far from the bodies doubles have few digits left for what is asked.
-    near = instance if local_frames.is_none else local_frames.applied(instance)
-    problem = Problem(near, seed=seed, jobs=jobs, certify=certify, prove=prove, starts=starts)
-    poses = all_poses(problem).in_order(problem.arrangement.length)
+    problem = Problem(instance, seed=seed, jobs=jobs, certify=certify, prove=prove, starts=starts)
+    local_frames = problem.local_frames
     if local_frames.is_none:
-        return SolveResult(instance, problem.arrangement, poses, seed)
-    return SolveResult(instance, Arrangement.of(instance), poses.taken_back(local_frames), seed)
+        return SolveResult(instance, problem.arrangement, _ordered(problem), seed)
+    # Far from the bodies doubles have few digits left for what is asked.
+    poses = _ordered(problem.like(local_frames.applied(instance))).taken_back(local_frames)
+    return SolveResult(instance, problem.arrangement, poses, seed)
+
+
+def _ordered(problem: Problem) -> PoseSet:
+    return all_poses(problem).in_order(problem.arrangement.length)
 
 
 def solve_values(

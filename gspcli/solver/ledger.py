@@ -42,8 +42,8 @@ class Ledger:
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
-        #: The answer of a strategy that has found everything at once.
-        self._whole: PoseSet | None = None
+        #: What a strategy has found that found everything at once.
+        self._whole: ProvedPoses | None = None
 
     @cached_property
     def sides(self) -> list[Side]:
@@ -60,17 +60,7 @@ class Ledger:
         found = problem.proofs.decide_own(problem.choices, ends.points, ends.frames)
         number = found.certified.size
         if found.complete[0] and "sides" not in self.__dict__ and self._counted(number):
-            self._whole = PoseSet(
-                quaternions=found.quaternions[0],
-                R=found.R[0],
-                T=found.T[0],
-                real=found.real[0],
-                certified=found.certified[0],
-                multiplicity=np.ones(number, np.int64),
-                motions=(),
-                account=PathAccount(expected=number, found=number),
-                signs=on_sides(problem.choices, number),
-            )
+            self._whole = found
             return
         for k, side in enumerate(self.sides):
             each = slice(k * ends.points.shape[1], (k + 1) * ends.points.shape[1])
@@ -81,7 +71,7 @@ class Ledger:
     def __len__(self) -> int:
         """Return how many poses are proved."""
         if self._whole is not None:
-            return len(self._whole.R)
+            return self._whole.certified.size
         return sum(len(side.found) for side in self.sides)
 
     def _counted(self, number: int) -> Proof | None:
@@ -102,7 +92,6 @@ class Ledger:
         proof = self._counted(number) if number else None
         if proof is None:
             return None
-        poses = self._whole or joined([side.poses() for side in self.sides])
         account = PathAccount(
             expected=expected,
             found=number,
@@ -111,4 +100,19 @@ class Ledger:
             if number == expected and not self.problem.has_closed_form
             else Basis.COUNT,
         )
-        return replace(poses, account=account, proof=proof)
+        if self._whole is None:
+            poses = joined([side.poses() for side in self.sides])
+            return replace(poses, account=account, proof=proof)
+        found = self._whole
+        return PoseSet(
+            quaternions=found.quaternions[0],
+            R=found.R[0],
+            T=found.T[0],
+            real=found.real[0],
+            certified=found.certified[0],
+            multiplicity=np.ones(number, np.int64),
+            motions=(),
+            account=account,
+            proof=proof,
+            signs=on_sides(self.problem.choices, number),
+        )

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DPH, DPP
 from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.certification.equations.frames import Frames
+from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.continuation.systems import Coefficients, FineCoefficients, Structure, System
 from gspcli.defaults import PATIENCE, SEED
@@ -33,7 +34,7 @@ _REDUCIBLE = frozenset({DPP, DPH, DHP, *ANGLE_KINDS})
 
 
 class Problem:
-    """A platform near the origins of its frames.
+    """A platform.
 
     Parameters
     ----------
@@ -82,6 +83,11 @@ class Problem:
         )
 
     @cached_property
+    def local_frames(self) -> LocalFrames:
+        """Frames near the bodies, if those of the instance are far away from them."""
+        return LocalFrames.of(self.instance)
+
+    @cached_property
     def choices(self) -> NDArray[np.float64]:
         """The sign of each value for each combination of sides asked for, shape (k, 6)."""
         return side_choices(self.arrangement)
@@ -110,12 +116,12 @@ class Problem:
         """Whether three angles give the rotations."""
         return len(self.arrangement.angles) == MAX_ANGLES
 
-    @property
+    @cached_property
     def is_reducible(self) -> bool:
         """Whether the equations can be solved for some unknowns first (`ReducedHomotopy`)."""
         return _REDUCIBLE.issuperset(self.arrangement.kinds)
 
-    @property
+    @cached_property
     def is_kept(self) -> bool:
         """Whether the count and a start of its geometry are worth keeping."""
         given = self.arrangement
@@ -171,7 +177,7 @@ class Problem:
     @cached_property
     def proofs(self) -> ValueProofs | None:
         """The equations of proofs for the kernel; None if the frames are too far away for it."""
-        return ValueProofs.of(self.instance, None)
+        return ValueProofs(self.instance, None) if self.local_frames.is_none else None
 
     @cached_property
     def locator(self) -> Locator:

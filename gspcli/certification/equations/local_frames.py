@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -94,7 +95,7 @@ class LocalFrames:
         if distances is None:
             distances = [abs(c.value.value) for c in instance.constraints if c.kind.is_distance]
         if _reach(instance) <= FAR * max(distances):
-            return cls.none()
+            return _OF_THE_INSTANCE
         middles, extents = [], []
         for body in ("platform", "base"):
             points = [getattr(c, body).position for c in instance.constraints]
@@ -109,7 +110,7 @@ class LocalFrames:
         )
         return cls(platform, base)  # type: ignore[arg-type]
 
-    @property
+    @cached_property
     def is_none(self) -> bool:
         """Whether the frames are those of the instance."""
         return not any(self.platform) and not any(self.base)
@@ -128,10 +129,10 @@ class LocalFrames:
 
         return replace(instance, constraints=tuple(map(moved, instance.constraints)))
 
-    @classmethod
-    def none(cls) -> LocalFrames:
+    @staticmethod
+    def none() -> LocalFrames:
         """Return the origins of the frames of the instance."""
-        return cls(_NOWHERE, _NOWHERE)
+        return _OF_THE_INSTANCE
 
     def translation(self, R: Sequence[Sequence[acb]], T: Sequence[acb]) -> list[acb]:
         """Return the translation of a pose in these frames, lengths in those of the instance.
@@ -195,6 +196,9 @@ class LocalFrames:
                 t + sum((r * y for r, y in zip(row, platform, strict=True)), acb(0)) - x
                 for t, row, x in zip(T, R, base, strict=True)
             ]
+
+
+_OF_THE_INSTANCE = LocalFrames(_NOWHERE, _NOWHERE)
 
 
 def _ball(value: Fraction) -> arb:
