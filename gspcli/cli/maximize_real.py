@@ -20,6 +20,7 @@ from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED, CheckFailed, GspError, IncompleteError
 
 if TYPE_CHECKING:
+    from gspcli.catalogue.types import GspType
     from gspcli.geometry.instance import Instance, Units
     from gspcli.reality.maximize import Search
     from gspcli.reality.state import State
@@ -98,17 +99,11 @@ def command(
     """
     from gspcli.spec import dumps
 
-    output = Output("yaml", None if path in (None, "-") else Path(str(path)))
-    for file in (output.path, state_file):
-        if file is not None:
-            check_writable(Path(file))
+    output = _writable_output(path, state_file)
     given = load_instance(names[0]) if len(names) == 1 and is_file(names[0]) else None
     gsp_type = read_type(names) if given is None else given.type
     if show:
-        from gspcli.reality.witness_proofs import known_instance
-
-        _reject_search_options()
-        write(output, dumps(known_instance(gsp_type, wanted_real)))
+        _show_known(gsp_type, wanted_real, output)
         return 0
     if wanted_real is not None:
         message = "--real chooses what --show writes: add --show, or search with --target"
@@ -127,29 +122,27 @@ def command(
     wanted = None if target is None else -(-target // each)
     search = Search(kinds, seed, wanted, start, time.time() + seconds)
     subject = gsp_type.id if given is None else dumps(given)
-    state = State(subject, seed)
-    if state_file is not None:
-        state = read_state(Path(state_file), subject, seed)
+    state = (
+        State(subject, seed) if state_file is None else read_state(Path(state_file), subject, seed)
+    )
     interrupted = False
     try:
         state = _searched(search, state, most, workers, state_file)
     except _Interrupted as interruption:
         state, interrupted = interruption.state, True
-    if interrupted and state.platform is None:
-        say("interrupted before the end of an attempt")
-        return INTERRUPTED
     if state.platform is None:
+        if interrupted:
+            say("interrupted before the end of an attempt")
+            return INTERRUPTED
         message = "no platform was solved in the time given: use a greater --time"
         raise IncompleteError(message)
     instance, real = _witness(state, each, units, length)
     write(output, dumps(instance))
     say(f"{real} real poses, certified")
-    if interrupted:
-        return INTERRUPTED
-    if target is not None and real < target:
+    if not interrupted and target is not None and real < target:
         message = f"{target} real poses were asked for, {real} were found: give it more time"
         raise CheckFailed(message)
-    return 0
+    return INTERRUPTED if interrupted else 0
 
 
 class _Interrupted(Exception):
@@ -157,6 +150,24 @@ class _Interrupted(Exception):
 
     def __init__(self, state: State) -> None:
         self.state = state
+
+
+def _writable_output(path: str | None, state_file: str | None) -> Output:
+    """Return where the platform goes, once it is sure that both files can be written."""
+    output = Output("yaml", None if path in (None, "-") else Path(str(path)))
+    for file in (output.path, state_file):
+        if file is not None:
+            check_writable(Path(file))
+    return output
+
+
+def _show_known(gsp_type: GspType, real: int | None, output: Output) -> None:
+    """Write the best known platform, or one with so many real poses."""
+    from gspcli.reality.witness_proofs import known_instance
+    from gspcli.spec import dumps
+
+    _reject_search_options()
+    write(output, dumps(known_instance(gsp_type, real)))
 
 
 def _reject_search_options() -> None:

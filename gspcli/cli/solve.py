@@ -12,18 +12,16 @@ import click
 from gspcli.cli.digits import decimals, digit_table, digits_option, refined
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import MOST_JOBS, Seed, Whole
-from gspcli.cli.output import Output, emit, output_options
+from gspcli.cli.output import Output, Table, emit, output_options
 from gspcli.cli.progress_bars import working
+from gspcli.cli.reading_options import add_fit, fitted, given_readings, refuse_misfit
 from gspcli.defaults import SEED
-from gspcli.errors import CheckFailed, GspError, IncompleteError, NotFiniteError
+from gspcli.errors import GspError, IncompleteError, NotFiniteError
 from gspcli.wording import shortened
-from gspcli.wording import shown as quoted
 
 if TYPE_CHECKING:
     from gspcli.cli.pose_tables import Shown
-    from gspcli.geometry.instance import Instance
     from gspcli.sensing import ReadingFit
-    from gspcli.sensing.notation import SensorReading
     from gspcli.solver import SolveResult
 
 #: Formats for people.
@@ -138,97 +136,48 @@ def command(
     """
     from dataclasses import replace
 
-    from gspcli.cli.pose_tables import LEGEND, Shown, data_table, lone_tables, pose_tables
-    from gspcli.cli.summary import remarks, summary
+    from gspcli.cli.pose_tables import Shown, data_table, lone_tables, pose_tables
+    from gspcli.cli.summary import summary
     from gspcli.solver import solve
     from gspcli.solver.columns import ROTATIONS, rotation_columns
     from gspcli.spec import set_values
 
     columns = rotation_columns(rotation)
-    if everything and rotation not in ("quaternion", "matrix"):
-        message = f"--rotation {rotation} says nothing of poses that are not real: leave out --all"
-        raise click.UsageError(message)
+    if everything:
+        _refuse_angles(rotation)
     instance = set_values(load_instance(spec), settings)
     euler = None if rotation in ROTATIONS else rotation
+    given = given_readings(readings, instance)
     goal = _pose(near, euler, instance.units.angle.in_radians) if near is not None else None
-    given = _readings(readings, instance)
-    fit: ReadingFit | None = None
     with working("solving"):
         result = solve(instance, seed=seed, jobs=jobs, certify=not no_certify, prove=prove)
         indices = range(len(result.R) if everything else result.counts.real)
         shown = Shown(indices, columns, places)
         if goal is not None:
             shown = _sorted(result, shown, *goal)
-        if given:
-            from gspcli.sensing import fit_readings
-
-            fit = fit_readings(result, given)
+        if (fit := fitted(result, given)) is not None:
             shown = replace(shown, fits=fit.rows())
         proved = _refined(result, shown, digits) if digits is not None else []
         contradicting = _contradicting(result)
         lines = summary(result, certify=not no_certify, contradicting=contradicting)
         lines += [fit.sentence] if fit is not None else []
     if output.format in _READABLE:
-        notes = remarks(result, shown.numbers)
-        if not everything and (others := len(result.R) - len(shown.indices)):
-            notes.append(f"{others} more are not real: --all shows them")
-        if shown.distances is not None:
-            notes.append("nearest: by the translation and the turn times the platform's size")
-        notes += LEGEND if legend else ()
+        notes = _notes(result, shown, everything=everything, legend=legend)
         tables = pose_tables(result, shown, certify=not no_certify, summary=lines, notes=notes)
         tables += lone_tables(result, shown)
         if any(proved):
-            rows = [
-                {"number": number, **decimals(pose or {})}
-                for number, pose in zip(shown.numbers, proved, strict=True)
-            ]
-            tables.append(digit_table(rows))
+            tables.append(_digits_of(shown, proved))
         emit(output, tables)
     else:
         flat = [decimals(pose or {}) for pose in proved]
         table = data_table(result, shown, flat, imaginary=everything, summary=lines)
         document = None
         if output.format == "json":
-            document = _document(result, shown, proved, contradicting, everything=everything)
-            if fit is not None:
-                _add_fit(document, shown, fit)
+            document = _document(result, shown, proved, contradicting, fit, everything=everything)
         emit(output, table, document=document)
     _complain(result, certified=not no_certify)
-    if fit is not None and fit.mode is None:
-        raise CheckFailed(_misfit(fit))
-
-
-def _readings(texts: Sequence[str], instance: Instance) -> list[SensorReading]:
-    """Return the readings that are given."""
-    if not texts:
-        return []
-    from gspcli.sensing.notation import parse_reading
-
-    found = []
-    for text in texts:
-        try:
-            found.append(parse_reading(text, instance))
-        except GspError as error:
-            message = f"--reading {quoted(text)}, {error}"
-            raise GspError(message) from None
-    return found
-
-
-def _misfit(fit: ReadingFit) -> str:
-    """Return what to do where not exactly one mode fits."""
-    if fit.modes:
-        message = "gsp sensors says which further sensor tells them apart"
-        return f"{len(fit.modes)} modes fit what was read: {message}"
-    message = "is it in the units of SPEC, with the values of SPEC (--set gives others)?"
-    return f"no mode fits what was read: {message}"
-
-
-def _add_fit(document: dict[str, Any], shown: Shown, fit: ReadingFit) -> None:
-    """Add to a document what the readings say of its poses."""
-    document |= fit.to_json()
-    for entry, index in zip(document["solutions"], shown.indices, strict=True):
-        if index < len(fit.off) and fit.result.counts.real:
-            entry |= fit.of_mode(index)
+    if fit is not None:
+        refuse_misfit(fit)
 
 
 def _pose(near: str, euler: str | None, in_radians: float) -> tuple[Any, Any]:
@@ -270,6 +219,26 @@ def _sorted(result: SolveResult, shown: Shown, R: Any, T: Any) -> Shown:
     )
 
 
+def _refuse_angles(rotation: str) -> None:
+    """Raise if rotations that are not real cannot be written so."""
+    if rotation not in ("quaternion", "matrix"):
+        message = f"--rotation {rotation} says nothing of poses that are not real: leave out --all"
+        raise click.UsageError(message)
+
+
+def _notes(result: SolveResult, shown: Shown, *, everything: bool, legend: bool) -> list[str]:
+    """Return what is said below the poses."""
+    from gspcli.cli.pose_tables import LEGEND
+    from gspcli.cli.summary import remarks
+
+    notes = remarks(result, shown.numbers)
+    if not everything and (others := len(result.R) - len(shown.indices)):
+        notes.append(f"{others} more are not real: --all shows them")
+    if shown.distances is not None:
+        notes.append("nearest: by the translation and the turn times the platform's size")
+    return [*notes, *(LEGEND if legend else ())]
+
+
 def _contradicting(result: SolveResult) -> list[int]:
     """Return the numbers of constraints that contradict each other, if that is why none is real."""
     if result.counts.real or result.verdict != "complete":
@@ -284,6 +253,7 @@ def _document(
     shown: Shown,
     proved: Sequence[dict[str, Any] | None],
     contradicting: Sequence[int],
+    fit: ReadingFit | None,
     *,
     everything: bool,
 ) -> dict[str, Any]:
@@ -297,6 +267,8 @@ def _document(
     document["solutions"] = entries
     if contradicting:
         document["contradicting"] = list(contradicting)
+    if fit is not None:
+        add_fit(document, shown, fit)
     return document
 
 
@@ -314,6 +286,15 @@ def _refined(result: SolveResult, shown: Shown, digits: int) -> list[dict[str, A
         refined(result.instance, certificate, digits) if certificate.certified else None
         for certificate in proved
     ]
+
+
+def _digits_of(shown: Shown, proved: Sequence[dict[str, Any] | None]) -> Table:
+    """Return the table of the digits that are proved."""
+    rows = [
+        {"number": number, **decimals(pose or {})}
+        for number, pose in zip(shown.numbers, proved, strict=True)
+    ]
+    return digit_table(rows)
 
 
 def _complain(result: SolveResult, *, certified: bool) -> None:

@@ -3,35 +3,32 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.limit_sentences import cones_notes, limit_sentences, plain_limit
+from gspcli.cli.limit_sentences import limit_sentences
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import MOST_JOBS, Whole
-from gspcli.cli.output import Column, Output, Table, emit, output_options
+from gspcli.cli.output import Output, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
 from gspcli.cli.requirements import refuse, require_option, required
 from gspcli.cli.streams import say
 from gspcli.cli.track_requirements import judged_track, track_entries, track_lines
+from gspcli.cli.track_tables import event_sentence, track_document, track_rows, track_table
 from gspcli.errors import GspError, IncompleteError
-from gspcli.wording import counted
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable
 
     import numpy as np
     from numpy.typing import NDArray
 
     from gspcli.geometry.instance import Instance
-    from gspcli.motion import Event, Track
-    from gspcli.motion.following.limit_events import LimitEvent
+    from gspcli.motion import PoseFormat, Track
 
     Array = NDArray[np.float64]
-
-_POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
 @click.command()
@@ -138,25 +135,14 @@ def command(
       gsp track platform.yaml values.csv --steps 20 --format csv |
         gsp view platform.yaml --track -
     """
-    if mode is not None and near is not None:
-        message = "give either --mode or --near"
-        raise click.UsageError(message)
-    if spec == values == "-":
-        message = "SPEC and VALUES cannot both be standard input"
-        raise click.UsageError(message)
-    from gspcli.motion import read_pose, read_values, track
+    _check(mode, near, spec, values)
+    from gspcli.motion import read_values, track
     from gspcli.motion.following.limit_events import limit_events
-    from gspcli.motion.singularities.clearances import clearances, range_weights
-    from gspcli.motion.singularities.pose_clearances import pose_clearances
 
     instance = load_instance(spec)
     requirements = required(require)
     form = pose_format(instance, euler, pivot)
     table = read_values(*text_of(values), instance, form, delta=delta).subdivided(steps)
-    pose = None
-    if near is not None:
-        given = read_pose(near, form, "--near")
-        pose = given.R[0], given.T[0]
     with working("following"):
         result = track(
             instance,
@@ -164,46 +150,87 @@ def command(
             coordinates=table.coordinates,
             t=table.t,
             modes=None if mode is None else [mode],
-            near=pose,
+            near=None if near is None else _one_pose(near, form),
             everything=everything,
             certify=not no_certify,
             jobs=jobs,
         )
-    if not len(result.modes) and not everything:
+    if not everything:
+        _refuse_none(result)
+    with working("looking at limits"):
+        limits = limit_events(result)
+    asked = {one.quantity for one in requirements}
+    with working("looking for singularities"):
+        more = _clearances(
+            result,
+            of_values=clear or "clearance" in asked,
+            of_pose=pose_clear or "pose-clearance" in asked,
+        )
+    rows = track_rows(result, more)
+    verdicts, columns = judged_track(result, limits, requirements, rows)
+    emit(
+        output,
+        track_table(result, rows, limits, columns, track_lines(verdicts, rows, steps)),
+        document=track_document(result, rows, limits) | track_entries(verdicts, rows, steps),
+    )
+    if output.format != "json":
+        for line in (*map(event_sentence, result.events), *limit_sentences(result, limits)):
+            say(line)
+    _refuse_losses(result, allowed=allow_loss)
+    refuse(verdicts)
+
+
+def _check(mode: int | None, near: str | None, spec: str, values: str) -> None:
+    """Complain of arguments that do not go together."""
+    if mode is not None and near is not None:
+        message = "give either --mode or --near"
+        raise click.UsageError(message)
+    if spec == values == "-":
+        message = "SPEC and VALUES cannot both be standard input"
+        raise click.UsageError(message)
+
+
+def _one_pose(text: str, form: PoseFormat) -> tuple[Array, Array]:
+    """Return the pose that an option gives."""
+    from gspcli.motion import read_pose
+
+    given = read_pose(text, form, "--near")
+    return given.R[0], given.T[0]
+
+
+def _refuse_none(result: Track) -> None:
+    """Raise if there is no mode to follow."""
+    if not len(result.modes):
         message = (
             "there is no real pose at the first row\n"
             "begin with other values, or use --all for modes that are born on the way"
         )
         raise GspError(message)
-    with working("looking at limits"):
-        limits = limit_events(result)
-    more = {}
-    with working("looking for singularities"):
-        asked = {one.quantity for one in requirements}
-        if clear or "clearance" in asked:
-            weighted = partial(clearances, weights=range_weights(instance))
-            more["clearance"] = _of_poses(result, weighted)
-        if pose_clear or "pose-clearance" in asked:
-            more["pose_clearance"] = _of_poses(result, pose_clearances)
-    rows = _rows(result, more)
-    verdicts, columns = judged_track(result, limits, requirements, rows)
-    emit(
-        output,
-        _table(result, rows, limits, columns, track_lines(verdicts, rows, steps)),
-        document=_document(result, rows, limits) | track_entries(verdicts, rows, steps),
-    )
-    if output.format != "json":
-        for event in result.events:
-            say(_sentence(event))
-        for line in limit_sentences(result, limits):
-            say(line)
+
+
+def _clearances(result: Track, *, of_values: bool, of_pose: bool) -> dict[str, Array]:
+    """Return the clearances that are asked for, by their names in rows, each of shape (m, r)."""
+    from gspcli.motion.singularities.clearances import clearances, range_weights
+    from gspcli.motion.singularities.pose_clearances import pose_clearances
+
+    found = {}
+    if of_values:
+        weighted = partial(clearances, weights=range_weights(result.instance))
+        found["clearance"] = _of_poses(result, weighted)
+    if of_pose:
+        found["pose_clearance"] = _of_poses(result, pose_clearances)
+    return found
+
+
+def _refuse_losses(result: Track, *, allowed: bool) -> None:
+    """Raise if modes are not accounted for, or end without leave."""
     if result.complete is False:
         message = (
             "the modes followed and the poses at the last row do not account for each other\n"
             "give more rows, or try --jobs 1 with a smaller step"
         )
         raise IncompleteError(message)
-    if result.ends and not allow_loss:
+    if result.ends and not allowed:
         names = ", ".join(str(event.mode) for event in result.ends)
         many = len(result.ends) > 1
         message = (
@@ -211,7 +238,6 @@ def command(
             "use --allow-loss if that is expected"
         )
         raise IncompleteError(message)
-    refuse(verdicts)
 
 
 def _of_poses(result: Track, bound: Callable[[Instance, Array, Array], Array]) -> Array:
@@ -224,120 +250,3 @@ def _of_poses(result: Track, bound: Callable[[Instance, Array, Array], Array]) -
         there[:, rows] = ~np.isnan(result.T[:, rows, 0])
         found[there] = bound(instance, result.R[there], result.T[there])
     return found
-
-
-def _rows(result: Track, more: Mapping[str, Array]) -> list[dict[str, Any]]:
-    """Return a row for each pose, with more numbers, each of shape (m, r)."""
-    rows = []
-    for k, t in enumerate(result.t.tolist()):
-        for m, mode in enumerate(result.modes.tolist()):
-            T = result.T[m, k]
-            if T[0] != T[0]:
-                continue
-            pose = [*T.tolist(), *result.quaternions[m, k].tolist()]
-            condition = float(result.conditions[m, k])
-            rows.append(
-                {
-                    "t": t,
-                    "mode": mode,
-                    **dict(zip(_POSE, pose, strict=True)),
-                    "condition": condition,
-                    **{key: float(numbers[m, k]) for key, numbers in more.items()},
-                }
-            )
-    return rows
-
-
-def _table(
-    result: Track,
-    rows: list[dict[str, Any]],
-    limits: list[LimitEvent],
-    more: list[Column],
-    summary: list[str],
-) -> Table:
-    columns = [
-        Column(key, align="right", essential=True, aligned=key in _POSE)
-        for key in ("t", "mode", *_POSE)
-    ]
-    columns.append(Column("condition", align="right"))
-    columns += [
-        Column(key, key.replace("_", " "), align="right", essential=True)
-        for key in ("clearance", "pose_clearance")
-        if rows and key in rows[0]
-    ]
-    columns += more
-    names = [one.name for one in result.coordinates]
-    columns += [Column(name, align="right", minor=1) for name in names]
-    at = {t: dict(zip(names, place, strict=True)) for t, place in _places(result)}
-    rows = [{**row, **at[row["t"]]} for row in rows]
-    instance = result.instance
-    title = instance.title
-    kept = len(result.modes) - len(result.events)
-    how = "proved" if result.certified else "not proved"
-    note = (
-        f"{counted(len(result.modes), 'mode')}, {kept} of them from the first row to the last; "
-        f"{counted(result.segments, 'part')}, {how}"
-    )
-    if result.complete:
-        note += "; every real pose at the last row is accounted for"
-    notes = [note, *cones_notes(result, limits)]
-    return Table(columns, rows, title=title, notes=notes, summary=summary)
-
-
-def _places(result: Track) -> Iterator[tuple[float, list[float]]]:
-    """Yield t and the coordinates that move at each row."""
-    return zip(result.t.tolist(), result.places.tolist(), strict=True)
-
-
-def _document(
-    result: Track, rows: list[dict[str, Any]], limits: list[LimitEvent]
-) -> dict[str, Any]:
-    instance = result.instance
-    return {
-        "schema": "gsp.track/1",
-        **instance.to_json(),
-        "certified": result.certified,
-        "complete": result.complete,
-        "modes": result.modes.tolist(),
-        "coordinates": {
-            one.name: result.places[:, k].tolist() for k, one in enumerate(result.coordinates)
-        },
-        "parts": result.segments,
-        "poses": rows,
-        "events": [_plain(event) for event in result.events],
-        "limits": [plain_limit(event) for event in limits],
-    }
-
-
-def _plain(event: Event) -> dict[str, Any]:
-    return {
-        "kind": event.kind,
-        "reason": event.reason,
-        "begins": event.begins,
-        "mode": event.mode,
-        "partner": event.partner,
-        "row": event.row + 1,
-        "t": [event.low, event.high],
-        "R": _finite(event.R),
-        "T": _finite(event.T),
-        "partner_R": None if event.partner_R is None else event.partner_R.tolist(),
-        "partner_T": None if event.partner_T is None else event.partner_T.tolist(),
-    }
-
-
-def _finite(part: Array) -> Any:
-    """Return a part of a pose; None at infinity, where there is none."""
-    import numpy as np
-
-    return part.tolist() if np.isfinite(part).all() else None
-
-
-def _sentence(event: Event) -> str:
-    if event.kind == "undecided":
-        what = "cannot be followed back before" if event.begins else "cannot be followed beyond"
-        t = event.high if event.begins else event.low
-        return f"mode {event.mode} {what} t = {t:.10g}: {event.reason} (undecided)"
-    partner = "another" if event.partner is None else f"mode {event.partner}"
-    if event.begins:
-        return f"mode {event.mode} begins with {partner} in a fold at t = {event.low:.12g}, proved"
-    return f"mode {event.mode} meets {partner} in a fold at t = {event.low:.12g} and ends, proved"

@@ -69,37 +69,11 @@ def show_travels(
     connected
         Whether singular poses end a travel, too.
     """
-    from gspcli.errors import ArgumentError
-    from gspcli.motion.workspace.travels import moved, travels
-
     offsets = _offsets(held)
     names = list(offsets[0])
     rows: list[dict[str, Any]] = []
     for offset in progress(offsets, total=len(offsets), label="travels"):
-        R, T = moved(
-            home.R,
-            home.T,
-            offset,
-            pivot=home.pivot,
-            sequence=sequence,
-            in_radians=instance.units.angle.in_radians,
-        )
-        axes = [name for name in PARAMETERS if name not in offset]
-        try:
-            found: list[Travel | None] = list(
-                travels(
-                    instance, R, T, axes=axes, pivot=home.pivot, sequence=sequence,
-                    connected=connected,
-                )
-            )  # fmt: skip
-        except ArgumentError:
-            if not offset:
-                raise
-            found = [None] * len(axes)
-        shown = {f"held_{name}": value for name, value in offset.items()}
-        rows += [
-            shown | _travel_row(axis, travel) for axis, travel in zip(axes, found, strict=True)
-        ]
+        rows += _offset_rows(instance, home, sequence, offset, connected=connected)
     units = instance.units
     columns = [
         *(Column(f"held_{name}", f"{name} held", "right", True) for name in names),
@@ -134,6 +108,37 @@ def show_travels(
         "volume": None,
     }
     emit(output, Table(columns, rows, title=instance.title, notes=notes), document=document)
+
+
+def _offset_rows(
+    instance: Instance, home: Home, sequence: str, offset: dict[str, float], *, connected: bool
+) -> list[dict[str, Any]]:
+    """Return a row for each axis that is free, without numbers if the moved pose is refused."""
+    from gspcli.errors import ArgumentError
+    from gspcli.motion.workspace.travels import moved, travels
+
+    R, T = moved(
+        home.R,
+        home.T,
+        offset,
+        pivot=home.pivot,
+        sequence=sequence,
+        in_radians=instance.units.angle.in_radians,
+    )
+    axes = [name for name in PARAMETERS if name not in offset]
+    try:
+        found: list[Travel | None] = list(
+            travels(
+                instance, R, T, axes=axes, pivot=home.pivot, sequence=sequence,
+                connected=connected,
+            )
+        )  # fmt: skip
+    except ArgumentError:
+        if not offset:
+            raise
+        found = [None] * len(axes)
+    held = {f"held_{name}": value for name, value in offset.items()}
+    return [held | _travel_row(axis, travel) for axis, travel in zip(axes, found, strict=True)]
 
 
 def _travel_row(axis: str, travel: Travel | None) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -15,9 +15,7 @@ from gspcli.cli.number_types import MOST_JOBS, Whole
 from gspcli.cli.output import (
     DRAWINGS,
     FORMATS,
-    Column,
     Output,
-    Table,
     emit,
     output_options,
     write,
@@ -26,18 +24,13 @@ from gspcli.cli.pose_options import pose_format, pose_options
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.reachable_home import Home, home_pose
 from gspcli.cli.travel_tables import show_travels
+from gspcli.cli.workspace_tables import box_rows, box_table, volume_table, workspace_document
 from gspcli.errors import GspError, IncompleteError
 from gspcli.wording import shown
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from gspcli.motion import Workspace
 
-    Array = NDArray[np.float64]
-
-_POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 #: The tolerance without --tolerance, and where every box is shown.
 _TOLERANCE, _COARSE = 0.01, 0.1
 _MOST_SHOWN = 2_000_000
@@ -181,12 +174,7 @@ def command(
     _show(found, home, listed, output)
     if interrupted():
         raise KeyboardInterrupt
-    if found.gap > wanted:
-        message = (
-            f"the bounds of the volume differ by {found.gap:.3g}, relatively, after "
-            f"{found.judged} boxes: more than --tolerance {wanted:g}"
-        )
-        raise IncompleteError(message)
+    _refuse_wide_bounds(found, wanted)
 
 
 @contextmanager
@@ -243,6 +231,15 @@ def _check(
         raise click.UsageError(message)
 
 
+def _refuse_wide_bounds(found: Workspace, wanted: float) -> None:
+    if found.gap > wanted:
+        message = (
+            f"the bounds of the volume differ by {found.gap:.3g}, relatively, after "
+            f"{found.judged} boxes: more than --tolerance {wanted:g}"
+        )
+        raise IncompleteError(message)
+
+
 def _interval(text: str) -> tuple[str, tuple[float, float]]:
     name, low, high, count = span_of("within", text)
     if count is not None:
@@ -261,98 +258,9 @@ def _show(found: Workspace, home: Home, listed: bool, output: Output) -> None:
     if listed and count > _MOST_SHOWN:
         message = f"found {count} boxes, expected at most {_MOST_SHOWN}: try a larger --tolerance"
         raise GspError(message)
-    boxes = _boxes(found) if listed else []
+    boxes = box_rows(found) if listed else []
     document = None
     if output.format == "json":
-        document = _document(found, home, boxes if listed else None)
-    emit(output, _box_table(found, boxes) if listed else _sum_table(found, home), document=document)
-
-
-def _document(found: Workspace, home: Home, boxes: list[dict[str, Any]] | None) -> dict[str, Any]:
-    low, high = found.volume
-    heading = home.document(found.instance, found.boxes.sequence, connected=found.connected)
-    document = {
-        **heading,
-        "travel": None,
-        "volume": {"lower": low, "upper": high, "unit": found.measure, "gap": found.gap},
-        "extents": _extents(found),
-        "inner": len(found.inner_keys),
-        "open": len(found.open_keys),
-        "judged": found.judged,
-    }
-    if boxes is not None:
-        document["boxes"] = [
-            {
-                "status": row["status"],
-                "T": [row[key] for key in _POSE[:3]],
-                "quaternion": [row[key] for key in _POSE[3:]],
-                "box": {name: [row[f"{name}_low"], row[f"{name}_high"]] for name in found.free},
-            }
-            for row in boxes
-        ]
-    return document
-
-
-def _extents(found: Workspace) -> list[dict[str, Any]]:
-    rows = []
-    for name, ends in zip(found.free, found.extents.tolist(), strict=True):
-        (low, high), (least, most) = (
-            [None if end != end else end for end in pair] for pair in ends
-        )
-        rows.append({"name": name, "least": least, "lowest": low, "highest": high, "most": most})
-    return rows
-
-
-def _sum_table(found: Workspace, home: Home) -> Table:
-    low, high = found.volume
-    count = len(found.inner_keys)
-    verb = "can be reached without a singular pose" if found.connected else "can be reached"
-    summary = [
-        f"between {low:.6g} and {high:.6g} {found.measure} {verb} ({100 * found.gap:.2g} % apart)"
-    ]
-    notes = [
-        f"home: {home.text}",
-        f"proved: {count} boxes inside, {len(found.open_keys)} between, {found.judged} judged; the "
-        "set ends between least and lowest and between highest and most",
-    ]
-    columns = [
-        Column("name", essential=True),
-        *(
-            Column(key, align="right", essential=True)
-            for key in ("least", "lowest", "highest", "most")
-        ),
-    ]
-    return Table(columns, _extents(found), title=found.instance.title, notes=notes, summary=summary)
-
-
-def _boxes(found: Workspace) -> list[dict[str, Any]]:
-    """Return the boxes with the pose in the middle of each, inner ones first."""
-    import numpy as np
-
-    from gspcli.geometry.quaternions import quaternion_from_rotation
-
-    corners = np.concatenate((found.inner, found.open))
-    parameters = np.tile(found.boxes.home, (len(corners), 1))
-    for k, name in enumerate(found.free):
-        parameters[:, PARAMETERS.index(name)] = corners[:, k].mean(axis=1) * found.units[k]
-    R, T = found.boxes.poses(parameters)
-    poses = np.concatenate((T, quaternion_from_rotation(R)), axis=1).tolist()
-    keys = [f"{name}_{end}" for name in found.free for end in ("low", "high")]
-    flat = corners.reshape(len(corners), -1).tolist()
-    count = len(found.inner)
-    return [
-        {
-            "status": "inside" if k < count else "open",
-            **dict(zip(_POSE, pose, strict=True)),
-            **dict(zip(keys, ends, strict=True)),
-        }
-        for k, (pose, ends) in enumerate(zip(poses, flat, strict=True))
-    ]
-
-
-def _box_table(found: Workspace, rows: list[dict[str, Any]]) -> Table:
-    keys = [f"{name}_{end}" for name in found.free for end in ("low", "high")]
-    columns = [Column("status", essential=True)]
-    columns += [Column(key, align="right") for key in _POSE]
-    columns += [Column(key, align="right", essential=True) for key in keys]
-    return Table(columns, rows, title=found.instance.title)
+        document = workspace_document(found, home, boxes if listed else None)
+    table = box_table(found, boxes) if listed else volume_table(found, home)
+    emit(output, table, document=document)

@@ -9,6 +9,7 @@ rotation. The frames of base and platform are chosen as in the paper:
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from gspcli.symbolic.eliminations import cramer, determinant
 from gspcli.symbolic.sparse_polynomials import Polynomial, coefficient, coefficients
@@ -29,6 +30,13 @@ _SYMBOLS = {
     "k": tuple(f"k{i}" for i in range(1, 6)),
     "z": tuple(f"z{i}" for i in range(10, 39) if i != 29),
 }
+_NOTES = (
+    "z30 = m2⁴ |s2 × s3|⁴ (l3² + m3²)².",
+    "The paper's h2 has degree 3 in r32 without r31; the elimination gives degree 4, and "
+    "no h2 of the printed shape exists (docs/closed-forms.md).",
+    "The paper's h5 and h6 have the initial r31·r13; the relations chosen here ask for "
+    "r31 ≠ 0 only.",
+)
 
 
 def derive_angles() -> TriangularSet:
@@ -46,6 +54,66 @@ def derive_angles() -> TriangularSet:
     q1, q2, q3 = (ring.define(value, "q") for value in (m0 * m2, m0 * n2, n0 * m2))
     d4, d5 = (ring.define(value, "q") for value in (d1 * n0 * n2 - d2, d1 * n1 * n3 - d3))
     h4 = q1 * r22 + q2 * r23 + q3 * r32 + d4
+    first = _first_polynomials(ring, (q1, q2, q3, d4, d5))
+    elements = (
+        first.h1,
+        first.h2,
+        first.h3,
+        h4,
+        r31 * r21 + r32 * r22 + d1 * r23,
+        r13 - r32 * r21 + r31 * r22,
+        r12 + d1 * r21 - r31 * r23,
+        r11 + r32 * r23 - d1 * r22,
+        r33 - d1,
+    )
+    return TriangularSet(
+        case="AAA",
+        title="three angles in general position",
+        source="equations (11) and (12)",
+        variables=ORDER,
+        parameters=PARAMETERS,
+        system=system,
+        definitions=tuple(ring.definitions),
+        elements=tuple(
+            TriangularPolynomial(f"h{i + 1}", name, element)
+            for i, (name, element) in enumerate(zip(ORDER, elements, strict=True))
+        ),
+        conditions=(
+            Condition(1 - d1**2, "the first two directions are parallel: d1 = ±1"),
+            Condition(
+                coefficient(first.h1, "r32", 8),
+                "s2 and s3, s4 and s5, or s4 and s6 are parallel (if all is real)",
+                ("h1",),
+            ),
+            Condition(first.initial_2, "two solutions have the same r32", ("h2",)),
+            Condition(first.initial_3, "two solutions have the same r31 and r32", ("h3",)),
+            Condition(q1, "s1 and s2, or s4 and s5, are parallel", ("h4",)),
+            Condition(r31, "a solution has r31 = 0, where h5 does not give r21", ("h5",)),
+        ),
+        steps=(
+            Relation("r13", first.for_r13),
+            Relation("r31² + r32² = 1 − d1²", r31**2 + r32**2 - (1 - d1**2)),
+        ),
+        notes=_NOTES,
+    )
+
+
+class _FirstPolynomials(NamedTuple):
+    """The first three polynomials of the set, with the initials of two, and what gives r13."""
+
+    h1: Polynomial
+    h2: Polynomial
+    h3: Polynomial
+    initial_2: Polynomial
+    initial_3: Polynomial
+    for_r13: Polynomial
+
+
+def _first_polynomials(ring: Elimination, mixed: Sequence[Polynomial]) -> _FirstPolynomials:
+    """Eliminate all entries but r32, r31 and r23, with the values q1, q2, q3, d4, d5."""
+    r32, r31, r23, r13 = ring["r32 r31 r23 r13"]
+    d1, l1, m1, n1, l3, m3, n3 = ring["d1 l1 m1 n1 l3 m3 n3"]
+    q1, q2, q3, d4, d5 = mixed
 
     # With r33 = d1, the other entries times 1 − d1² are bilinear in the rest of the third row
     # and of the third column, because R is its own matrix of cofactors.
@@ -70,53 +138,7 @@ def derive_angles() -> TriangularSet:
     h2 = ring.named(h2, divisor=square)
     times, plus = coefficient(h2, "r31", 1), coefficient(h2, "r31", 0)
     h1 = ring.named(plus**2 - row * times**2)
-    elements = (
-        h1,
-        h2,
-        h3,
-        h4,
-        r31 * r21 + r32 * r22 + d1 * r23,
-        r13 - r32 * r21 + r31 * r22,
-        r12 + d1 * r21 - r31 * r23,
-        r11 + r32 * r23 - d1 * r22,
-        r33 - d1,
-    )
-    return TriangularSet(
-        case="AAA",
-        title="three angles in general position",
-        source="equations (11) and (12)",
-        variables=ORDER,
-        parameters=PARAMETERS,
-        system=system,
-        definitions=tuple(ring.definitions),
-        elements=tuple(
-            TriangularPolynomial(f"h{i + 1}", name, element)
-            for i, (name, element) in enumerate(zip(ORDER, elements, strict=True))
-        ),
-        conditions=(
-            Condition(square, "the first two directions are parallel: d1 = ±1"),
-            Condition(
-                coefficient(h1, "r32", 8),
-                "s2 and s3, s4 and s5, or s4 and s6 are parallel (if all is real)",
-                ("h1",),
-            ),
-            Condition(times, "two solutions have the same r32", ("h2",)),
-            Condition(slope, "two solutions have the same r31 and r32", ("h3",)),
-            Condition(q1, "s1 and s2, or s4 and s5, are parallel", ("h4",)),
-            Condition(r31, "a solution has r31 = 0, where h5 does not give r21", ("h5",)),
-        ),
-        steps=(
-            Relation("r13", slope * r13 + at_r13),
-            Relation("r31² + r32² = 1 − d1²", r31**2 + r32**2 - square),
-        ),
-        notes=(
-            "z30 = m2⁴ |s2 × s3|⁴ (l3² + m3²)².",
-            "The paper's h2 has degree 3 in r32 without r31; the elimination gives degree 4, and "
-            "no h2 of the printed shape exists (docs/closed-forms.md).",
-            "The paper's h5 and h6 have the initial r31·r13; the relations chosen here ask for "
-            "r31 ≠ 0 only.",
-        ),
-    )
+    return _FirstPolynomials(h1, h2, h3, times, slope, slope * r13 + at_r13)
 
 
 def derive_example_6_2() -> TriangularSet:

@@ -12,9 +12,10 @@ from contextlib import contextmanager
 
 from flint import acb, arb, ctx, fmpq
 
+from gspcli.certification.counting.coordinate_forms import NotFollowedError
 from gspcli.certification.counting.elements import Element, Sum
 from gspcli.certification.counting.exact_platform import evaluated
-from gspcli.certification.counting.followed import FollowedElimination, NotFollowedError
+from gspcli.certification.counting.followed import FollowedElimination
 from gspcli.certification.counting.homomorphism import Randomness
 from gspcli.certification.counting.modular_platform import (
     ModularPlatform,

@@ -9,25 +9,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from flint import acb, arb, arb_mat, fmpq
+from flint import acb, arb, arb_mat
 
+from gspcli.certification.counting.coordinate_forms import (
+    ONE,
+    Polynomial,
+    Vector,
+    add,
+    add_multiple,
+    add_product,
+    affine_forms,
+    products_of_coordinates,
+    small_fraction,
+    solved_rows,
+)
 from gspcli.certification.counting.motion_equations import Function, MotionEquations
 from gspcli.certification.counting.residue_counts import EliminationTrace, Step
 from gspcli.certification.equations import study
 
-#: A polynomial, by packed exponents; and a vector over normal monomials, by their positions.
-Polynomial = dict[int, arb]
-Vector = dict[int, arb]
-
 _BITS = 5
 _MASK = 2**_BITS - 1
-_ONE = arb(1)
-#: The relations of the coordinates have fractions with denominators and numerators below these.
-_MAX_DENOMINATOR, _MAX_NUMERATOR = 64, 2**20
-
-
-class NotFollowedError(ValueError):
-    """An elimination that cannot be followed; says why."""
 
 
 def _degree(monomial: int) -> int:
@@ -53,7 +54,7 @@ class FollowedElimination:
         self.variables = len(trace.variables)
         self._units = [1 << (_BITS * i) for i in range(self.variables)]
         #: For each function of the motion that is a coordinate, an affine form in the variables.
-        self.forms = _affine_forms(equations, trace, self._units)
+        self.forms = affine_forms(equations, trace, self._units)
         self.normal: list[int] = [0]
         self._start = [0]
         self._position = {0: 0}
@@ -109,22 +110,22 @@ class FollowedElimination:
                 for second in forms[: i + 1]:
                     residue = next(entries)
                     if residue:
-                        value = _small_fraction(residue, trace.prime)
-                        _add_product(polynomial, first, second, value)
+                        value = small_fraction(residue, trace.prime)
+                        add_product(polynomial, first, second, value)
             result.append(polynomial)
         for number in trace.quadrics:
             equation = equations.equations[number]
             polynomial = self._quadric(equation.linear)
             for weight, function in equation.squares:
                 form = self._combined(function)
-                _add_product(polynomial, form, form, arb(weight))
+                add_product(polynomial, form, form, arb(weight))
             result.append(polynomial)
         return result
 
     def _combined(self, function: Function) -> Polynomial:
         result: Polynomial = {}
         for position, coefficient in function.items():
-            _add_multiple(result, self.forms[position], arb(coefficient))
+            add_multiple(result, self.forms[position], arb(coefficient))
         return result
 
     def _quadric(self, function: Function) -> Polynomial:
@@ -133,10 +134,12 @@ class FollowedElimination:
         for position, coefficient in function.items():
             value = arb(coefficient)
             if position in self.forms:
-                _add_multiple(result, self.forms[position], value)
+                add_multiple(result, self.forms[position], value)
                 continue
-            for first, second, sign in _products(position, study.TRANSLATION[0] in self.forms):
-                _add_product(result, self.forms[first], self.forms[second], value * sign)
+            for first, second, sign in products_of_coordinates(
+                position, study.TRANSLATION[0] in self.forms
+            ):
+                add_product(result, self.forms[first], self.forms[second], value * sign)
         return result
 
     # --- one step
@@ -152,7 +155,7 @@ class FollowedElimination:
         width = top + below
         rows = [self._row(source, step.degree, column_of, width) for source in step.sources]
         others = sorted(set(range(width)) - set(step.pivots))
-        solved = _solved(rows, step.pivots, others)
+        solved = solved_rows(rows, step.pivots, others)
         self._reduced.append(
             _reduced_rows([*columns, *reversed(self.normal)], step, others, solved)
         )
@@ -178,7 +181,7 @@ class FollowedElimination:
         self, pivot: int, others: Sequence[int], row: Sequence[arb], width: int, top: int
     ) -> None:
         leading = self.normal[width - 1 - pivot]
-        polynomial = {leading: _ONE}
+        polynomial = {leading: ONE}
         for column, value in zip(others, row, strict=True):
             # Before the pivot there is exactly zero.
             if column > pivot and column >= top:
@@ -205,7 +208,7 @@ class FollowedElimination:
             return row
         i, j, *exponents = source
         monomial = sum(e << (_BITS * k) for k, e in enumerate(exponents))
-        for first, second, sign in ((i, j, _ONE), (j, i, -_ONE)):
+        for first, second, sign in ((i, j, ONE), (j, i, -ONE)):
             vector = self._vector(monomial + self._units[first])
             self._add_multiplied(row, vector, second, sign, degree, column_of, width)
         return row
@@ -221,9 +224,9 @@ class FollowedElimination:
     ) -> None:
         """Add a multiple of a monomial to a row."""
         if monomial == 0:
-            _add(row, width - 1, value)
+            add(row, width - 1, value)
         elif monomial in column_of:
-            _add(row, column_of[monomial], value)
+            add(row, column_of[monomial], value)
         elif _degree(monomial) <= degree:  # else it is exactly zero
             i = self._divisor(monomial)
             rest = self._normal_form(monomial - self._units[i])
@@ -245,16 +248,16 @@ class FollowedElimination:
         for position, value in vector.items():
             monomial, product = self.normal[position] + unit, value * factor
             if position >= last:
-                _add(row, column_of[monomial], product)
+                add(row, column_of[monomial], product)
             elif monomial in self._position:
-                _add(row, width - 1 - self._position[monomial], product)
+                add(row, width - 1 - self._position[monomial], product)
             else:
                 for at, x in self._known[monomial].items():
-                    _add(row, width - 1 - at, product * x)
+                    add(row, width - 1 - at, product * x)
 
     def _vector(self, monomial: int) -> Vector:
         position = self._position.get(monomial)
-        return self._known[monomial] if position is None else {position: _ONE}
+        return self._known[monomial] if position is None else {position: ONE}
 
     def _divisor(self, monomial: int) -> int:
         """Return a variable that divides, the first one whose quotient is known; as the kernel."""
@@ -272,7 +275,7 @@ class FollowedElimination:
         result: Vector = {}
         for position, value in self._normal_form(monomial - self._units[i]).items():
             for at, x in self._vector(self.normal[position] + self._units[i]).items():
-                _add(result, at, value * x)
+                add(result, at, value * x)
         return result
 
 
@@ -284,93 +287,6 @@ def _reduced_rows(
     def polynomial(row: int) -> Polynomial:
         pivot = step.pivots[row]
         terms = zip(others, solved[row], strict=True)
-        return {monomials[pivot]: _ONE} | {monomials[c]: x for c, x in terms if c > pivot}
+        return {monomials[pivot]: ONE} | {monomials[c]: x for c, x in terms if c > pivot}
 
     return polynomial
-
-
-def _add(vector: dict[int, arb], at: int, value: arb) -> None:
-    present = vector.get(at)
-    vector[at] = value if present is None else present + value
-
-
-def _add_multiple(polynomial: Polynomial, other: Polynomial, factor: arb) -> None:
-    for monomial, value in other.items():
-        _add(polynomial, monomial, value * factor)
-
-
-def _add_product(
-    polynomial: Polynomial, first: Polynomial, second: Polynomial, factor: arb
-) -> None:
-    for a, x in first.items():
-        scaled = x * factor
-        for b, y in second.items():
-            _add(polynomial, a + b, scaled * y)
-
-
-def _small_fraction(residue: int, prime: int) -> arb:
-    """Return the fraction of small numbers that a residue stands for."""
-    for denominator in range(1, _MAX_DENOMINATOR):
-        numerator = residue * denominator % prime
-        numerator -= prime if numerator > prime // 2 else 0
-        if abs(numerator) < _MAX_NUMERATOR:
-            return arb(fmpq(numerator, denominator))
-    message = f"the relation {residue} of the coordinates modulo {prime} is no small fraction"
-    raise NotFollowedError(message)
-
-
-def _products(position: int, has_translation: bool) -> list[tuple[int, int, int]]:
-    """Return products of coordinates, and signs: a function without a coordinate is their sum."""
-    rotation = study.ROTATION
-    if position == study.RHO:
-        vector = study.TRANSLATION if has_translation else study.BODY
-        return [(k, k, 1) for k in vector]
-    if position in study.BODY:
-        j = study.BODY.index(position)
-        return [(rotation[i][j], study.TRANSLATION[i], 1) for i in range(3)]
-    if position in study.TRANSLATION:
-        i = study.TRANSLATION.index(position)
-        return [(rotation[i][j], study.BODY[j], 1) for j in range(3)]
-    i, j = divmod(position - study.MOMENT[0][0], 3)
-    turned = i if has_translation else j
-    after, last = (turned + 1) % 3, (turned + 2) % 3
-    if has_translation:  # (T x R)_ij
-        first, second = study.TRANSLATION[after], study.TRANSLATION[last]
-        return [(rotation[last][j], first, 1), (rotation[after][j], second, -1)]
-    first, second = study.BODY[last], study.BODY[after]  # (R x U)_ij
-    return [(rotation[i][after], first, 1), (rotation[i][last], second, -1)]
-
-
-def _solved(
-    rows: Sequence[Vector], pivots: Sequence[int], others: Sequence[int]
-) -> list[list[arb]]:
-    """Return rows in which each pivot is one and alone in its column, at the other columns."""
-    if not rows:
-        return []
-    zero = arb(0)
-    matrix = arb_mat([[row.get(c, zero) for c in pivots] for row in rows])
-    right = arb_mat([[row.get(c, zero) for c in others] for row in rows])
-    entries = matrix.solve(right, algorithm="approx").entries() if others else []
-    width = len(others)
-    return [entries[k * width : (k + 1) * width] for k in range(len(pivots))]
-
-
-def _affine_forms(
-    equations: MotionEquations, trace: EliminationTrace, units: Sequence[int]
-) -> dict[int, Polynomial]:
-    """Return the coordinates in use as affine forms, by the linear equations."""
-    forms: dict[int, Polynomial] = {study.NORM: {0: _ONE}}
-    forms |= {k: {unit: _ONE} for k, unit in zip(trace.variables, units, strict=True)}
-    pivots = [k for k in trace.coordinates if k not in forms]
-    if pivots:
-        others = [study.NORM, *trace.variables]
-        rows = [
-            {k: arb(value) for k, value in equation.linear.items()}
-            for number, equation in enumerate(equations.equations)
-            if number not in trace.quadrics
-        ]
-        for pivot, row in zip(pivots, _solved(rows, pivots, others), strict=True):
-            forms[pivot] = {
-                monomial: -value for monomial, value in zip([0, *units], row, strict=True)
-            }
-    return forms

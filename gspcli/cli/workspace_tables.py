@@ -1,0 +1,110 @@
+"""The tables and the document of `gsp workspace` for what was found over parameters."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from gspcli.cli.grids import PARAMETERS
+from gspcli.cli.output import Column, Table
+from gspcli.cli.reachable_home import Home
+
+if TYPE_CHECKING:
+    from gspcli.motion import Workspace
+
+
+_POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
+
+
+def workspace_document(
+    found: Workspace, home: Home, boxes: list[dict[str, Any]] | None
+) -> dict[str, Any]:
+    """Return a workspace for JSON, with its boxes if they are asked for."""
+    low, high = found.volume
+    heading = home.document(found.instance, found.boxes.sequence, connected=found.connected)
+    document = {
+        **heading,
+        "travel": None,
+        "volume": {"lower": low, "upper": high, "unit": found.measure, "gap": found.gap},
+        "extents": _extents(found),
+        "inner": len(found.inner_keys),
+        "open": len(found.open_keys),
+        "judged": found.judged,
+    }
+    if boxes is not None:
+        document["boxes"] = [
+            {
+                "status": row["status"],
+                "T": [row[key] for key in _POSE[:3]],
+                "quaternion": [row[key] for key in _POSE[3:]],
+                "box": {name: [row[f"{name}_low"], row[f"{name}_high"]] for name in found.free},
+            }
+            for row in boxes
+        ]
+    return document
+
+
+def _extents(found: Workspace) -> list[dict[str, Any]]:
+    rows = []
+    for name, ends in zip(found.free, found.extents.tolist(), strict=True):
+        (low, high), (least, most) = (
+            [None if end != end else end for end in pair] for pair in ends
+        )
+        rows.append({"name": name, "least": least, "lowest": low, "highest": high, "most": most})
+    return rows
+
+
+def volume_table(found: Workspace, home: Home) -> Table:
+    """Return the extents over each parameter, and the volume above them."""
+    low, high = found.volume
+    count = len(found.inner_keys)
+    verb = "can be reached without a singular pose" if found.connected else "can be reached"
+    summary = [
+        f"between {low:.6g} and {high:.6g} {found.measure} {verb} ({100 * found.gap:.2g} % apart)"
+    ]
+    notes = [
+        f"home: {home.text}",
+        f"proved: {count} boxes inside, {len(found.open_keys)} between, {found.judged} judged; the "
+        "set ends between least and lowest and between highest and most",
+    ]
+    columns = [
+        Column("name", essential=True),
+        *(
+            Column(key, align="right", essential=True)
+            for key in ("least", "lowest", "highest", "most")
+        ),
+    ]
+    return Table(columns, _extents(found), title=found.instance.title, notes=notes, summary=summary)
+
+
+def box_rows(found: Workspace) -> list[dict[str, Any]]:
+    """Return the boxes with the pose in the middle of each, inner ones first."""
+    import numpy as np
+
+    from gspcli.geometry.quaternions import quaternion_from_rotation
+
+    corners = np.concatenate((found.inner, found.open))
+    parameters = np.tile(found.boxes.home, (len(corners), 1))
+    for k, name in enumerate(found.free):
+        parameters[:, PARAMETERS.index(name)] = corners[:, k].mean(axis=1) * found.units[k]
+    R, T = found.boxes.poses(parameters)
+    poses = np.concatenate((T, quaternion_from_rotation(R)), axis=1).tolist()
+    keys = [f"{name}_{end}" for name in found.free for end in ("low", "high")]
+    flat = corners.reshape(len(corners), -1).tolist()
+    count = len(found.inner)
+    return [
+        {
+            "status": "inside" if k < count else "open",
+            **dict(zip(_POSE, pose, strict=True)),
+            **dict(zip(keys, ends, strict=True)),
+        }
+        for k, (pose, ends) in enumerate(zip(poses, flat, strict=True))
+    ]
+
+
+def box_table(found: Workspace, rows: list[dict[str, Any]]) -> Table:
+    """Return the table of boxes."""
+    keys = [f"{name}_{end}" for name in found.free for end in ("low", "high")]
+    columns = [Column("status", essential=True)]
+    columns += [Column(key, align="right") for key in _POSE]
+    columns += [Column(key, align="right", essential=True) for key in keys]
+    return Table(columns, rows, title=found.instance.title)
