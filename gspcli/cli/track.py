@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from gspcli.geometry.instance import Instance
     from gspcli.motion import PoseFormat, Track
+    from gspcli.motion.following.limit_events import LimitEvent
 
     Array = NDArray[np.float64]
 
@@ -168,14 +169,11 @@ def command(
         )
     rows = track_rows(result, more)
     verdicts, columns = judged_track(result, limits, requirements, rows)
-    emit(
-        output,
-        track_table(result, rows, limits, columns, track_lines(verdicts, rows, steps)),
-        document=track_document(result, rows, limits) | track_entries(verdicts, rows, steps),
-    )
+    table = track_table(result, rows, limits, columns, track_lines(verdicts, rows, steps))
+    document = track_document(result, rows, limits) | track_entries(verdicts, rows, steps)
+    emit(output, table, document=document)
     if output.format != "json":
-        for line in (*map(event_sentence, result.events), *limit_sentences(result, limits)):
-            say(line)
+        _tell(result, limits)
     _refuse_losses(result, allowed=allow_loss)
     refuse(verdicts)
 
@@ -206,6 +204,12 @@ def _refuse_none(result: Track) -> None:
             "begin with other values, or use --all for modes that are born on the way"
         )
         raise GspError(message)
+
+
+def _tell(result: Track, limits: list[LimitEvent]) -> None:
+    """Say what happens between the rows."""
+    for line in (*map(event_sentence, result.events), *limit_sentences(result, limits)):
+        say(line)
 
 
 def _clearances(result: Track, *, of_values: bool, of_pose: bool) -> dict[str, Array]:

@@ -15,7 +15,7 @@ from gspcli.certification.counting import (
 )
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.instance import Instance
-from gspcli.solver.completion import complete
+from gspcli.solver.completion import FEW, complete, go_on_until
 from gspcli.solver.infinite import along_points, solve_infinite
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.pose_set import PoseSet, joined
@@ -23,7 +23,7 @@ from gspcli.solver.poses_in_parts import complete_parts
 from gspcli.solver.problem import Problem
 from gspcli.solver.proof import CountKind, Proof
 from gspcli.solver.real_statements import isolated_real_poses
-from gspcli.solver.side import FEW, Side
+from gspcli.solver.side import Side
 from gspcli.solver.strategies import Further
 from gspcli.solver.tracking import poses_by_paths
 
@@ -131,7 +131,7 @@ def _of_side(side: Side, count: SideCount, solve: Callable[[Problem], PoseSet]) 
 
 def _go_on(sides: Sequence[Side], last: Further | None, most: int | None = None) -> None:
     for side in sides:
-        side.go_on_until(last, most)
+        go_on_until(side, last, most)
 
 
 def _unresolved(side: Side) -> int:

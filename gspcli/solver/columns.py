@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +15,61 @@ from gspcli.geometry.quaternions import vector_from_rotation
 from gspcli.records import dataclass
 
 if TYPE_CHECKING:
-    from gspcli.solver.result import SolveResult
+    from gspcli.geometry.arrangement import Arrangement
+    from gspcli.geometry.instance import Instance
+    from gspcli.geometry.quaternions import Field
+    from gspcli.solver.solution import Solution
 
-Reader = Callable[["SolveResult"], Sequence[Any] | NDArray[Any]]
+
+class Poses(Protocol):
+    """Poses of which something is said, and of what they are: a `SolveResult`."""
+
+    @property
+    def instance(self) -> Instance:
+        """The platform."""
+
+    @property
+    def arrangement(self) -> Arrangement:
+        """The platform in floating point."""
+
+    @property
+    def R(self) -> Field:
+        """Rotations, shape (n, 3, 3)."""
+
+    @property
+    def T(self) -> Field:
+        """Translations, shape (n, 3)."""
+
+    @property
+    def quaternions(self) -> Field:
+        """Unit quaternions, shape (n, 4)."""
+
+    @property
+    def real(self) -> NDArray[np.bool_]:
+        """Which are real, the first ones, shape (n,)."""
+
+    @property
+    def certified(self) -> NDArray[np.bool_]:
+        """Which are certified, shape (n,)."""
+
+    @property
+    def multiplicity(self) -> NDArray[np.int64]:
+        """The multiplicity of each, shape (n,)."""
+
+    @property
+    def residuals(self) -> NDArray[np.float64]:
+        """The residual of each constraint, shape (n, 6)."""
+
+    @property
+    def conditions(self) -> NDArray[np.float64]:
+        """Condition numbers, shape (n,)."""
+
+    @property
+    def solutions(self) -> tuple[Solution, ...]:
+        """The poses one by one."""
+
+
+Reader = Callable[[Poses], Sequence[Any] | NDArray[Any]]
 #: How rotations can be written besides as Euler angles, which are named by their axes.
 ROTATIONS = ("quaternion", "matrix", "rotvec")
 
@@ -44,12 +96,12 @@ class PoseColumn:
     of_pose: bool = False
 
 
-def _part(read: Callable[[SolveResult], NDArray[Any]], entry: int) -> Reader:
+def _part(read: Callable[[Poses], NDArray[Any]], entry: int) -> Reader:
     """Read one of the entries that there are for each pose."""
     return lambda result: read(result)[:, entry]
 
 
-def _sides(result: SolveResult) -> list[list[str]]:
+def _sides(result: Poses) -> list[list[str]]:
     return [
         [f"{constraint}:{side}" for constraint, side in solution.sides.items()]
         for solution in result.solutions
@@ -117,16 +169,16 @@ def rotation_columns(form: str) -> tuple[PoseColumn, ...]:
     )
 
 
-def _vectors(result: SolveResult) -> NDArray[np.float64]:
+def _vectors(result: Poses) -> NDArray[np.float64]:
     return _of_real(result, vector_from_rotation)
 
 
-def _angles(sequence: str, result: SolveResult) -> NDArray[np.float64]:
+def _angles(sequence: str, result: Poses) -> NDArray[np.float64]:
     return _of_real(result, partial(euler_from_rotation, sequence))
 
 
 def _of_real(
-    result: SolveResult, written: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    result: Poses, written: Callable[[NDArray[np.float64]], NDArray[np.float64]]
 ) -> NDArray[np.float64]:
     """Return angles of the real poses in the unit of the instance, others are not numbers."""
     values = np.full((len(result.R), 3), np.nan)
@@ -134,14 +186,14 @@ def _of_real(
     return values
 
 
-def plain_table(result: SolveResult) -> str:
-    """Return the real poses as a table of plain text, and what became of every path."""
+def plain_table(result: Poses, account: str) -> str:
+    """Return the real poses as a table of plain text, and what became of every path below it."""
     units = {
         "length": f" [{result.instance.units.length}]",
         "angle": f" [{result.instance.units.angle.value}]",
         "": "",
     }
-    count = result.counts.real
+    count = int(result.real.sum())
     columns: list[list[str]] = [["no.", *(str(k + 1) for k in range(count))]]
     for column in COLUMNS:
         values = [_text(value) for value in column.read(result)[:count]]
@@ -154,7 +206,7 @@ def plain_table(result: SolveResult) -> str:
         for row in zip(*columns, strict=True)
     ]
     name = result.instance.title
-    return "\n".join([name, *(rows if count else ()), result.poses.account_text])
+    return "\n".join([name, *(rows if count else ()), account])
 
 
 def _text(value: Any) -> str:

@@ -17,6 +17,44 @@ from gspcli.continuation.tracked_paths import PathEnds
 from gspcli.geometry.quaternions import canonical_sign
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.side import Side
+from gspcli.solver.strategies import Further, further_strategies
+
+#: If at most one path in so many is missing, paths have jumped rather than that the platform is
+#: special: other paths find what is missing. Else no count says whether more would be found.
+FEW = 50
+
+
+def go_on(side: Side) -> Further | None:
+    """Go on with the further strategies to the next place where that may be enough.
+
+    Returns which of them comes next, or goes on; None if all have been tried.
+    """
+    if side.further is None:
+        side.further = further_strategies(side)
+    place = next(side.further, None)
+    return None if place is None else Further(place)
+
+
+def go_on_until(side: Side, last: Further | None, most: int | None = None) -> None:
+    """Go on as long as poses are missing.
+
+    Parameters
+    ----------
+    side
+        The poses for a choice of sides.
+    last
+        The last strategy that is worth it; None for those that have begun already.
+    most
+        How many poses there can be, if that is known.
+    """
+    paths = side.paths.count
+    while (place := go_on(side)) is not None:
+        found = len(side.found)
+        missing = min(paths - found - len(side.infinite), (most or paths) - found)
+        if missing <= 0 or last is None or place > last:
+            break
+        if place > Further.WITH_64_DIGITS and missing * FEW > paths:
+            break
 
 
 def complete(side: Side, solutions: int, distinct: int, spurious: int | None) -> PoseSet:
@@ -40,7 +78,7 @@ def complete(side: Side, solutions: int, distinct: int, spurious: int | None) ->
             multiple = [pose for pose in candidates.poses() if pose.is_pose or spurious is None]
             if len(side.found) + len(multiple) >= distinct:
                 break
-        if side.go_on() is None:
+        if go_on(side) is None:
             break
     numbers = _multiplicities(side.found, multiple, solutions, distinct)
     known = list(zip(multiple, numbers, strict=True)) if numbers else []

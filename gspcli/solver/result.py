@@ -63,7 +63,7 @@ class SolveResult:
     def __str__(self) -> str:
         from gspcli.solver.columns import plain_table
 
-        return plain_table(self)
+        return plain_table(self, self.poses.account_text)
 
     @property
     def R(self) -> Field:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from enum import IntEnum
 from functools import cached_property
 
 import numpy as np
@@ -19,7 +20,6 @@ from gspcli.continuation.tracked_paths import PathEnds, TrackedPaths
 from gspcli.geometry.quaternions import Field, canonical_sign, pose_from_study
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.problem import Problem
-from gspcli.solver.strategies import Further, further_strategies
 
 Bits = NDArray[np.bool_]
 Index = NDArray[np.intp]
@@ -30,9 +30,6 @@ _KNOWN = 1e-13
 _MANY_BITS = 256
 #: Points with smaller imaginary parts may be real.
 _NEARLY_REAL = 1e-6
-#: If at most one path in so many is missing, paths have jumped rather than that the platform is
-#: special: other paths find what is missing. Else no count says whether more would be found.
-FEW = 50
 
 
 class Side:
@@ -61,6 +58,8 @@ class Side:
         How many eliminations have been done.
     all_simple
         Whether all poses are known to be simple ones.
+    further
+        The further strategies as far as they have come (`gspcli.solver.completion.go_on`).
     """
 
     def __init__(self, problem: Problem, k: int) -> None:
@@ -73,7 +72,7 @@ class Side:
         self.left: PathEnds | None = None
         self.eliminated = 0
         self.all_simple = False
-        self._further: Iterator[Further] | None = None
+        self.further: Iterator[IntEnum] | None = None
 
     @property
     def paths(self) -> TrackedPaths:
@@ -89,34 +88,6 @@ class Side:
     def target(self) -> FineCoefficients:
         """The equations of paths from the exact numbers, in 32 digits."""
         return self.problem.target(self.k)
-
-    def go_on(self) -> Further | None:
-        """Go on with the further strategies to the next place where that may be enough.
-
-        Returns which of them comes next, or goes on; None if all have been tried.
-        """
-        if self._further is None:
-            self._further = further_strategies(self)
-        return next(self._further, None)
-
-    def go_on_until(self, last: Further | None, most: int | None = None) -> None:
-        """Go on as long as poses are missing.
-
-        Parameters
-        ----------
-        last
-            The last strategy that is worth it; None for those that have begun already.
-        most
-            How many poses there can be, if that is known.
-        """
-        paths = self.paths.count
-        while (place := self.go_on()) is not None:
-            found = len(self.found)
-            missing = min(paths - found - len(self.infinite), (most or paths) - found)
-            if missing <= 0 or last is None or place > last:
-                break
-            if place > Further.WITH_64_DIGITS and missing * FEW > paths:
-                break
 
     def add_proved(self, found: ProvedPoses) -> Index:
         """Add what the kernel has proved of ends, and conjugates; return their places here, or -1.
