@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.geometry.arrangement import Arrangement, Bodies
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.offsets import offsets
 from gspcli.geometry.primitives import Point, as_array
 from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.geometry.readings import factors, offsets
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -160,7 +160,7 @@ class Model:
             arrangement.in_radians,
             tuple(_blocks(instance, arrangement, cranks=cranks)),
             shifts,
-            np.zeros(6),
+            factors(instance) - 1,
             np.zeros(FRAMES),
         )
         free = np.ones(len(model.names), bool)

@@ -32,8 +32,8 @@ from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import has_limits, within_limits
 from gspcli.geometry.measurement import jacobian
-from gspcli.geometry.offsets import readings_of
 from gspcli.geometry.quaternions import canonical_sign, quaternion_from_rotation
+from gspcli.geometry.readings import readings_of
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.workspace.travels import travels
 from gspcli.records import dataclass
