@@ -205,10 +205,10 @@ def _judge(
     """Return whether all rows keep what is required, and the columns that this adds to them."""
     if not requirements:
         return [], []
-    from gspcli.motion import measure
     from gspcli.motion.files.requirements import judge
+    from gspcli.motion.poses.inverse_kinematics import values_at
 
-    values = measure(instance, asked.R, asked.T)
+    values = values_at(instance, asked.R, asked.T)
     found = measured_quantities(instance, requirements, values, asked.R, asked.T, known)
     more = {name: numbers for name, numbers in found.items() if name not in known}
     return judge(requirements, found), add_quantities(rows, more)

@@ -52,11 +52,11 @@ def values_of(instance: Instance, readings: Array, *, signed: bool = True) -> Ar
     return readings * factors(instance) + offsets(instance, signed=signed)
 
 
-def readings_of(instance: Instance, values: Array) -> Array:
-    """Return the readings at values, shape (..., 6); those of DPH and DHP are signed."""
+def readings_of(instance: Instance, values: Array, *, signed: bool = True) -> Array:
+    """Return the readings at values, shape (..., 6); see `offsets`."""
     if not is_corrected(instance):
         return values
-    return (values - offsets(instance)) / factors(instance)
+    return (values - offsets(instance, signed=signed)) / factors(instance)
 
 
 def without_corrections(instance: Instance) -> Instance:
