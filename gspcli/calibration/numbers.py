@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.calibration.parameters import Block, Model
+from gspcli.calibration.blocks import Block
+from gspcli.calibration.parameters import Model
 from gspcli.geometry.instance import Constraint, Instance, as_read
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Geometry, Line, Plane, Point, Vector, as_array

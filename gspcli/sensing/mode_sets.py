@@ -282,13 +282,12 @@ def _turned_cranks(
 ) -> tuple[Instance, ...]:
     found: list[Instance] = []
     for _ in range(_DRAWS):
-        for R, T in zip(*_poses(instance, home, count, rng), strict=True):
-            # One by one: each pose has the angles that are nearest to zero.
-            chosen, angles = crank_angles(instance, R, T)
-            if np.isfinite(angles).all():
-                found.append(moved(instance, chosen, angles[0]))
-                if len(found) == count:
-                    return tuple(found)
+        poses = _poses(instance, home, count, rng)
+        chosen, angles = crank_angles(instance, *poses, along=False)
+        for row in angles[np.isfinite(angles).all(axis=1)]:
+            found.append(moved(instance, chosen, row))
+            if len(found) == count:
+                return tuple(found)
     message = f"the cranks reach {len(found)} of {_DRAWS * count} poses about home"
     raise ArgumentError(message, "instance")
 
