@@ -12,7 +12,8 @@ import random
 from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
-from gspcli.calibration.parameters import Block, Model
+from gspcli.calibration.blocks import Block
+from gspcli.calibration.parameters import Model
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.primitives import Point

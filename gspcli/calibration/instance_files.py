@@ -47,13 +47,8 @@ def _remarks(result: Calibration) -> Iterator[str]:
         parts = []
         for what in ("offset", "scale"):
             sigma = result.deviations.get(f"{what}.{k}")
-            if sigma is None:
-                continue
-            part = f"{what} {_deviations([sigma])}"
-            if what == "scale":
-                scale = result.after[result.names.index(f"scale.{k}")]
-                part += f": values and range are readings times {1 + scale:.12g}"
-            parts.append(part)
+            if sigma is not None:
+                parts.append(f"{what} {_deviations([sigma])}")
         yield ", ".join(parts)
 
 

@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.calibration.parameters import Block, Model
+from gspcli.calibration.blocks import Block
+from gspcli.calibration.parameters import Model
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.constraint_polynomials import Gradient
 from gspcli.geometry.measurement import by_twist, gradients, measured

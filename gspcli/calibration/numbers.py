@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.calibration.parameters import Block, Model
-from gspcli.geometry.instance import Instance, with_offset
+from gspcli.calibration.blocks import Block
+from gspcli.calibration.parameters import Model
+from gspcli.geometry.instance import Constraint, Instance, as_read
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Geometry, Line, Plane, Point, Vector, as_array
 from gspcli.records import dataclass
@@ -154,24 +155,12 @@ def calibrated(instance: Instance, model: Model, deviations: dict[str, float]) -
             platform=primitive(f"platform.{row.platform_name or f'of {k}'}.", row.platform),
             base=primitive(f"base.{row.base_name or f'of {k}'}.", row.base),
         )
-        if f"offset.{k}" in deviations or f"scale.{k}" in deviations:
-            offset = number(f"offset.{k}", row.offset or Number.of(0))
-            scale = number(f"scale.{k}", Number.of(0))
-            limits = row.limits
-            changed = with_offset(
-                replace(
-                    changed,
-                    value=_scaled(row.reading_of(row.value), scale),
-                    limits=limits
-                    and (
-                        _scaled(row.reading_of(limits[0]), scale),
-                        _scaled(row.reading_of(limits[1]), scale),
-                    ),
-                    offset=None,
-                ),
-                offset,
-            )
-        rows.append(changed)
+        given = {"offset": row.offset, "scale": row.scale}
+        found_here = {
+            what: number(f"{what}.{k}", Number.of(0)) if f"{what}.{k}" in deviations else stated
+            for what, stated in given.items()
+        }
+        rows.append(_reread(changed, **found_here) if found_here != given else changed)
     return replace(instance, constraints=tuple(rows))
 
 
@@ -179,9 +168,12 @@ def _named(numbers: FileNumbers) -> tuple[tuple[str, ...], list[float]]:
     return numbers.names, numbers.values.tolist()
 
 
-def _scaled(reading: Number, scale: Number) -> Number:
-    """Return a reading times one plus a scale."""
-    if scale.fraction == 0:
-        return reading
-    product = Number("*", (reading, Number.of(1 + (scale.fraction or 0))))
-    return product if product.fraction is None else Number.of(product.fraction)
+def _reread(row: Constraint, offset: Number | None, scale: Number | None) -> Constraint:
+    """Return a constraint with the same readings, which mean other values."""
+    limits = row.limits
+    readings = replace(
+        row,
+        value=row.reading_of(row.value),
+        limits=limits and (row.reading_of(limits[0]), row.reading_of(limits[1])),
+    )
+    return as_read(readings, offset=offset, scale=scale)

@@ -16,8 +16,8 @@ from gspcli.calibration.measurements import Measurements, Noise, value_rows
 from gspcli.calibration.parameters import Model
 from gspcli.errors import GspError
 from gspcli.geometry.instance import Instance, Side
-from gspcli.geometry.offsets import values_of, without_offsets
 from gspcli.geometry.quaternions import apply, vector_from_rotation
+from gspcli.geometry.readings import values_of, without_corrections
 from gspcli.solver import solve, solve_values
 
 Array = NDArray[np.float64]
@@ -94,7 +94,7 @@ def _modes(
 
 def _both_sides(instance: Instance) -> Instance:
     """Return the platform whose readings are values, on either side of its planes."""
-    plain = without_offsets(instance)
+    plain = without_corrections(instance)
     rows = tuple(replace(row, side=Side.BOTH) for row in plain.constraints)
     return replace(plain, constraints=rows)
 

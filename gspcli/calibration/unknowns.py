@@ -15,10 +15,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.calibration.blocks import Block
 from gspcli.calibration.exact_ranks import exact_rank
 from gspcli.calibration.fitting import Fit
 from gspcli.calibration.measurements import Measurements
-from gspcli.calibration.parameters import Block, Model
+from gspcli.calibration.parameters import Model
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_vector, vector_from_rotation
 from gspcli.records import dataclass

@@ -115,8 +115,8 @@ def command(
     be near its degrees of freedom if --sigma is right. Without --sigma the scatter of DATA says how
     large the noise is. With --sigma position=0 --sigma rotation=0 poses are exact.
 
-    With -o FILE.yaml the result is an instance file with `offset` at constraints, which every
-    command honours; JSON has the covariance; a picture shows the residuals.
+    With -o FILE.yaml the result is an instance file with `offset` and `scale` at constraints, which
+    every command honours; JSON has the covariance; a picture shows the residuals.
 
     With --plan N nothing is fitted but the geometry that is known so far: N poses within ranges and
     cones are chosen so that their measurement tells most (D-optimal), with what will be known then.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from gspcli.cli.output import Column, Table
-from gspcli.wording import counted
+from gspcli.wording import counted, listed
 
 if TYPE_CHECKING:
     from gspcli.calibration import Calibration
@@ -104,7 +104,10 @@ def plan_table(plan: Plan) -> Table:
     columns += [
         Column(str(k), f"{k} {row.kind.name}", align="right", aligned=True, minor=1)
         for k, row in enumerate(plan.instance.constraints, 1)
+        if k - 1 not in plan.crank_rows
     ]
+    columns += [Column(name, align="right", aligned=True, minor=1) for name in plan.crank_names]
+    read = [column.key for column in columns[1 + len(_POSE) :]]
     return Table(
         columns,
         [
@@ -112,15 +115,23 @@ def plan_table(plan: Plan) -> Table:
                 "t": k,
                 **dict(zip(_POSE, pose, strict=True)),
                 **{str(j): value for j, value in enumerate(readings, 1)},
+                **dict(zip(plan.crank_names, angles, strict=True)),
             }
-            for k, (pose, readings) in enumerate(
-                zip(plan.pose_numbers.tolist(), plan.readings.tolist(), strict=True), 1
+            for k, (pose, readings, angles) in enumerate(
+                zip(
+                    plan.pose_numbers.tolist(),
+                    plan.readings.tolist(),
+                    plan.cranks.tolist(),
+                    strict=True,
+                ),
+                1,
             )
         ],
         title=plan.instance.title,
         summary=plan.sentences,
         notes=[
-            "readings 1 to 6 are those with the geometry as stated: replace them by what is read"
+            f"{listed(read, 'and')} are readings with the geometry as stated: replace them by what "
+            "is read"
         ],
     )
 

@@ -131,7 +131,7 @@ def _row_of_values(instance: Instance, found: Clearance) -> dict[str, Any]:
     row = _bounds(found.lower, found.upper, found.ratio)
     if found.values is None:
         return row
-    from gspcli.geometry.offsets import readings_of
+    from gspcli.geometry.readings import readings_of
 
     readings = readings_of(instance, found.values).tolist()
     row |= {"by": "fold" if found.end is None else "end of range", "values": readings}

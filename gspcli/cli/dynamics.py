@@ -15,7 +15,7 @@ from gspcli.cli.dynamics_tables import (
     motion_table,
 )
 from gspcli.cli.names import load_instance
-from gspcli.cli.output import Column, Output, emit, output_options
+from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_options, text_of
 from gspcli.cli.progress_bars import working
 from gspcli.cli.requirements import (
@@ -185,11 +185,20 @@ def _forces(
             known[name] = Parts(np.abs(found.forces[:, which]), [names[k] for k in which])
     rows = force_rows(found, asked)
     verdicts, more = _judge(instance, asked, requirements, known, rows)
-    lines = verdict_lines(verdicts, asked.place)
-    document = None
-    if output.format == "json":
-        document = _document(found, verdicts, asked)
-    emit(output, force_table(found, asked, rows, more, lines), document=document)
+    table = force_table(found, asked, rows, more, verdict_lines(verdicts, asked.place))
+    _tell(found, asked, verdicts, table, output)
+
+
+def _tell(
+    found: DriveForces | NaturalModes,
+    asked: Asked,
+    verdicts: list[Verdict],
+    tables: Table | list[Table],
+    output: Output,
+) -> None:
+    """Write what was found, warn of singular poses, and fail for what is not kept."""
+    document = _document(found, verdicts, asked) if output.format == "json" else None
+    emit(output, tables, document=document)
     _warn(found, asked)
     refuse(verdicts)
     _refuse_singular(found, asked)
@@ -205,10 +214,10 @@ def _judge(
     """Return whether all rows keep what is required, and the columns that this adds to them."""
     if not requirements:
         return [], []
-    from gspcli.motion import measure
     from gspcli.motion.files.requirements import judge
+    from gspcli.motion.poses.inverse_kinematics import values_at
 
-    values = measure(instance, asked.R, asked.T)
+    values = values_at(instance, asked.R, asked.T)
     found = measured_quantities(instance, requirements, values, asked.R, asked.T, known)
     more = {name: numbers for name, numbers in found.items() if name not in known}
     return judge(requirements, found), add_quantities(rows, more)
@@ -267,14 +276,8 @@ def _modes(
     rows = mode_rows(found, asked)
     known = {"frequency": found.frequencies[:, 0]}
     verdicts, more = _judge(instance, asked, requirements, known, rows)
-    lines = verdict_lines(verdicts, asked.place)
-    document = None
-    if output.format == "json":
-        document = _document(found, verdicts, asked)
-    emit(output, mode_tables(found, asked, rows, more, lines), document=document)
-    _warn(found, asked)
-    refuse(verdicts)
-    _refuse_singular(found, asked)
+    tables = mode_tables(found, asked, rows, more, verdict_lines(verdicts, asked.place))
+    _tell(found, asked, verdicts, tables, output)
 
 
 def _forward(

@@ -140,7 +140,7 @@ def _judged(
     """Return whether all rows keep what is required, and the columns that this adds to them."""
     if not requirements:
         return [], []
-    from gspcli.geometry.offsets import values_of
+    from gspcli.geometry.readings import values_of
     from gspcli.motion.files.requirements import judge
 
     meant = values_of(instance, values)

@@ -69,7 +69,7 @@ def text_of(path: str) -> tuple[str, str]:
 
 def warn_of_range(instance: Instance, t: Sequence[float], values: Array) -> None:
     """Say on standard error which values are outside the ranges of the instance, if any."""
-    from gspcli.geometry.offsets import values_of
+    from gspcli.geometry.readings import values_of
     from gspcli.motion import out_of_range
 
     outside = out_of_range(instance, values_of(instance, values))

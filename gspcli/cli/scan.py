@@ -184,37 +184,46 @@ def _refuse_gaps(found: Scan, limits: Boundary) -> None:
 
 
 def _corrected(asked: Scan) -> tuple[Instance, list[Axis]]:
-    """Return what to scan, with the offsets of SPEC in its values."""
-    from gspcli.geometry.offsets import without_offsets
+    """Return what to scan, with the offsets and scales of SPEC in its values."""
+    from gspcli.geometry.readings import is_corrected, without_corrections
 
+    if not is_corrected(asked.instance):
+        return asked.instance, list(asked.axes)
     axes = [
-        replace(axis, values=tuple(value + offset for value in axis.values)) if offset else axis
-        for axis, offset in zip(asked.axes, _offsets(asked), strict=True)
+        replace(axis, values=tuple(value * factor + offset for value in axis.values))
+        for axis, factor, offset in zip(asked.axes, *_corrections(asked), strict=True)
     ]
-    return without_offsets(asked.instance), axes
+    return without_corrections(asked.instance), axes
 
 
 def _as_read(asked: Scan, found: Scan, limits: Boundary) -> tuple[Scan, Boundary]:
-    """Return what was found with values as SPEC has them, offsets taken away again."""
-    offsets = _offsets(asked)
-    if not any(offsets):
+    """Return what was found with values as SPEC has them, offsets and scales taken away again."""
+    from gspcli.geometry.readings import is_corrected
+
+    if not is_corrected(asked.instance):
         return found, limits
+    factors, offsets = _corrections(asked)
     limits.crossings = [
-        replace(one, values=tuple(v - o for v, o in zip(one.values, offsets, strict=True)))
+        replace(one, values=tuple(((one.values - offsets) / factors).tolist()))
         for one in limits.crossings
     ]
     limits.curves = [
-        replace(curve, values=curve.values - offsets, cusps=curve.cusps - offsets)
+        replace(
+            curve,
+            values=(curve.values - offsets) / factors,
+            cusps=(curve.cusps - offsets) / factors,
+        )
         for curve in limits.curves
     ]
     return replace(found, instance=asked.instance, axes=asked.axes), limits
 
 
-def _offsets(asked: Scan) -> list[float]:
-    from gspcli.geometry.offsets import offsets
+def _corrections(asked: Scan) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return what the values of the axes are multiplied by, and what is added to them then."""
+    from gspcli.geometry.readings import factors, offsets
 
-    every = offsets(asked.instance, signed=False)
-    return [float(every[axis.constraint]) for axis in asked.axes]
+    chosen = [axis.constraint for axis in asked.axes]
+    return factors(asked.instance)[chosen], offsets(asked.instance, signed=False)[chosen]
 
 
 def _check_values(found: Scan) -> None:

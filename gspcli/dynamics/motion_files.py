@@ -11,6 +11,7 @@ from gspcli.dynamics.mass_model import MassModel
 from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, Motion
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import apply, cross
+from gspcli.geometry.readings import factors
 from gspcli.motion import PoseFormat, read_poses, read_values
 from gspcli.motion.files.number_tables import NumberTable
 from gspcli.motion.files.pose_files import names_poses, poses_in
@@ -135,14 +136,14 @@ def _of_origin(motion: Motion, arm: Array) -> Motion:
 def motion_of_values(
     instance: Instance, R: Array, T: Array, rates: Array, second_rates: Array
 ) -> Motion:
-    """Return how a platform moves at poses, (n, 3, 3) and (n, 3), where its values move so.
+    """Return how a platform moves at poses, (n, 3, 3) and (n, 3), where its readings move so.
 
     At singular poses, where that is not known, it is at rest.
     """
     model = MassModel.of(instance)
     drives = Drives(model, R, T * model.metre)
     distances = np.array([row.kind.is_distance for row in instance.constraints])
-    unit = np.where(distances, model.metre, instance.units.angle.in_radians)
+    unit = np.where(distances, model.metre, instance.units.angle.in_radians) * factors(instance)
     singular, _ = drives.conditions()
     rows = np.where(singular[:, None, None], np.eye(6), drives.rows)
 

@@ -30,10 +30,11 @@ from gspcli.geometry.instance import (
     Instance,
     Side,
     Units,
-    with_offset,
+    as_read,
 )
 from gspcli.geometry.numbers import Number, Real
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point
+from gspcli.geometry.ranges import wrong_scale
 from gspcli.wording import listed, shortened, shown
 
 _SORTS = {Primitive.POINT: "point", Primitive.LINE: "line", Primitive.PLANE: "plane"}
@@ -122,6 +123,7 @@ def distance(
     side: Side | str = Side.BOTH,
     range: tuple[Real, Real] | None = None,
     offset: Real | None = None,
+    scale: Real | None = None,
 ) -> Constraint:
     """Return a distance between a primitive of the platform and one of the base.
 
@@ -138,13 +140,15 @@ def distance(
         The smallest and the largest value that the machine can have there.
     offset
         What is added to ``value`` and ``range`` (readings) to make them the distance itself.
+    scale
+        They are multiplied by one plus this before.
 
     Raises
     ------
     ArgumentError
         If there is no such distance, as between two planes, or a number is none.
     """
-    return _constraint("distance", platform, base, value, side, range, offset)
+    return _constraint("distance", platform, base, value, side, range, offset, scale)
 
 
 def angle(
@@ -154,6 +158,7 @@ def angle(
     *,
     range: tuple[Real, Real] | None = None,
     offset: Real | None = None,
+    scale: Real | None = None,
 ) -> Constraint:
     """Return an angle between a line or plane of the platform and one of the base.
 
@@ -168,13 +173,15 @@ def angle(
         The smallest and the largest value that the machine can have there.
     offset
         What is added to ``value`` and ``range`` (readings) to make them the angle itself.
+    scale
+        They are multiplied by one plus this before.
 
     Raises
     ------
     ArgumentError
         If there is no such angle, as of a point, or a number is none.
     """
-    return _constraint("angle", platform, base, value, Side.BOTH, range, offset)
+    return _constraint("angle", platform, base, value, Side.BOTH, range, offset, scale)
 
 
 def _constraint(
@@ -185,6 +192,7 @@ def _constraint(
     side: Side | str,
     limits: tuple[Real, Real] | None,
     offset: Real | None,
+    scale: Real | None,
 ) -> Constraint:
     for where, primitive in (("platform", platform), ("base", base)):
         if not isinstance(primitive, Point | Line | Plane):
@@ -198,12 +206,20 @@ def _constraint(
     ends = None if limits is None else _limits(limits)
     # Any number: the constraint makes it exact.
     made = Constraint(kind, platform, base, value, Side(side), limits=ends)  # type: ignore[arg-type]
-    if offset is None:
+    if offset is scale is None:
         return made
+    given = {"offset": _optional(offset, "offset"), "scale": _optional(scale, "scale")}
+    if given["scale"] is not None and (wrong := wrong_scale(given["scale"])):
+        message = f"found {given['scale']}, {wrong}"
+        raise ArgumentError(message, "scale")
+    return as_read(made, **given)
+
+
+def _optional(number: Real | None, where: str) -> Number | None:
     try:
-        return with_offset(made, Number.of(offset))
+        return None if number is None else Number.of(number)
     except ArgumentError as error:
-        raise error.within("offset") from None
+        raise error.within(where) from None
 
 
 def _limits(limits: Any) -> tuple[Number, Number]:

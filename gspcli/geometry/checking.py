@@ -7,7 +7,7 @@ from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.primitives import Point
-from gspcli.geometry.ranges import wrong_half_angle, wrong_value
+from gspcli.geometry.ranges import wrong_half_angle, wrong_scale, wrong_value
 
 #: What an offset of a distance to a plane needs.
 ONE_SIDE = "expected one only with a side: it is added to the signed distance"
@@ -54,6 +54,9 @@ def checked(instance: Instance) -> Instance:
         if row.offset is not None and row.kind.has_sides and row.side is Side.BOTH:
             message = f"found an offset for {row.kind}, {ONE_SIDE}"
             raise ArgumentError(message, f"constraints[{index}].offset")
+        if row.scale is not None and (wrong := wrong_scale(row.scale)):
+            message = f"found {row.scale}, {wrong}"
+            raise ArgumentError(message, f"constraints[{index}].scale")
         for where, primitive in (("platform", row.platform), ("base", row.base)):
             cone = primitive.cone if isinstance(primitive, Point) else None
             if cone and (wrong := wrong_half_angle(cone.half_angle, instance.units.angle)):

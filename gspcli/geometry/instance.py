@@ -79,10 +79,10 @@ class Constraint:
         motion and say nothing about the poses that the value has.
     tolerance
         How far the machine's value may be off, or None if the file does not say.
-    offset
-        What is added to a reading (what a file, a table or an encoder says) to make it the value;
-        None if they are the same. Of a DPH or DHP it is added to the signed distance, so that
-        one side must be chosen. `value` and `limits` have it added already.
+    offset, scale
+        A reading (what a file, a table or an encoder says) times ``1 + scale``, plus ``offset``, is
+        the value; None stands for zero. Of a DPH or DHP the offset is added to the signed distance,
+        so that one side must be chosen. `value` and `limits` are values already.
     """
 
     kind: Kind
@@ -95,46 +95,57 @@ class Constraint:
     limits: tuple[Number, Number] | None = None
     tolerance: Number | None = None
     offset: Number | None = None
+    scale: Number | None = None
 
     def __post_init__(self) -> None:
         if type(self.value) is not Number:
             object.__setattr__(self, "value", _number(self.value, "value"))
 
     def value_of(self, reading: Number) -> Number:
-        """Return the value that a reading means: with the offset, exactly.
+        """Return the value that a reading means: with scale and offset, exactly.
 
-        This is where offsets are honoured: a reading becomes a value as it enters.
+        This is where they are honoured: a reading becomes a value as it enters.
         """
-        return reading if self.offset is None else _sum(reading, self.offset, -self._turned)
+        if self.scale is not None:
+            reading = _combined(reading, "*", self._factor)
+        return reading if self.offset is None else _combined(reading, self._added, self.offset)
 
     def reading_of(self, value: Number) -> Number:
-        """Return the reading at which the machine has a value: without the offset, exactly."""
-        return value if self.offset is None else _sum(value, self.offset, self._turned)
+        """Return the reading at which the machine has a value, exactly."""
+        if self.offset is not None:
+            value = _combined(value, _INVERSE[self._added], self.offset)
+        return value if self.scale is None else _combined(value, "/", self._factor)
 
     @property
-    def _turned(self) -> int:
-        """The sign of a value less its offset, where values are not signed: on the other side."""
-        return 1 if self.side is Side.NEGATIVE else -1
+    def _factor(self) -> Number:
+        return _combined(Number.of(1), "+", self.scale or Number.of(0))
+
+    @property
+    def _added(self) -> str:
+        """How the offset is added: values are not signed, and on the other side it is less."""
+        return "-" if self.side is Side.NEGATIVE else "+"
 
 
-def with_offset(row: Constraint, offset: Number) -> Constraint:
-    """Return a constraint, whose value and limits are readings, with an offset."""
-    shifted = replace(row, offset=offset)
+def as_read(row: Constraint, *, offset: Number | None, scale: Number | None) -> Constraint:
+    """Return a constraint, whose value and limits are readings, with an offset and a scale."""
+    read = replace(row, offset=offset, scale=scale)
     limits = row.limits
     return replace(
-        shifted,
-        value=shifted.value_of(row.value),
-        limits=limits and (shifted.value_of(limits[0]), shifted.value_of(limits[1])),
+        read,
+        value=read.value_of(row.value),
+        limits=limits and (read.value_of(limits[0]), read.value_of(limits[1])),
     )
 
 
-def _sum(number: Number, offset: Number, sign: int) -> Number:
-    """Return a number with an offset added or taken away, as a fraction where it is one."""
-    undone = "-" if sign > 0 else "+"
-    if number.operation == undone and number.arguments[1] == offset:
-        taken: Number = number.arguments[0]
-        return taken
-    result = Number("+" if sign > 0 else "-", (number, offset))
+_INVERSE = {"+": "-", "-": "+", "*": "/", "/": "*"}
+
+
+def _combined(number: Number, operation: str, other: Number) -> Number:
+    """Return a number after an operation, as a fraction where it is one; undone where it undoes."""
+    if number.operation == _INVERSE[operation] and number.arguments[1] == other:
+        undone: Number = number.arguments[0]
+        return undone
+    result = Number(operation, (number, other))
     return result if result.fraction is None else Number("rational", (result.fraction,))
 
 

@@ -48,6 +48,13 @@ def wrong_value(kind: Kind, value: Number, unit: AngleUnit) -> str:
     return ""
 
 
+def wrong_scale(scale: Number) -> str:
+    """Return what is wrong with the scale of the values of a constraint, or nothing."""
+    if -1 < scale.value < 1:
+        return ""
+    return "expected a number between -1 and 1: readings are multiplied by 1 + scale"
+
+
 def value_range(kind: Kind, unit: AngleUnit) -> tuple[float, float]:
     """Return the least and the greatest value of a kind, planes signed, angles in their unit."""
     if kind.is_distance:

@@ -27,7 +27,7 @@ def track_chart(track: Track, fmt: str) -> bytes:
     with styled():
         from matplotlib.figure import Figure
 
-        from gspcli.geometry.offsets import readings_of
+        from gspcli.geometry.readings import readings_of
 
         figure = Figure(figsize=(7.2, 3.0), layout="constrained")
         left, right = figure.subplots(1, 2)

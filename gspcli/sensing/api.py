@@ -207,9 +207,10 @@ def _spans(
         if not -math.inf < low <= high < math.inf:
             message = f"found {low:g} to {high:g}, expected the lower number first"
             raise ArgumentError(message, where)
-        kind = instance.constraints[number - 1].kind
+        row = instance.constraints[number - 1]
         for value in (low, high):
-            if wrong := wrong_value(kind, Number.of(value), instance.units.angle):
+            meant = row.value_of(Number.of(value))
+            if wrong := wrong_value(row.kind, meant, instance.units.angle):
                 message = f"found {value:g}, {wrong}"
                 raise ArgumentError(message, where)
         spans[number - 1] = (float(low), float(high))

@@ -15,7 +15,9 @@ from gspcli.geometry.coordinates import coordinates as all_coordinates
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import apply, rotation_from_vector
-from gspcli.motion import crank_angles, measure
+from gspcli.geometry.readings import readings_of, values_of
+from gspcli.motion import crank_angles
+from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.records import dataclass
 from gspcli.sensing.candidates import body_normal
 from gspcli.solver import SolveResult, solve, solve_batch
@@ -133,7 +135,7 @@ class ValueSets:
     drawn
         How they came about: ``given``, ``rows``, ``within``, ``ranges``, ``poses`` or ``cranks``.
     values
-        In the units of the instance, shape (n, 6).
+        As the machine reads them, distances to planes without a sign, shape (n, 6).
     platforms
         The instance at each set, if its primitives move; else none.
     known
@@ -170,8 +172,12 @@ def _modes_of(result: SolveResult) -> ModeSets:
 
 def given(result: SolveResult) -> ValueSets:
     """Return the values of a solved instance as the only set."""
-    values = np.array([[row.value.value for row in result.instance.constraints]])
-    return ValueSets("given", values, known=(_modes_of(result),))
+    return ValueSets("given", _stated(result.instance)[None], known=(_modes_of(result),))
+
+
+def _stated(instance: Instance) -> Array:
+    """Return what the machine reads at the values of its file, shape (6,)."""
+    return np.array([row.reading_of(row.value).value for row in instance.constraints])
 
 
 def rows_of(
@@ -198,22 +204,24 @@ def rows_of(
         message = "found no set of values, expected at least one"
         raise ArgumentError(message, "values")
     arrangement = Arrangement.of(instance)
-    wrong = arrangement.sided & (np.sign(rows) == -arrangement.sides) & (arrangement.sides != 0)
+    meant = values_of(instance, rows)
+    wrong = arrangement.sided & (np.sign(meant) == -arrangement.sides) & (arrangement.sides != 0)
     for k, i in np.argwhere(wrong).tolist():
         message = f"found {rows[k, i]:g}, expected the {instance.constraints[i].side.value} side"
         raise ArgumentError(message, f"values[{k}][{i}]")
-    rows = rows.copy()
-    rows[:, arrangement.sided] = np.abs(rows[:, arrangement.sided])
-    for problem in problems_of(instance, rows).values():
+    meant = meant.copy()
+    meant[:, arrangement.sided] = np.abs(meant[:, arrangement.sided])
+    for problem in problems_of(instance, meant).values():
         raise ArgumentError(problem)
     chosen = choose(instance, list(coordinates))
+    rows = readings_of(instance, meant, signed=False)
     if not chosen:
         return ValueSets("rows", rows)
     numbers = np.stack([np.asarray(column, float) for column in coordinates.values()], axis=-1)
     if numbers.shape != (len(rows), len(chosen)):
         message = f"found shape {numbers.shape[:1]}, expected {len(rows)} numbers for each name"
         raise ArgumentError(message, "coordinates")
-    given_rows = [dict(enumerate(map(Number.of, row))) for row in rows.tolist()]
+    given_rows = [dict(enumerate(map(Number.of, row))) for row in meant.tolist()]
     platforms = [
         moved(instance.with_values(row), chosen, place)
         for row, place in zip(given_rows, numbers, strict=True)
@@ -225,7 +233,7 @@ def values_within(
     instance: Instance, within: Mapping[int, tuple[float, float]], count: int, seed: int
 ) -> Array:
     """Return random values, uniform in intervals by the index, the others staying, (count, 6)."""
-    values = np.tile([row.value.value for row in instance.constraints], (count, 1))
+    values = np.tile(_stated(instance), (count, 1))
     parts = np.random.default_rng(seed).uniform(size=values.shape)
     for k, (low, high) in within.items():
         values[:, k] = low + (high - low) * parts[:, k]
@@ -234,14 +242,18 @@ def values_within(
 
 def ranges_of(instance: Instance) -> dict[int, tuple[float, float]] | None:
     """Return the ranges of the constraints by index; None if one has none, or nothing varies."""
-    limits = [row.limits for row in instance.constraints]
-    spans = {k: (pair[0].value, pair[1].value) for k, pair in enumerate(limits) if pair}
+    rows = instance.constraints
+    spans = {
+        k: (row.reading_of(row.limits[0]).value, row.reading_of(row.limits[1]).value)
+        for k, row in enumerate(rows)
+        if row.limits
+    }
     varies = any(low < high for low, high in spans.values())
-    return spans if len(spans) == len(limits) and varies else None
+    return spans if len(spans) == len(rows) and varies else None
 
 
 def about_home(instance: Instance, home: tuple[Array, Array], count: int, seed: int) -> ValueSets:
-    """Return what constraints measure at random poses about home, or the platforms there.
+    """Return what the machine reads at random poses about home, or the platforms there.
 
     The middle of the platform is moved by up to `SPREAD` of its size along each axis, and the
     platform turned about it by up to `TURN` degrees. Where cranks move its joints and the values
@@ -259,10 +271,10 @@ def about_home(instance: Instance, home: tuple[Array, Array], count: int, seed: 
     if all(row.limits and row.limits[0] == row.limits[1] for row in instance.constraints):
         message = "no value varies: each range is one value; give those between which to draw"
         raise ArgumentError(message, "instance")
-    values = measure(instance, *_poses(instance, home, count, rng))
+    values = values_at(instance, *_poses(instance, home, count, rng))
     distances = Arrangement.of(instance).distances
     values[:, distances] = np.abs(values[:, distances])
-    return ValueSets("poses", values)
+    return ValueSets("poses", readings_of(instance, values, signed=False))
 
 
 def _turned_cranks(
@@ -270,13 +282,12 @@ def _turned_cranks(
 ) -> tuple[Instance, ...]:
     found: list[Instance] = []
     for _ in range(_DRAWS):
-        for R, T in zip(*_poses(instance, home, count, rng), strict=True):
-            # One by one: each pose has the angles that are nearest to zero.
-            chosen, angles = crank_angles(instance, R, T)
-            if np.isfinite(angles).all():
-                found.append(moved(instance, chosen, angles[0]))
-                if len(found) == count:
-                    return tuple(found)
+        poses = _poses(instance, home, count, rng)
+        chosen, angles = crank_angles(instance, *poses, along=False)
+        for row in angles[np.isfinite(angles).all(axis=1)]:
+            found.append(moved(instance, chosen, row))
+            if len(found) == count:
+                return tuple(found)
     message = f"the cranks reach {len(found)} of {_DRAWS * count} poses about home"
     raise ArgumentError(message, "instance")
 

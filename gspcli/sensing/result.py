@@ -34,7 +34,7 @@ class SensorResult:
         How the n sets of values came about: ``given``, ``rows``, ``within``, ``ranges``, ``poses``
         or ``cranks``.
     values
-        The sets, shape (n, 6), in the units of the instance.
+        The sets, shape (n, 6), as the machine reads them, in the units of the instance.
     seed
         The source of randomness; None if nothing is random.
     sensors

@@ -12,7 +12,7 @@ from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.offsets import values_of
+from gspcli.geometry.readings import values_of
 from gspcli.solver.all_poses import all_poses
 from gspcli.solver.arguments import value_rows, whole
 from gspcli.solver.batch import PoseBatch, joined

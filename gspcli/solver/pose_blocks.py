@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance
-from gspcli.geometry.offsets import values_of
+from gspcli.geometry.readings import values_of
 from gspcli.solver.all_poses import all_poses
 from gspcli.solver.arguments import problems_of, value_rows, whole
 from gspcli.solver.batch import Block

@@ -16,11 +16,11 @@ from gspcli.geometry.instance import (
     Instance,
     Side,
     Units,
-    with_offset,
+    as_read,
 )
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Cone, Crank, Geometry, Line, Plane, Point, Vector
-from gspcli.geometry.ranges import wrong_half_angle, wrong_value
+from gspcli.geometry.ranges import wrong_half_angle, wrong_scale, wrong_value
 from gspcli.spec.document import Mapping, Scalar, Sequence, Value
 from gspcli.spec.meaning import remarks
 from gspcli.spec.plain import ConstraintFields, InstanceFields, PrimitiveFields
@@ -152,11 +152,7 @@ class FileChecker:
             None if model.range is None else (model.range[0], model.range[1]),
             model.tolerance,
         )
-        if model.offset is not None:
-            row = with_offset(row, model.offset)
-            if kind.has_sides and row.side is Side.BOTH:
-                message = f"found an offset for {kind.name}, {ONE_SIDE}"
-                self._note(node[Scalar("offset")], message)
+        row = self._corrected(row, model, node)
         self._check_value(row, node[Scalar("value")], row.value)
         self._check_limits(row, node)
         tolerance = model.tolerance
@@ -165,14 +161,25 @@ class FileChecker:
             self._note(written, f"found {shown(written)}, expected a tolerance of at least 0")
         return row
 
+    def _corrected(self, row: Constraint, model: AnyConstraint, node: Mapping) -> Constraint:
+        """Return a constraint that is written as readings, with its offset and scale."""
+        if model.offset is not None and row.kind.has_sides and row.side is Side.BOTH:
+            message = f"found an offset for {row.kind.name}, {ONE_SIDE}"
+            self._note(node[Scalar("offset")], message)
+        if model.scale is not None and (wrong := wrong_scale(model.scale)):
+            written = node[Scalar("scale")]
+            self._note(written, f"found {shown(written)}, {wrong}")
+            return row
+        if model.offset is model.scale is None:
+            return row
+        return as_read(row, offset=model.offset, scale=model.scale)
+
     def _check_value(self, row: Constraint, written: Scalar, value: Number) -> None:
-        """Check a value or limit, offset included, that is written as a reading."""
+        """Check a value or limit, offset and scale included, that is written as a reading."""
         if self.unit is not None and (wrong := wrong_value(row.kind, value, self.unit)):
-            found = (
-                shown(written)
-                if row.offset is None
-                else f"{shown(written)} with offset {row.offset}"
-            )
+            given = {"offset": row.offset, "scale": row.scale}
+            stated = [f"{key} {number}" for key, number in given.items() if number is not None]
+            found = " with ".join((shown(written), *([listed(stated, "and")] if stated else [])))
             self._note(written, f"found {found}, {wrong}")
 
     def _check_limits(self, row: Constraint, node: Mapping) -> None:

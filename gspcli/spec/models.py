@@ -134,6 +134,11 @@ class ConstraintModel(Section):
         description="What is added to value and range to make them the distance or angle itself; "
         "a calibration finds it. Default: 0.",
     )
+    scale: Real | SkipJsonSchema[None] = Field(
+        None,
+        description="Value and range are multiplied by one plus this before the offset is added; "
+        "between -1 and 1. Default: 0.",
+    )
     side: Annotated[
         Literal["positive", "negative", "both"] | SkipJsonSchema[None],
         choice_of("positive", "negative", "both"),

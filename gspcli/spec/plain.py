@@ -64,6 +64,7 @@ class ConstraintFields(NamedTuple):
     range: list[Number] | None
     tolerance: Number | None
     offset: Number | None
+    scale: Number | None
     side: str | None
 
 
@@ -220,7 +221,7 @@ def _cone(value: Value) -> ConeFields:
 
 def _constraint(value: Value) -> ConstraintFields:
     quantity = "angle" if "angle" in _entries(value) else "distance"
-    given = _section(value, (quantity, "value"), ("range", "tolerance", "offset", "side"))
+    given = _section(value, (quantity, "value"), ("range", "tolerance", "offset", "scale", "side"))
     for entry in _list(given[quantity], 2):
         name(entry)
     return ConstraintFields(
@@ -228,6 +229,7 @@ def _constraint(value: Value) -> ConstraintFields:
         _numbers(given["range"], 2) if "range" in given else None,
         number(given["tolerance"]) if "tolerance" in given else None,
         number(given["offset"]) if "offset" in given else None,
+        number(given["scale"]) if "scale" in given else None,
         _choice(given["side"], "positive", "negative", "both") if "side" in given else None,
     )
 

@@ -142,6 +142,8 @@ def _constraint(constraint: Constraint, platform: str, base: str) -> str:
         span = f", range: [{low}, {high}]"
     off = "" if constraint.tolerance is None else f", tolerance: {constraint.tolerance}"
     shift = "" if constraint.offset is None else f", offset: {constraint.offset}"
+    if constraint.scale is not None:
+        shift += f", scale: {constraint.scale}"
     value = f"value: {reading}{span}{off}{shift}{side}"
     return f"  - {{{quantity}: [{platform}, {base}], {value}}}"
 

@@ -7,9 +7,11 @@ import pytest
 from measured_machines import SIGMA, noisy, nominal, numbers, pose_error, reachable, real
 
 import gspcli
+from gspcli.calibration.candidate_poses import Places
+from gspcli.calibration.optimal_designs import d_optimal, exchanged
 from gspcli.calibration.options import PRIOR, noise_of
 from gspcli.calibration.parameters import Model
-from gspcli.calibration.planning import d_optimal, exchanged, pose_errors, told_by
+from gspcli.calibration.planning import pose_errors, told_by
 
 
 @pytest.mark.slow
@@ -37,10 +39,10 @@ def test_intervals_cover_the_truth():
 def test_twelve_planned_poses_are_as_good_as_thirty_random_ones():
     """With noise, for the machine as built: the pose at other values, and the numbers."""
     model = Model.of(nominal())
-    places = reachable(3000, np.random.default_rng(5))
-    slopes = told_by(model, *places, None, noise_of(model, SIGMA))
+    places = Places(*reachable(3000, np.random.default_rng(5)), None)
+    slopes = told_by(model, places, None, noise_of(model, SIGMA))
     before = np.eye(42) / (PRIOR * model.length) ** 2
-    plan = exchanged(slopes, d_optimal(slopes, 12, before), before, pose_errors(model, *places))
+    plan = exchanged(slopes, d_optimal(slopes, 12, before), before, pose_errors(model, places))
     rng, test = np.random.default_rng(6), reachable(300, np.random.default_rng(99))
     errors = {"planned": [], "random": []}
     for _ in range(300):

@@ -18,8 +18,9 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 import gspcli
+from gspcli.calibration.candidate_poses import candidates
 from gspcli.calibration.parameters import Model
-from gspcli.calibration.planning import candidates, planned
+from gspcli.calibration.planning import planned
 from gspcli.cli.main import run
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_vector
@@ -82,7 +83,7 @@ def main() -> int:
     truth = model.moved(np.where(model.free, MADE * model.sizes * rng.normal(size=60), 0.0))
     R, T = _home(machine)
     plan = planned(machine, 16, R, T, sigma=SIGMA)
-    more = candidates(machine, R, T, SEED, count=8)
+    more = candidates(machine, Model.of(machine), R, T, SEED, count=8)
     poses = np.concatenate((plan.R, more[0])), np.concatenate((plan.T, more[1]))
     level = T + rng.uniform(-1, 1, (20, 3)) * [10, 10, 8]
     files: dict[Path, str | bytes] = {

@@ -14,7 +14,11 @@ def render(table: Table) -> str:
     writer = csv.writer(buffer, lineterminator="\n")
     keys = [column.key for column in table.columns]
     writer.writerow(keys)
-    writer.writerows([_cell(row.get(key)) for key in keys] for row in table.rows)
+    # The writer itself gives floats all their digits.
+    writer.writerows(
+        [cell if type(cell) is float else _cell(cell) for cell in map(row.get, keys)]
+        for row in table.rows
+    )
     return buffer.getvalue()
 
 

@@ -178,15 +178,16 @@ class NumberTable:
             Whether cells may be empty: they are NaN, too.
         """
         places = [self.heading.index(name) for name in columns]
-        rows = np.full((len(self._lines), len(places)), math.nan)
-        for k, (number, line) in enumerate(self._lines):
+        wrong, found = [math.nan] * len(places), []
+        for _, line in self._lines:
             texts = self._texts(line)
             try:
-                rows[k] = [float(texts[place]) for place in places]
+                found.append(wrong if "_" in line else [float(texts[place]) for place in places])
             except (ValueError, IndexError):
-                rows[k] = math.nan
-            if not all(map(math.isfinite, rows[k])) or "_" in line:
-                rows[k] = self._complain(number, line, places, columns, blanks=blanks)
+                found.append(wrong)
+        rows = np.array(found, float).reshape(len(found), len(places))
+        for k in np.flatnonzero(~np.isfinite(rows).all(axis=1)).tolist():
+            rows[k] = self._complain(*self._lines[k], places, columns, blanks=blanks)
         return rows
 
     def _complain(

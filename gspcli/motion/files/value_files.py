@@ -15,8 +15,8 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import BODIES, Coordinate, choose, stated
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.offsets import readings_of, values_of
 from gspcli.geometry.ranges import wrong_value
+from gspcli.geometry.readings import readings_of, values_of
 from gspcli.motion.files.number_tables import NumberTable
 from gspcli.motion.files.pose_files import PoseFormat, names_poses, poses_in
 from gspcli.motion.poses.inverse_kinematics import measure

@@ -13,7 +13,7 @@ from gspcli.errors import ArgumentError, IncompleteError, NotFiniteError
 from gspcli.geometry.coordinates import choose
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.offsets import values_of
+from gspcli.geometry.readings import values_of
 from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
 from gspcli.motion.following.branch_runs import SAME, Run
 from gspcli.motion.following.moving_geometry import MovingGeometry

@@ -19,13 +19,14 @@ _END = 1e-12
 
 
 def crank_angles(
-    instance: Instance, R: ArrayLike, T: ArrayLike
+    instance: Instance, R: ArrayLike, T: ArrayLike, *, along: bool = True
 ) -> tuple[tuple[Coordinate, ...], Array]:
     """Return the angles of all cranks of an instance at poses, its values being kept.
 
     The point of a crank is where its circle meets the sphere about the other end of the leg: there
     are two such points. At the first pose the one is taken that is nearer to where the point is
-    stated, at all others the one that is nearer to that at the pose before.
+    stated, at all others the one that is nearer to that at the pose before; unless poses are taken
+    for themselves.
 
     Parameters
     ----------
@@ -33,12 +34,14 @@ def crank_angles(
         Its points with cranks have one point-point distance each; other values are not used.
     R, T
         Poses, shapes (n, 3, 3) and (n, 3), ``x_base = R x_platform + T``, in length units.
+    along
+        Whether they are a way, one after the other.
 
     Returns
     -------
     cranks, angles
         The cranks, m of them, and their angles in the unit of the instance, shape (n, m); NaN where
-        a leg does not reach the circle. They do not jump by half a turn or more between poses.
+        a leg does not reach the circle. Along a way they do not jump by half a turn or more.
 
     Raises
     ------
@@ -51,7 +54,10 @@ def crank_angles(
     if not cranks:
         message = "no point has a crank: state crank: {centre: [...], axis: [...]} at a point"
         raise ArgumentError(message)
-    angles = [_angles(_leg(instance, one), one.body, rotations, translations) for one in cranks]
+    choose = _continuous if along else _nearest
+    angles = [
+        choose(_angles(_leg(instance, one), one.body, rotations, translations)) for one in cranks
+    ]
     return cranks, np.stack(angles, axis=1) / instance.units.angle.in_radians
 
 
@@ -66,7 +72,7 @@ def _leg(instance: Instance, crank: Coordinate) -> Constraint:
 
 
 def _angles(leg: Constraint, body: str, R: Array, T: Array) -> Array:
-    """Return the angles of the crank of a leg in radians, shape (n,)."""
+    """Return the two angles of the crank of a leg in radians, shape (n, 2)."""
     platform, base = leg.platform, leg.base
     assert isinstance(platform, Point)
     assert isinstance(base, Point)
@@ -93,7 +99,14 @@ def _angles(leg: Constraint, body: str, R: Array, T: Array) -> Array:
     middle = np.arctan2(beside, along)
     both = np.stack((middle - half, middle + half), axis=1)
     both[~reached] = np.nan
-    return _continuous(both)
+    return both
+
+
+def _nearest(both: Array) -> Array:
+    """Return of two angles each the one nearest to zero, by whole turns."""
+    near = both - 2 * np.pi * np.round(both / (2 * np.pi))
+    least: Array = near[np.arange(len(near)), np.abs(near).argmin(axis=1)]
+    return least
 
 
 def _continuous(both: Array) -> Array:

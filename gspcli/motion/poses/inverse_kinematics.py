@@ -10,7 +10,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import jacobian, measured
-from gspcli.geometry.offsets import readings_of
+from gspcli.geometry.readings import readings_of
 
 Array = NDArray[np.float64]
 

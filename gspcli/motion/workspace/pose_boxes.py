@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli import _kernel
-from gspcli.certification.numbers.limit_balls import limit_balls
 from gspcli.errors import ArgumentError
 from gspcli.geometry.euler import check_sequence, rotation_from_euler
 from gspcli.geometry.instance import Instance
@@ -95,6 +94,9 @@ class PoseBoxes:
         self.quaternion = quaternion_from_rotation(given)
         self.R: Array = rotation_from_quaternion(self.quaternion)
         self.home = np.concatenate((T + self.R @ self.pivot, np.zeros(3)))
+        # Balls take long to import: only what proves boxes waits for them.
+        from gspcli.certification.numbers.limit_balls import limit_balls
+
         self._balls = limit_balls(instance, self.quaternion.tolist(), self.pivot.tolist())
         order = sequence if sequence.isupper() else sequence[::-1]
         # The kernel has the angles in the order of the product.

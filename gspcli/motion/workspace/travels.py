@@ -12,7 +12,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range, tilts
-from gspcli.geometry.offsets import readings_of
+from gspcli.geometry.readings import readings_of
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.workspace.pose_boxes import NEGATIVE, PARAMETERS, REGULAR, PoseBoxes
 from gspcli.records import dataclass

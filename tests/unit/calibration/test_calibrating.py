@@ -17,6 +17,7 @@ from measured_machines import (
 )
 
 import gspcli
+from gspcli.calibration.instance_files import calibrated_text
 from gspcli.calibration.parameters import Model
 from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.measurement import measured
@@ -256,10 +257,18 @@ def test_scales_and_held_numbers():
     values = readings(truth, R, T)
     result = gspcli.calibrate(nominal(), values, R, T, estimate=["scales"])
     assert np.abs(result.fit.model.scales - truth.scales).max() < 1e-10
-    # The file's values are readings times the scale.
+    # The file keeps the readings, and says the scale that was found.
     row = result.instance.constraints[0]
     before = nominal().constraints[0].value.value
     assert row.value.value - row.offset.value == pytest.approx(before * (1 + truth.scales[0]))
+    assert row.scale.value == pytest.approx(truth.scales[0], abs=1e-9)
+    assert row.reading_of(row.value) == nominal().constraints[0].value
+    # What was found is where the next calibration begins, and kept if it asks for no scales.
+    again = gspcli.loads(calibrated_text(result))
+    assert again.constraints == result.instance.constraints
+    kept = gspcli.calibrate(again, values, R, T)
+    assert kept.instance.constraints[0].scale == row.scale
+    assert kept.chi_squared < 1e-6
     held = gspcli.calibrate(
         nominal(), values, R, T, hold=["platform", "offset.2"], hold_unknown=True
     )

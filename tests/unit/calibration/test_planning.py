@@ -7,21 +7,18 @@ import pytest
 from measured_machines import HOME, SIGMA, noisy, nominal, reachable, real, seen_of
 
 import gspcli
+from gspcli.calibration.candidate_poses import CRANK_TURN, Places, candidates
 from gspcli.calibration.exact_ranks import exact_rank
+from gspcli.calibration.optimal_designs import d_optimal, exchanged
 from gspcli.calibration.options import PRIOR, noise_of
 from gspcli.calibration.parameters import Model
-from gspcli.calibration.planning import (
-    candidates,
-    d_optimal,
-    exchanged,
-    planned,
-    pose_errors,
-    told_by,
-)
+from gspcli.calibration.planning import planned, pose_errors, told_by
 from gspcli.errors import ArgumentError
+from gspcli.geometry.coordinates import coordinates, moved
 from gspcli.geometry.limits import within_limits
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.resources import data_path
+from gspcli.sensing.mode_sets import home_of
 
 
 @pytest.fixture(scope="module")
@@ -32,10 +29,10 @@ def plan():
 def test_twelve_planned_poses_are_as_good_as_thirty_random_ones():
     """In the pose at other values and in the numbers; of the same 3000 candidates."""
     model = Model.of(nominal())
-    places = reachable(3000, np.random.default_rng(5))
-    slopes = told_by(model, *places, None, noise_of(model, SIGMA))
+    places = Places(*reachable(3000, np.random.default_rng(5)), None)
+    slopes = told_by(model, places, None, noise_of(model, SIGMA))
     before = np.eye(42) / (PRIOR * model.length) ** 2
-    errors = pose_errors(model, *places)
+    errors = pose_errors(model, places)
     plan = exchanged(slopes, d_optimal(slopes, 12, before), before, errors)
     rng = np.random.default_rng(6)
 
@@ -78,8 +75,9 @@ def test_planned_poses_are_within_reach(plan):
         machine, values_at(machine, home.R.real, home.T.real), home.R.real, home.T.real
     )
     k = int(np.flatnonzero(kept & home.real)[0])
-    R, T = candidates(machine, home.R[k].real, home.T[k].real, 0, count=200)
-    assert len(R) == 200
+    there = home.R[k].real, home.T[k].real
+    R, T, cranks = candidates(machine, Model.of(machine), *there, 0, count=200)
+    assert (len(R), cranks) == (200, None)
     assert within_limits(machine, values_at(machine, R, T), R, T).all()
 
 
@@ -96,6 +94,59 @@ def test_a_plan_goes_on_from_data(plan):
 def test_home_must_be_within_reach():
     with pytest.raises(ArgumentError, match="home does not keep the limits"):
         planned(nominal(), 3, np.eye(3), 3 * HOME, sigma=SIGMA)
+
+
+def test_cranks_drive_a_rotary_machine():
+    """What is planned are angles of cranks, and their legs keep their lengths there."""
+    machine = gspcli.load(data_path("platforms", "reachy-mini-head.yaml"))
+    home = home_of(gspcli.solve(machine))
+    sigma = {"position": 5e-6, "rotation": 1e-3, "crank": 0.02, "value": 2e-6}
+    plan = planned(machine, 16, *home, sigma=sigma)
+    chosen = tuple(one for one in coordinates(machine) if one.vector == "crank")
+    assert plan.crank_names == tuple(f"crank.{one.primitive}" for one in chosen)
+    assert np.abs(plan.cranks).max() <= np.rad2deg(CRANK_TURN) + 1e-9
+    assert np.abs(plan.cranks).max() > 20
+    stated = [row.value.value for row in machine.constraints]
+    for R, T, angles in zip(plan.R, plan.T, plan.cranks, strict=True):
+        assert values_at(moved(machine, chosen, angles), R, T) == pytest.approx(stated, rel=1e-9)
+    assert "within reach of the cranks" in plan.sentences[0]
+    # Better known than by as many poses that come as they do.
+    model = Model.of(machine, cranks=True)
+    noise = noise_of(model, sigma)
+    places = candidates(machine, model, *home, 1, count=400)
+    slopes, errors = told_by(model, places, None, noise), pose_errors(model, places)
+    before = np.eye(int(model.free.sum())) / (PRIOR * model.length) ** 2
+    best = exchanged(slopes, d_optimal(slopes, 16, before), before, errors)
+
+    def error(rows):
+        known = before + np.einsum("kqa,kqb->ab", slopes[rows], slopes[rows])
+        return np.trace(errors @ np.linalg.inv(known))
+
+    assert error(best) < error(np.arange(16))
+
+
+def test_ranges_without_room_are_told():
+    from dataclasses import replace
+
+    from gspcli.geometry.numbers import Number
+
+    machine = gspcli.load(data_path("platforms", "rubin-m2.yaml"))
+
+    def narrowed(part):
+        rows = tuple(
+            replace(row, limits=tuple(Number.of(row.value.value + s * part) for s in (-1, 1)))
+            for row in machine.constraints
+        )
+        return replace(machine, constraints=rows)
+
+    home = np.eye(3), np.zeros(3)
+    with pytest.raises(ArgumentError, match="leave no room about home: as stated the machine can"):
+        planned(narrowed(0.0), 6, *home)
+    some = planned(narrowed(2e-4), 12, *home, sigma={"value": 1e-6, "position": 1e-6})
+    assert 0 < some.untold < len(some.names)
+    assert (
+        f"{some.untold} of {len(some.names)} numbers will not even be known" in some.sentences[-1]
+    )
 
 
 def test_choices_of_few_against_all_of_them():

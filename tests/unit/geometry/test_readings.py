@@ -1,7 +1,7 @@
-"""An offset of a constraint is honoured by all that takes or tells values.
+"""Offsets and scales of constraints are honoured by all that takes or tells values.
 
-Each test compares a platform with offsets with the same one whose values and ranges have them
-added by hand, and has at least one offset that would be seen.
+Each test compares a platform with some with the same one whose values and ranges are corrected by
+hand, and has at least one offset or scale that would be seen.
 """
 
 from __future__ import annotations
@@ -19,13 +19,15 @@ from gspcli.errors import ArgumentError, SpecError
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import out_of_range
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.offsets import offsets, readings_of, values_of
+from gspcli.geometry.readings import factors, offsets, readings_of, values_of
 from gspcli.motion.following.limit_events import limit_events
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.resources import data_path
 
 #: A leg that reads 0.02 too little, one that reads from a switch at 0.4, one without an offset.
 SHIFTS = {0: "0.02", 1: "0.4", 3: "-sqrt(2)/100"}
+#: One that reads 0.4 in units of 0.8, and one that reads one per cent too little.
+SCALES = {1: "-0.2", 4: "0.01", 5: "sqrt(2)/1000"}
 
 
 def _added() -> Instance:
@@ -37,6 +39,8 @@ def _offset() -> Instance:
     rows = list(_added().constraints)
     for k, text in SHIFTS.items():
         rows[k] = replace(rows[k], offset=Number.of(text))
+    for k, text in SCALES.items():
+        rows[k] = replace(rows[k], scale=Number.of(text))
     return replace(_added(), constraints=tuple(rows))
 
 
@@ -46,6 +50,8 @@ def test_a_file_reads_back_and_states_readings():
     again = gspcli.loads(text)
     assert again.constraints[0].value.fraction == Fraction("0.493")
     assert again == gspcli.loads(gspcli.dumps(again))
+    assert again.constraints[1].value.fraction == Fraction("0.493")
+    assert "offset: 0.4, scale: -0.2" in text
     for one, other in zip(again.constraints, _added().constraints, strict=True):
         assert one.value.value == pytest.approx(other.value.value, abs=1e-15)
         assert [x.value for x in one.limits] == pytest.approx([x.value for x in other.limits])
@@ -62,7 +68,7 @@ def test_both_readers_agree():
     model = InstanceModel.model_validate(parse(text, "spec", []), context=[])
     assert plain is not None
     for one, other in zip(plain.constraints, model.constraints, strict=True):
-        assert one.offset == other.offset
+        assert (one.offset, one.scale) == (other.offset, other.scale)
     assert plain.constraints[2].offset is None
 
 
@@ -78,7 +84,8 @@ def _misread() -> Instance:
     """The readings taken for values."""
     given = _offset()
     rows = tuple(
-        replace(row, value=row.reading_of(row.value), offset=None) for row in given.constraints
+        replace(row, value=row.reading_of(row.value), offset=None, scale=None)
+        for row in given.constraints
     )
     return replace(given, constraints=rows)
 
@@ -91,7 +98,8 @@ def test_measure_is_the_inverse_of_solve():
     stated = [row.reading_of(row.value).value for row in given.constraints]
     assert measured == pytest.approx(np.tile(stated, (at.sum(), 1)), abs=1e-9)
     plain = values_at(given, result.R[at].real, result.T[at].real)
-    assert np.abs(plain - measured - offsets(given)).max() < 1e-14
+    assert np.abs(plain - measured * factors(given) - offsets(given)).max() < 1e-14
+    assert factors(given) == pytest.approx([1, 0.8, 1, 1, 1.01, 1 + 2**0.5 / 1000])
 
 
 def test_values_of_batches_and_settings_are_readings():
@@ -106,7 +114,7 @@ def test_values_of_batches_and_settings_are_readings():
         changed = gspcli.set_values(given, settings)
         assert changed.constraints[0].value.fraction == Fraction("0.5")
     # A reading may be negative where the distance is not.
-    assert gspcli.set_values(given, {2: -0.01}).constraints[1].value.value == pytest.approx(0.39)
+    assert gspcli.set_values(given, {2: -0.01}).constraints[1].value.value == pytest.approx(0.392)
     with pytest.raises(ArgumentError, match="at least 0"):
         gspcli.set_values(given, {1: -0.03})
 
@@ -160,17 +168,43 @@ def test_clearance_tells_readings(tmp_path, capsys):
     assert mode["values"] == pytest.approx(there, abs=1e-6)
 
 
-def test_scan_tells_readings(tmp_path, capsys):
+@pytest.mark.parametrize(
+    ("number", "as_read", "as_added"),
+    [(1, (0.46, 0.48), (0.48, 0.5)), (5, (0.3, 0.6), (0.303, 0.606))],
+)
+def test_scan_tells_readings(number, as_read, as_added, tmp_path, capsys):
     outputs = []
-    for name, instance, low in (("offset", _offset(), 0.46), ("added", _added(), 0.48)):
-        path = tmp_path / f"{name}.yaml"
+    for instance, ends in ((_offset(), as_read), (_added(), as_added)):
+        path = tmp_path / "platform.yaml"
         path.write_text(gspcli.dumps(instance))
-        assert run(["scan", str(path), "--vary", f"1={low}:{low + 0.02}:3", "--format", "csv"]) == 0
-        outputs.append(capsys.readouterr().out.splitlines()[1:])
-    first, second = ([row.split(",") for row in out] for out in outputs)
-    assert [row[1] for row in first] == [row[1] for row in second]
-    assert [float(row[0]) for row in first] == pytest.approx([0.46, 0.47, 0.48])
+        asked = f"{number}={ends[0]}:{ends[1]}:3"
+        for more in ([], ["--folds"]):
+            assert run(["scan", str(path), "--vary", asked, "--format", "csv", *more]) == 0
+            outputs.append(capsys.readouterr().out.splitlines()[1:])
+    nodes, folds, same_nodes, same_folds = ([row.split(",") for row in out] for out in outputs)
+    assert [row[1] for row in nodes] == [row[1] for row in same_nodes]
+    assert [float(row[0]) for row in nodes] == pytest.approx(np.linspace(*as_read, 3))
+    assert len(folds) == len(same_folds)
+    meant = np.interp([float(row[0]) for row in folds], as_read, as_added)
+    assert meant == pytest.approx([float(row[0]) for row in same_folds], abs=1e-8)
 
+
+def test_rates_of_readings_are_scaled():
+    from gspcli.dynamics.motion_files import motion_of_values
+
+    given = replace(gspcli.load(data_path("platforms", "rubin-m2.yaml")), dynamics=MASSES)
+    scaled = replace(
+        given, constraints=tuple(replace(row, scale=Number.of("0.25")) for row in given.constraints)
+    )
+    R, T, rates = np.eye(3)[None], np.zeros((1, 3)), np.arange(6.0)[None]
+    one = motion_of_values(scaled, R, T, rates, 2 * rates)
+    other = motion_of_values(given, R, T, 1.25 * rates, 2.5 * rates)
+    assert np.abs(one.twists - other.twists).max() < 1e-12
+    assert np.abs(one.accelerations - other.accelerations).max() < 1e-9
+    assert np.abs(other.twists).max() > 1
+
+
+MASSES = gspcli.Dynamics(gspcli.RigidBody(12, [0, 0, 0], [1, 1, 1, 0, 0, 0]))
 
 PLANE = """\
 gsp: 1
@@ -206,6 +240,12 @@ def test_an_offset_of_a_plane_is_added_to_the_signed_distance():
     ("old", "new", "message"),
     [
         ("offset: 0.1, side: positive", "offset: 0.1", "expected one only with a side"),
+        (
+            "value: 1}\n  - {distance: [P, I]",
+            "value: 1, scale: 1.002}\n  - {distance: [P, I]",
+            r"11:41: constraints\[3\].scale: found '1.002', expected a number between -1 and 1",
+        ),
+        ("value: -0.02", "value: -0.2, scale: 0.5", "'-0.2' with offset 0.1 and scale 0.5, exp"),
         ("value: -0.02", "value: -0.2", "found '-0.2' with offset 0.1, expected a distance"),
         ("offset: 0.1, side: neg", "offset: x, side: neg", "x"),
     ],
@@ -220,5 +260,8 @@ def test_offsets_of_python_objects():
     row = gspcli.distance(point, gspcli.Point([1, 0, 0]), 0.1, range=(0, 1), offset="0.2")
     assert (row.value.fraction, row.offset.fraction) == (Fraction(3, 10), Fraction(1, 5))
     assert [x.fraction for x in row.limits] == [Fraction(1, 5), Fraction(6, 5)]
-    with pytest.raises(ArgumentError, match="offset"):
-        gspcli.distance(point, point, 1, offset="nothing")
+    row = gspcli.distance(point, gspcli.Point([1, 0, 0]), 2, range=(0, 1), offset=1, scale="0.5")
+    assert (row.value.fraction, row.limits[0].fraction) == (4, 1)
+    for wrong in ({"offset": "nothing"}, {"scale": "nothing"}, {"scale": -1}):
+        with pytest.raises(ArgumentError, match=next(iter(wrong))):
+            gspcli.distance(point, point, 1, **wrong)
