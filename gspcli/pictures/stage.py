@@ -32,7 +32,7 @@ _HALF = 0.3
 #: What is drawn of a primitive goes this much beyond the feet on it.
 _MARGIN = 0.12
 #: Feet farther than this from the others do not stretch what is drawn of a primitive.
-_NEAR = 1.5
+_NEAR = 2.5
 #: Where on its line an angle is drawn: this far from the middle to the end.
 _OUTWARD = 0.55
 

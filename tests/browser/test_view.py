@@ -192,6 +192,45 @@ def test_a_trajectory(browser: Browser, view: Callable[..., Path]) -> None:
     assert browser.messages == []
 
 
+def test_the_chart_of_a_trajectory_has_numbers(browser: Browser, view: Callable[..., Path]) -> None:
+    rows = [f"{2 + k / 10},1,0.1,{k / 20},1.2,1,0,0,{k / 50},{3 + k}" for k in range(11)]
+    track = "\n".join(["t,mode,x,y,z,qw,qx,qy,qz,condition", *rows])
+    browser.open(view("octahedral-3-3", track))
+    browser.run("series.value = '1'; series.dispatchEvent(new Event('change'))")
+    spans = "[...document.querySelectorAll('#chart span')].map((span) => span.textContent)"
+    assert browser.run(spans) == ["13", "3", "2", "t", "3"]
+
+
+def boxes(browser: Browser, selector: str) -> np.ndarray:
+    """Return left, top, right and bottom of what is shown, shape (n, 4)."""
+    found = browser.run(
+        f"[...document.querySelectorAll('{selector}')].filter((one) => one.style.display !== 'none')"
+        ".map((one) => one.getBoundingClientRect())"
+        ".map(({ left, top, right, bottom }) => [left, top, right, bottom])"
+    )
+    return np.array(found)
+
+
+@pytest.mark.parametrize("width", [400, 1300])
+@pytest.mark.parametrize("name", ["example-6.8", "figure-2", "rubin-m2", "fixture-3-2-1"])
+def test_names_and_numbers_are_seen_whole(
+    browser: Browser, view: Callable[..., Path], name: str, width: int
+) -> None:
+    browser.size(width, 850)
+    try:
+        browser.open(view(name))
+        labels, (canvas,) = boxes(browser, "#labels span"), boxes(browser, "#canvas")
+    finally:
+        browser.size(1000, 600)
+    low, high = labels[:, None, :2], labels[:, None, 2:]
+    shared = np.minimum(high, high.swapaxes(0, 1)) - np.maximum(low, low.swapaxes(0, 1))
+    hidden = np.triu(shared.min(axis=2) > 0.1, 1)
+    assert len(labels) >= 10
+    assert not hidden.any()
+    assert (labels[:, :2] >= canvas[:2]).all()
+    assert (labels[:, 2:] <= canvas[2:]).all()
+
+
 def test_a_picture_is_saved(browser: Browser, view: Callable[..., Path], tmp_path: Path) -> None:
     browser.open(view("octahedral-3-3"))
     browser.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))

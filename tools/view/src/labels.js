@@ -1,5 +1,6 @@
 // Names and numbers: text over the picture, drawn once more when a picture is saved.
 import { Vector3 } from "three";
+import { arrange } from "./places.js";
 
 const projected = new Vector3();
 
@@ -10,13 +11,14 @@ export class Labels {
     this.visible = true;
   }
 
-  /** `world()` gives the place of the label in the scene, `anchor` how it sits there. */
+  /** `world()` gives the place of the label in the scene; it stands `beside` it, or `on` it if there is room. */
   add(text, className, world, anchor = "beside") {
     const span = document.createElement("span");
     span.textContent = text;
     span.className = className;
     this.home.append(span);
-    const entry = { span, text, world, anchor, x: 0, y: 0, shown: false };
+    const { offsetWidth: width, offsetHeight: height } = span;
+    const entry = { span, text, world, anchor, width, height, x: 0, y: 0, step: null, box: null, shown: false };
     this.entries.push(entry);
     return entry;
   }
@@ -31,11 +33,11 @@ export class Labels {
         entry.x = ((projected.x + 1) / 2) * width;
         entry.y = ((1 - projected.y) / 2) * height;
       }
-      const { style } = entry.span;
-      style.display = entry.shown ? "" : "none";
-      const shift = entry.anchor === "on" ? "translate(-50%, -50%)" : "translate(9px, -16px)";
-      if (entry.shown) style.transform = `translate(${entry.x.toFixed(1)}px, ${entry.y.toFixed(1)}px) ${shift}`;
+      entry.span.style.display = entry.shown ? "" : "none";
     }
+    const shown = this.entries.filter((entry) => entry.shown);
+    arrange(shown, width, height);
+    for (const { span, box } of shown) span.style.transform = `translate(${box.left.toFixed(1)}px, ${box.top.toFixed(1)}px)`;
   }
 
   /** Draw the labels on a canvas on which a pixel of the page is `scale` pixels. */
@@ -43,24 +45,22 @@ export class Labels {
     context.save();
     context.scale(scale, scale);
     context.textBaseline = "middle";
-    for (const { span, text, x, y, anchor, shown } of this.entries) {
+    context.textAlign = "center";
+    for (const { span, text, box, width, height, anchor, shown } of this.entries) {
       if (!shown) continue;
       const style = getComputedStyle(span);
       context.font = `${style.fontStyle} ${style.fontWeight} ${style.fontSize} ${style.fontFamily}`;
-      const width = context.measureText(text).width;
-      const left = anchor === "on" ? x - width / 2 : x + 9;
-      const middle = anchor === "on" ? y : y - 10;
       if (anchor === "on") {
         context.fillStyle = style.backgroundColor;
         context.strokeStyle = style.color;
         context.lineWidth = 1;
         context.beginPath();
-        context.roundRect(left - 5.5, middle - 9, width + 11, 18, 9);
+        context.roundRect(box.left, box.top, width, height, height / 2);
         context.fill();
         context.stroke();
       }
       context.fillStyle = style.color;
-      context.fillText(text, left, middle + 0.5);
+      context.fillText(text, box.left + width / 2, box.top + height / 2 + 0.5);
     }
     context.restore();
   }

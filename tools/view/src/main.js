@@ -21,7 +21,7 @@ const panel = new Panel(scene, {
   onBond: (k) => choose(k),
 });
 panel.colourModes(scales[0]);
-const chart = new Chart(byId("chart"), byId("chart-name"), (k) => go(k));
+const chart = new Chart(byId("chart"), (k) => go(k));
 
 try {
   stage = new Stage(byId("canvas"), byId("labels"), scene);

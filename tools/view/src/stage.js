@@ -32,6 +32,8 @@ const MOST_GHOSTS = 64;
 const NEAR = 2.5;
 /** A pose that needs less than this part of the view gets one of its own. */
 const TOO_SMALL = 0.45;
+/** Pixels at each edge of the picture that are left for names. */
+const EDGE = 26;
 
 export class Stage {
   constructor(canvas, labelHome, scene) {
@@ -227,13 +229,17 @@ export class Stage {
 
   aim(sphere, direction) {
     this.seen = sphere;
-    const vertical = Math.tan((this.camera.fov * Math.PI) / 360);
-    const half = Math.atan(Math.min(vertical, vertical * this.camera.aspect));
-    const distance = (0.93 * sphere.radius) / Math.sin(half);
     this.controls.target.copy(sphere.center);
-    this.camera.position.copy(sphere.center).addScaledVector(direction.clone().normalize(), distance);
+    this.camera.position.copy(sphere.center).addScaledVector(direction.clone().normalize(), sphere.radius * this.away());
     this.controls.update();
     this.draw();
+  }
+
+  /** From how many radii away a sphere fills the narrower side of the picture, up to the edge for names. */
+  away() {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const part = Math.max(Math.min(width, height) - 2 * EDGE, EDGE) / Math.max(height, 1);
+    return 1 / Math.sin(Math.atan(part * Math.tan((this.camera.fov * Math.PI) / 360)));
   }
 
   /** Turn by angles about the vertical and up, and come nearer by a factor. */
@@ -255,6 +261,10 @@ export class Stage {
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / Math.max(height, 1);
     this.camera.updateProjectionMatrix();
+    // What filled the picture fills the new one.
+    const away = this.away();
+    if (this.fitted) this.turn(0, 0, this.fitted / away);
+    this.fitted = away;
     this.draw();
   }
 
