@@ -214,8 +214,8 @@ def planned(
     untold = int((known > _HARDLY * deviations(nothing)).sum())
     if untold == len(known) and 6 * count >= len(nothing):
         message = (
-            f"the poses within ranges and cones are so much alike that {count} of them would tell no "
-            "number even twice as well as it is known now\n"
+            f"the poses within ranges and cones are so much alike that {count} of them would tell "
+            "no number even twice as well as it is known now\n"
             "widen the ranges to those that the machine can have, or measure more exactly (--sigma)"
         )
         raise IncompleteError(message)

@@ -120,6 +120,7 @@ def command(
 
     With --plan N nothing is fitted but the geometry that is known so far: N poses within ranges and
     cones are chosen so that their measurement tells most (D-optimal), with what will be known then.
+    Where cranks drive the machine the plan has their angles.
 
     \b
     Examples:

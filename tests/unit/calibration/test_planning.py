@@ -13,7 +13,7 @@ from gspcli.calibration.optimal_designs import d_optimal, exchanged
 from gspcli.calibration.options import PRIOR, noise_of
 from gspcli.calibration.parameters import Model
 from gspcli.calibration.planning import planned, pose_errors, told_by
-from gspcli.errors import ArgumentError
+from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.coordinates import coordinates, moved
 from gspcli.geometry.limits import within_limits
 from gspcli.motion.poses.inverse_kinematics import values_at
@@ -142,11 +142,12 @@ def test_ranges_without_room_are_told():
     home = np.eye(3), np.zeros(3)
     with pytest.raises(ArgumentError, match="leave no room about home: as stated the machine can"):
         planned(narrowed(0.0), 6, *home)
-    some = planned(narrowed(2e-4), 12, *home, sigma={"value": 1e-6, "position": 1e-6})
+    sigma = {"value": 1e-6, "position": 1e-6}
+    with pytest.raises(IncompleteError, match="12 of them would tell no number even twice as well"):
+        planned(narrowed(2e-4), 12, *home, sigma=sigma)
+    some = planned(narrowed(2e-3), 12, *home, sigma=sigma)
     assert 0 < some.untold < len(some.names)
-    assert (
-        f"{some.untold} of {len(some.names)} numbers will not even be known" in some.sentences[-1]
-    )
+    assert f"{some.untold} of 42 numbers will not even be known twice" in some.sentences[-1]
 
 
 def test_choices_of_few_against_all_of_them():
