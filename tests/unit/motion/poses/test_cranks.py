@@ -54,6 +54,16 @@ def test_what_is_out_of_reach_has_no_angle_and_others_are_as_before(head):
     assert np.allclose(angles[[0, 2]], crank_angles(head, R[[0, 2]], T[[0, 2]])[1])
 
 
+def test_poses_for_themselves_have_the_angles_nearest_to_those_stated(head):
+    R, T = poses(5)
+    R, T = np.concatenate((R, R[::-1])), np.concatenate((T, T[::-1]))
+    T[3, 2] = 1.0
+    angles = crank_angles(head, R, T, along=False)[1]
+    alone = [crank_angles(head, *pose)[1][0] for pose in zip(R, T, strict=True)]
+    assert np.isnan(angles[3]).all()
+    assert np.allclose(angles, alone, atol=1e-9, equal_nan=True)
+
+
 def test_without_cranks_there_is_nothing_to_turn():
     hexapod = gspcli.load(data_path("examples", "platform-6-6.yaml"))
     with pytest.raises(GspError, match="no point has a crank"):
