@@ -112,7 +112,7 @@ def test_errors(gsp, tmp_path: Path) -> None:
     for option in ("--resume", "-o"):
         done = gsp("maximize-real", "6PP", option, tmp_path)
         assert (done.code, done.out) == (2, "")
-        assert done.err.endswith("cannot be written: Is a directory\n")
+        assert "is a directory" in done.err.lower()
     assert gsp("maximize-real", "7PP").code == 2
     assert gsp("maximize-real", "nowhere.yaml").code == 2
     assert gsp("maximize-real", "6PP", "--time", "0").code == 2
