@@ -14,8 +14,9 @@ from gspcli.cli.analysis_tables import details, overview
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Positive, Whole
 from gspcli.cli.output import Column, Output, emit, output_options
-from gspcli.cli.pose_options import pose_options
+from gspcli.cli.pose_options import pose_format, pose_options
 from gspcli.cli.pose_rows import asked_poses, check_sources
+from gspcli.cli.pose_type import GivenPose, near_option, pose_value_option
 from gspcli.cli.requirements import (
     add_quantities,
     measured_quantities,
@@ -25,6 +26,7 @@ from gspcli.cli.requirements import (
     verdict_entries,
     verdict_lines,
 )
+from gspcli.cli.value_options import Changes, value_options
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
@@ -53,7 +55,9 @@ _ZERO = 1e-12
     metavar="K",
     help="Only mode K, in detail; of a file of values mode K at its first row.",
 )
-@click.option("--pose", metavar="NUMBERS", help="A pose instead: x,y,z,qw,qx,qy,qz.")
+@pose_value_option("instead of the modes of SPEC")
+@near_option("of a file of values only this one is followed")
+@value_options
 @pose_options
 @click.option(
     "--point",
@@ -64,6 +68,7 @@ _ZERO = 1e-12
 @click.option(
     "--length",
     type=Positive(),
+    metavar="LENGTH",
     help="The length that makes angles and lengths comparable.  [default: the typical length]",
 )
 @click.option(
@@ -71,10 +76,15 @@ _ZERO = 1e-12
     metavar="FX,FY,FZ[,MX,MY,MZ][@X,Y,Z]",
     help="A force and moment on the platform, in the axes of the base, at a point of the base.",
 )
-@click.option("--stiffness", metavar="K", help="Stiffness of each constraint: one number or six.")
+@click.option(
+    "--stiffness",
+    metavar="K",
+    help="Stiffness of the constraints, one number or six: in units of force of --load "
+    "over units of SPEC.",
+)
 @click.option("--tolerance", metavar="D", help="How far each value may be off: one number or six.")
 @click.option(
-    "--geometry",
+    "--geometry-tolerance",
     metavar="D[,A]",
     help="How far each coordinate of each primitive may be off, and each direction be turned.",
 )
@@ -82,9 +92,11 @@ _ZERO = 1e-12
 @output_options(parts=("wrenches", "jacobian", "inverse", "stiffness", "errors", "geometry"))
 def command(
     spec: str,
+    changes: Changes,
     rows: str | None,
     mode: int | None,
-    pose: str | None,
+    pose: GivenPose | None,
+    near: GivenPose | None,
     euler: str | None,
     pivot: str | None,
     point: str | None,
@@ -92,7 +104,7 @@ def command(
     load: str | None,
     stiffness: str | None,
     tolerance: str | None,
-    geometry: str | None,
+    geometry_tolerance: str | None,
     require: str | None,
     output: Output,
 ) -> None:
@@ -109,8 +121,8 @@ def command(
     With --load the forces in the constraints (positive: it pushes towards a greater value) and
     moments for angles; with --stiffness that of the platform; with --tolerance (or tolerance: in
     SPEC) the largest errors of the pose: exact to first order, with a proved bound that includes
-    second order, and root mean squares for independent errors. With --geometry the errors of the
-    pose when the points, lines and planes are not quite where SPEC says: largest ones and root mean
+    second order, and root mean squares for independent errors. With --geometry-tolerance those
+    when the points, lines and planes are not quite where SPEC says: largest ones and root mean
     squares, exact to first order. Of many poses there is a column for each: the largest force, the
     least stiffness of the point, the largest errors of the point.
 
@@ -125,16 +137,16 @@ def command(
       gsp analyze platform.yaml --pose 0,0,1.5,1,0,0,0 --stiffness 2e6
       gsp analyze platform.yaml path.csv --load 0,0,-9 --require "force<=20"
     """
-    check_sources(spec, rows, mode, pose)
+    check_sources(spec, rows, mode, pose, near)
     from gspcli.motion.files.number_tables import numbers_of
     from gspcli.motion.statics.wrenches import wrenches
 
-    instance = load_instance(spec)
+    instance = load_instance(spec, changes)
     requirements = required(require)
     at = None if point is None else numbers_of(point, (3,), "--point")
-    asked = asked_poses(instance, rows, mode, pose, euler, pivot)
+    asked = asked_poses(instance, rows, mode, pose, near, pose_format(instance, euler, pivot))
     given = wrenches(instance, asked.R, asked.T, point=at, length=length)
-    analysis = _analysis(given, load, stiffness, tolerance, geometry)
+    analysis = _analysis(given, load, stiffness, tolerance, geometry_tolerance)
     entries = [{**asked.named(k), **analysis.entry(k)} for k in range(len(asked.T))]
     verdicts, more = _judge(analysis, requirements, entries)
     detailed = rows is None and (mode is not None or pose is not None)
@@ -238,9 +250,9 @@ def _geometry(given: Wrenches, text: str) -> GeometryAccuracy:
     from gspcli.motion.files.number_tables import numbers_of
     from gspcli.motion.statics.geometry_errors import geometry_accuracy
 
-    coordinates, *tilts = numbers_of(text, (1, 2), "--geometry")
+    coordinates, *tilts = numbers_of(text, (1, 2), "--geometry-tolerance")
     if min(coordinates, *tilts, 0) < 0:
-        message = f"--geometry: found {text}, expected numbers of at least 0"
+        message = f"--geometry-tolerance: found {text}, expected numbers of at least 0"
         raise GspError(message)
     return geometry_accuracy(given, coordinates, *tilts)
 

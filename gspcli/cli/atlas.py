@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.number_types import Positive
+from gspcli.cli.number_types import Positive, seed_option
 from gspcli.cli.output import Column, Output, Table, emit, output_options, write_whole
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.streams import say
-from gspcli.cli.worker_options import worker_options
-from gspcli.defaults import SEED
+from gspcli.cli.worker_options import resume_option, worker_options
 from gspcli.errors import CheckFailed, IncompleteError
 
 if TYPE_CHECKING:
@@ -26,13 +25,6 @@ if TYPE_CHECKING:
 #: What `verify --fast` does: so many tasks, of at most so many solutions.
 _FAST = (40, 256)
 
-_work = click.option(
-    "--work",
-    "journal",
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE",
-    help="Work file: what is done is kept there and not done again.",
-)
 _timeout = click.option(
     "--timeout",
     type=Positive(),
@@ -129,15 +121,10 @@ def _numbers(*keys: str) -> list[Column]:
     type=click.Choice(["groebner", "tracking", "both"]),
     help="How to count.  [default: both, or tracking alone without msolve]",
 )
-@click.option(
-    "--seed",
-    default=SEED,
-    show_default="that of the record",
-    help="Other random platforms, and another sample.",
-)
+@seed_option(": other platforms, and another sample")
 @worker_options
 @_timeout
-@_work
+@resume_option
 @output_options(parts=("methods", "different"))
 def verify(
     fast: bool,
@@ -145,20 +132,20 @@ def verify(
     seed: int,
     workers: Workers,
     timeout: float | None,
-    journal: Path | None,
+    resume: Path | None,
     output: Output,
 ) -> None:
     """Count again and compare with the record; exit with 1 if anything differs.
 
     Without --fast everything is counted: platforms of all types, and general quadrics for
-    the 119 intersection numbers. That takes hours; --work FILE lets it be interrupted and taken up
-    again.
+    the 119 intersection numbers. That takes hours; --resume FILE lets it be interrupted and taken
+    up again.
 
     \b
     Examples:
       gsp atlas verify --fast
       gsp atlas verify --fast --seed 7 --method tracking
-      gsp atlas verify --work verify.jsonl
+      gsp atlas verify --resume verify.jsonl
     """
     from gspcli.atlas.counting import count_all
     from gspcli.atlas.groebner import msolve_path
@@ -173,7 +160,7 @@ def verify(
         tasks = random.Random(seed).sample([t for t in tasks if recorded(t) <= largest], size)
     results = count_all(
         tasks,
-        journal=journal,
+        journal=resume,
         workers=workers,
         timeout_s=timeout,
         progress=progress,
@@ -232,34 +219,34 @@ def _differing(wrong: Sequence[Result]) -> Table:
 
 @command.command
 @click.option(
-    "-o",
-    "--output",
-    "folder",
+    "--folder",
     type=click.Path(file_okay=False, path_type=Path),
     required=True,
-    metavar="DIRECTORY",
+    metavar="FOLDER",
     help="Where to write, such as data/counts.",
 )
-@click.option("--check", is_flag=True, help="Compare instead of writing; exit 1 if it differs.")
+@click.option(
+    "--check", is_flag=True, help="Exit with 1 if anything differs: compare instead of writing."
+)
 @worker_options
 @_timeout
-@_work
+@resume_option
 def build(
     folder: Path,
     check: bool,
     workers: Workers,
     timeout: float | None,
-    journal: Path | None,
+    resume: Path | None,
 ) -> None:
     """Count everything and write the record, to the same bytes each time.
 
-    This takes hours and needs msolve. Use --work FILE, so that it can be interrupted and taken
+    This takes hours and needs msolve. Use --resume FILE, so that it can be interrupted and taken
     up again. What is not finished within --timeout is recorded as not confirmed.
 
     \b
     Examples:
-      gsp atlas build --work counts.jsonl -o data/counts
-      gsp atlas build --work counts.jsonl -o data/counts --check
+      gsp atlas build --resume counts.jsonl --folder data/counts
+      gsp atlas build --resume counts.jsonl --folder data/counts --check
     """
     from gspcli.atlas.counting import count_all
     from gspcli.atlas.records import contents, differences
@@ -267,7 +254,7 @@ def build(
 
     results = count_all(
         all_tasks(),
-        journal=journal,
+        journal=resume,
         workers=workers,
         timeout_s=timeout,
         progress=progress,

@@ -8,10 +8,10 @@ import click
 
 from gspcli.cli.calibration_tables import calibration_document, calibration_table
 from gspcli.cli.names import load_instance
+from gspcli.cli.number_types import seed_option
 from gspcli.cli.output import DRAWINGS, FORMATS, Output, emit, output_options, write
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
-from gspcli.defaults import SEED
 from gspcli.errors import GspError, Problem, SpecError
 from gspcli.wording import shown
 
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     "sigmas",
     metavar="WHAT=NUMBER",
     multiple=True,
-    help="Standard deviation of value, position (lengths), angle, rotation, inclination or crank "
-    "(angles); may be repeated.",
+    help="Standard deviation of what is measured: value, position (lengths), angle, rotation, "
+    "inclination, crank (angles); may be repeated.",
 )
 @click.option(
     "--estimate",
@@ -77,9 +77,7 @@ if TYPE_CHECKING:
     metavar="K",
     help="With --plan: the real pose about which poses are planned.  [default: the least turned]",
 )
-@click.option(
-    "--seed", default=SEED, show_default=True, type=click.IntRange(min=0), help="Of --plan."
-)
+@seed_option(": of --plan")
 @pose_options
 @output_options(formats=(*FORMATS, "yaml", *DRAWINGS))
 def command(

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.digits import DECIMALS, decimals, digit_table, digits_option, refined
+from gspcli.cli.digits import DECIMALS, digit_cells, digit_table, digits_option, refined
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Positive
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import text_of
 from gspcli.cli.progress_bars import working
+from gspcli.cli.value_options import Changes, value_options
 from gspcli.defaults import MAX_PRECISION, TOLERANCE
 from gspcli.errors import CheckFailed, IncompleteError
 
@@ -38,18 +39,13 @@ _COLUMNS = (
 @click.command()
 @click.argument("spec", metavar="SPEC")
 @click.argument("result", metavar="RESULT")
+@value_options
 @click.option(
-    "--set",
-    "settings",
-    metavar="N=VALUE",
-    multiple=True,
-    help="Use another value for constraint N, from 1.",
-)
-@click.option(
-    "--tolerance",
+    "--max-deviation",
     default=TOLERANCE,
     show_default=True,
     type=Positive(),
+    metavar="D",
     help="Largest difference of a pose from its solution, lengths by the platform's size; "
     "relative for numbers above one.",
 )
@@ -66,8 +62,8 @@ _COLUMNS = (
 def command(
     spec: str,
     result: str,
-    settings: tuple[str, ...],
-    tolerance: float,
+    changes: Changes,
+    max_deviation: float,
     max_precision: int,
     digits: int | None,
     output: Output,
@@ -75,7 +71,7 @@ def command(
     """Prove that the poses in RESULT solve the platform in SPEC, without trusting them.
 
     For each pose it is proved, in ball arithmetic and for the numbers of SPEC exactly as
-    written, that a solution is within the tolerance and alone in a ball about it, whether it is
+    written, that a solution is within --max-deviation and alone in a ball about it, whether it is
     real, which others are the same, and how well the pose as given meets the constraints.
     Whether the list is complete is not examined: compare the number of different solutions
     with the one that `gsp solve` expects.
@@ -91,7 +87,7 @@ def command(
     \b
     Examples:
       gsp solve platform.yaml --all --format json | gsp certify platform.yaml -
-      gsp certify platform.yaml poses.csv --tolerance 1e-3
+      gsp certify platform.yaml poses.csv --max-deviation 1e-3
       gsp certify platform.yaml poses.json --digits 50 --format json
     """
     if spec == result == "-":
@@ -100,9 +96,8 @@ def command(
     from gspcli.export.answers import read_answer
     from gspcli.export.candidates import read_candidates
     from gspcli.solver.certifying import certify
-    from gspcli.spec import set_values
 
-    instance = set_values(load_instance(spec), settings)
+    instance = load_instance(spec, changes)
     text, name = text_of(result)
     given = read_answer(text, name) or read_candidates(text, name)
     solutions = []
@@ -112,7 +107,7 @@ def command(
             given.R,
             given.T,
             sides=given.claimed_sides,
-            tolerance=tolerance,
+            tolerance=max_deviation,
             max_precision=max_precision,
         )
         claims = zip(given.claimed_real, given.claimed_sides.tolist(), strict=True)
@@ -135,7 +130,7 @@ def command(
     document = {
         "schema": "gsp.certify/1",
         **instance.to_json(),
-        "tolerance": tolerance,
+        "tolerance": max_deviation,
         "scale": proved.scale,
         "counts": counts,
         "solutions": solutions,
@@ -170,7 +165,7 @@ def _tables(
     rows: list[dict[str, Any]] = []
     for entry in solutions:
         sides = " ".join(f"{k}:{side}" for k, side in entry["sides"].items())
-        rows.append({**entry, "sides": sides, **decimals(entry.get("refined", {}))})
+        rows.append({**entry, "sides": sides, **digit_cells(entry.get("refined", {}))})
     note = (
         "{poses} poses: {certified} certified, {distinct} of them proved pairwise different, "
         "{real} of these real"

@@ -9,9 +9,11 @@ import click
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Whole
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.cli.pose_options import pose_options
+from gspcli.cli.pose_options import pose_format, pose_options
 from gspcli.cli.pose_rows import asked_poses, check_sources
+from gspcli.cli.pose_type import GivenPose, near_option, pose_value_option
 from gspcli.cli.progress_bars import progress
+from gspcli.cli.value_options import Changes, value_options
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
@@ -29,7 +31,9 @@ if TYPE_CHECKING:
     metavar="K",
     help="Only mode K; of a file of values mode K at its first row.",
 )
-@click.option("--pose", metavar="NUMBERS", help="A pose instead: x,y,z,qw,qx,qy,qz.")
+@pose_value_option("instead of the modes of SPEC")
+@near_option("of a file of values only this one is followed")
+@value_options
 @pose_options
 @click.option(
     "--of",
@@ -48,9 +52,11 @@ if TYPE_CHECKING:
 @output_options()
 def command(
     spec: str,
+    changes: Changes,
     rows: str | None,
     mode: int | None,
-    pose: str | None,
+    pose: GivenPose | None,
+    near: GivenPose | None,
     euler: str | None,
     pivot: str | None,
     of: str,
@@ -84,16 +90,16 @@ def command(
       gsp clearance platform.yaml path.csv -o clearances.csv
       gsp clearance platform.yaml --pose 0,0,1.5,1,0,0,0 --format json
     """
-    check_sources(spec, rows, mode, pose)
+    check_sources(spec, rows, mode, pose, near)
     if points is not None and of != "pose":
         message = "--points needs --of pose"
         raise click.UsageError(message)
     from gspcli.motion.singularities.clearances import clearance, range_weights
     from gspcli.motion.singularities.pose_clearances import pose_clearance
 
-    instance = load_instance(spec)
+    instance = load_instance(spec, changes)
     chosen = None if points is None else _points(points)
-    asked = asked_poses(instance, rows, mode, pose, euler, pivot)
+    asked = asked_poses(instance, rows, mode, pose, near, pose_format(instance, euler, pivot))
     R, T = asked.R, asked.T
     weights = range_weights(instance)
     found = []
@@ -102,8 +108,8 @@ def command(
             reach = pose_clearance(instance, R[k], T[k], points=chosen, refine=refine)
             row = _row_of_pose(instance, reach)
         else:
-            near = clearance(instance, R[k], T[k], weights=weights, refine=refine)
-            row = _row_of_values(instance, near)
+            bounds = clearance(instance, R[k], T[k], weights=weights, refine=refine)
+            row = _row_of_values(instance, bounds)
         found.append({**asked.named(k), **row})
     unit = _unit(instance, of, ranged=weights is not None)
     emit(output, _table(instance, found, of, unit), document=_document(instance, of, found))

@@ -8,10 +8,10 @@ import click
 
 from gspcli import __version__
 from gspcli.cli.names import load_instance, read_type
-from gspcli.cli.number_types import Positive, Seed
+from gspcli.cli.number_types import Positive, seed_option
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.progress_bars import progress
-from gspcli.defaults import SEED
+from gspcli.cli.value_options import Changes, value_options
 from gspcli.errors import NotFiniteError
 from gspcli.wording import shown
 
@@ -45,6 +45,7 @@ _LEGEND = (
 
 @click.command()
 @click.argument("specs", metavar="[SPEC]...", nargs=-1)
+@value_options
 @click.option("--type", "type_name", metavar="TYPE", help="Count random platforms of a type.")
 @click.option(
     "--geometry",
@@ -55,26 +56,21 @@ _LEGEND = (
     help="With --type: the classes of geometry to count, or all.",
 )
 @click.option(
-    "--limit",
+    "--effort",
     default=60.0,
     show_default=True,
     type=Positive(),
     metavar="BILLIONS",
     help="Multiplications after which to give up; a billion takes a second or two.",
 )
-@click.option(
-    "--seed",
-    default=SEED,
-    show_default=True,
-    type=Seed(),
-    help="Seed of the prime and of random platforms.",
-)
+@seed_option(": the prime, and random platforms")
 @output_options()
 def command(
     specs: tuple[str, ...],
+    changes: Changes,
     type_name: str | None,
     geometries: str,
-    limit: float,
+    effort: float,
     seed: int,
     output: Output,
 ) -> None:
@@ -105,15 +101,20 @@ def command(
         message = "give either SPEC or --type"
         raise click.UsageError(message)
     if type_name is not None:
-        _count_geometries(read_type([type_name]), geometries, limit, seed, output)
+        if changes != Changes():
+            message = "--set and --delta change the values of SPEC: --type has none"
+            raise click.UsageError(message)
+        _count_geometries(read_type([type_name]), geometries, effort, seed, output)
     else:
-        _count_specs(specs, limit, seed, output)
+        _count_specs(specs, changes, effort, seed, output)
 
 
-def _count_specs(specs: tuple[str, ...], limit: float, seed: int, output: Output) -> None:
+def _count_specs(
+    specs: tuple[str, ...], changes: Changes, limit: float, seed: int, output: Output
+) -> None:
     from gspcli.certification.counting import NotCountedError, count_exactly, count_geometry
 
-    instances = [load_instance(spec) for spec in specs]
+    instances = [load_instance(spec, changes) for spec in specs]
     rows, documents, refusals, infinite = [], [], [], []
     for spec, instance in progress(
         list(zip(specs, instances, strict=True)), total=len(specs), label="counting solutions"

@@ -40,7 +40,7 @@ def refined(instance: Instance, certificate: Certificate, digits: int) -> dict[s
     }
 
 
-def decimals(pose: Mapping[str, Any]) -> dict[str, str]:
+def digit_cells(pose: Mapping[str, Any]) -> dict[str, str]:
     """Return a refined pose by the `DECIMALS` columns; nothing of an empty one."""
     flat = [
         text

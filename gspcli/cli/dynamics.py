@@ -16,7 +16,8 @@ from gspcli.cli.dynamics_tables import (
 )
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.cli.pose_options import pose_options, text_of
+from gspcli.cli.pose_options import pose_format, pose_options, text_of
+from gspcli.cli.pose_type import GivenPose, near_option, pose_value_option
 from gspcli.cli.progress_bars import working
 from gspcli.cli.requirements import (
     add_quantities,
@@ -27,6 +28,7 @@ from gspcli.cli.requirements import (
     verdict_entries,
     verdict_lines,
 )
+from gspcli.cli.value_options import Changes, value_options
 from gspcli.errors import GspError, IncompleteError
 from gspcli.wording import listed
 
@@ -57,10 +59,9 @@ _MOST_NAMED = 5
     metavar="K",
     help="Mode K of SPEC; of a file of values mode K at its first row.",
 )
-@click.option("--pose", metavar="NUMBERS", help="A pose instead: x,y,z,qw,qx,qy,qz.")
-@click.option(
-    "--near", metavar="NUMBERS", help="Of a file of values the mode nearest to a pose at first."
-)
+@pose_value_option("instead of the modes of SPEC")
+@near_option("of a file of values only this one is followed")
+@value_options
 @pose_options
 @click.option(
     "--forward",
@@ -76,16 +77,18 @@ _MOST_NAMED = 5
 @click.option(
     "--stiffness",
     metavar="K",
-    help="Stiffness of the drives in N/m and N m/rad, one number or six.  [default: that of SPEC]",
+    help="Stiffness of the constraints, one number or six: N/m and N m/rad, of the drives.  "
+    "[default: that of SPEC]",
 )
 @require_option("force<=200, range, condition<=50")
 @output_options()
 def command(
     spec: str,
+    changes: Changes,
     rows: str | None,
     mode: int | None,
-    pose: str | None,
-    near: str | None,
+    pose: GivenPose | None,
+    near: GivenPose | None,
     euler: str | None,
     pivot: str | None,
     forward: str | None,
@@ -148,12 +151,13 @@ def command(
     if spec == "-" and "-" in (rows, forward):
         message = "SPEC and another file cannot both be standard input"
         raise click.UsageError(message)
-    instance = load_instance(spec)
+    instance = load_instance(spec, changes)
+    form = pose_format(instance, euler, pivot)
     if forward is not None:
-        _forward(instance, forward, start_of(instance, mode, pose, euler, pivot), twist, output)
+        _forward(instance, forward, start_of(instance, mode, pose, form), twist, output)
         return
     requirements = required(require)
-    asked = asked_rows(instance, rows, mode, pose, near, euler, pivot)
+    asked = asked_rows(instance, rows, mode, pose, near, form)
     if modal:
         _modes(instance, asked, stiffness, requirements, output)
     else:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from gspcli.cli.pose_options import pose_format, text_of
+from gspcli.cli.pose_options import text_of
 from gspcli.cli.progress_bars import working
 from gspcli.cli.real_poses import real_poses
 from gspcli.errors import GspError, IncompleteError
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from gspcli.cli.pose_type import GivenPose
     from gspcli.dynamics.motion_files import ValueRows
     from gspcli.dynamics.trajectories import Motion
     from gspcli.geometry.instance import Instance
@@ -81,10 +82,10 @@ class Asked:
 
 
 def start_of(
-    instance: Instance, mode: int | None, pose: str | None, euler: str | None, pivot: str | None
+    instance: Instance, mode: int | None, pose: GivenPose | None, form: PoseFormat
 ) -> tuple[Array, Array]:
     """Return the one pose that a motion begins at, shapes (3, 3) and (3,)."""
-    asked = _without_file(instance, mode, pose, pose_format(instance, euler, pivot))
+    asked = _without_file(instance, mode, pose, form)
     if len(asked.T) > 1:
         message = f"found {len(asked.T)} real poses to start from: choose one with --mode or --pose"
         raise GspError(message)
@@ -95,15 +96,13 @@ def asked_rows(
     instance: Instance,
     rows: str | None,
     mode: int | None,
-    pose: str | None,
-    near: str | None,
-    euler: str | None,
-    pivot: str | None,
+    pose: GivenPose | None,
+    near: GivenPose | None,
+    form: PoseFormat,
 ) -> Asked:
     """Return the poses of a file, the one that is given, or the real ones of the instance."""
     from gspcli.dynamics.motion_files import PoseRows, read_rows
 
-    form = pose_format(instance, euler, pivot)
     if rows is None:
         return _without_file(instance, mode, pose, form)
     found = read_rows(*text_of(rows), instance, form)
@@ -119,13 +118,11 @@ def asked_rows(
 
 
 def _without_file(
-    instance: Instance, mode: int | None, pose: str | None, form: PoseFormat
+    instance: Instance, mode: int | None, pose: GivenPose | None, form: PoseFormat
 ) -> Asked:
     if pose is not None:
-        from gspcli.motion import read_pose
-
-        given = read_pose(pose, form)
-        return Asked(given.R, given.T)
+        start, place = pose.read(form)
+        return Asked(start[None], place[None])
     R, T = real_poses(instance, mode)
     numbers = tuple(range(1, len(R) + 1))
     if mode is None:
@@ -134,16 +131,13 @@ def _without_file(
 
 
 def _followed(
-    instance: Instance, rows: ValueRows, mode: int | None, near: str | None, form: PoseFormat
+    instance: Instance, rows: ValueRows, mode: int | None, near: GivenPose | None, form: PoseFormat
 ) -> Asked:
     """Return the poses of one mode along rows of values."""
     from gspcli.dynamics.motion_files import motion_of_values
-    from gspcli.motion import read_pose, track
+    from gspcli.motion import track
 
-    start = None
-    if near is not None:
-        given = read_pose(near, form, "--near")
-        start = given.R[0], given.T[0]
+    start = None if near is None else near.read(form)
     with working("following"):
         modes = None if mode is None else [mode]
         found = track(instance, rows.values, t=rows.t, modes=modes, near=start)

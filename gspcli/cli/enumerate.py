@@ -83,8 +83,8 @@ def _ceilings(function: Callable[..., Any]) -> Callable[..., Any]:
 @_ceilings
 @click.option("--sort", metavar="COLUMNS", help="Sort by columns; -COLUMN is descending.")
 @click.option("--columns", metavar="COLUMNS", help="Show these columns, in this order.")
-@click.option("--limit", type=Whole(0), metavar="N", help="Show the first N rows.")
-@click.option("--count", is_flag=True, help="Count by class, beside Proposition 2.2.")
+@click.option("--first", type=Whole(0), metavar="N", help="Show the first N rows.")
+@click.option("--by-class", is_flag=True, help="Count by class, beside Proposition 2.2.")
 @click.option(
     "--coincident",
     metavar="TYPE",
@@ -100,8 +100,8 @@ def command(
     without: str | None,
     sort: str | None,
     columns: str | None,
-    limit: int | None,
-    count: bool,
+    first: int | None,
+    by_class: bool,
     coincident: str | None,
     output: Output,
     **ceilings: int | None,
@@ -115,7 +115,7 @@ def command(
 
     \b
     Examples:
-      gsp enumerate --count
+      gsp enumerate --by-class
       gsp enumerate --class 3D3A --only PH HP A
       gsp enumerate --with PP --max-refined-two-sided 80 --sort refined_two_sided
       gsp enumerate --format csv -o types.csv
@@ -124,15 +124,15 @@ def command(
     selected = _select(classes, only, having, without, ceilings)
     if coincident is not None:
         if coincident:
-            emit(output, _patterns(parse_type(coincident), limit), schema="enumerate-patterns")
+            emit(output, _patterns(parse_type(coincident), first), schema="enumerate-patterns")
         else:
             emit(output, _sharing(selected), schema="enumerate-sharing")
         return
     if sort:
         selected = selected.sorted_by(*_words(sort))
-    if limit is not None:
-        selected = selected[:limit]
-    if count:
+    if first is not None:
+        selected = selected[:first]
+    if by_class:
         emit(output, _counts(selected), schema="enumerate-count")
         return
     shown = [listing.column(key) for key in _words(columns)] if columns else listing.DEFAULT_COLUMNS

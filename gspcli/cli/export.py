@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Whole
-from gspcli.cli.output import Output, check_writable, write
+from gspcli.cli.output import Output, file_option, write
 from gspcli.cli.progress_bars import working
 from gspcli.cli.streams import say
+from gspcli.cli.value_options import Changes, value_options
 from gspcli.errors import GspError
 from gspcli.export.format import PoseFormat, SystemFormat
 from gspcli.export.formats import FORMATS
@@ -36,13 +36,7 @@ _COORDINATES = ("study", "study-affine", "rt")
     required=True,
     help="For which.",
 )
-@click.option(
-    "--set",
-    "settings",
-    metavar="N=VALUE",
-    multiple=True,
-    help="Give constraint N (from 1) another value; may be repeated.",
-)
+@value_options
 @click.option(
     "--mode",
     type=Whole(1),
@@ -58,23 +52,22 @@ _COORDINATES = ("study", "study-affine", "rt")
     help="For systems: the unknowns.",
 )
 @click.option(
-    "--digits",
-    type=click.IntRange(1, 1000),
+    "--significant-digits",
+    type=Whole(1, 1000),
     default=40,
     show_default=True,
-    help="For systems: significant digits of irrational numbers.",
+    metavar="N",
+    help="For systems: to how many digits irrational numbers are written.",
 )
-@click.option(
-    "-o", "--output", "path", metavar="FILE", help="Write to FILE instead of stdout, replacing it."
-)
+@file_option("export")
 def command(
     spec: str,
     target: str,
-    settings: tuple[str, ...],
+    changes: Changes,
     mode: int | None,
     coordinates: str,
-    digits: int,
-    path: str | None,
+    significant_digits: int,
+    output: Output,
 ) -> None:
     """Write a platform as a file for another program.
 
@@ -95,17 +88,12 @@ def command(
       gsp export @dietmaier --to msolve -o d.ms && msolve -f d.ms -o d.out
       gsp certify @dietmaier d.out
     """
-    from gspcli.spec import set_values
-
-    file = None if path in (None, "-") else Path(str(path))
-    if file is not None:
-        check_writable(file)
-    instance = set_values(load_instance(spec), settings)
+    instance = load_instance(spec, changes)
     if target in _POSES:
         text = _POSES[target].write(instance, _pose(instance, mode or 1))
     else:
-        text = _system(instance, _SYSTEMS[target], coordinates, digits)
-    write(Output(target, file), text)
+        text = _system(instance, _SYSTEMS[target], coordinates, significant_digits)
+    write(output, text)
 
 
 def _irrational() -> str:

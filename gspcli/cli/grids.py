@@ -1,4 +1,4 @@
-"""Options that give intervals or grids: ``--vary 1=5:7:200``, ``--over x=-1:1:50``."""
+"""Options that give intervals or grids: ``--vary 1=5:7:200``, ``--within x=-1:1``."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def span_of(option: str, text: str) -> tuple[str, float, float, int | None]:
 
     match = _SPAN.fullmatch(text.replace(" ", ""))
     if match is None or wrong_number(match[2]) or wrong_number(match[3]):
-        end = ":COUNT" if option == "hold" else ""
+        end = ":COUNT" if option == "shift" else ""
         message = f"--{option}: found {shown(text)}, expected NAME=LOW:HIGH{end} with NAME one of "
         raise GspError(message + ", ".join(PARAMETERS))
     return match[1], float(match[2]), float(match[3]), int(match[4]) if match[4] else None

@@ -11,12 +11,11 @@ import click
 from click.core import ParameterSource
 
 from gspcli.cli.names import is_file, load_instance, read_type
-from gspcli.cli.number_types import Positive, Seed, Whole
-from gspcli.cli.output import Output, check_writable, write, write_whole
+from gspcli.cli.number_types import Positive, Whole, seed_option
+from gspcli.cli.output import Output, check_writable, file_option, write, write_whole
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.streams import say
-from gspcli.cli.worker_options import worker_options
-from gspcli.defaults import SEED
+from gspcli.cli.worker_options import resume_option, worker_options
 from gspcli.errors import INTERRUPTED, CheckFailed, GspError, IncompleteError
 
 if TYPE_CHECKING:
@@ -32,52 +31,37 @@ if TYPE_CHECKING:
 @click.option("--show", is_flag=True, help="Do not search: write the best known platform.")
 @click.option(
     "--real",
-    "wanted_real",
     type=Whole(0),
-    help="With --show: a known platform with so many real poses.  [default: as many as known]",
-)
-@click.option(
-    "--target",
-    type=Whole(1),
-    help="Stop at so many real poses; exit code 1 if they are not reached.  [default: all]",
+    metavar="N",
+    help="So many real poses: the search stops there, exit code 1 if it does not come so far; with "
+    "--show of a known platform.  [default: as many as possible, as many as known]",
 )
 @click.option(
     "--time",
     "seconds",
     type=Positive(),
+    metavar="SECONDS",
     default=60.0,
     show_default=True,
     help="Stop after so many seconds.",
 )
-@click.option("--attempts", "most", type=Whole(1), help="Stop after so many attempts in all.")
 @click.option(
-    "--seed",
-    default=SEED,
-    show_default=True,
-    type=Seed(),
-    help="Seed of the random numbers; attempts depend on it and on their number only.",
+    "--attempts", "most", type=Whole(1), metavar="N", help="Stop after so many attempts in all."
 )
+@seed_option("; attempts depend on it and on their number only")
 @worker_options
-@click.option(
-    "--state",
-    "state_file",
-    metavar="FILE",
-    help="Continue from FILE, and save what is found there.",
-)
-@click.option(
-    "-o", "--output", "path", metavar="FILE", help="Write to FILE instead of stdout, replacing it."
-)
+@resume_option
+@file_option("yaml")
 def command(
     names: tuple[str, ...],
     show: bool,
-    wanted_real: int | None,
-    target: int | None,
+    real: int | None,
     seconds: float,
     most: int | None,
     seed: int,
     workers: Workers,
-    state_file: str | None,
-    path: str | None,
+    resume: Path | None,
+    output: Output,
 ) -> int:
     """Search for a platform with as many real poses as possible.
 
@@ -91,24 +75,25 @@ def command(
 
     \b
     Examples:
-      gsp maximize-real 6PP --target 40 -o forty.yaml
-      gsp maximize-real 4D2A PP PP PL PL --time 600 --state search.json
+      gsp maximize-real 6PP --real 40 -o forty.yaml
+      gsp maximize-real 4D2A PP PP PL PL --time 600 --resume search.json
       gsp maximize-real platform.yaml --attempts 3
       gsp maximize-real 6PP --show | gsp solve -
       gsp maximize-real 6PP --show --real 0
     """
     from gspcli.spec import dumps
 
-    output = _writable_output(path, state_file)
+    if resume is not None:
+        check_writable(resume)
     given = load_instance(names[0]) if len(names) == 1 and is_file(names[0]) else None
     gsp_type = read_type(names) if given is None else given.type
     if show:
-        _show_known(gsp_type, wanted_real, output)
+        _show_known(gsp_type, real, output)
         return 0
-    if wanted_real is not None:
-        message = "--real chooses what --show writes: add --show, or search with --target"
-        raise click.UsageError(message)
 
+    if real == 0:
+        message = "--real 0 is for --show: a search is for at least one real pose"
+        raise click.UsageError(message)
     from gspcli.reality.maximize import Search
     from gspcli.reality.platforms import multiplier, reduced
     from gspcli.reality.state import State, read_state
@@ -119,15 +104,13 @@ def command(
         platform, length = platform_of(given)
         kinds, start, units = platform.kinds, reduced(platform), given.units
     each = multiplier(kinds)
-    wanted = None if target is None else -(-target // each)
+    wanted = None if real is None else -(-real // each)
     search = Search(kinds, seed, wanted, start, time.time() + seconds)
     subject = gsp_type.id if given is None else dumps(given)
-    state = (
-        State(subject, seed) if state_file is None else read_state(Path(state_file), subject, seed)
-    )
+    state = State(subject, seed) if resume is None else read_state(resume, subject, seed)
     interrupted = False
     try:
-        state = _searched(search, state, most, workers, state_file)
+        state = _searched(search, state, most, workers, resume)
     except _Interrupted as interruption:
         state, interrupted = interruption.state, True
     if state.platform is None:
@@ -136,11 +119,11 @@ def command(
             return INTERRUPTED
         message = "no platform was solved in the time given: use a greater --time"
         raise IncompleteError(message)
-    instance, real = _witness(state, each, units, length)
+    instance, found = _witness(state, each, units, length)
     write(output, dumps(instance))
-    say(f"{real} real poses, certified")
-    if not interrupted and target is not None and real < target:
-        message = f"{target} real poses were asked for, {real} were found: give it more time"
+    say(f"{found} real poses, certified")
+    if not interrupted and real is not None and found < real:
+        message = f"{real} real poses were asked for, {found} were found: give it more time"
         raise CheckFailed(message)
     return INTERRUPTED if interrupted else 0
 
@@ -150,15 +133,6 @@ class _Interrupted(Exception):
 
     def __init__(self, state: State) -> None:
         self.state = state
-
-
-def _writable_output(path: str | None, state_file: str | None) -> Output:
-    """Return where the platform goes, once it is sure that both files can be written."""
-    output = Output("yaml", None if path in (None, "-") else Path(str(path)))
-    for file in (output.path, state_file):
-        if file is not None:
-            check_writable(Path(file))
-    return output
 
 
 def _show_known(gsp_type: GspType, real: int | None, output: Output) -> None:
@@ -176,7 +150,7 @@ def _reject_search_options() -> None:
     ignored = [
         parameter.opts[0]
         for parameter in context.command.params
-        if parameter.name not in ("names", "show", "wanted_real", "path")
+        if parameter.name not in ("names", "show", "real", "output_file_")
         and context.get_parameter_source(str(parameter.name)) is ParameterSource.COMMANDLINE
     ]
     if ignored:
@@ -185,7 +159,7 @@ def _reject_search_options() -> None:
 
 
 def _searched(
-    search: Search, state: State, most: int | None, workers: Workers, state_file: str | None
+    search: Search, state: State, most: int | None, workers: Workers, resume: Path | None
 ) -> State:
     """Return the state after the search; reports each attempt on stderr."""
     from gspcli.continuation.start import path_count
@@ -204,8 +178,8 @@ def _searched(
             after = state.after(number, found)
             cut = search.is_late
             state = replace(after, attempts=state.attempts) if cut else after
-            if state_file is not None:
-                write_whole(Path(state_file), state.text())
+            if resume is not None:
+                write_whole(resume, state.text())
             if found is not None:
                 say(
                     f"attempt {number}: {each * found.count} of {each * len(found.points)} real"

@@ -9,6 +9,7 @@ import click
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options, text_of, warn_of_range
+from gspcli.cli.pose_type import GivenPose, pose_value_option
 from gspcli.cli.requirements import (
     add_quantities,
     measured_quantities,
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("spec", metavar="SPEC")
 @click.argument("poses", metavar="[POSES]", required=False)
-@click.option("--pose", metavar="NUMBERS", help="One pose instead of a file: x,y,z,qw,qx,qy,qz.")
+@pose_value_option("instead of POSES")
 @click.option(
     "--cranks",
     is_flag=True,
@@ -46,7 +47,7 @@ if TYPE_CHECKING:
 def command(
     spec: str,
     poses: str | None,
-    pose: str | None,
+    pose: GivenPose | None,
     cranks: bool,
     euler: str | None,
     pivot: str | None,
@@ -92,12 +93,16 @@ def command(
     if cranks and require is not None:
         message = "--require needs the values, not --cranks"
         raise click.UsageError(message)
-    from gspcli.motion import measure, read_pose, read_poses
+    from gspcli.motion import PoseTable, measure, read_poses
 
     instance = load_instance(spec)
     requirements = required(require)
     form = pose_format(instance, euler, pivot)
-    table = read_pose(pose, form) if pose is not None else read_poses(*text_of(str(poses)), form)
+    if pose is None:
+        table = read_poses(*text_of(str(poses)), form)
+    else:
+        R, T = pose.read(form)
+        table = PoseTable(None, R[None], T[None])
     if cranks:
         _emit_cranks(instance, table, output)
         return

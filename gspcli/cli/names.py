@@ -14,6 +14,7 @@ from gspcli.resources import instance_files
 from gspcli.wording import brief, shown, similar
 
 if TYPE_CHECKING:
+    from gspcli.cli.value_options import Changes
     from gspcli.geometry.instance import Instance
 
 _SUFFIXES = (".yaml", ".yml")
@@ -56,8 +57,8 @@ def shipped_file(name: str) -> Path:
     return files[name]
 
 
-def load_instance(word: str) -> Instance:
-    """Read the instance that a SPEC denotes; see `spec_source`.
+def load_instance(word: str, changes: Changes | None = None) -> Instance:
+    """Read the instance that a SPEC denotes, with other values; see `spec_source`.
 
     What was perhaps not meant (radians in a file of degrees, lengths out of all proportion) is
     pointed out on standard error: the answer would be about another platform.
@@ -65,14 +66,14 @@ def load_instance(word: str) -> Instance:
     Raises
     ------
     SpecError
-        With all mistakes of the file.
+        With all mistakes of the file, or of the values.
     """
     from gspcli.spec import read
 
     reading = read(spec_source(word))
     if reading.doubts:
         say(brief("\n".join(f"warning: {problem}" for problem in reading.doubts), "warning"))
-    return reading.instance
+    return reading.instance if changes is None else changes.of(reading.instance)
 
 
 def read_type(words: Sequence[str]) -> GspType:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.number_types import Seed
-from gspcli.cli.output import Output, check_writable, write
-from gspcli.defaults import SEED
+from gspcli.cli.number_types import decimals_option, one_sided_option, seed_option
+from gspcli.cli.output import Output, file_option, write
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,31 +38,19 @@ _TEMPLATE_HEAD = """\
 @click.command()
 @click.argument("type_words", metavar="TYPE...", nargs=-1, required=True)
 @click.option("--template", is_flag=True, help="Also write comments that say what to replace.")
-@click.option(
-    "--seed",
-    default=SEED,
-    show_default=True,
-    type=Seed(),
-    help="Seed of the random numbers; the same seed gives the same file.",
-)
-@click.option(
-    "--digits",
-    default=3,
-    show_default=True,
-    type=click.IntRange(1, 15),
-    help="Decimals of every number.",
-)
+@seed_option("; the same seed gives the same file")
+@decimals_option(3, 1, 15, "")
 @click.option("--planar", is_flag=True, help="Put the points of each body in one plane.")
-@click.option("--one-sided", is_flag=True, help="State a side for each PH and HP distance.")
-@click.option("-o", "--output", "path", metavar="FILE", help="Write to FILE, replacing it.")
+@one_sided_option
+@file_option("yaml")
 def command(
     type_words: tuple[str, ...],
     template: bool,
     seed: int,
-    digits: int,
+    decimals: int,
     planar: bool,
     one_sided: bool,
-    path: str | None,
+    output: Output,
 ) -> None:
     """Write a random instance of a type, with at least one real pose, as YAML.
 
@@ -80,9 +66,6 @@ def command(
       gsp new P1-p1 P1-p2 P2-p2 P2-p3 P3-p3 P3-p1
       gsp new 421 --template -o platform.yaml
     """
-    target = None if path in (None, "-") else Path(str(path))
-    if target is not None:
-        check_writable(target)
     import numpy as np
 
     from gspcli.solver.generate import random_instance
@@ -90,7 +73,7 @@ def command(
 
     rng = np.random.default_rng(seed)
     instance, _ = random_instance(
-        _pattern(type_words), rng, digits=digits, planar=planar, one_sided=one_sided
+        _pattern(type_words), rng, digits=decimals, planar=planar, one_sided=one_sided
     )
     gsp_type = instance.type
     head = f"# {gsp_type.id} (type {gsp_type.number}, {gsp_type.platform_class})\n"
@@ -98,7 +81,7 @@ def command(
     if template:
         head += _TEMPLATE_HEAD
         text = _commented(text, instance)
-    write(Output("yaml", target), head + text)
+    write(output, head + text)
 
 
 def _pattern(words: tuple[str, ...]) -> GspType | Sequence[Bond]:

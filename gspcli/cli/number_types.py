@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import click
 
+from gspcli.defaults import SEED
 from gspcli.wording import shortened
+
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 #: The largest number of things: more would fill every memory, or take years.
 _MOST = 10**9
@@ -50,3 +54,49 @@ class Positive(click.FloatRange):
         if not math.isfinite(number):
             self.fail(f"{shortened(str(value))} is not a finite number.", param, ctx)
         return number
+
+
+def seed_option(more: str = "") -> Callable[[Function], Function]:
+    """Return the option `--seed`; the command gets ``seed: int``.
+
+    Parameters
+    ----------
+    more
+        What its help says besides.
+    """
+    return click.option(
+        "--seed",
+        type=Seed(),
+        default=SEED,
+        show_default=True,
+        metavar="N",
+        help=f"Seed of random choices{more}.",
+    )
+
+
+def decimals_option(
+    default: int | None, least: int, most: int, more: str
+) -> Callable[[Function], Function]:
+    """Return the option `--decimals`; the command gets ``decimals: int`` or None.
+
+    Parameters
+    ----------
+    default, least, most
+        How many without the option, and how few and many there may be.
+    more
+        What its help says besides.
+    """
+    return click.option(
+        "--decimals",
+        type=Whole(least, most),
+        default=default,
+        show_default=default is not None,
+        metavar="N",
+        help=f"Write numbers with N decimals{more}.",
+    )
+
+
+#: `--one-sided`; the command gets ``one_sided: bool``.
+one_sided_option = click.option(
+    "--one-sided", is_flag=True, help="Choose one side of each PH and HP distance, not both."
+)

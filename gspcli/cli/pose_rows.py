@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.pose_options import pose_format, text_of
+from gspcli.cli.pose_options import text_of
 from gspcli.cli.progress_bars import working
 from gspcli.cli.real_poses import real_poses
 from gspcli.errors import GspError, IncompleteError
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from gspcli.cli.pose_type import GivenPose
     from gspcli.geometry.instance import Instance
     from gspcli.motion import PoseFormat, Track
 
@@ -67,10 +68,21 @@ class PoseRows:
             raise IncompleteError("\n".join(self.lost))
 
 
-def check_sources(spec: str, rows: str | None, mode: int | None, pose: str | None) -> None:
+def check_sources(
+    spec: str,
+    rows: str | None,
+    mode: int | None,
+    pose: GivenPose | None,
+    near: GivenPose | None,
+) -> None:
     """Raise if poses were asked for in more than one way."""
-    if mode is not None and pose is not None:
-        message = "give either --mode or --pose"
+    given = {"--mode": mode, "--pose": pose, "--near": near}
+    names = [name for name, option in given.items() if option is not None]
+    if len(names) > 1:
+        message = f"give either {' or '.join(names)}"
+        raise click.UsageError(message)
+    if near is not None and rows is None:
+        message = "--near says which mode to follow: give it with ROWS"
         raise click.UsageError(message)
     if rows is not None and pose is not None:
         message = "give either ROWS or --pose"
@@ -84,9 +96,9 @@ def asked_poses(
     instance: Instance,
     rows: str | None,
     mode: int | None,
-    pose: str | None,
-    euler: str | None,
-    pivot: str | None,
+    pose: GivenPose | None,
+    near: GivenPose | None,
+    form: PoseFormat,
 ) -> PoseRows:
     """Return the poses of a file, the one that is given, or the real ones of the instance.
 
@@ -98,30 +110,35 @@ def asked_poses(
         A file of poses, as `read_poses` takes it, or of values: then modes are followed along them.
     mode
         Only this mode, of the instance or at the first row of a file of values.
-    pose, euler, pivot
-        As the options are given.
+    pose
+        This pose instead.
+    near
+        Only the mode nearest to this pose at the first row of a file of values.
+    form
+        What poses do not say.
     """
     if rows is not None:
-        return _of_file(instance, rows, mode, pose_format(instance, euler, pivot))
+        return _of_file(instance, rows, mode, near, form)
     if pose is not None:
-        from gspcli.motion import read_pose
-
-        given = read_pose(pose, pose_format(instance, euler, pivot))
-        return PoseRows(given.R, given.T, [None])
+        R, T = pose.read(form)
+        return PoseRows(R[None], T[None], [None])
     R, T = real_poses(instance, mode)
     if mode is None:
         return PoseRows(R, T, list(range(1, len(R) + 1)))
     return PoseRows(R[mode - 1 : mode], T[mode - 1 : mode], [mode])
 
 
-def _of_file(instance: Instance, path: str, mode: int | None, form: PoseFormat) -> PoseRows:
+def _of_file(
+    instance: Instance, path: str, mode: int | None, near: GivenPose | None, form: PoseFormat
+) -> PoseRows:
     from gspcli.motion import read_poses, read_values, track
     from gspcli.motion.files.pose_files import has_poses
 
     text, name = text_of(path)
     if has_poses(text, name):
-        if mode is not None:
-            message = f"--mode: found the poses of {name}, expected a file of values to follow"
+        if mode is not None or near is not None:
+            option = "--near" if mode is None else "--mode"
+            message = f"{option}: found the poses of {name}, expected a file of values to follow"
             raise GspError(message)
         table = read_poses(text, name, form)
         if not len(table.R):
@@ -137,7 +154,8 @@ def _of_file(instance: Instance, path: str, mode: int | None, form: PoseFormat) 
         raise GspError(message)
     with working("following"):
         modes = None if mode is None else [mode]
-        followed = track(instance, values.values, t=values.t, modes=modes)
+        start = None if near is None else near.read(form)
+        followed = track(instance, values.values, t=values.t, modes=modes, near=start)
     return _of_track(followed)
 
 

@@ -1,4 +1,4 @@
-"""`gsp scan --over`: the determinant of the Jacobian matrix where coordinates of the pose vary."""
+"""`gsp scan --pose`: the determinant of the Jacobian matrix where coordinates of the pose vary."""
 
 from __future__ import annotations
 
@@ -7,19 +7,20 @@ from typing import TYPE_CHECKING, Any
 
 from gspcli.cli.grids import PARAMETERS, axes_of
 from gspcli.cli.output import DRAWINGS, Column, Output, Table, emit, write
-from gspcli.cli.pose_options import pose_format
 from gspcli.cli.progress_bars import working
 
 if TYPE_CHECKING:
+    from gspcli.cli.pose_type import GivenPose
     from gspcli.geometry.instance import Instance
+    from gspcli.motion import PoseFormat
     from gspcli.motion.singularities.pose_scans import PoseScan
 
 
 def scan_poses(
     instance: Instance,
     texts: Sequence[str],
-    pose: str,
-    given: tuple[str | None, str | None],
+    pose: GivenPose,
+    form: PoseFormat,
     folds: bool,
     quantity: str,
     output: Output,
@@ -34,8 +35,8 @@ def scan_poses(
         The axes.
     pose
         What does not vary.
-    given
-        ``--euler`` and ``--pivot``.
+    form
+        What its numbers do not say.
     folds
         Whether to show where the determinant changes its sign instead of the nodes.
     quantity
@@ -45,8 +46,9 @@ def scan_poses(
     """
     from gspcli.motion.singularities.pose_scans import PoseAxis, PoseScan
 
-    axes = tuple(PoseAxis(*axis) for axis in axes_of("--over", texts, PARAMETERS))
-    found = PoseScan(instance, axes, pose, pose_format(instance, *given))
+    axes = tuple(PoseAxis(*axis) for axis in axes_of("--vary", texts, PARAMETERS))
+    pose.read(form)
+    found = PoseScan(instance, axes, pose.numbers(form), form)
     if quantity == "clearance" and not folds:
         with working("clearances"):
             found.clearances  # noqa: B018

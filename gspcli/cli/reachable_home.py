@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from gspcli.cli.pose_type import GivenPose
     from gspcli.geometry.instance import Instance
     from gspcli.motion import PoseFormat
 
@@ -80,7 +81,7 @@ def home_pose(
     form: PoseFormat,
     *,
     mode: int | None,
-    pose: str | None,
+    pose: GivenPose | None,
     orientation: str | None,
     position: str | None,
     needed: bool,
@@ -93,8 +94,7 @@ def home_pose(
 
     size = Arrangement.of(instance).length
     if pose is not None:
-        given = read_pose(pose, form)
-        home = Home(given.R[0], given.T[0], form.pivot, size)
+        home = Home(*pose.read(form), form.pivot, size)
     elif mode is None and (not needed or (orientation is not None and position is not None)):
         home = Home(np.eye(3), np.zeros(3), form.pivot, size, placed=needed)
     else:

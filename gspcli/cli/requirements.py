@@ -38,7 +38,7 @@ def require_option(example: str) -> Callable[[Function], Function]:
     return click.option(
         "--require",
         metavar="WHAT",
-        help=f"Exit with 1 unless every row keeps this, such as '{example}'; the worst row of each "
+        help=f"Exit with 1 unless every row keeps this: such as '{example}'; the worst row of each "
         "is named.",
     )
 

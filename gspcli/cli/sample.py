@@ -10,7 +10,7 @@ import click
 
 from gspcli import __version__
 from gspcli.cli.names import read_type
-from gspcli.cli.number_types import Seed, Whole
+from gspcli.cli.number_types import Whole, one_sided_option, seed_option
 from gspcli.cli.output import (
     DRAWINGS,
     FORMATS,
@@ -24,7 +24,6 @@ from gspcli.cli.output import (
 )
 from gspcli.cli.streams import say
 from gspcli.cli.worker_options import worker_options
-from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED, GspError
 
 if TYPE_CHECKING:
@@ -46,18 +45,11 @@ _ALL_DIGITS = 17
     default=1000,
     show_default=True,
     type=Whole(1),
+    metavar="N",
     help="How many platforms to draw.",
 )
-@click.option(
-    "--seed",
-    default=SEED,
-    show_default=True,
-    type=Seed(),
-    help="Seed of the random numbers; the same seed gives the same numbers.",
-)
-@click.option(
-    "--one-sided", is_flag=True, help="Ask for one side of each PH and HP distance, not both."
-)
+@seed_option("; the same seed gives the same numbers")
+@one_sided_option
 @click.option(
     "--save",
     "folder",

@@ -23,11 +23,13 @@ from gspcli.cli.output import (
     output_options,
     write,
 )
-from gspcli.cli.pose_options import pose_options
+from gspcli.cli.pose_options import pose_format, pose_options
+from gspcli.cli.pose_type import GivenPose, pose_value_option
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.scan_tables import scan_document, scan_table
 from gspcli.cli.streams import say
-from gspcli.cli.worker_options import worker_options
+from gspcli.cli.value_options import Changes, value_options
+from gspcli.cli.worker_options import resume_option, worker_options
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED, GspError, IncompleteError
 
@@ -51,20 +53,14 @@ _NUMBERS = tuple("123456")
 @click.option(
     "--vary",
     "texts",
-    metavar="N=LOW:HIGH:COUNT",
+    metavar="NAME=LOW:HIGH:COUNT",
     multiple=True,
-    help="Let constraint N take COUNT values from LOW to HIGH; once or twice.",
+    required=True,
+    help="Let NAME take COUNT values from LOW to HIGH: a constraint from 1 to 6, or, with --pose, "
+    "x, y, z (rx, ry, rz with --euler); once or twice.",
 )
-@click.option(
-    "--over",
-    "coordinates",
-    metavar="X=LOW:HIGH:COUNT",
-    multiple=True,
-    help="Instead, let x, y, z (or rx, ry, rz with --euler) of the pose vary; once or twice.",
-)
-@click.option(
-    "--pose", metavar="NUMBERS", help="With --over: what does not vary, x,y,z,qw,qx,qy,qz."
-)
+@pose_value_option("what does not vary of it, if its coordinates vary")
+@value_options
 @pose_options
 @click.option(
     "--folds",
@@ -80,24 +76,19 @@ _NUMBERS = tuple("123456")
     help="What pictures show (over poses for modes the determinant); clearance is also a column "
     "then (some milliseconds a mode or pose).",
 )
-@click.option(
-    "--journal",
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE",
-    help="Work file: what is done is kept there, and taken up when the same scan is run again.",
-)
+@resume_option
 @worker_options
 @output_options(formats=(*FORMATS, *DRAWINGS))
 def command(
     spec: str,
     texts: tuple[str, ...],
-    coordinates: tuple[str, ...],
-    pose: str | None,
+    pose: GivenPose | None,
+    changes: Changes,
     euler: str | None,
     pivot: str | None,
     folds: bool,
     quantity: str,
-    journal: Path | None,
+    resume: Path | None,
     workers: Workers,
     output: Output,
 ) -> int:
@@ -110,7 +101,7 @@ def command(
     values it is followed through them as curves, which pictures show with their cusps; the curves
     between the proved points are numbers, not proofs.
 
-    Over poses (--over) nothing is solved: the sign and size of the determinant of the Jacobian
+    Over poses (--pose) nothing is solved: the sign and size of the determinant of the Jacobian
     matrix (free of units, as in `gsp analyze`) and the condition number. --folds gives the poses
     on edges of the grid at which the determinant changes its sign, to the last digit; pictures
     show the singular curve through them.
@@ -123,23 +114,27 @@ def command(
       gsp scan platform.yaml --vary 1=5:7:200 -o modes.csv
       gsp scan platform.yaml --vary 1=5:7:60 --vary 2=4:6:60 --folds -o folds.csv
       gsp scan platform.yaml --vary 1=5:7:60 --vary 2=4:6:60 --folds -o map.svg
-      gsp scan platform.yaml --vary 1=5:7:500 --journal work.jsonl -o map.csv
-      gsp scan platform.yaml --over x=-9:9:60 --over y=-9:9:60 \\
+      gsp scan platform.yaml --vary 1=5:7:500 --resume work.jsonl -o map.csv
+      gsp scan platform.yaml --vary x=-9:9:60 --vary y=-9:9:60 \\
         --pose 0,0,7,1,0,0,0 -o singular.svg
     """
-    if bool(texts) == bool(coordinates) or bool(coordinates) != (pose is not None):
-        message = "give either --vary, or --over with --pose"
-        raise click.UsageError(message)
-    if coordinates and pose is not None:
+    instance = load_instance(spec, changes)
+    if pose is not None:
         from gspcli.cli.pose_scans import scan_poses
 
         shown = "determinant" if quantity == QUANTITIES[0] else quantity
-        scan_poses(load_instance(spec), coordinates, pose, (euler, pivot), folds, shown, output)
+        form = pose_format(instance, euler, pivot)
+        scan_poses(instance, texts, pose, form, folds, shown, output)
         return 0
+    if any(text.strip()[:1] in "xyzr" for text in texts):
+        message = "--vary: coordinates of a pose vary with --pose, which says what does not"
+        raise click.UsageError(message)
+    if euler or pivot:
+        message = "--euler and --pivot say what the numbers of --pose are: give it, too"
+        raise click.UsageError(message)
     from gspcli.motion.singularities.crossings import Boundary
     from gspcli.motion.singularities.value_scans import MISSING, Axis, Scan
 
-    instance = load_instance(spec)
     axes = [Axis(int(name) - 1, nodes) for name, nodes in axes_of("--vary", texts, _NUMBERS)]
     asked = Scan.empty(instance, axes)
     found = Scan.empty(*_corrected(asked), clearance=quantity == "clearance")
@@ -148,7 +143,7 @@ def command(
     limits = Boundary()
     interrupted = False
     try:
-        _fill(found, workers, journal)
+        _fill(found, workers, resume)
         if folds:
             limits = _boundary(found)
     except KeyboardInterrupt:

@@ -185,4 +185,4 @@ def _notes(result: SensorResult, everything: bool) -> list[str]:
 
 def _group_note(result: SensorResult) -> str:
     counts = [f"{len(result.in_group(group))} {group}" for group in result.groups]
-    return f"the best of each sort ({', '.join(counts)}): --all shows each"
+    return f"the best of each sort ({', '.join(counts)}): --all-sensors shows each"

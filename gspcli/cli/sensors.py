@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli.names import load_instance
+from gspcli.cli.number_types import seed_option
 from gspcli.cli.output import Output, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
-from gspcli.defaults import SEED
+from gspcli.cli.value_options import Changes, value_options
+from gspcli.cli.worker_options import jobs_option
 from gspcli.errors import GspError, IncompleteError
 from gspcli.wording import counted
 
@@ -24,20 +26,9 @@ _KINDS = ("leg", "coordinate", "joint", "inclinometer")
 
 @click.command()
 @click.argument("spec", metavar="SPEC")
-@click.option(
-    "--set",
-    "settings",
-    metavar="N=VALUE",
-    multiple=True,
-    help="Give constraint N (from 1) another value; may be repeated.",
-)
-@click.option(
-    "--values",
-    "path",
-    metavar="FILE",
-    help="At each row of a file of values or poses, as gsp track takes it.",
-)
-@click.option("--delta", is_flag=True, help="The values of --values are added to those of SPEC.")
+@click.argument("rows", metavar="[ROWS]", required=False)
+@value_options
+@click.option("--relative", is_flag=True, help="The values in the file are added to those of SPEC.")
 @pose_options
 @click.option(
     "--random",
@@ -50,10 +41,10 @@ _KINDS = ("leg", "coordinate", "joint", "inclinometer")
 @click.option(
     "--within",
     "intervals",
-    metavar="N=LOW:HIGH",
+    metavar="NAME=LOW:HIGH",
     multiple=True,
-    help="Draw the value of constraint N in this interval, the others staying; may be repeated. "
-    "100 sets unless --random says how many.",
+    help="Keep NAME in this interval: the value of constraint NAME is drawn there, the others "
+    "stay; may be repeated. 100 sets unless --random says how many.",
 )
 @click.option(
     "--sensor",
@@ -66,9 +57,9 @@ _KINDS = ("leg", "coordinate", "joint", "inclinometer")
 @click.option(
     "--sigma",
     "deviations",
-    metavar="KIND=VALUE",
+    metavar="WHAT=NUMBER",
     multiple=True,
-    help=f"Standard deviation of the sensors of a kind ({', '.join(_KINDS)}) in the unit of SPEC; "
+    help=f"Standard deviation of what is measured: {', '.join(_KINDS)}, in the unit of SPEC; "
     "may be repeated.  [default: lengths a thousandth of the size, angles 0.1 degrees]",
 )
 @click.option(
@@ -76,6 +67,7 @@ _KINDS = ("leg", "coordinate", "joint", "inclinometer")
     type=click.FloatRange(0, min_open=True),
     default=6.0,
     show_default=True,
+    metavar="N",
     help="Modes are told apart from so many standard deviations on.",
 )
 @click.option(
@@ -84,19 +76,17 @@ _KINDS = ("leg", "coordinate", "joint", "inclinometer")
     help="It is known on which side of the base the platform is: that of home.",
 )
 @click.option("--up", metavar="X,Y,Z", default="0,0,1", help="The vertical in the base.")
-@click.option("--all", "everything", is_flag=True, help="Show each sensor, not the best ones only.")
 @click.option(
-    "--seed", type=click.IntRange(min=0), default=SEED, show_default=True, help="Seed of --random."
+    "--all-sensors", "everything", is_flag=True, help="Show each sensor, not the best ones only."
 )
-@click.option(
-    "--jobs", type=click.IntRange(min=1), default=1, show_default=True, metavar="N", help="Threads."
-)
+@seed_option(": of --random")
+@jobs_option
 @output_options()
 def command(
     spec: str,
-    settings: tuple[str, ...],
-    path: str | None,
-    delta: bool,
+    rows: str | None,
+    changes: Changes,
+    relative: bool,
     euler: str | None,
     pivot: str | None,
     count: int | None,
@@ -132,32 +122,31 @@ def command(
       gsp sensors @rubin-m2
       gsp sensors @simscape-hexapod --random 200
       gsp sensors @simscape-hexapod --random 200 --known-side
-      gsp sensors platform.yaml --values path.csv --euler ZYX
+      gsp sensors platform.yaml path.csv --euler ZYX
       gsp sensors platform.yaml --within 1=480:520 --sigma inclinometer=0.02
       gsp sensors platform.yaml --sensor "leg P1 B3" --sensor inclinometer
     """
-    if path is not None and (count is not None or intervals):
-        message = "give either --values, or --random and --within"
+    if rows is not None and (count is not None or intervals):
+        message = "give either ROWS, or --random and --within"
         raise click.UsageError(message)
-    if path is None and (delta or euler or pivot):
-        message = "--delta, --euler and --pivot need --values"
+    if rows is None and (relative or euler or pivot):
+        message = "--relative, --euler and --pivot need ROWS"
         raise click.UsageError(message)
-    if spec == path == "-":
-        message = "SPEC and --values cannot both be standard input"
+    if spec == rows == "-":
+        message = "SPEC and ROWS cannot both be standard input"
         raise click.UsageError(message)
     from gspcli.cli.sensor_tables import sensor_table
     from gspcli.sensing import sensors
-    from gspcli.spec import set_values
 
-    instance = set_values(load_instance(spec), settings)
+    instance = load_instance(spec, changes)
     chosen = _chosen(names, instance)
-    rows = _rows(path, instance, pose_format(instance, euler, pivot), delta=delta)
+    table = _rows(rows, instance, pose_format(instance, euler, pivot), delta=relative)
     within = dict(map(_interval, intervals)) or None
     with working("solving"):
         result = sensors(
             instance,
-            None if rows is None else rows.values,
-            coordinates=None if rows is None else rows.coordinates,
+            None if table is None else table.values,
+            coordinates=None if table is None else table.coordinates,
             random=count,
             within=within,
             seed=seed,
@@ -168,8 +157,8 @@ def command(
             up=_vector(up),
             jobs=jobs,
         )
-    table = sensor_table(result, output.format, everything=everything or bool(names))
-    emit(output, table, document=result.to_json())
+    shown = sensor_table(result, output.format, everything=everything or bool(names))
+    emit(output, shown, document=result.to_json())
     if missing := int((~result.separations.complete).sum()):
         message = f"at {counted(missing, 'set')} of {len(result.values)} not all poses are known"
         raise IncompleteError(message)
@@ -211,7 +200,7 @@ def _numbers(option: str, text: str, parts: list[str], expected: str) -> list[fl
 
 
 def _interval(text: str) -> tuple[int, tuple[float, float]]:
-    expected = "N=LOW:HIGH with the number of a constraint, such as 1=480:520"
+    expected = "NAME=LOW:HIGH with the number of a constraint, such as 1=480:520"
     name, _, span = text.partition("=")
     ends = [part.strip() for part in span.split(":")]
     if not name.strip().isdecimal() or len(ends) != 2:
@@ -222,7 +211,7 @@ def _interval(text: str) -> tuple[int, tuple[float, float]]:
 
 
 def _deviation(text: str) -> tuple[str, float]:
-    expected = f"KIND=VALUE with one of {', '.join(_KINDS)}, such as inclinometer=0.02"
+    expected = f"WHAT=NUMBER with one of {', '.join(_KINDS)}, such as inclinometer=0.02"
     kind, _, value = text.partition("=")
     if kind.strip() not in _KINDS:
         message = f"--sigma: found {text!r}, expected {expected}"

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.digits import decimals, digit_table, digits_option, refined
+from gspcli.cli.digits import digit_cells, digit_table, digits_option, refined
 from gspcli.cli.names import load_instance
-from gspcli.cli.number_types import MOST_JOBS, Seed, Whole
+from gspcli.cli.number_types import decimals_option, seed_option
 from gspcli.cli.output import Output, Table, emit, output_options
+from gspcli.cli.pose_options import pose_format, pose_options
+from gspcli.cli.pose_type import GivenPose, near_option
 from gspcli.cli.progress_bars import working
 from gspcli.cli.reading_options import add_fit, fitted, given_readings, refuse_misfit
-from gspcli.defaults import SEED
-from gspcli.errors import GspError, IncompleteError, NotFiniteError
-from gspcli.wording import shortened
+from gspcli.cli.value_options import Changes, value_options
+from gspcli.cli.worker_options import jobs_option
+from gspcli.errors import IncompleteError, NotFiniteError
 
 if TYPE_CHECKING:
     from gspcli.cli.pose_tables import Shown
@@ -30,36 +30,19 @@ _READABLE = ("table", "markdown", "latex")
 
 @click.command()
 @click.argument("spec", metavar="SPEC")
-@click.option(
-    "--set",
-    "settings",
-    metavar="N=VALUE",
-    multiple=True,
-    help="Give constraint N (from 1) another value; may be repeated.",
-)
+@value_options
 @click.option("--all", "everything", is_flag=True, help="Also show poses that are not real.")
-@click.option("--no-certify", is_flag=True, help="Do not prove poses in general position.")
+@click.option(
+    "--no-certify", is_flag=True, help="Do not prove what is found: poses in general position."
+)
 @click.option(
     "--prove/--no-prove",
     default=None,
     help="Count the poses of a special platform exactly, however long that takes, or never; by "
     "default if it takes a few seconds at most.",
 )
-@click.option(
-    "--seed",
-    type=Seed(),
-    default=SEED,
-    show_default=True,
-    help="Seed of random choices; the answer does not depend on it.",
-)
-@click.option(
-    "--jobs",
-    type=Whole(1, MOST_JOBS),
-    default=1,
-    show_default=True,
-    metavar="N",
-    help="Threads; the answer does not depend on them.",
-)
+@seed_option("; the answer does not depend on it")
+@jobs_option
 @click.option(
     "--rotation",
     default="quaternion",
@@ -68,19 +51,9 @@ _READABLE = ("table", "markdown", "latex")
     help="Write rotations as quaternion, matrix, rotvec, or angles about axes: ZYX and the like "
     "about those of the platform, xyz about those of the base.",
 )
-@click.option(
-    "--decimals",
-    "places",
-    type=click.IntRange(0, 17),
-    metavar="N",
-    help="Show positions and rotations with N decimals, whatever the width.",
-)
-@click.option(
-    "--near",
-    metavar="POSE",
-    help="Sort by the distance from a pose: x,y,z,qw,qx,qy,qz, or x,y,z,rx,ry,rz with --rotation, "
-    "or a file with one pose as gsp measure reads it.",
-)
+@decimals_option(None, 0, 17, ": positions and rotations, whatever the width")
+@near_option("poses are sorted by their distance from it")
+@pose_options
 @click.option(
     "--reading",
     "readings",
@@ -94,15 +67,17 @@ _READABLE = ("table", "markdown", "latex")
 @output_options()
 def command(
     spec: str,
-    settings: tuple[str, ...],
+    changes: Changes,
     everything: bool,
     no_certify: bool,
     prove: bool | None,
     seed: int,
     jobs: int,
     rotation: str,
-    places: int | None,
-    near: str | None,
+    decimals: int | None,
+    near: GivenPose | None,
+    euler: str | None,
+    pivot: str | None,
     readings: tuple[str, ...],
     legend: bool,
     digits: int | None,
@@ -130,7 +105,7 @@ def command(
       gsp solve @example-6.8
       gsp solve platform.yaml --set 1=5.2 --set 4=60 --format csv
       gsp solve @dietmaier --digits 50 -o poses.json
-      gsp solve platform.yaml --rotation ZYX --near 0,0,250,0,0,0
+      gsp solve platform.yaml --rotation ZYX --near 0,0,250,0,0,0 --euler ZYX
       gsp solve @rubin-m2 --reading "leg P1 B2 = 2.913 ± 0.002"
       gsp new "DPL DPL DLP ALL ALL ALH" | gsp solve - --all -o poses.json
     """
@@ -139,20 +114,21 @@ def command(
     from gspcli.cli.pose_tables import Shown, data_table, lone_tables, pose_tables
     from gspcli.cli.summary import summary
     from gspcli.solver import solve
-    from gspcli.solver.columns import ROTATIONS, rotation_columns
-    from gspcli.spec import set_values
+    from gspcli.solver.columns import rotation_columns
 
     columns = rotation_columns(rotation)
     if everything:
         _refuse_angles(rotation)
-    instance = set_values(load_instance(spec), settings)
-    euler = None if rotation in ROTATIONS else rotation
+    if near is None and (euler or pivot):
+        message = "--euler and --pivot say what the numbers of --near are: give it, too"
+        raise click.UsageError(message)
+    instance = load_instance(spec, changes)
     given = given_readings(readings, instance)
-    goal = _pose(near, euler, instance.units.angle.in_radians) if near is not None else None
+    goal = None if near is None else near.read(pose_format(instance, euler, pivot))
     with working("solving"):
         result = solve(instance, seed=seed, jobs=jobs, certify=not no_certify, prove=prove)
         indices = range(len(result.R) if everything else result.counts.real)
-        shown = Shown(indices, columns, places)
+        shown = Shown(indices, columns, decimals)
         if goal is not None:
             shown = _sorted(result, shown, *goal)
         if (fit := fitted(result, given)) is not None:
@@ -169,7 +145,7 @@ def command(
             tables.append(_digits_of(shown, proved))
         emit(output, tables)
     else:
-        flat = [decimals(pose or {}) for pose in proved]
+        flat = [digit_cells(pose or {}) for pose in proved]
         table = data_table(result, shown, flat, imaginary=everything, summary=lines)
         document = None
         if output.format == "json":
@@ -178,25 +154,6 @@ def command(
     _complain(result, certified=not no_certify)
     if fit is not None:
         refuse_misfit(fit)
-
-
-def _pose(near: str, euler: str | None, in_radians: float) -> tuple[Any, Any]:
-    """Read the pose that others are compared with."""
-    from gspcli.cli.pose_options import text_of
-    from gspcli.motion import PoseFormat, read_pose, read_poses
-
-    form = PoseFormat(euler, in_radians=in_radians)
-    if near == "-" or Path(near).is_file():
-        table = read_poses(*text_of(near), form)
-    else:
-        if euler is None and len(re.split(r"[,;\s]+", near.strip())) == 6:
-            message = "--near with three angles needs the order of their axes: --rotation ZYX, say"
-            raise click.UsageError(message)
-        table = read_pose(near, form, "--near")
-    if len(table.R) != 1:
-        message = f"--near {shortened(near)}: found {len(table.R)} poses, expected one"
-        raise GspError(message)
-    return table.R[0], table.T[0]
 
 
 def _sorted(result: SolveResult, shown: Shown, R: Any, T: Any) -> Shown:
@@ -291,7 +248,7 @@ def _refined(result: SolveResult, shown: Shown, digits: int) -> list[dict[str, A
 def _digits_of(shown: Shown, proved: Sequence[dict[str, Any] | None]) -> Table:
     """Return the table of the digits that are proved."""
     rows = [
-        {"number": number, **decimals(pose or {})}
+        {"number": number, **digit_cells(pose or {})}
         for number, pose in zip(shown.numbers, proved, strict=True)
     ]
     return digit_table(rows)

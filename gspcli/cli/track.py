@@ -9,14 +9,17 @@ import click
 
 from gspcli.cli.limit_sentences import limit_sentences
 from gspcli.cli.names import load_instance
-from gspcli.cli.number_types import MOST_JOBS, Whole
+from gspcli.cli.number_types import Whole
 from gspcli.cli.output import Output, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
+from gspcli.cli.pose_type import GivenPose, near_option
 from gspcli.cli.progress_bars import working
 from gspcli.cli.requirements import refuse, require_option, required
 from gspcli.cli.streams import say
 from gspcli.cli.track_requirements import judged_track, track_entries, track_lines
 from gspcli.cli.track_tables import event_sentence, track_document, track_rows, track_table
+from gspcli.cli.value_options import Changes, value_options
+from gspcli.cli.worker_options import jobs_option
 from gspcli.errors import GspError, IncompleteError
 
 if TYPE_CHECKING:
@@ -26,7 +29,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from gspcli.geometry.instance import Instance
-    from gspcli.motion import PoseFormat, Track
+    from gspcli.motion import Track
     from gspcli.motion.following.limit_events import LimitEvent
 
     Array = NDArray[np.float64]
@@ -36,9 +39,8 @@ if TYPE_CHECKING:
 @click.argument("spec", metavar="SPEC")
 @click.argument("values", metavar="VALUES")
 @click.option("--mode", type=Whole(1), metavar="K", help="Follow only mode K.")
-@click.option(
-    "--near", metavar="NUMBERS", help="Follow only the mode nearest to x,y,z,qw,qx,qy,qz."
-)
+@near_option("only this one is followed")
+@value_options
 @click.option(
     "--steps",
     type=Whole(1),
@@ -47,9 +49,9 @@ if TYPE_CHECKING:
     metavar="N",
     help="Write N rows for each row of VALUES, evenly between it and the next one.",
 )
-@click.option("--delta", is_flag=True, help="VALUES are added to those of SPEC.")
+@click.option("--relative", is_flag=True, help="The values in the file are added to those of SPEC.")
 @click.option(
-    "--all",
+    "--complete",
     "everything",
     is_flag=True,
     help="Compare with all poses at the last row; follow those born on the way, too.",
@@ -68,25 +70,21 @@ if TYPE_CHECKING:
     help="Add how far the pose may move, whatever the values, with proof that its screws stay "
     "independent (gsp clearance --of pose).",
 )
-@click.option("--no-certify", is_flag=True, help="Do not prove that no branch is changed.")
+@click.option(
+    "--no-certify", is_flag=True, help="Do not prove what is found: that no branch is changed."
+)
 @require_option("range, cone, clearance>=0.5, condition<=50")
 @pose_options
-@click.option(
-    "--jobs",
-    type=Whole(1, MOST_JOBS),
-    default=1,
-    show_default=True,
-    metavar="N",
-    help="Threads.",
-)
+@jobs_option
 @output_options()
 def command(
     spec: str,
     values: str,
     mode: int | None,
-    near: str | None,
+    near: GivenPose | None,
+    changes: Changes,
     steps: int,
-    delta: bool,
+    relative: bool,
     everything: bool,
     allow_loss: bool,
     clear: bool,
@@ -132,7 +130,7 @@ def command(
       gsp track platform.yaml path.csv --euler ZYX --mode 1 --format json
       gsp track rotary.yaml angles.csv --steps 10
       gsp track platform.yaml path.csv --mode 1 --require "cone, clearance>=0.5"
-      gsp track platform.yaml values.csv --all --allow-loss
+      gsp track platform.yaml values.csv --complete --allow-loss
       gsp track platform.yaml values.csv --steps 20 --format csv |
         gsp view platform.yaml --track -
     """
@@ -140,10 +138,10 @@ def command(
     from gspcli.motion import read_values, track
     from gspcli.motion.following.limit_events import limit_events
 
-    instance = load_instance(spec)
+    instance = load_instance(spec, changes)
     requirements = required(require)
     form = pose_format(instance, euler, pivot)
-    table = read_values(*text_of(values), instance, form, delta=delta).subdivided(steps)
+    table = read_values(*text_of(values), instance, form, delta=relative).subdivided(steps)
     with working("following"):
         result = track(
             instance,
@@ -151,7 +149,7 @@ def command(
             coordinates=table.coordinates,
             t=table.t,
             modes=None if mode is None else [mode],
-            near=None if near is None else _one_pose(near, form),
+            near=None if near is None else near.read(form),
             everything=everything,
             certify=not no_certify,
             jobs=jobs,
@@ -169,16 +167,16 @@ def command(
         )
     rows = track_rows(result, more)
     verdicts, columns = judged_track(result, limits, requirements, rows)
-    table = track_table(result, rows, limits, columns, track_lines(verdicts, rows, steps))
+    shown = track_table(result, rows, limits, columns, track_lines(verdicts, rows, steps))
     document = track_document(result, rows, limits) | track_entries(verdicts, rows, steps)
-    emit(output, table, document=document)
+    emit(output, shown, document=document)
     if output.format != "json":
         _tell(result, limits)
     _refuse_losses(result, allowed=allow_loss)
     refuse(verdicts)
 
 
-def _check(mode: int | None, near: str | None, spec: str, values: str) -> None:
+def _check(mode: int | None, near: GivenPose | None, spec: str, values: str) -> None:
     """Complain of arguments that do not go together."""
     if mode is not None and near is not None:
         message = "give either --mode or --near"
@@ -188,20 +186,12 @@ def _check(mode: int | None, near: str | None, spec: str, values: str) -> None:
         raise click.UsageError(message)
 
 
-def _one_pose(text: str, form: PoseFormat) -> tuple[Array, Array]:
-    """Return the pose that an option gives."""
-    from gspcli.motion import read_pose
-
-    given = read_pose(text, form, "--near")
-    return given.R[0], given.T[0]
-
-
 def _refuse_none(result: Track) -> None:
     """Raise if there is no mode to follow."""
     if not len(result.modes):
         message = (
             "there is no real pose at the first row\n"
-            "begin with other values, or use --all for modes that are born on the way"
+            "begin with other values, or use --complete for modes that are born on the way"
         )
         raise GspError(message)
 

@@ -31,18 +31,20 @@ def _offsets(held: tuple[str, ...]) -> list[dict[str, float]]:
         if equals and name in PARAMETERS and not wrong_number(value):
             values = [float(value)]
         else:
-            name, low, high, count = span_of("hold", text)
+            name, low, high, count = span_of("shift", text)
             if count is None or count < 1:
-                message = f"--hold: found {shown(text)}, expected NAME=VALUE or NAME=LOW:HIGH:COUNT"
+                message = (
+                    f"--shift: found {shown(text)}, expected NAME=VALUE or NAME=LOW:HIGH:COUNT"
+                )
                 raise GspError(message)
             if count > _MOST_HELD:
-                message = f"--hold: found {count} values, expected at most {_MOST_HELD}"
+                message = f"--shift: found {count} values, expected at most {_MOST_HELD}"
                 raise GspError(message)
             values = np.linspace(low, high, count).tolist()
         choices.setdefault(name, []).extend(values)
     found = [dict(zip(choices, row, strict=True)) for row in product(*choices.values())]
     if len(found) > _MOST_HELD:
-        message = f"--hold: found {len(found)} combinations, expected at most {_MOST_HELD}"
+        message = f"--shift: found {len(found)} combinations, expected at most {_MOST_HELD}"
         raise GspError(message)
     return found
 
@@ -63,7 +65,7 @@ def show_travels(
     instance, home, sequence
         The platform, where it starts and the order of the turns.
     held
-        What is moved first, as ``--hold`` has it.
+        What is moved first, as ``--shift`` has it.
     output
         Where to.
     connected

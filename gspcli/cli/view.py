@@ -16,6 +16,7 @@ from gspcli.cli.output import DRAWINGS, Output, check_writable, output_options, 
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
 from gspcli.cli.streams import say
+from gspcli.cli.value_options import Changes, value_options
 from gspcli.errors import GspError
 from gspcli.wording import shown
 
@@ -31,13 +32,7 @@ _PAGE = "html"
 
 @click.command()
 @click.argument("spec", metavar="SPEC")
-@click.option(
-    "--set",
-    "settings",
-    metavar="N=VALUE",
-    multiple=True,
-    help="Give constraint N (from 1) another value; may be repeated.",
-)
+@value_options
 @click.option(
     "--mode",
     type=Whole(1),
@@ -67,7 +62,7 @@ _PAGE = "html"
 @output_options(formats=(_PAGE, *DRAWINGS), default=_PAGE)
 def command(
     spec: str,
-    settings: tuple[str, ...],
+    changes: Changes,
     mode: int | None,
     track: str | None,
     euler: str | None,
@@ -107,10 +102,9 @@ def command(
     from gspcli.pictures.staging import scene_of
     from gspcli.pictures.tracks import read_tracks
     from gspcli.solver import solve
-    from gspcli.spec import set_values
 
     view = _view(seen_from)
-    instance = set_values(load_instance(spec), settings)
+    instance = load_instance(spec, changes)
     form = pose_format(instance, euler, pivot)
     tracks = read_tracks(*text_of(track), form) if track is not None else []
     if output.path is None and (opened or sys.stdout.isatty()):

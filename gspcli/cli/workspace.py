@@ -11,7 +11,7 @@ import click
 
 from gspcli.cli.grids import PARAMETERS, span_of
 from gspcli.cli.names import load_instance
-from gspcli.cli.number_types import MOST_JOBS, Whole
+from gspcli.cli.number_types import Whole
 from gspcli.cli.output import (
     DRAWINGS,
     FORMATS,
@@ -21,9 +21,12 @@ from gspcli.cli.output import (
     write,
 )
 from gspcli.cli.pose_options import pose_format, pose_options
+from gspcli.cli.pose_type import GivenPose, pose_value_option
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.reachable_home import Home, home_pose
 from gspcli.cli.travel_tables import show_travels
+from gspcli.cli.value_options import Changes, value_options
+from gspcli.cli.worker_options import jobs_option
 from gspcli.cli.workspace_tables import box_rows, box_table, volume_table, workspace_document
 from gspcli.errors import GspError, IncompleteError
 from gspcli.wording import shown
@@ -31,7 +34,7 @@ from gspcli.wording import shown
 if TYPE_CHECKING:
     from gspcli.motion import Workspace
 
-#: The tolerance without --tolerance, and where every box is shown.
+#: The tolerance without --gap, and where every box is shown.
 _TOLERANCE, _COARSE = 0.01, 0.1
 _MOST_SHOWN = 2_000_000
 
@@ -39,7 +42,7 @@ _MOST_SHOWN = 2_000_000
 @click.command()
 @click.argument("spec", metavar="SPEC")
 @click.option("--mode", type=Whole(1), metavar="K", help="Home is mode K of SPEC.")
-@click.option("--pose", metavar="NUMBERS", help="Home is this pose: x,y,z,qw,qx,qy,qz.")
+@pose_value_option("home, instead of a mode of SPEC")
 @click.option(
     "--orientation",
     metavar="NUMBERS",
@@ -52,10 +55,10 @@ _MOST_SHOWN = 2_000_000
     "intervals",
     metavar="NAME=LOW:HIGH",
     multiple=True,
-    help="Look for NAME in this interval only; may be repeated.",
+    help="Keep NAME in this interval: it is looked for there only; may be repeated.",
 )
 @click.option(
-    "--hold",
+    "--shift",
     "held",
     metavar="NAME=VALUE",
     multiple=True,
@@ -67,8 +70,9 @@ _MOST_SHOWN = 2_000_000
     help="Only what can be reached from home without a singular pose.",
 )
 @click.option(
-    "--tolerance",
+    "--gap",
     type=click.FloatRange(0, 1, min_open=True, max_open=True),
+    metavar="R",
     help=f"How near the bounds of the volume are to come, relatively.  [default: {_TOLERANCE}, "
     f"for boxes and pictures of three or more parameters {_COARSE}]",
 )
@@ -81,27 +85,22 @@ _MOST_SHOWN = 2_000_000
     help="Judge no more boxes than about this.",
 )
 @click.option("--boxes", "listed", is_flag=True, help="Write the boxes, not what they sum up to.")
+@value_options
 @pose_options
-@click.option(
-    "--jobs",
-    type=Whole(1, MOST_JOBS),
-    default=1,
-    show_default=True,
-    metavar="N",
-    help="Threads.",
-)
+@jobs_option
 @output_options(formats=(*FORMATS, *DRAWINGS))
 def command(
     spec: str,
+    changes: Changes,
     mode: int | None,
-    pose: str | None,
+    pose: GivenPose | None,
     orientation: str | None,
     position: str | None,
     over: str | None,
     intervals: tuple[str, ...],
     held: tuple[str, ...],
     connected: bool,
-    tolerance: float | None,
+    gap: float | None,
     most_boxes: int,
     listed: bool,
     euler: str | None,
@@ -126,14 +125,14 @@ def command(
 
     Home is the pose of --pose or --mode, by default the real pose of SPEC that keeps all limits
     and is turned least, of several the highest. The exit code is 4 if the bounds do not come as
-    near as --tolerance.
+    near as --gap.
 
     \b
     Examples:
       gsp workspace @workspace-study
-      gsp workspace platform.yaml --hold z=-20:20:5 --format csv
+      gsp workspace platform.yaml --shift z=-20:20:5 --format csv
       gsp workspace platform.yaml --orientation 1,0,0,0 --connected
-      gsp workspace platform.yaml --position 0,0,80 --tolerance 0.05
+      gsp workspace platform.yaml --position 0,0,80 --gap 0.05
       gsp workspace platform.yaml --over x,z -o section.svg
     """
     if mode is not None and pose is not None:
@@ -141,7 +140,7 @@ def command(
         raise click.UsageError(message)
     free = _free(over, orientation, position)
     _check(free, intervals, held, listed, output)
-    instance = load_instance(spec)
+    instance = load_instance(spec, changes)
     form = pose_format(instance, euler, pivot)
     home = home_pose(
         instance, form, mode=mode, pose=pose, orientation=orientation, position=position,
@@ -154,7 +153,7 @@ def command(
     from gspcli.motion import workspace
 
     coarse = (listed or output.format in DRAWINGS) and len(free) >= 3
-    wanted = tolerance or (_COARSE if coarse else _TOLERANCE)
+    wanted = gap or (_COARSE if coarse else _TOLERANCE)
     with _interruptible() as interrupted:
         found = workspace(
             instance,
@@ -224,7 +223,7 @@ def _check(
     if free is None and (intervals or listed or output.format in DRAWINGS):
         message = "boxes and pictures need --orientation, --position or --over"
     elif free is not None and held:
-        message = "--hold is for the travel of axes: leave out --over and the like, or use --pose"
+        message = "--shift is for the travel of axes: leave out --over and the like, or use --pose"
     elif free is not None and len(free) not in (2, 3) and output.format in DRAWINGS:
         message = "a picture needs two or three parameters"
     if message:
@@ -235,7 +234,7 @@ def _refuse_wide_bounds(found: Workspace, wanted: float) -> None:
     if found.gap > wanted:
         message = (
             f"the bounds of the volume differ by {found.gap:.3g}, relatively, after "
-            f"{found.judged} boxes: more than --tolerance {wanted:g}"
+            f"{found.judged} boxes: more than --gap {wanted:g}"
         )
         raise IncompleteError(message)
 
@@ -256,7 +255,7 @@ def _show(found: Workspace, home: Home, listed: bool, output: Output) -> None:
         return
     count = len(found.inner_keys) + len(found.open_keys)
     if listed and count > _MOST_SHOWN:
-        message = f"found {count} boxes, expected at most {_MOST_SHOWN}: try a larger --tolerance"
+        message = f"found {count} boxes, expected at most {_MOST_SHOWN}: try a larger --gap"
         raise GspError(message)
     boxes = box_rows(found) if listed else []
     document = None

@@ -116,6 +116,10 @@ class Constraint:
             value = _combined(value, _INVERSE[self._added], self.offset)
         return value if self.scale is None else _combined(value, "/", self._factor)
 
+    def raised_by(self, difference: Number) -> Number:
+        """Return the value if a number is added to its reading, exactly."""
+        return self.value_of(_combined(self.reading_of(self.value), "+", difference))
+
     @property
     def _factor(self) -> Number:
         return _combined(Number.of(1), "+", self.scale or Number.of(0))

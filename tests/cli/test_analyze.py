@@ -36,12 +36,14 @@ def test_condition_numbers_are_those_of_solve(gsp):
 
 
 def test_errors_from_the_geometry(gsp):
-    run = gsp("analyze", HEXAPOD, "--mode", "1", "--geometry", "1e-4", "--part", "geometry")
+    run = gsp(
+        "analyze", HEXAPOD, "--mode", "1", "--geometry-tolerance", "1e-4", "--part", "geometry"
+    )
     assert run.code == 0
     assert run.out.splitlines()[0] == "Errors of the pose from the geometry"
-    run = gsp("analyze", HEXAPOD, "--geometry", "-1")
+    run = gsp("analyze", HEXAPOD, "--geometry-tolerance", "-1")
     assert (run.code, run.out) == (2, "")
-    assert "--geometry: found -1, expected numbers of at least 0" in run.err
+    assert "--geometry-tolerance: found -1, expected numbers of at least 0" in run.err
 
 
 def test_json_has_everything_in_full(gsp):
@@ -116,7 +118,7 @@ def test_tolerances_leave_the_worst_force_as_it_is(gsp):
 
 
 def test_the_overview_has_a_column_for_each_option(gsp):
-    options = ("--load", "0,0,-15000", "--stiffness", "2e6", "--geometry", "5e-5")
+    options = ("--load", "0,0,-15000", "--stiffness", "2e6", "--geometry-tolerance", "5e-5")
     head, *rows = gsp("analyze", "@rubin-m2", *options, "--format", "csv").out.splitlines()
     document = json.loads(gsp("analyze", "@rubin-m2", *options, "--format", "json").out)
     for row, pose in zip(rows, document["poses"], strict=True):

@@ -46,13 +46,13 @@ def test_the_page_of_counts_shows_the_summary(gsp: Run) -> None:
 @pytest.mark.usefixtures("small_samples")
 def test_verify_a_sample(gsp: Run, tmp_path: Path) -> None:
     work = tmp_path / "work.jsonl"
-    outcome = gsp(*VERIFY, "--work", str(work), "--format", "json")
+    outcome = gsp(*VERIFY, "--resume", str(work), "--format", "json")
     assert (outcome.code, outcome.err) == (0, "")
     (row,) = json.loads(outcome.out)["methods"]
     assert (row["different"], row["unfinished"]) == (0, 0)
     assert row["equal"] == row["counts"] == len(work.read_text().splitlines())
     # Taken up again, there is nothing left to do.
-    again = gsp(*VERIFY, "--work", str(work), "--format", "json")
+    again = gsp(*VERIFY, "--resume", str(work), "--format", "json")
     assert again.out == outcome.out
     assert len(work.read_text().splitlines()) == row["counts"]
 
@@ -76,7 +76,7 @@ def test_build_and_check(gsp: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPat
     tasks = [Task("DPP DPP DPL", 1, 0, SEED), Task("DPH DPH DPH DPH", 2, 0, SEED)]
     monkeypatch.setattr("gspcli.atlas.tasks.all_tasks", lambda: tasks)
     folder, work = tmp_path / "counts", tmp_path / "work.jsonl"
-    build = ("atlas", "build", "-o", str(folder), "--work", str(work), "--jobs", "1")
+    build = ("atlas", "build", "--folder", str(folder), "--resume", str(work), "--jobs", "1")
     assert gsp(*build).code == 0
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     assert set(before) == {"families.csv", "intersection-numbers.csv", "manifest.json"}
@@ -92,4 +92,4 @@ def test_build_and_check(gsp: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPat
 def test_build_needs_a_place(gsp: Run) -> None:
     outcome = gsp("atlas", "build")
     assert outcome.code == 2
-    assert "--output" in outcome.err
+    assert "--folder" in outcome.err

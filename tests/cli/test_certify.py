@@ -189,7 +189,7 @@ def test_bad_input(gsp: Callable, files: Files) -> None:
 def test_help_names_the_exit_codes(gsp: Callable) -> None:
     text = gsp("certify", "--help").out
     assert "Examples:" in text
-    assert "gsp certify platform.yaml poses.csv --tolerance 1e-3" in text
+    assert "gsp certify platform.yaml poses.csv --max-deviation 1e-3" in text
 
 
 @pytest.mark.parametrize("digits", [400, 5000])

@@ -45,7 +45,7 @@ def _completed(line: str) -> list[str]:
         ("gsp example fix", ["fixture-3-2-1"]),
         ("gsp bound --part b", ["bounds"]),
         ("gsp atlas ver", ["verify"]),
-        ("gsp atlas build -o d", ["<dir>"]),
+        ("gsp atlas build --folder d", ["<dir>"]),
     ],
 )
 def test_completions(line: str, expected: list[str]) -> None:

@@ -60,7 +60,7 @@ def test_what_cannot_be_counted_is_exit_code_4(gsp: Run, tmp_path: Path) -> None
 
 
 def test_a_limit_that_is_too_low(gsp: Run) -> None:
-    outcome = gsp("count", "@parallel-edges", "--limit", "0.001")
+    outcome = gsp("count", "@parallel-edges", "--effort", "0.001")
     assert outcome.code == 4
     assert "within the limit of 0.001 billion multiplications" in outcome.err
 

@@ -42,7 +42,7 @@ def test_the_whole_catalogue_as_csv(gsp: Run) -> None:
 
 
 def test_counts_beside_the_binomials(gsp: Run) -> None:
-    counted = json.loads(gsp("enumerate", "--count", "--format", "json").out)["classes"]
+    counted = json.loads(gsp("enumerate", "--by-class", "--format", "json").out)["classes"]
     by_class = {row["class"]: (row["types"], row["selected"]) for row in counted}
     assert by_class == {
         "3D3A": (1120, 1120),
@@ -69,8 +69,8 @@ def test_counts_beside_the_binomials(gsp: Run) -> None:
         (["--without", "D"], 0),
         (["--without", "LL", "LH", "HL", "HH"], 210),
         (["--max-refined-two-sided", "0"], 0),
-        (["--limit", "7"], 7),
-        (["--limit", "0"], 0),
+        (["--first", "7"], 7),
+        (["--first", "0"], 0),
     ],
 )
 def test_filters(gsp: Run, arguments: list[str], count: int) -> None:
@@ -99,7 +99,7 @@ def test_sorting_and_columns(gsp: Run) -> None:
 
 @pytest.mark.parametrize("fmt", ["table", "markdown", "latex", "json"])
 def test_every_format_has_every_row(gsp: Run, fmt: str) -> None:
-    shown = gsp("enumerate", "--class", "6D", "--limit", "5", "--format", fmt).out
+    shown = gsp("enumerate", "--class", "6D", "--first", "5", "--format", fmt).out
     assert all(str(number) in shown for number in range(3389, 3394))
 
 
@@ -163,10 +163,10 @@ def test_patterns_are_a_column_on_request() -> None:
 
 
 def test_a_count_says_that_it_is_filtered(gsp) -> None:
-    run = gsp("enumerate", "--max-table-3", "8", "--count")
+    run = gsp("enumerate", "--max-table-3", "8", "--by-class")
     assert run.out.splitlines()[0].split()[-1] == "selected"
     assert run.out.splitlines()[-1] == "200 of 3850 types, as the options select them"
-    run = gsp("enumerate", "--count")
+    run = gsp("enumerate", "--by-class")
     assert run.out.splitlines()[0].split()[-1] == "enumerated"
     assert "select" not in run.out
 

@@ -18,7 +18,7 @@ Run = Callable[..., object]
 HEADINGS = [f"{heading}:" for heading in BY_HEADING]
 
 
-@pytest.mark.parametrize("name", ["commands.md", "errata.md"])
+@pytest.mark.parametrize("name", ["commands.md", "options.md", "errata.md"])
 def test_generated_pages_are_up_to_date(name: str, load_tool: Callable) -> None:
     module = load_tool("build.docs")
     page = (module.DOCS / name).read_text(encoding="utf-8")

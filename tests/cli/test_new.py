@@ -16,10 +16,10 @@ Run = Callable[..., object]
 
 
 def test_the_same_command_gives_the_same_bytes(gsp: Run) -> None:
-    outcome = gsp("new", "6PP", "--digits", "2")
+    outcome = gsp("new", "6PP", "--decimals", "2")
     assert outcome.code == 0
-    assert outcome.out == gsp("new", "DPP", "PP PP", "3pp", "--digits", 2, "--seed", SEED).out
-    assert outcome.out != gsp("new", "6PP", "--digits", "2", "--seed", 1).out
+    assert outcome.out == gsp("new", "DPP", "PP PP", "3pp", "--decimals", 2, "--seed", SEED).out
+    assert outcome.out != gsp("new", "6PP", "--decimals", "2", "--seed", 1).out
     assert outcome.out.startswith("# DPP DPP DPP DPP DPP DPP (type 3389, 6D)\ngsp: 1\n")
 
 
@@ -83,4 +83,4 @@ def test_a_file_that_cannot_be_written(gsp: Run, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("digits", ["0", "16", "x"])
 def test_digits_have_a_range(gsp: Run, digits: str) -> None:
-    assert gsp("new", "6PP", "--digits", digits).code == 2
+    assert gsp("new", "6PP", "--decimals", digits).code == 2

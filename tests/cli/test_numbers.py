@@ -28,9 +28,9 @@ FORGED = [
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("count @dietmaier --limit nan", "'--limit': nan is not a finite number"),
-        ("count @dietmaier --limit inf", "'--limit': inf is not a finite number"),
-        ("certify @dietmaier - --tolerance nan", "'--tolerance': nan is not"),
+        ("count @dietmaier --effort nan", "'--effort': nan is not a finite number"),
+        ("count @dietmaier --effort inf", "'--effort': inf is not a finite number"),
+        ("certify @dietmaier - --max-deviation nan", "'--max-deviation': nan is not"),
         ("analyze @dietmaier --length inf", "'--length': inf is not a finite number"),
         (f"sample 6PP --count {HUGE}", f"'--count': {HUGE} is not at most 1000000000"),
         (f"sample 6PP --seed {HUGE}", f"'--seed': {HUGE} is not at most 9223372036854775807"),
@@ -39,7 +39,7 @@ FORGED = [
         (f"solve @dietmaier --seed {HUGE}", "is not at most 9223372036854775807"),
         ("solve @dietmaier --seed -1", "-1 is not in the range x>=0"),
         (f"enumerate --max-table-3 {HUGE}", "is not at most 1000000000"),
-        (f"enumerate --limit {HUGE}", "is not at most 1000000000"),
+        (f"enumerate --first {HUGE}", "is not at most 1000000000"),
         (f"track @dietmaier - --steps {HUGE}", "is not at most 1000000000"),
     ],
 )
@@ -53,7 +53,7 @@ def test_numbers_that_are_none_or_too_large(gsp: Run, words: str, said: str) -> 
 def test_a_state_that_is_none(gsp: Run, tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "state.json"
     path.write_bytes(content)
-    outcome = gsp("maximize-real", "6PP", "--attempts", "1", "--state", path)
+    outcome = gsp("maximize-real", "6PP", "--attempts", "1", "--resume", path)
     assert (outcome.code, outcome.out) == (2, "")
     assert outcome.err == (
         f"error: {path}: this is not a state of gsp maximize-real: choose another file\n"
@@ -64,7 +64,7 @@ def test_a_state_that_is_none(gsp: Run, tmp_path: Path, content: bytes) -> None:
 def test_a_journal_that_is_none(gsp: Run, tmp_path: Path) -> None:
     path = tmp_path / "work.jsonl"
     path.write_bytes(b"\xb9\x00\xff")
-    outcome = gsp("scan", "@octahedral-3-3", "--vary", "1=1.4:1.6:5", "--journal", path)
+    outcome = gsp("scan", "@octahedral-3-3", "--vary", "1=1.4:1.6:5", "--resume", path)
     assert (outcome.code, outcome.out) == (2, "")
     assert outcome.err == f"error: {path}:1: this is not a line of a work file\n"
     assert path.read_bytes() == b"\xb9\x00\xff"
@@ -98,8 +98,8 @@ def test_a_column_and_a_count_of_thousands_of_digits(gsp: Run, tmp_path: Path) -
     assert "…, expected a constraint from 1 to 6" in outcome.err
     for words in (
         ("scan", "@dietmaier", "--vary", "1=1:2:" + "9" * 5000),
-        ("workspace", "@workspace-study", "--hold", "z=0:1:" + "9" * 5000),
-        ("workspace", "@workspace-study", "--hold", "z=0:1:999999999"),
+        ("workspace", "@workspace-study", "--shift", "z=0:1:" + "9" * 5000),
+        ("workspace", "@workspace-study", "--shift", "z=0:1:999999999"),
     ):
         outcome = gsp(*words)
         assert (outcome.code, outcome.out) == (2, "")

@@ -80,7 +80,7 @@ def test_work_is_kept_and_taken_up(gsp, tmp_path, monkeypatch):
         return scanned(found, seed, number)
 
     monkeypatch.setattr(scanning, "scanned", counted)
-    call = ("scan", HEXAPOD, "--vary", "1=2.4:2.6:7", "--jobs", "1", "--journal", journal)
+    call = ("scan", HEXAPOD, "--vary", "1=2.4:2.6:7", "--jobs", "1", "--resume", journal)
     run = gsp(*call, "--format", "csv")
     assert run.code == 130
     assert run.err == "interrupted after 4 of 7 nodes\n"
@@ -91,13 +91,13 @@ def test_work_is_kept_and_taken_up(gsp, tmp_path, monkeypatch):
     assert len(run.out.splitlines()) == 1 + 7
     # Another scan does not take that for its own.
     done.clear()
-    other = ("scan", HEXAPOD, "--vary", "2=2.0:2.1:3", "--jobs", "1", "--journal", journal)
+    other = ("scan", HEXAPOD, "--vary", "2=2.0:2.1:3", "--jobs", "1", "--resume", journal)
     assert gsp(*other).code == 0
     assert done == [0, 1]
 
 
 def test_poses(gsp, tmp_path):
-    over = ("--over", "x=-2:2:9", "--over", "y=-2:2:9", "--pose", "0,0,0.5,1,0.2,0.1,0")
+    over = ("--vary", "x=-2:2:9", "--vary", "y=-2:2:9", "--pose", "0,0,0.5,1,0.2,0.1,0")
     run = gsp("scan", HEXAPOD, *over, "--format", "csv")
     assert run.code == 0
     assert run.out.splitlines()[0] == "x,y,determinant,condition"
@@ -106,24 +106,42 @@ def test_poses(gsp, tmp_path):
     assert len(document["singular"]) > 8
     assert document["curves"]
     assert document["over"]["x"][0] == -2
-    for arguments in (over, ("--over", "x=-2:2:9", *over[4:])):
+    for arguments in (over, ("--vary", "x=-2:2:9", *over[4:])):
         path = tmp_path / "map.svg"
         assert gsp("scan", HEXAPOD, *arguments, "-o", path).code == 0
         assert path.read_bytes().startswith(b"<?xml")
 
 
 @pytest.mark.parametrize(
-    "arguments",
-    [(), ("--over", "x=0:1:2"), ("--pose", "0,0,0,1,0,0,0", "--vary", "1=1:2:3")],
+    ("arguments", "message"),
+    [
+        ((), "Missing option '--vary'"),
+        (("--vary", "x=0:1:2"), "coordinates of a pose vary with --pose"),
+        (("--vary", "1=1:2:3", "--pivot", "0,0,1"), "say what the numbers of --pose are"),
+        (("--pose", "0,0,0,1,0,0,0", "--vary", "1=1:2:3"), "NAME=LOW:HIGH:COUNT with x, y, z"),
+        (("--pose", "0,0,0,0,0,0,0", "--vary", "x=1:2:3"), "a quaternion of length zero"),
+        (("--pose", "0,0,0,0,0,0", "--vary", "rx=1:2:3"), "say it with --euler"),
+    ],
 )
-def test_either_values_or_poses(gsp, arguments):
+def test_either_values_or_poses(gsp, arguments, message):
     run = gsp("scan", HEXAPOD, *arguments)
-    assert run.code == 2
-    assert "give either --vary, or --over with --pose" in run.err
+    assert (run.code, run.out) == (2, "")
+    assert message in run.err
+
+
+def test_the_pose_may_be_in_a_file(gsp, tmp_path):
+    path = tmp_path / "pose.csv"
+    path.write_text("x,y,z,qw,qx,qy,qz\n0,0,0.5,1,0.2,0.1,0\n")
+    grid = ("scan", HEXAPOD, "--vary", "x=-2:2:5", "--format", "csv", "--pose")
+    one, other = (
+        [float(cell) for row in run.out.splitlines()[1:] for cell in row.split(",")]
+        for run in (gsp(*grid, "0,0,0.5,1,0.2,0.1,0"), gsp(*grid, f"@{path}"))
+    )
+    assert one == pytest.approx(other, rel=1e-12)
 
 
 def test_clearances_of_poses(gsp, tmp_path):
-    grid = ("scan", HEXAPOD, "--over", "x=-2:2:5", "--pose", "0,0,0.5,1,0.2,0.1,0")
+    grid = ("scan", HEXAPOD, "--vary", "x=-2:2:5", "--pose", "0,0,0.5,1,0.2,0.1,0")
     run = gsp(*grid, "--quantity", "clearance", "--format", "csv")
     head, *rows = run.out.splitlines()
     assert head == "x,determinant,condition,clearance"

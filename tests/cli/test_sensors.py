@@ -79,7 +79,7 @@ def test_a_seventh_leg_between_points_of_the_file(gsp: Callable, tmp_path: Path)
     text = text.replace("base:\n", "  P7: {point: [0, 0, 1]}\nbase:\n  B7: {point: [1, 0, 0]}\n", 1)
     path = tmp_path / "seven.yaml"
     path.write_text(text, encoding="utf-8")
-    table = gsp("sensors", path, "--all", "--format", "csv").out
+    table = gsp("sensors", path, "--all-sensors", "--format", "csv").out
     sensors = [row["sensor"] for row in csv.DictReader(io.StringIO(table))]
     assert {"leg P7 B7", "leg P7 B1", "leg P1 B7"} <= set(sensors)
     outcome = gsp("solve", path, "--reading", "leg P7 B7 = sqrt(2) ± 0.001")
@@ -124,8 +124,8 @@ def test_a_mistake_is_named_with_its_column(
     [
         (("--within", "9=1:2"), "within[9]: found constraint 9, expected 1 to 6"),
         (("--within", "1=2:1"), "found 2 to 1, expected the lower number first"),
-        (("--within", "1"), "--within: found '1', expected N=LOW:HIGH"),
-        (("--sigma", "legs=1"), "--sigma: found 'legs=1', expected KIND=VALUE"),
+        (("--within", "1"), "--within: found '1', expected NAME=LOW:HIGH"),
+        (("--sigma", "legs=1"), "--sigma: found 'legs=1', expected WHAT=NUMBER"),
         (("--sigma", "leg=0"), "expected a standard deviation above 0"),
         (("--up", "0,0"), "--up: found '0,0', expected X,Y,Z"),
         (("--up", "0,0,0"), "up: found the zero vector"),
@@ -154,15 +154,15 @@ def test_nothing_to_tell_apart(gsp: Callable) -> None:
 def test_rows_of_a_file(gsp: Callable, tmp_path: Path) -> None:
     path = tmp_path / "path.csv"
     path.write_text("x,y,z,rx,ry,rz\n0,0,0,0,0,0\n0.001,0,0,0,0.1,0\n", encoding="utf-8")
-    outcome = gsp("sensors", "@rubin-m2", "--values", path, "--euler", "ZYX")
+    outcome = gsp("sensors", "@rubin-m2", path, "--euler", "ZYX")
     assert outcome.code == 0
     assert "2 sets of values of the file, with 2 real modes; 2 with more than one" in outcome.out
     path.write_text("1\n0.001\n", encoding="utf-8")
-    assert gsp("sensors", "@rubin-m2", "--values", path, "--delta").code == 0
+    assert gsp("sensors", "@rubin-m2", path, "--relative").code == 0
     path.write_text("1\nx\n", encoding="utf-8")
-    wrong = gsp("sensors", "@rubin-m2", "--values", path)
+    wrong = gsp("sensors", "@rubin-m2", path)
     assert (wrong.code, "path.csv:2:1: 1: found 'x'" in wrong.err) == (2, True)
-    for more in (["--values", path, "--random", "3"], ["--delta"]):
+    for more in ([path, "--random", "3"], ["--relative"]):
         assert gsp("sensors", "@rubin-m2", *more).code == 2
 
 

@@ -271,7 +271,7 @@ def test_near_sorts_by_distance_and_marks_the_nearest(gsp, tmp_path):
     assert len(near) == 40
     file = tmp_path / "pose.csv"
     file.write_text(",".join(keys) + "\n" + goal + "\n")
-    lines = gsp("solve", "@dietmaier", "--near", str(file)).out.splitlines()
+    lines = gsp("solve", "@dietmaier", "--near", f"@{file}").out.splitlines()
     assert [line.split()[0] for line in lines if line.endswith("nearest")] == ["7"]
 
 
@@ -286,7 +286,8 @@ def test_decimals_and_legend(gsp):
     [
         (["--rotation", "zzz"], "expected three different axes"),
         (["--rotation", "ZYX", "--all"], "leave out --all"),
-        (["--near", "0,0,0,0,0,0"], "--rotation ZYX, say"),
+        (["--near", "0,0,0,0,0,0"], "say it with --euler, such as ZYX"),
+        (["--euler", "ZYX"], "say what the numbers of --near are"),
         (["--near", "0,0"], "--near: found 2 numbers"),
     ],
 )

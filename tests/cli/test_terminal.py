@@ -20,10 +20,10 @@ Shown = Callable[..., tuple[list[str], int]]
 EXAMPLES = "data/examples"
 #: What is looked at besides a sample of each command that prints tables and is not here.
 CALLS = [
-    ["enumerate", "--limit", "4"],
-    ["enumerate", "--count"],
+    ["enumerate", "--first", "4"],
+    ["enumerate", "--by-class"],
     ["enumerate", "--coincident", "--only", "PP"],
-    ["enumerate", "--coincident", "6PP", "--limit", "4"],
+    ["enumerate", "--coincident", "6PP", "--first", "4"],
     ["show", "421"],
     ["bound", "421"],
     ["bound", "3D3A PL PL LP"],
@@ -41,7 +41,18 @@ CALLS = [
     ["solve", f"{EXAMPLES}/dietmaier.yaml", "--all"],
     ["solve", f"{EXAMPLES}/dietmaier.yaml", "--digits", "20"],
     ["solve", "@dietmaier", "--rotation", "matrix", "--legend"],
-    ["solve", "@dietmaier", "--rotation", "ZYX", "--near", "0,0,0,0,0,0", "--decimals", "9"],
+    [
+        "solve",
+        "@dietmaier",
+        "--rotation",
+        "ZYX",
+        "--near",
+        "0,0,0,0,0,0",
+        "--euler",
+        "ZYX",
+        "--decimals",
+        "9",
+    ],
     ["solve", "@no-real-pose"],
     ["solve", "@parallel-edges"],
     ["example"],
@@ -56,9 +67,9 @@ CALLS = [
     ["sensors", "@rubin-m2"],
     ["sensors", "@simscape-hexapod", "--random", "20"],
     ["solve", "@rubin-m2", "--reading", "leg P1 B2 = 2.913 ± 0.002"],
-    ["workspace", "@workspace-study", "--hold", "z=0:10:2"],
+    ["workspace", "@workspace-study", "--shift", "z=0:10:2"],
     ["workspace", "@workspace-study", "--over", "x,z"],
-    ["workspace", "@workspace-study", "--over", "x,z", "--boxes", "--tolerance", "0.9"],
+    ["workspace", "@workspace-study", "--over", "x,z", "--boxes", "--gap", "0.9"],
     ["scan", "@octahedral-3-3", "--vary", "1=1.4:1.6:5"],
     ["measure", "@dietmaier", "--pose", "0.1,0.2,1.5,1,0.1,0,0"],
     ["sample", "3D3A PH PH PH", "--count", "20", "--jobs", "1"],
@@ -108,14 +119,14 @@ def test_help_fits(shown: Shown, width: int) -> None:
 
 
 def test_wider_terminals_show_no_less(shown: Shown) -> None:
-    (*pages, _), _ = shown("enumerate", "--limit", "2", widths=WIDTHS[2:])
+    (*pages, _), _ = shown("enumerate", "--first", "2", widths=WIDTHS[2:])
     left_out = [page.partition("(left out")[2].count(",") for page in pages]
     assert all(a >= b for a, b in pairwise(left_out))
     assert left_out[0] > left_out[-1]
 
 
 def test_the_bounds_of_the_paper_stay_longest(shown: Shown) -> None:
-    (*pages, _), _ = shown("enumerate", "--limit", "2", widths=[60, 80])
+    (*pages, _), _ = shown("enumerate", "--first", "2", widths=[60, 80])
     for page in pages:
         heading = " ".join(page.splitlines()[:3])
         assert heading.count("Thm") == 3

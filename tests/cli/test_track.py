@@ -85,7 +85,7 @@ def test_json_has_the_events(gsp, values):
 
 def test_born_modes(gsp, values):
     backwards = "t,1,2,3,4\n0,2.6,2.0,1.0,1.9\n1,2.53,2.08,0.93,1.97\n"
-    run = gsp("track", HEXAPOD, values(backwards), "--all")
+    run = gsp("track", HEXAPOD, values(backwards), "--complete")
     assert run.code == 0
     assert "mode 1 begins with mode 2 in a fold at t = 0.281139389996, proved" in run.err
     assert "every real pose at the last row is accounted for" in run.out
@@ -113,7 +113,7 @@ def test_mistakes(gsp, values, arguments, message):
 
 def test_cranks_of_a_rotary_platform(gsp, values):
     angles = values("t,crank.B1,crank.B4\n0,0,0\n1,20,-15\n")
-    run = gsp("track", "@t-top-head", angles, "--all", "--allow-loss", "--format", "json")
+    run = gsp("track", "@t-top-head", angles, "--complete", "--allow-loss", "--format", "json")
     assert run.code == 0
     document = json.loads(run.out)
     assert document["complete"] is document["certified"] is True
@@ -127,7 +127,7 @@ def test_without_a_real_pose_at_the_first_row_there_is_nothing_to_follow(gsp, tm
     run = gsp("track", "@platform-6-6", path)
     assert (run.code, run.out) == (2, "")
     assert "error: there is no real pose at the first row\n" in run.err
-    run = gsp("track", "@platform-6-6", path, "--all", "--format", "csv")
+    run = gsp("track", "@platform-6-6", path, "--complete", "--format", "csv")
     assert run.code == 0
     assert [line.split(",")[1] for line in run.out.splitlines()[1:]] == ["1", "2"]
     assert "mode 1 begins with another in a fold" in run.err
@@ -136,7 +136,7 @@ def test_without_a_real_pose_at_the_first_row_there_is_nothing_to_follow(gsp, tm
 def test_coordinates_that_move_are_columns_for_the_view(gsp, tmp_path):
     path = tmp_path / "cranks.csv"
     path.write_text("crank.B1,base.B2.x\n0,0.01\n4,0.02\n", encoding="utf-8")
-    options = ("--mode", "1", "--delta", "--format", "csv", "-o", tmp_path / "track.csv")
+    options = ("--mode", "1", "--relative", "--format", "csv", "-o", tmp_path / "track.csv")
     run = gsp("track", "@t-top-head", path, *options)
     assert run.code == 0
     head, *rows = (tmp_path / "track.csv").read_text(encoding="utf-8").splitlines()

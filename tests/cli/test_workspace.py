@@ -52,7 +52,7 @@ def test_travels(gsp, spec):
 
 
 def test_an_axis_travels_while_another_is_held(gsp, spec):
-    held = ("--hold", "z=-2", "--hold", "z=-0.8", "--hold", "z=0:1:2")
+    held = ("--shift", "z=-2", "--shift", "z=-0.8", "--shift", "z=0:1:2")
     run = gsp("workspace", spec, *HOME, *held, "--format", "json")
     document = json.loads(run.out)
     assert document["schema"] == "gsp.workspace/1"
@@ -65,25 +65,21 @@ def test_an_axis_travels_while_another_is_held(gsp, spec):
 
 
 def test_volumes(gsp, spec):
-    run = gsp(
-        "workspace", spec, "--orientation", "1,0,0,0", "--tolerance", "0.1", "--format", "json"
-    )
+    run = gsp("workspace", spec, "--orientation", "1,0,0,0", "--gap", "0.1", "--format", "json")
     document = json.loads(run.out)
     volume = document["volume"]
     sector = 3.141592653589793 * 26 * (1 - 0.5) * 2 / 3
     assert volume["lower"] <= sector <= volume["upper"]
     assert volume["gap"] <= 0.1
     assert document["travel"] is None
-    run = gsp("workspace", spec, *HOME, "--position", "0,0,1.5", "--tolerance", "0.1")
+    run = gsp("workspace", spec, *HOME, "--position", "0,0,1.5", "--gap", "0.1")
     assert run.code == 0
     assert "between 1 and 1 of all rotations can be reached" in run.out
 
 
 def test_boxes_are_poses_to_look_at(gsp, spec, tmp_path):
     path = tmp_path / "boxes.csv"
-    run = gsp(
-        "workspace", spec, *HOME, "--over", "x,z", "--boxes", "--tolerance", "0.5", "-o", path
-    )
+    run = gsp("workspace", spec, *HOME, "--over", "x,z", "--boxes", "--gap", "0.5", "-o", path)
     assert run.code == 0
     rows = list(csv.DictReader(path.read_text().splitlines()))
     assert {row["status"] for row in rows} == {"inside", "open"}
@@ -99,13 +95,13 @@ def test_bounds_that_stay_apart_are_told(gsp):
     run = gsp("workspace", STUDY, "--over", "x,y,z", "--most-boxes", "5000")
     assert run.code == 4
     assert "can be reached" in run.out
-    assert "more than --tolerance 0.01" in run.err
+    assert "more than --gap 0.01" in run.err
 
 
 @pytest.mark.parametrize("over", ["x,z", "x,y,z", "rx,z"])
 def test_pictures(gsp, tmp_path, over):
     path = tmp_path / "slices.svg"
-    run = gsp("workspace", STUDY, "--over", over, "--tolerance", "0.4", "-o", path)
+    run = gsp("workspace", STUDY, "--over", over, "--gap", "0.4", "-o", path)
     assert run.code == 0, run.err
     assert path.read_bytes().startswith(b"<?xml")
 
@@ -117,12 +113,12 @@ def test_pictures(gsp, tmp_path, over):
         (("--mode", "99"), "found mode 99, expected one of the"),
         (("--over", "x,q"), "--over: found 'x,q', expected one or more of"),
         (("--boxes",), "boxes and pictures need --orientation, --position or --over"),
-        (("--over", "x", "--hold", "z=1"), "--hold is for the travel of axes"),
+        (("--over", "x", "--shift", "z=1"), "--shift is for the travel of axes"),
         (("--over", "x", "--within", "x=1"), "--within: found 'x=1', expected NAME=LOW:HIGH"),
         (("--over", "x", "--within", "x=1:2:3"), "--within: found 'x=1:2:3'"),
         (("--over", "x", "--within", "y=1:2"), "within: found y, expected a parameter that varies"),
-        (("--hold", "q=1"), "--hold: found 'q=1', expected NAME=LOW:HIGH:COUNT"),
-        (("--hold", "z=1:2:99999"), "--hold: found 99999 values, expected at most 1000"),
+        (("--shift", "q=1"), "--shift: found 'q=1', expected NAME=LOW:HIGH:COUNT"),
+        (("--shift", "z=1:2:99999"), "--shift: found 99999 values, expected at most 1000"),
         (
             ("--orientation", "1,0,0"),
             "--orientation: found '1,0,0', expected qw,qx,qy,qz, or rx,ry,rz",

@@ -35,8 +35,8 @@ OTHERS = [
     ["dynamics", "MASSES", "--mode", "2", "--modes"],
     ["clearance", "@figure-3", "--mode", "1"],
     ["scan", "@platform-6-3", "--vary", "3=1.4:1.5:2", "--vary", "5=1.4:1.5:2"],
-    ["workspace", "@workspace-study", "--hold", "x=1:2:2", "--connected"],
-    ["workspace", "@workspace-study", "--over", "rx,ry", "--boxes", "--tolerance", "0.5"],
+    ["workspace", "@workspace-study", "--shift", "x=1:2:2", "--connected"],
+    ["workspace", "@workspace-study", "--over", "rx,ry", "--boxes", "--gap", "0.5"],
 ]
 
 

@@ -14,7 +14,7 @@ import click
 
 from gspcli.cli.commands import COMMANDS
 from gspcli.cli.main import cli, run
-from tools.build import platform_page
+from tools.build import options_page, platform_page
 from tools.recording import ROOT, parser, save
 
 #: What holds for all commands.
@@ -94,6 +94,7 @@ def geometries() -> str:
 
 PAGES: dict[str, Callable[[], str]] = {
     "commands.md": commands,
+    "options.md": options_page.page,
     "errata.md": errata,
     "geometry-counts.md": geometries,
     "platforms.md": platform_page.page,

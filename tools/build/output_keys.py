@@ -350,7 +350,8 @@ KEYS: dict[str, str] = {
     "worst_shift": "the largest distance of the point to first order",
     "bound_turn": "proved bound of the angle; null if the tolerances are too large",
     "bound_shift": "proved bound of the distance; null if the tolerances are too large",
-    "geometry_shift": "upper bound of the distance of the point from --geometry, to first order",
+    "geometry_shift": "upper bound of the distance of the point from "
+    "--geometry-tolerance, to first order",
     "analyze.row": "row of the file, from 1",
     "clearance.row": "row of the file, from 1",
     # Requirements
@@ -362,7 +363,8 @@ KEYS: dict[str, str] = {
     "requirements.row": "the worst row, from 1",
     "range": "the largest share that a value takes of its range, 1 at its ends",
     "cone": "the largest tilt of a leg by the half angle of its cone",
-    "analyze.poses.geometry": "errors of the pose from those of the geometry, with --geometry",
+    "analyze.poses.geometry": "errors of the pose from those of the geometry, with "
+    "--geometry-tolerance",
     "analyze.poses.geometry.worst": "largest errors of rx, ry, rz, x, y, z to first order; null "
     "where singular",
     "analyze.rms": "root mean squares of the same for independent errors",

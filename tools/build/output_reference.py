@@ -24,7 +24,7 @@ a version keys are added, never removed or given another meaning. `--format csv`
 table. Both have full precision, and standard output holds nothing else. JSON Schemas stand in
 `docs/schemas`; `gsp bound` and `gsp count` print a list of these objects if they are given
 several types or platforms. `gsp maximize-real` writes an instance file, and what is described here
-is the file of its `--state`. In CSV what is not known or does not apply is an empty cell, in JSON
+is the file of its `--resume`. In CSV what is not known or does not apply is an empty cell, in JSON
 `null`. `[]` marks the entries of a list, `*` names or numbers of the instance.
 """
 

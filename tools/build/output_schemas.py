@@ -126,9 +126,9 @@ def printed(name: str, command: click.Command) -> dict[str, Printed]:
 
 def _documents(run: list[str]) -> list[dict[str, Any]]:
     """Return what a command prints as JSON, or keeps as its state."""
-    if "--state" in run:
+    if "--resume" in run:
         output(run)
-        text = Path(run[run.index("--state") + 1]).read_text(encoding="utf-8")
+        text = Path(run[run.index("--resume") + 1]).read_text(encoding="utf-8")
     else:
         text = output([*run, "--format", "json"])
     document = json.loads(text)

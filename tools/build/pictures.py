@@ -25,7 +25,7 @@ IMAGES = ROOT / "docs" / "images"
 PICTURES = {
     "bound": ["bound", "3D3A", "PL", "PL", "LP"],
     "solve": ["solve", "data/examples/octahedral-3-3.yaml"],
-    "enumerate": ["enumerate", "--count"],
+    "enumerate": ["enumerate", "--by-class"],
 }
 
 #: The largest residual, 0 or about 1e-15.

@@ -200,7 +200,7 @@ READERS: dict[str, list[list[str]]] = {
         ["solve", "{}"],
         ["solve", "{}", "--no-prove", "--format", "csv"],
         ["measure", "{}", "--pose", "0,0,1,1,0,0,0"],
-        ["count", "{}", "--limit", "0.1"],
+        ["count", "{}", "--effort", "0.1"],
         ["analyze", "{}", "--pose", "0,0,1,1,0,0,0"],
         ["realize", "{}"],
         ["show", "{}"],
@@ -210,17 +210,17 @@ READERS: dict[str, list[list[str]]] = {
         ["measure", "@octahedral-3-3", "{}"],
         ["measure", "@octahedral-3-3", "{}", "--euler", "ZYX"],
         ["certify", "@octahedral-3-3", "{}"],
-        ["solve", "@octahedral-3-3", "--near", "{}"],
+        ["solve", "@octahedral-3-3", "--near", "@{}"],
         ["track", "@octahedral-3-3", "{}"],
     ],
     "values.csv": [
         ["track", "@octahedral-3-3", "{}", "--jobs", "1"],
-        ["track", "@octahedral-3-3", "{}", "--delta", "--format", "csv"],
+        ["track", "@octahedral-3-3", "{}", "--relative", "--format", "csv"],
     ],
     "poses.json": [["certify", "@octahedral-3-3", "{}"], ["measure", "@octahedral-3-3", "{}"]],
-    "state.json": [["maximize-real", "6PP", *LITTLE["maximize-real"], "--state", "{}"]],
+    "state.json": [["maximize-real", "6PP", *LITTLE["maximize-real"], "--resume", "{}"]],
     "work.jsonl": [
-        ["scan", "@octahedral-3-3", "--vary", "1=1.4:1.6:3", "--jobs", "1", "--journal", "{}"]
+        ["scan", "@octahedral-3-3", "--vary", "1=1.4:1.6:3", "--jobs", "1", "--resume", "{}"]
     ],
 }
 

@@ -167,12 +167,12 @@ def _primitive(instance: Instance, body: str, name: str) -> Any:
 
 
 def track(given: Attack, form: str) -> tuple[int, Any, str]:
-    """Run `gsp track --all`; return the exit code, what is written and what is said."""
+    """Run `gsp track --complete`; return the exit code, what is written and what is said."""
     with tempfile.TemporaryDirectory() as folder:
         spec, values = Path(folder, "platform.yaml"), Path(folder, "values.csv")
         spec.write_text(dumps(given.instance), encoding="utf-8")
         values.write_text(given.text, encoding="utf-8")
-        options = ["--all", "--format", form, *given.options]
+        options = ["--complete", "--format", form, *given.options]
         code, text, said = call("track", str(spec), str(values), *options)
     if form == "csv":
         return code, list(csv.DictReader(io.StringIO(text))), said

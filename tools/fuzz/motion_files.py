@@ -4,13 +4,13 @@
 
 Each attack is a random platform of a random type (of at most ``--most`` poses, perhaps with both
 sides of its planes) and a short random trajectory of poses. It is written as values, as differences
-from the file (`--delta`), as poses with quaternions of any length, with angles in a random order of
-axes or with the nine entries of R, about a random pivot or not; with degrees and with radians; with
-random delimiters, columns in any order, comments, empty lines, quotation marks, capitals, columns
-of other names, either end of lines, with and without a byte-order mark. What must hold:
+from the file (`--relative`), as poses with quaternions of any length, with angles in a random order
+of axes or with the nine entries of R, about a random pivot or not; with degrees and with radians;
+with random delimiters, columns in any order, comments, empty lines, quotation marks, capitals,
+columns of other names, either end of lines, with and without a byte-order mark. What must hold:
 
-- `gsp measure` gives the same values for all of them, and `gsp track --all` the same exit code,
-  modes, events and poses;
+- `gsp measure` gives the same values for all of them, and `gsp track --complete` the same exit
+  code, modes, events and poses;
 - the pose that was drawn first is one of the modes at the first row;
 - where cells are spoilt, each is told with the line and column where it begins, all mistakes are in
   order, and the exit code is 2.
@@ -148,7 +148,7 @@ def _columns(
         if radians:
             numbers = np.where(given.angles, np.radians(numbers), numbers)
         columns |= {str(k + 1): column for k, column in enumerate(numbers.T)}
-        return columns, ["--delta"] if form == "differences" else []
+        return columns, ["--relative"] if form == "differences" else []
     pivot = np.zeros(3) if form == "frames" else rng.normal(size=3).round(3)
     names = ("Tx", "Ty", "Tz") if form == "frames" else ("x", "y", "z")
     columns |= dict(zip(names, (given.T + given.R @ pivot).T, strict=True))
@@ -181,7 +181,7 @@ def problems(given: Attack, rng: np.random.Generator) -> Iterator[str]:
                 what = f"{form}, {'radians' if radians else 'degrees'}, {file.options}"
                 if form not in ("values", "differences"):
                     yield from _measured(given, words, what, radians=radians)
-                code, out, said = call("track", *words, "--all")
+                code, out, said = call("track", *words, "--complete")
                 if not out:
                     yield f"refused: {what}: {code}: {said}"
                     return

@@ -22,8 +22,8 @@ from tools.recording import UNABLE, parser, report
 
 #: Calls besides the samples of the commands.
 MORE = (
-    "enumerate --limit 40",
-    "enumerate --count",
+    "enumerate --first 40",
+    "enumerate --by-class",
     "enumerate --coincident --only PP",
     *(f"constraint {kind.name}" for kind in KINDS),
     "table all",

@@ -189,7 +189,7 @@ STEPS = (
     Step("schema", ("docs/instance.schema.json",), "tools.build.schema --check"),
     Step(
         "pages",
-        ("docs/commands.md", "docs/errata.md", "docs/geometry-counts.md"),
+        ("docs/commands.md", "docs/options.md", "docs/errata.md", "docs/geometry-counts.md"),
         "tools.build.docs --check",
     ),
     Step(

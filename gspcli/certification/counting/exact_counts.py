@@ -188,7 +188,7 @@ def _results(platform: ModularPlatform, max_work: int, *, same: bool) -> list[_R
         if counted.outcome is Ending.STOPPED:
             message = (
                 "the solutions cannot be counted exactly within the limit of "
-                f"{max_work / BILLION:g} billion multiplications: --limit raises it"
+                f"{max_work / BILLION:g} billion multiplications: --effort raises it"
             )
             raise NotCountedError(message)
         results.append(_Result(counted, spurious(lines, counted, run)))

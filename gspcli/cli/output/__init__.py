@@ -2,7 +2,7 @@
 
 from gspcli.cli.output.emit import emit, write
 from gspcli.cli.output.files import check_writable, write_whole
-from gspcli.cli.output.options import DRAWINGS, FORMATS, Output, output_options
+from gspcli.cli.output.options import DRAWINGS, FORMATS, Output, file_option, output_options
 from gspcli.cli.output.tables import Column, Table
 
 __all__ = [
@@ -13,6 +13,7 @@ __all__ = [
     "Table",
     "check_writable",
     "emit",
+    "file_option",
     "output_options",
     "write",
     "write_whole",

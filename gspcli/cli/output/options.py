@@ -50,6 +50,37 @@ class Output:
     part: str | None = None
 
 
+#: What `-o` does, the same in all commands.
+_FILE_HELP = "Write to FILE, replacing it"
+
+
+def file_option(suffix: str) -> Callable[[Function], Function]:
+    """Return ``-o`` of a command that writes one format; the command gets ``output: Output``.
+
+    Parameters
+    ----------
+    suffix
+        The format.
+    """
+
+    def resolve(context: click.Context, parameter: click.Parameter, value: str | None) -> None:
+        del parameter
+        path = None if value in (None, "-") else Path(str(value))
+        if path is not None:
+            check_writable(path)
+        context.params["output"] = Output(suffix, path)
+
+    return click.option(
+        "-o",
+        "--output",
+        "output_file_",
+        metavar="FILE",
+        expose_value=False,
+        callback=resolve,
+        help=f"{_FILE_HELP}.",
+    )
+
+
 def output_options(
     formats: Sequence[str] = FORMATS, default: str = "table", parts: Sequence[str] = ()
 ) -> Callable[[Function], Function]:
@@ -94,7 +125,7 @@ def output_options(
             metavar="FILE",
             expose_value=False,
             callback=resolve,
-            help="Write to FILE, replacing it; its suffix gives the format.",
+            help=f"{_FILE_HELP}; its suffix gives the format.",
         )(function)
         if parts:
             function = click.option(

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import Location, Problem, SpecError
-from gspcli.geometry.euler import rotation_from_euler
-from gspcli.geometry.quaternions import apply, rotation_from_quaternion
+from gspcli.geometry.euler import euler_from_rotation, rotation_from_euler
+from gspcli.geometry.quaternions import apply, quaternion_from_rotation, rotation_from_quaternion
 from gspcli.motion.files.number_tables import NumberTable, check, wrong_number
 from gspcli.records import dataclass
 from gspcli.wording import shown
@@ -168,10 +168,16 @@ def read_pose(text: str, form: PoseFormat, name: str = "--pose") -> PoseTable:
         raise SpecError([Problem(None, name, one.message) for one in error.problems]) from None
 
 
+def pose_columns(count: int) -> tuple[str, ...] | None:
+    """Return the columns of a pose of so many numbers, or None if there is no such."""
+    names = {7: QUATERNION, 6: ANGLES, 12: ENTRIES}.get(count)
+    return None if names is None else (*POSITION, *names)
+
+
 def pose_numbers(text: str, name: str) -> tuple[tuple[str, ...], list[float]]:
     """Return the columns of a pose on the command line and its numbers; see `read_pose`."""
     cells = [cell for cell in re.split(r"[,;\s]+", text.strip()) if cell]
-    names = {7: QUATERNION, 6: ANGLES, 12: ENTRIES}.get(len(cells))
+    names = pose_columns(len(cells))
     if names is None:
         message = (
             f"found {len(cells)} numbers in {shown(text)}, expected x,y,z and qw,qx,qy,qz; or "
@@ -181,11 +187,11 @@ def pose_numbers(text: str, name: str) -> tuple[tuple[str, ...], list[float]]:
     check(
         [
             Problem(None, f"{name}: {key}", message)
-            for key, cell in zip((*POSITION, *names), cells, strict=True)
+            for key, cell in zip(names, cells, strict=True)
             if (message := wrong_number(cell))
         ]
     )
-    return (*POSITION, *names), [float(cell) for cell in cells]
+    return names, [float(cell) for cell in cells]
 
 
 def poses_of(numbers: Array, form: PoseFormat) -> tuple[Array, Array]:
@@ -200,6 +206,22 @@ def poses_of(numbers: Array, form: PoseFormat) -> tuple[Array, Array]:
     """
     R, _ = rotations_of(numbers[:, 3:], form)
     return R, numbers[:, :3] - apply(R, np.array(form.pivot))
+
+
+def numbers_of_pose(R: Array, T: Array, form: PoseFormat) -> list[float]:
+    """Return a pose as numbers: the position of the pivot, then angles or a quaternion.
+
+    Parameters
+    ----------
+    R, T
+        The pose, shapes (3, 3) and (3,).
+    form
+        The pivot, and the order of the axes of angles; without one it is a quaternion.
+    """
+    at = T + R @ np.array(form.pivot)
+    if form.euler is None:
+        return [*at.tolist(), *quaternion_from_rotation(R).tolist()]
+    return [*at.tolist(), *(euler_from_rotation(form.euler, R) / form.in_radians).tolist()]
 
 
 def rotations_of(numbers: Array, form: PoseFormat) -> tuple[Array, list[tuple[int, str]]]:

@@ -88,7 +88,7 @@ def read_values(
     coordinates: dict[str, Array] = {}
     if names_poses(table):
         if delta:
-            table.note_heading("found poses, expected values with --delta")
+            table.note_heading("found poses, expected values with --relative")
         for one in moving:
             table.note_column(one, "found a coordinate that moves beside poses, expected values")
         poses = poses_in(table, form)

@@ -13,7 +13,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import jacobian
 from gspcli.geometry.residuals import condition_numbers
-from gspcli.motion.files.pose_files import PoseFormat, pose_numbers, poses_of, read_pose
+from gspcli.motion.files.pose_files import PoseFormat, pose_columns, poses_of, rotations_of
 from gspcli.motion.singularities.pose_clearances import pose_clearances
 from gspcli.records import dataclass
 
@@ -53,14 +53,15 @@ class PoseScan:
     axes
         One or two coordinates that vary.
     pose
-        The numbers of the pose that do not vary, as for `read_pose`.
+        The numbers of the pose, of which some vary: x, y, z and a quaternion, or three angles, or
+        the nine entries of R.
     form
         What they do not say.
     """
 
     instance: Instance
     axes: tuple[PoseAxis, ...]
-    pose: str
+    pose: Sequence[float]
     form: PoseFormat
 
     def __post_init__(self) -> None:
@@ -68,21 +69,32 @@ class PoseScan:
         if len(names) not in (1, 2) or len(set(names)) < len(names):
             message = "expected one or two different coordinates to vary"
             raise ArgumentError(message, "axes")
-        read_pose(self.pose, self.form)
+        self._check_pose()
         for name in names:
-            if name not in self._numbers[0] or name not in _VARIABLE:
-                found = " ".join(self._numbers[0])
+            if name not in self._names or name not in _VARIABLE:
+                found = " ".join(self._names)
                 message = f"found {name} to vary, expected one of {' '.join(_VARIABLE)}"
                 raise ArgumentError(f"{message} that the pose has: {found}", "axes")
 
-    @cached_property
-    def _numbers(self) -> tuple[tuple[str, ...], list[float]]:
-        return pose_numbers(self.pose, "--pose")
+    def _check_pose(self) -> None:
+        if not self._names:
+            message = f"found {len(self.pose)} numbers, expected 6, 7 or 12"
+        elif len(self.pose) == len(_VARIABLE) and self.form.euler is None:
+            message = "found angles without the order of their axes: say it with euler"
+        else:
+            wrong = rotations_of(np.array([self.pose[3:]]), self.form)[1]
+            message = wrong[0][1] if wrong else ""
+        if message:
+            raise ArgumentError(message, "pose")
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        return pose_columns(len(self.pose)) or ()
 
     def poses(self, places: Array) -> tuple[Array, Array]:
         """Return the poses (R, T) where the coordinates that vary have values, shape (n, axes)."""
-        names, numbers = self._numbers
-        rows = np.tile(numbers, (len(places), 1))
+        names = self._names
+        rows = np.tile(np.asarray(self.pose, dtype=float), (len(places), 1))
         for axis, column in zip(self.axes, places.T, strict=True):
             rows[:, names.index(axis.name)] = column
         return poses_of(rows, self.form)

@@ -24,7 +24,7 @@ def document(tool, given, tmp_path_factory):
     spec.write_text(given.spec(radians=False), encoding="utf-8")
     rng = np.random.default_rng(1)
     path.write_bytes(tool.written(given, "values", rng, radians=False).text(rng))
-    code, out, _ = tool.call("track", str(spec), str(path), "--all", "--format", "json")
+    code, out, _ = tool.call("track", str(spec), str(path), "--complete", "--format", "json")
     return {"code": code, **json.loads(out)}
 
 

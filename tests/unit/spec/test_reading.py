@@ -234,7 +234,7 @@ def test_wrong_settings_are_all_reported():
         set_values(loads(GOOD), ["1=5", "1=6", "2", "7=1", "x=1", "4=200", "2=-1", "3=1/0", "²=1"])
     assert [str(problem) for problem in caught.value.problems] == [
         "--set '1=6': found constraint 1 twice",
-        "--set '2': expected NUMBER=VALUE, as 1=5.2",
+        "--set '2': expected I=V, as 1=5.2",
         "--set '7=1': found constraint '7', expected a number from 1 to 6",
         "--set 'x=1': found constraint 'x', expected a number from 1 to 6",
         "--set '4=200': found '200', expected an angle of LL from 0 to 180 (deg)",

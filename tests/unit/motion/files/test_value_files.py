@@ -104,7 +104,7 @@ def test_angles_have_their_range(example):
 
 
 def test_poses_are_no_differences(hexapod):
-    with pytest.raises(SpecError, match="found poses, expected values with --delta"):
+    with pytest.raises(SpecError, match="found poses, expected values with --relative"):
         read_values("x,y,z,qw,qx,qy,qz\n1,2,3,1,0,0,0\n", "v", hexapod, PLAIN, delta=True)
 
 

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.errors import ArgumentError, SpecError
+from gspcli.errors import ArgumentError
 from gspcli.motion import PoseFormat
 from gspcli.motion.singularities.pose_scans import PoseAxis, PoseScan
 from gspcli.motion.statics.wrenches import wrenches
 from gspcli.resources import data_path
 from gspcli.solver.generate import random_instance
 
-POSE = "0,0,0.5,1,0.2,0.1,0"
+POSE = (0, 0, 0.5, 1, 0.2, 0.1, 0)
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,7 @@ def test_the_singular_curve_separates_the_signs(hexapod):
 
 def test_angles_and_one_coordinate(hexapod):
     form = PoseFormat("ZYX", (0.0, 0.0, 0.1), np.pi / 180)
-    found = PoseScan(hexapod, (axis("rx", -180, 180, 73),), "0,0,0.5,10,0,0", form)
+    found = PoseScan(hexapod, (axis("rx", -180, 180, 73),), (0, 0, 0.5, 10, 0, 0), form)
     assert found.determinants[0] == pytest.approx(found.determinants[-1])
     changes = int((np.diff(np.sign(found.determinants)) != 0).sum())
     assert len(found.singular) == changes
@@ -67,7 +67,9 @@ def test_angles_and_one_coordinate(hexapod):
         ("", POSE, ArgumentError, "expected one or two"),
         ("xx", POSE, ArgumentError, "expected one or two"),
         (["rx"], POSE, ArgumentError, "that the pose has: x y z qw"),
-        (["x"], "1,2", SpecError, "found 2 numbers"),
+        (["x"], (1, 2), ArgumentError, "found 2 numbers"),
+        (["x"], (0, 0, 1, 0, 0, 0), ArgumentError, "without the order of their axes"),
+        (["x"], (0, 0, 1, 0, 0, 0, 0), ArgumentError, "length zero"),
     ],
 )
 def test_mistakes(hexapod, names, pose, error, message):

@@ -1,0 +1,125 @@
+"""POSE on the command line: numbers between commas, or `@FILE` with one pose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from gspcli.cli.pose_options import text_of
+from gspcli.errors import GspError
+from gspcli.records import dataclass
+from gspcli.wording import shortened
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from gspcli.motion import PoseFormat
+
+    Array = NDArray[np.float64]
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+#: What begins the name of a file where a POSE is expected.
+_FILE = "@"
+#: How a POSE can be written, for helps.
+POSE_HELP = "x,y,z,qw,qx,qy,qz, or x,y,z,rx,ry,rz with --euler, or @FILE"
+
+
+@dataclass(frozen=True)
+class GivenPose:
+    """A POSE as it was written; what it means depends on `--euler`, `--pivot` and the unit.
+
+    Attributes
+    ----------
+    text
+        Numbers between commas, or ``@`` and the name of a file with one pose.
+    option
+        The option that it was given with.
+    """
+
+    text: str
+    option: str
+
+    @property
+    def is_standard_input(self) -> bool:
+        """Whether the pose is read from there."""
+        return self.text == f"{_FILE}-"
+
+    def read(self, form: PoseFormat) -> tuple[Array, Array]:
+        """Return the pose, R (3, 3) and T (3,).
+
+        Parameters
+        ----------
+        form
+            What the text does not say.
+
+        Raises
+        ------
+        GspError
+            If it is not one pose.
+        """
+        from gspcli.motion import read_pose, read_poses
+
+        if self.text.startswith(_FILE):
+            table = read_poses(*text_of(self.text[1:]), form)
+        else:
+            table = read_pose(self.text, form, self.option)
+        if len(table.R) != 1:
+            where = f"{self.option} {shortened(self.text)}"
+            message = f"{where}: found {len(table.R)} poses, expected one"
+            raise GspError(message)
+        return table.R[0], table.T[0]
+
+    def numbers(self, form: PoseFormat) -> list[float]:
+        """Return the pose as numbers: the position of the pivot, then the rotation.
+
+        That is as it is written; of a file a quaternion, or angles if `form` has their order.
+        """
+        from gspcli.motion.files.pose_files import numbers_of_pose, pose_numbers
+
+        if self.text.startswith(_FILE):
+            return numbers_of_pose(*self.read(form), form)
+        return pose_numbers(self.text, self.option)[1]
+
+
+class PoseType(click.ParamType):  # type: ignore[type-arg]
+    """The type of options that take a POSE; commands get `GivenPose`."""
+
+    name = "pose"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the pose as it was given."""
+        del ctx
+        if isinstance(value, GivenPose) or param is None:
+            return value
+        return GivenPose(value, max(param.opts, key=len))
+
+
+def pose_option(option: str, sentence: str, more: str) -> Callable[[Function], Function]:
+    """Return an option that takes a POSE.
+
+    Parameters
+    ----------
+    option
+        ``--pose`` or ``--near``.
+    sentence
+        What it is, the same in all commands.
+    more
+        What this command does with it.
+    """
+    return click.option(
+        option, type=PoseType(), metavar="POSE", help=f"{sentence}: {more} ({POSE_HELP})."
+    )
+
+
+def pose_value_option(more: str) -> Callable[[Function], Function]:
+    """Return `--pose`; the command gets ``pose: GivenPose | None``."""
+    return pose_option("--pose", "A pose of the platform", more)
+
+
+def near_option(more: str) -> Callable[[Function], Function]:
+    """Return `--near`; the command gets ``near: GivenPose | None``."""
+    return pose_option("--near", "A pose that the mode meant is near", more)
