@@ -19,8 +19,8 @@ from gspcli.defaults import SEED
 from gspcli.errors import CheckFailed, IncompleteError
 
 if TYPE_CHECKING:
-    from gspcli.atlas.counting import Result
     from gspcli.atlas.records import Verdict
+    from gspcli.atlas.task_counts import Result
     from gspcli.workers import Workers
 
 #: What `verify --fast` does: so many tasks, of at most so many solutions.
@@ -160,9 +160,9 @@ def verify(
       gsp atlas verify --fast --seed 7 --method tracking
       gsp atlas verify --work verify.jsonl
     """
-    from gspcli.atlas.counting import count_all
     from gspcli.atlas.groebner import msolve_path
     from gspcli.atlas.records import Verdict, recorded, verdict
+    from gspcli.atlas.task_counts import count_all
     from gspcli.atlas.tasks import PRIMES, all_tasks
 
     chosen = method or ("both" if msolve_path() else "tracking")
@@ -261,8 +261,8 @@ def build(
       gsp atlas build --work counts.jsonl -o data/counts
       gsp atlas build --work counts.jsonl -o data/counts --check
     """
-    from gspcli.atlas.counting import count_all
     from gspcli.atlas.records import contents, differences
+    from gspcli.atlas.task_counts import count_all
     from gspcli.atlas.tasks import all_tasks
 
     results = count_all(

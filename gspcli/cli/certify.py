@@ -99,7 +99,7 @@ def command(
         raise click.UsageError(message)
     from gspcli.export.answers import read_answer
     from gspcli.export.candidates import read_candidates
-    from gspcli.solver.certifying import certify
+    from gspcli.solver.parallel_certificates import certify
     from gspcli.spec import set_values
 
     instance = set_values(load_instance(spec), settings)

@@ -169,9 +169,9 @@ def command(
         )
     rows = track_rows(result, more)
     verdicts, columns = judged_track(result, limits, requirements, rows)
-    table = track_table(result, rows, limits, columns, track_lines(verdicts, rows, steps))
+    shown = track_table(result, rows, limits, columns, track_lines(verdicts, rows, steps))
     document = track_document(result, rows, limits) | track_entries(verdicts, rows, steps)
-    emit(output, table, document=document)
+    emit(output, shown, document=document)
     if output.format != "json":
         _tell(result, limits)
     _refuse_losses(result, allowed=allow_loss)
