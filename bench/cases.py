@@ -18,7 +18,7 @@ from math import gcd, isqrt
 import numpy as np
 
 from gspcli.catalogue.kinds import AHH, ALL, Primitive
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.measurement import measured

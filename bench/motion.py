@@ -25,7 +25,7 @@ from bench.motion_trajectories import (
     near_singularities,
     small_moves,
 )
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import GspType, all_types
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_quaternion

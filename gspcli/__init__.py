@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from gspcli.catalogue.constraints import constraint_facts
     from gspcli.catalogue.listing import TypeList
     from gspcli.catalogue.mechanism import mechanism
-    from gspcli.catalogue.parsing import parse_class, parse_kind, parse_kind_set, parse_type
+    from gspcli.catalogue.names import parse_class, parse_kind, parse_kind_set, parse_type
     from gspcli.catalogue.types import Family, GspType, all_types
     from gspcli.dynamics import forward_dynamics, inverse_dynamics, natural_modes, simulate
     from gspcli.errors import ArgumentError, GspError, SpecError
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from gspcli.pictures.notebook import notebook_view
     from gspcli.sensing import fit_readings, sensors
     from gspcli.solver import solve, solve_batch, solve_values
-    from gspcli.solver.certifying import certify
+    from gspcli.solver.parallel_certificates import certify
     from gspcli.spec import dump, dumps, load, loads, read, set_values
 
 __version__ = "0.1.0"
@@ -65,7 +65,7 @@ _HOMES = {
     "all_types": "gspcli.catalogue.types",
     "angle": "gspcli.geometry.building",
     "calibrate": "gspcli.calibration",
-    "certify": "gspcli.solver.certifying",
+    "certify": "gspcli.solver.parallel_certificates",
     "coincident_types": "gspcli.catalogue.coincidence",
     "constraint_facts": "gspcli.catalogue.constraints",
     "distance": "gspcli.geometry.building",
@@ -83,10 +83,10 @@ _HOMES = {
     "mechanism": "gspcli.catalogue.mechanism",
     "natural_modes": "gspcli.dynamics",
     "notebook_view": "gspcli.pictures.notebook",
-    "parse_class": "gspcli.catalogue.parsing",
-    "parse_kind": "gspcli.catalogue.parsing",
-    "parse_kind_set": "gspcli.catalogue.parsing",
-    "parse_type": "gspcli.catalogue.parsing",
+    "parse_class": "gspcli.catalogue.names",
+    "parse_kind": "gspcli.catalogue.names",
+    "parse_kind_set": "gspcli.catalogue.names",
+    "parse_type": "gspcli.catalogue.names",
     "read": "gspcli.spec",
     "sensors": "gspcli.sensing",
     "set_values": "gspcli.spec",

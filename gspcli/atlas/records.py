@@ -14,8 +14,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from gspcli.atlas.counting import Result
 from gspcli.atlas.groebner import msolve_path, msolve_version
+from gspcli.atlas.task_counts import Result
 from gspcli.atlas.tasks import LIMITS, PRIMES, Task, monodromy_counts
 from gspcli.atlas.trace import TOLERANCE
 from gspcli.catalogue.counts import (

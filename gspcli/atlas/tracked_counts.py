@@ -14,8 +14,8 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import study_from_pose
 from gspcli.records import dataclass
 from gspcli.solver.generate import random_instance
+from gspcli.solver.poses_by_paths import solve_by_tracking
 from gspcli.solver.study_systems import target_systems
-from gspcli.solver.tracking import solve_by_tracking
 
 
 @dataclass(frozen=True)

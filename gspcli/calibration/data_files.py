@@ -24,7 +24,7 @@ from gspcli.motion.files.pose_files import (
     PoseFormat,
     rotations_of,
 )
-from gspcli.motion.files.value_files import stated_values
+from gspcli.motion.files.value_files import nominal_values
 from gspcli.wording import listed, shown
 
 Array = NDArray[np.float64]
@@ -136,7 +136,7 @@ def _cranks(table: NumberTable, instance: Instance, readings: Array) -> Array | 
         table.note_heading(f"the columns of cranks lack {listed(lacking, 'and')}")
     if table.problems:
         return None
-    stated = stated_values(instance)
+    stated = nominal_values(instance)
     for crank in cranks:
         for row in crank.rows:
             if str(row + 1) not in table.heading:

@@ -144,7 +144,7 @@ class Sharing:
 def coincident_types(gsp_type: GspType) -> Iterator[Sharing]:
     """Yield every pattern of a type, once each, from all primitives distinct to the most shared.
 
-    >>> from gspcli.catalogue.parsing import parse_type
+    >>> from gspcli.catalogue.names import parse_type
     >>> patterns = coincident_types(parse_type("6PP"))
     >>> print(next(patterns).notation)
     P1-p1 P2-p2 P3-p3 P4-p4 P5-p5 P6-p6

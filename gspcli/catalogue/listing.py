@@ -111,7 +111,7 @@ class TypeList(Sequence[GspType]):
 
     Examples
     --------
-    >>> from gspcli.catalogue.parsing import parse_class, parse_kind_set
+    >>> from gspcli.catalogue.names import parse_class, parse_kind_set
     >>> planar = TypeList().where(only=parse_kind_set("PH A"))
     >>> len(planar)
     35

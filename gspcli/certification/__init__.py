@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from gspcli.certification.poses.certificates import Certificate, Certificates, Outcome
     from gspcli.certification.poses.decisions import Decisions, decide
+    from gspcli.certification.poses.platform_certificates import certify
     from gspcli.certification.poses.refinement import RefinedPose, refine
-    from gspcli.certification.poses.stated_certificates import certify
 
 _HOMES = {
     "Certificate": "gspcli.certification.poses.certificates",
@@ -20,7 +20,7 @@ _HOMES = {
     "Decisions": "gspcli.certification.poses.decisions",
     "Outcome": "gspcli.certification.poses.certificates",
     "RefinedPose": "gspcli.certification.poses.refinement",
-    "certify": "gspcli.certification.poses.stated_certificates",
+    "certify": "gspcli.certification.poses.platform_certificates",
     "decide": "gspcli.certification.poses.decisions",
     "refine": "gspcli.certification.poses.refinement",
 }

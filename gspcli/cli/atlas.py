@@ -18,8 +18,8 @@ from gspcli.cli.worker_options import resume_option, worker_options
 from gspcli.errors import CheckFailed, IncompleteError
 
 if TYPE_CHECKING:
-    from gspcli.atlas.counting import Result
     from gspcli.atlas.records import Verdict
+    from gspcli.atlas.task_counts import Result
     from gspcli.workers import Workers
 
 #: What `verify --fast` does: so many tasks, of at most so many solutions.
@@ -147,9 +147,9 @@ def verify(
       gsp atlas verify --fast --seed 7 --method tracking
       gsp atlas verify --resume verify.jsonl
     """
-    from gspcli.atlas.counting import count_all
     from gspcli.atlas.groebner import msolve_path
     from gspcli.atlas.records import Verdict, recorded, verdict
+    from gspcli.atlas.task_counts import count_all
     from gspcli.atlas.tasks import PRIMES, all_tasks
 
     chosen = method or ("both" if msolve_path() else "tracking")
@@ -248,8 +248,8 @@ def build(
       gsp atlas build --resume counts.jsonl --folder data/counts
       gsp atlas build --resume counts.jsonl --folder data/counts --check
     """
-    from gspcli.atlas.counting import count_all
     from gspcli.atlas.records import contents, differences
+    from gspcli.atlas.task_counts import count_all
     from gspcli.atlas.tasks import all_tasks
 
     results = count_all(

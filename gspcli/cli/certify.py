@@ -95,7 +95,7 @@ def command(
         raise click.UsageError(message)
     from gspcli.export.answers import read_answer
     from gspcli.export.candidates import read_candidates
-    from gspcli.solver.certifying import certify
+    from gspcli.solver.parallel_certificates import certify
 
     instance = load_instance(spec, changes)
     text, name = text_of(result)

@@ -9,7 +9,7 @@ import click
 
 from gspcli.catalogue.constraints import ConstraintFacts, Degrees, constraint_facts
 from gspcli.catalogue.kinds import KINDS
-from gspcli.catalogue.parsing import parse_kinds
+from gspcli.catalogue.names import parse_kinds
 from gspcli.catalogue.realization import realization
 from gspcli.catalogue.recorded_varieties import LAZARD, MOURRAIN, coordinates_label, varieties
 from gspcli.cli.output import Column, Output, Table, emit, output_options

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gspcli.catalogue.parsing import parse_name
+from gspcli.catalogue.names import parse_name
 from gspcli.catalogue.types import Family, GspType
 from gspcli.cli.streams import say
 from gspcli.errors import GspError, TypeNameError

@@ -87,7 +87,7 @@ def command(
 def _pattern(words: tuple[str, ...]) -> GspType | Sequence[Bond]:
     from gspcli.catalogue.aliases import find_alias
     from gspcli.catalogue.coincidence import parse_sharing
-    from gspcli.catalogue.parsing import parse_type
+    from gspcli.catalogue.names import parse_type
 
     joined = " ".join(words)
     alias = find_alias(joined)

@@ -12,8 +12,8 @@ from gspcli.catalogue.aliases import find_alias
 from gspcli.catalogue.coincidence import Connection, coincident_types, parse_sharing
 from gspcli.catalogue.kinds import Kind
 from gspcli.catalogue.mechanism import Mechanism, MountedChain, mechanism
+from gspcli.catalogue.names import parse_kinds, parse_type
 from gspcli.catalogue.overconstraint import over_constraint
-from gspcli.catalogue.parsing import parse_kinds, parse_type
 from gspcli.catalogue.realization import REALIZATIONS, Realization, alternative, outside
 from gspcli.catalogue.types import CONSTRAINTS, GspType
 from gspcli.cli.names import is_file, load_instance

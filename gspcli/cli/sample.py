@@ -27,7 +27,7 @@ from gspcli.cli.worker_options import worker_options
 from gspcli.errors import INTERRUPTED, GspError
 
 if TYPE_CHECKING:
-    from gspcli.reality.sampling import Sample, Tally
+    from gspcli.reality.real_distribution import Sample, Tally
     from gspcli.workers import Workers
 
 SCHEMA = "gsp.sample/1"
@@ -83,7 +83,7 @@ def command(
       gsp sample 6PH --one-sided --count 5000 -o planes.svg
     """
     from gspcli.cli.progress_bars import progress
-    from gspcli.reality.sampling import Sample, Tally, sample
+    from gspcli.reality.real_distribution import Sample, Tally, sample
 
     if folder is not None:
         _make(folder)

@@ -12,7 +12,7 @@ from gspcli.catalogue.coincidence_counts import count_coincident
 from gspcli.catalogue.constraints import constraint_facts
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.mechanism import Mechanism, mechanism_of_type
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.realization import realization
 from gspcli.catalogue.types import GspType
 from gspcli.catalogue.witnesses import best_real

@@ -97,7 +97,7 @@ def command(
         message = "SPEC and --track cannot both be standard input"
         raise click.UsageError(message)
     from gspcli.cli.summary import summary
-    from gspcli.pictures.drawing import drawing
+    from gspcli.pictures.line_drawings import drawing
     from gspcli.pictures.page import page
     from gspcli.pictures.staging import scene_of
     from gspcli.pictures.tracks import read_tracks

@@ -33,7 +33,7 @@ from gspcli.continuation.ends import (
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.regularity import clearly_simple, simple
-from gspcli.continuation.retracking import collided
+from gspcli.continuation.retracked_paths import collided
 from gspcli.continuation.start import StartSystem
 from gspcli.continuation.systems import System
 from gspcli.continuation.tracker import PathResults, PathStatus, track

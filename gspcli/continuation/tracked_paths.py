@@ -20,7 +20,7 @@ from gspcli.continuation.endpoints import (
 from gspcli.continuation.ends import infinite, regular_error
 from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.regularity import clearly_simple
-from gspcli.continuation.retracking import collided, retracked
+from gspcli.continuation.retracked_paths import collided, retracked
 from gspcli.continuation.solutions import SystemSolutions, solutions_of
 from gspcli.continuation.start import StartSystem, start_system
 from gspcli.continuation.systems import Coefficients, FineCoefficients, System

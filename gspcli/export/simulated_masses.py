@@ -69,22 +69,22 @@ class SimulatedMasses:
     """
 
     def __init__(self, instance: Instance, middle: Array, size: float) -> None:
-        self.stated = None if instance.dynamics is None else MassModel.of(instance)
+        self.model = None if instance.dynamics is None else MassModel.of(instance)
         self.size = size
-        stated = self.stated
+        model = self.model
         round_body = _ROUND * _MASS * size**2 * np.eye(3)
         self.platform = (
             Inertial(_MASS, middle, round_body)
-            if stated is None
-            else Inertial(stated.mass, stated.centre, stated.inertia)
+            if model is None
+            else Inertial(model.mass, model.centre, model.inertia)
         )
-        link = _MASS if stated is None else LIGHT * stated.mass
+        link = _MASS if model is None else LIGHT * model.mass
         self.link = Inertial(link, np.zeros(3), _ROUND * link * size**2 * np.eye(3), falls=False)
 
     def gravity(self, against_z: float | None) -> Array:
         """Return the acceleration of what falls, shape (3,); as stated unless a number is given."""
-        if against_z is None and self.stated is not None:
-            return self.stated.gravity
+        if against_z is None and self.model is not None:
+            return self.model.gravity
         return np.array([0.0, 0.0, -(9.81 if against_z is None else against_z)])
 
     def armature(self, kind: str, constraint: int | None) -> float:
@@ -93,14 +93,14 @@ class SimulatedMasses:
         Kilogrammes for slides, kg m^2 for others.
         """
         own = _ROTOR * self.link.mass * (1.0 if kind == "slide" else self.size**2)
-        if constraint is None or self.stated is None:
+        if constraint is None or self.model is None:
             return own
-        return own + float(self.stated.rotors[constraint])
+        return own + float(self.model.rotors[constraint])
 
     def stiffness(self, constraint: int, *, angle: bool) -> float:
         """Return how stiff the drive of a constraint (from 0) is, N/m or N m/rad."""
-        if self.stated is not None and self.stated.stiffness is not None:
-            return float(self.stated.stiffness[constraint])
+        if self.model is not None and self.model.stiffness is not None:
+            return float(self.model.stiffness[constraint])
         return 1e4 * self.platform.mass * (self.size**2 if angle else 1.0)
 
     def damping(self, stiffness: float) -> float:
@@ -109,12 +109,12 @@ class SimulatedMasses:
 
     def has_leg(self, constraint: int) -> bool:
         """Return whether a constraint (from 0) is a leg whose bodies weigh something."""
-        return self.stated is not None and constraint in self.stated.legs.rows
+        return self.model is not None and constraint in self.model.legs.rows
 
     def leg_axis(self, constraint: int) -> Array | None:
         """Return the first axis of a leg's universal joint, a unit vector; None if it has none."""
-        assert self.stated is not None
-        axis = self.stated.legs.axes[self.stated.legs.rows.tolist().index(constraint)]
+        assert self.model is not None
+        axis = self.model.legs.axes[self.model.legs.rows.tolist().index(constraint)]
         return axis if axis.any() else None
 
     def leg_bodies(self, constraint: int, e: Array) -> tuple[Inertial, Inertial]:
@@ -123,17 +123,17 @@ class SimulatedMasses:
         return self._leg_body(leg.cylinder, e), self._leg_body(leg.rod, -e)
 
     def _leg(self, constraint: int) -> Leg:
-        assert self.stated is not None
-        assert self.stated.instance.dynamics is not None
-        legs = self.stated.instance.dynamics.legs
-        return legs[0 if len(legs) == 1 else self.stated.legs.rows.tolist().index(constraint)]
+        assert self.model is not None
+        assert self.model.instance.dynamics is not None
+        legs = self.model.instance.dynamics.legs
+        return legs[0 if len(legs) == 1 else self.model.legs.rows.tolist().index(constraint)]
 
     def _leg_body(self, body: LegBody | None, way: Array) -> Inertial:
-        assert self.stated is not None
+        assert self.model is not None
         least = _SLENDER * self.platform.mass
         if body is None:
             return Inertial(least, np.zeros(3), least * self.size**2 * np.eye(3), falls=False)
-        mass, metre = body.mass.value, self.stated.metre
+        mass, metre = body.mass.value, self.model.metre
         slender = _SLENDER * mass * self.size**2
         across, axial = (
             max(moment.value * metre**2, slender) for moment in (body.inertia, body.axial)

@@ -98,7 +98,7 @@ def choose(instance: Instance, names: Sequence[str]) -> tuple[Coordinate, ...]:
     return tuple(found)
 
 
-def stated(instance: Instance, chosen: Sequence[Coordinate]) -> Array:
+def nominal_coordinates(instance: Instance, chosen: Sequence[Coordinate]) -> Array:
     """Return coordinates as the instance states them, shape (n,); cranks are stated at zero."""
     return np.array(
         [

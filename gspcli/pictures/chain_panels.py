@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.catalogue.realization import Realization
 from gspcli.pictures.figures import BASE, INK, PLATFORM, SOFT, styled, written
+from gspcli.pictures.joint_frames import ChainEnds, MountedJoint, mounted
 from gspcli.pictures.joint_symbols import draw_joint
-from gspcli.pictures.mounting import ChainEnds, MountedJoint, mounted
 from gspcli.pictures.projection import Paper, View
 from gspcli.pictures.strokes import perpendicular
 

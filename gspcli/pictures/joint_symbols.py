@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.joints import JointKind
 from gspcli.pictures.figures import ANGLE, INK
-from gspcli.pictures.mounting import MountedJoint
+from gspcli.pictures.joint_frames import MountedJoint
 from gspcli.pictures.projection import Paper
 from gspcli.pictures.strokes import perpendicular
 

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DLL, Primitive
 from gspcli.catalogue.mechanism import Mechanism, MountedChain
 from gspcli.pictures.chain_panels import draw_links
-from gspcli.pictures.drawing import draw_body
 from gspcli.pictures.figures import BASE, PLATFORM, styled, written_drawing
+from gspcli.pictures.joint_frames import ChainEnds, fitting, mounted, stretched
 from gspcli.pictures.joint_symbols import draw_joint
-from gspcli.pictures.mounting import ChainEnds, fitting, mounted, stretched
+from gspcli.pictures.line_drawings import draw_body
 from gspcli.pictures.projection import Paper, View
 from gspcli.pictures.scene import DrawnBody, DrawnPrimitive, Scene
 from gspcli.pictures.strokes import connection

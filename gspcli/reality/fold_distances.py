@@ -18,7 +18,7 @@ from gspcli.geometry.constraint_polynomials import Gradient, polynomial
 from gspcli.geometry.measurement import by_twist
 from gspcli.geometry.quaternions import dot
 from gspcli.reality.platforms import Platforms
-from gspcli.reality.splitting import NUMBERS, Pattern
+from gspcli.reality.split_platforms import NUMBERS, Pattern
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]

@@ -25,7 +25,7 @@ from gspcli.defaults import SEED
 from gspcli.reality.fold_distances import Folds, moved
 from gspcli.reality.platforms import Platforms, random_platforms, reduced
 from gspcli.reality.solved_platforms import Solved, followed_from, solved
-from gspcli.reality.splitting import Pattern
+from gspcli.reality.split_platforms import Pattern
 from gspcli.reality.step import shortest_step
 from gspcli.records import dataclass
 from gspcli.workers import HERE, Workers

@@ -30,13 +30,13 @@ from gspcli.reality.platforms import Platforms
 from gspcli.reality.recognition import look_real
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.pose_set import PoseSet
-from gspcli.solver.problem import Problem
-from gspcli.solver.strategies.stored_start import careful_paths
-from gspcli.solver.tracking import (
+from gspcli.solver.poses_by_paths import (
     poses_by_paths,
     solve_by_tracking,
     track_platforms,
 )
+from gspcli.solver.problem import Problem
+from gspcli.solver.strategies.stored_start import careful_paths
 
 Array = NDArray[np.float64]
 

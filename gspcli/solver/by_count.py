@@ -19,13 +19,13 @@ from gspcli.solver.completion import FEW, complete, go_on_until
 from gspcli.solver.infinite import along_points, solve_infinite
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.pose_set import PoseSet, joined
+from gspcli.solver.poses_by_paths import poses_by_paths
 from gspcli.solver.poses_in_parts import complete_parts
 from gspcli.solver.problem import Problem
 from gspcli.solver.proof import CountKind, Proof
 from gspcli.solver.real_statements import isolated_real_poses
 from gspcli.solver.side import Side
 from gspcli.solver.strategies import Further
-from gspcli.solver.tracking import poses_by_paths
 
 #: A count takes longer than to follow this part of the paths with 32 digits, for each path that
 #: there is; and the part of which more are not followed: then the platform is a special one.

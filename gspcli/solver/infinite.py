@@ -17,10 +17,10 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import Field
 from gspcli.geometry.residuals import residuals
 from gspcli.solver.pose_set import Motion, PoseSet
+from gspcli.solver.poses_by_paths import poses_by_paths, poses_of
 from gspcli.solver.problem import Problem
 from gspcli.solver.proof import Proof
 from gspcli.solver.self_motion import local_motion
-from gspcli.solver.tracking import poses_by_paths, poses_of
 
 #: Samples of a motion meet the constraints up to this part of their size.
 _ON_MOTION = 1e-8

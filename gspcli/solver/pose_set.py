@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.continuation.paths import PathAccount
-from gspcli.geometry.ordering import stable_order
+from gspcli.geometry.pose_order import stable_order
 from gspcli.geometry.quaternions import Field, quaternion_from_rotation
 from gspcli.records import dataclass
 from gspcli.solver.proof import CountKind, Proof

@@ -6,7 +6,7 @@ from collections.abc import Mapping as Table
 from typing import TYPE_CHECKING, TypeAlias
 
 from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS, DPP, KINDS_BY_NAME, Kind
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES
 from gspcli.errors import Problem, TypeNameError
 from gspcli.geometry.checking import ONE_SIDE
@@ -269,9 +269,9 @@ class FileChecker:
         """Return what is said of masses, and note what no platform can have."""
         if self.model.dynamics is None:
             return None
-        from gspcli.spec.mass_checks import problems_of_masses, stated_dynamics
+        from gspcli.spec.mass_checks import dynamics_of, problems_of_masses
 
-        dynamics = stated_dynamics(self.model.dynamics)
+        dynamics = dynamics_of(self.model.dynamics)
         kinds = [row.kind for row in constraints if row is not None]
         if dynamics is not None and len(kinds) == len(constraints) and self.model.units:
             length = self.model.units.length

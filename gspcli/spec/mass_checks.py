@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     AnyLeg: TypeAlias = LegModel | LegFields
     AnyLegBody: TypeAlias = LegBodyModel | LegBodyFields
 
-Stated = TypeVar("Stated")
+Given = TypeVar("Given")
 
 
-def stated_dynamics(model: AnyDynamics | None) -> Dynamics | None:
+def dynamics_of(model: AnyDynamics | None) -> Dynamics | None:
     """Return what a file says of masses; None if it says nothing, or nothing that can be read."""
     if model is None or None in (model.legs or ()):
         return None
@@ -35,7 +35,7 @@ def stated_dynamics(model: AnyDynamics | None) -> Dynamics | None:
     )
 
 
-def _or_zero(stated: Stated | None) -> Stated | int:
+def _or_zero(stated: Given | None) -> Given | int:
     return 0 if stated is None else stated
 
 

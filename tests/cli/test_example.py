@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.cli.main import run
 from gspcli.resources import instance_files
 

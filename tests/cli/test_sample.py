@@ -12,10 +12,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from gspcli.catalogue.parsing import parse_type
-from gspcli.reality import sampling
+from gspcli.catalogue.names import parse_type
+from gspcli.reality import real_distribution
+from gspcli.reality.real_distribution import Sample, Tally
 from gspcli.reality.recognition import Reality
-from gspcli.reality.sampling import Sample, Tally
 from gspcli.solver import solve
 from gspcli.spec import load
 from gspcli.workers import Workers
@@ -63,7 +63,7 @@ def test_an_interruption_shows_what_is_known(gsp, monkeypatch: pytest.MonkeyPatc
         yield Sample(wanted.gsp_type, 7, one_sided=True).tally(0)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sampling, "sample", interrupted)
+    monkeypatch.setattr(real_distribution, "sample", interrupted)
     done = gsp("sample", "6PH", "--one-sided", "--count", "3000", "--format", "json")
     assert done.code == 130
     assert done.err == "interrupted after 7 of 3000 platforms\n"
@@ -83,7 +83,7 @@ def test_doubtful_platforms_are_kept(
 ) -> None:
     name, wanted = "DPP DPP DPH DHP ALL AHH", Sample(parse_type("2PP PH HP ALL AHH"), 3, 5)
     truth = replace(wanted, one_sided=bool(sides)).tally(0).real
-    monkeypatch.setattr(sampling, "reality", lambda *_: Reality(np.zeros(0, bool), False))
+    monkeypatch.setattr(real_distribution, "reality", lambda *_: Reality(np.zeros(0, bool), False))
     words = ("--count", "3", "--seed", "5", "--jobs", "1", "--save", tmp_path / "new", *sides)
     done = gsp("sample", name, *words, "--format", "json")
     assert (done.code, json.loads(done.out)["undecided"]) == (0, 3)

@@ -8,7 +8,7 @@ import pytest
 
 from gspcli.catalogue.counts import family_counts
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DPH
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.real_counts import (
     Place,
     platform_at,

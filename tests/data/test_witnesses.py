@@ -9,7 +9,7 @@ import pytest
 
 from gspcli.catalogue.counts import all_families, family_counts
 from gspcli.catalogue.kinds import ALL, DHP, DPH
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import CLASSES, CONSTRAINTS, families
 from gspcli.catalogue.witnesses import (
     Witness,

@@ -10,7 +10,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.certification import Certificates, certify
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Constraint, Instance

@@ -11,7 +11,7 @@ import pytest
 
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import AHL, ALH, DHP, DLP, DPH, DPL
-from gspcli.catalogue.parsing import parse_name
+from gspcli.catalogue.names import parse_name
 from gspcli.certification.counting import count_exactly, count_geometry
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from gspcli import _kernel
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.certification import certify, refine
 from gspcli.certification.equations.frames import OWN
 from gspcli.certification.numbers.correct_rounding import GRID, SMALL

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import gspcli
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.residuals import residuals

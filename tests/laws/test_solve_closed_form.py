@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from matching import pose_set_distance
 
 from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import GspType, type_by_number
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.numbers import Number

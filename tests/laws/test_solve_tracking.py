@@ -15,8 +15,8 @@ from gspcli.geometry.quaternions import study_from_pose
 from gspcli.solver import solve
 from gspcli.solver.closed_form import solve_closed_form
 from gspcli.solver.generate import random_instance
+from gspcli.solver.poses_by_paths import solve_by_tracking
 from gspcli.solver.study_systems import target_systems
-from gspcli.solver.tracking import solve_by_tracking
 
 seeds = st.integers(0, 10**6)
 

@@ -20,7 +20,7 @@ from bench import msolve
 from bench.cases import random_instances
 from gspcli.atlas.groebner import msolve_path
 from gspcli.catalogue.counts import generic_counts
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import all_types
 from gspcli.certification import Certificates, certify
 from gspcli.export.answers import read_answer

@@ -7,7 +7,7 @@ import pytest
 
 import gspcli
 from gspcli.catalogue.kinds import ANGLE_KINDS, DISTANCE_KINDS
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import all_types
 from gspcli.cli.main import run
 from gspcli.dynamics import inverse_dynamics

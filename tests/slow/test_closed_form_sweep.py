@@ -15,7 +15,7 @@ from gspcli.catalogue.types import type_by_number
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.closed_form import solve_closed_form
 from gspcli.solver.generate import random_instance
-from gspcli.solver.tracking import solve_by_tracking
+from gspcli.solver.poses_by_paths import solve_by_tracking
 
 TYPES = 1120
 BLOCKS = 40

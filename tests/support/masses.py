@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 from gspcli.catalogue.kinds import DPP
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.lengths import METRES
 from gspcli.geometry.masses import Drives, Dynamics, Leg, LegBody, RigidBody

@@ -13,9 +13,9 @@ from typing import Any
 import pytest
 
 from gspcli import workers as module
-from gspcli.atlas.counting import count_all, measure
+from gspcli.atlas.task_counts import count_all, measure
 from gspcli.atlas.tasks import Task
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.errors import GspError
 from gspcli.reality.maximize import Search, attempts
 from gspcli.workers import HERE, Workers

@@ -11,10 +11,10 @@ import csv
 import sys
 from collections import Counter
 
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.sample import histogram
-from gspcli.reality.sampling import Sample, Tally, sample
+from gspcli.reality.real_distribution import Sample, Tally, sample
 from tools.recording import ROOT, add_workers, parser, save, with_section, workers_of
 
 PAGE = ROOT / "docs" / "real-counts.md"

@@ -42,7 +42,7 @@ from gspcli.errors import GspError
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_vector
 from gspcli.motion import measure
-from gspcli.motion.files.value_files import stated_values
+from gspcli.motion.files.value_files import nominal_values
 from gspcli.solver.generate import random_instance
 from gspcli.spec import dumps
 from tools.fuzz.attacks import attack_by_seeds, call
@@ -144,7 +144,7 @@ def _columns(
     if form in ("values", "differences"):
         numbers = given.values.copy()
         if form == "differences":
-            numbers -= stated_values(given.instance)
+            numbers -= nominal_values(given.instance)
         if radians:
             numbers = np.where(given.angles, np.radians(numbers), numbers)
         columns |= {str(k + 1): column for k, column in enumerate(numbers.T)}

@@ -19,7 +19,7 @@ from statistics import median
 
 import numpy as np
 
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.defaults import SEED
 from gspcli.motion.singularities.clearances import clearance
 from gspcli.motion.singularities.displacements import Displacements

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gspcli.catalogue.counts import family_counts, generic_counts
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import CLASSES, Family, families
 from gspcli.certification.counting import count_exactly, count_geometry
 from gspcli.certification.counting.coordinate_choice import Blocks

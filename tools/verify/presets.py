@@ -14,7 +14,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.continuation import tracker_options
 from gspcli.continuation.endpoints import random_start
 from gspcli.continuation.reduced_homotopy import ends_from_start

@@ -35,7 +35,7 @@ from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES, GspType
 from gspcli.errors import INTERRUPTED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver import PoseSet, SolveResult, solve
-from gspcli.solver.tracking import solve_by_tracking, solve_each_by_tracking
+from gspcli.solver.poses_by_paths import solve_by_tracking, solve_each_by_tracking
 from tools.recording import (
     add_sample,
     add_workers,

@@ -18,7 +18,7 @@ from gspcli.defaults import SEED
 from gspcli.reality.maximize import Search
 from gspcli.reality.platforms import Platforms, random_platforms, reduced
 from gspcli.reality.solved_platforms import Solved, solved
-from gspcli.reality.splitting import Pattern, Splitting
+from gspcli.reality.split_platforms import Pattern, Splitting
 from tools.witnesses.known import add_entry, numbers_of, read_journal
 
 #: A platform with all solutions real is moved so far away from folds, in so many steps.

@@ -13,7 +13,7 @@ import numpy as np
 from flint import arb, arb_poly, arb_series
 from numpy.typing import NDArray
 
-from gspcli.certification.branches.moving import Shape
+from gspcli.certification.branches.parametric_quadrics import Shape
 from gspcli.certification.branches.taylor import Element, MovingSystem
 from gspcli.certification.equations import study
 from gspcli.certification.numbers.rounding import OUTWARD, TINY

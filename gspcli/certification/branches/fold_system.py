@@ -19,7 +19,7 @@ import numpy as np
 from flint import arb, arb_mat, arb_series
 from numpy.typing import NDArray
 
-from gspcli.certification.branches.moving import Shape
+from gspcli.certification.branches.parametric_quadrics import Shape
 from gspcli.certification.branches.taylor import Element, MovingSystem
 from gspcli.certification.equations import study
 from gspcli.records import dataclass

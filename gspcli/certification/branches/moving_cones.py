@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from flint import arb
 
-from gspcli.certification.branches.moving import Equation, Law, Shape
+from gspcli.certification.branches.parametric_quadrics import Equation, Law, Shape
 from gspcli.certification.branches.taylor import Element, MovingSystem
 from gspcli.certification.equations.quadratic_forms import base_height, platform_height, scaled
 from gspcli.certification.numbers.balls import ball, norm

@@ -18,12 +18,12 @@ import numpy as np
 from flint import arb, arb_series
 from numpy.typing import NDArray
 
-from gspcli.certification.branches.moving import Equation, Law, Shape, moving_equation
+from gspcli.certification.branches.parametric_quadrics import Equation, Law, Shape, moving_equation
 from gspcli.certification.equations import study
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.numbers.balls import ball, cross, dot, norm
 from gspcli.certification.numbers.rounding import OUTWARD, TINY
-from gspcli.geometry.coordinates import Body, Coordinate, stated
+from gspcli.geometry.coordinates import Body, Coordinate, nominal_coordinates
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
 from gspcli.geometry.primitives import Crank, Line, Plane, Point
 from gspcli.records import dataclass
@@ -125,7 +125,7 @@ class MovingSystem:
         self.chosen = tuple(chosen)
         self.scale = length_scale(instance)
         values = [constraint.value.value for constraint in instance.constraints]
-        row = np.concatenate((values, stated(instance, self.chosen)))
+        row = np.concatenate((values, nominal_coordinates(instance, self.chosen)))
         still = self.equations((row, row), arb(0), arb(0), 0)
         #: Of the equations, shape (6,).
         self.shapes = np.array([equation[0] for equation, _ in still], np.int32)

@@ -5,7 +5,7 @@ from gspcli.certification.counting.eigenposes import ApproximatePose, poses_by_e
 from gspcli.certification.counting.exact_counts import ExactCount, SideCount
 from gspcli.certification.counting.modular_platform import NotCountedError
 from gspcli.certification.counting.parts import PartCount
-from gspcli.certification.counting.stated_counts import (
+from gspcli.certification.counting.platform_counts import (
     DEFAULT_LIMIT,
     count_exactly,
     count_geometry,

@@ -23,9 +23,9 @@ from gspcli.certification.counting.modular_platform import (
     on_sides,
 )
 from gspcli.certification.counting.motion_equations import equations, with_moments
+from gspcli.certification.counting.platform_counts import DEFAULT_LIMIT, work_limit
 from gspcli.certification.counting.residue_counts import Ending, trace
 from gspcli.certification.counting.spectrum import SpectrumError, eigenvectors
-from gspcli.certification.counting.stated_counts import DEFAULT_LIMIT, work_limit
 from gspcli.certification.equations import study
 from gspcli.certification.numbers.balls import rotated
 from gspcli.defaults import SEED

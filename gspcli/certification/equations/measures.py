@@ -27,14 +27,14 @@ class Measurement:
     ----------
     value
         A ball of the distance or angle.
-    stated
+    target
         A ball of the value that the constraint states.
     height
         For PH and HP a ball of the signed distance, positive where the normal points.
     """
 
     value: arb
-    stated: arb
+    target: arb
     height: arb | None = None
 
 
@@ -46,24 +46,24 @@ def measure(system: BallSystem, pose: PoseBall) -> list[Measurement]:
 
 
 def _measure(given: Statement, R: list[list[arb]], T: list[arb]) -> Measurement:
-    kind, stated = given.kind, given.value * given.unit
+    kind, target = given.kind, given.value * given.unit
     u = rotated(R, given.u) if given.u else []
     if not kind.is_distance:
         angle = _angle(u, given.v)
         if kind.law is not Law.COSINE:
             angle = (arb.pi() if kind.law.is_cosine else arb.pi() / 2) - angle
-        return Measurement(angle * given.unit, stated)
+        return Measurement(angle * given.unit, target)
     w = [x + t - y for x, t, y in zip(rotated(R, given.a), T, given.b, strict=True)]
     if kind.law is Law.MOMENT:
         common = cross(u, given.v)
-        return Measurement(abs(dot(w, common)) / norm(common) * given.unit, stated)
+        return Measurement(abs(dot(w, common)) / norm(common) * given.unit, target)
     axis = u or given.v
     if kind.law is Law.SQUARE:
         distance = norm(cross(w, axis)) / norm(axis) if axis else norm(w)
-        return Measurement(distance * given.unit, stated)
+        return Measurement(distance * given.unit, target)
     height = dot(w, axis) / norm(axis) * given.unit
     height = -height if u else height
-    return Measurement(abs(height), stated, height)
+    return Measurement(abs(height), target, height)
 
 
 def _angle(u: list[arb], v: list[arb]) -> arb:
@@ -73,16 +73,16 @@ def _angle(u: list[arb], v: list[arb]) -> arb:
 
 def residual(measurements: Sequence[Measurement]) -> arb:
     """Bound the largest difference between what is measured and what is stated."""
-    return largest([m.value - m.stated for m in measurements])
+    return largest([m.value - m.target for m in measurements])
 
 
-def as_stated(system: BallSystem, pose: PoseBall, *, real: bool) -> bool:
+def satisfies_constraints(system: BallSystem, pose: PoseBall, *, real: bool) -> bool:
     """Whether the constraints are proved to hold as they are stated.
 
     Only for the distance of two lines does the equation hold elsewhere: where they are parallel,
     whatever their distance.
     """
-    if real and any(not m.value.overlaps(m.stated) for m in measure(system, pose)):
+    if real and any(not m.value.overlaps(m.target) for m in measure(system, pose)):
         return False
     for given in system.statements:
         if given.kind is DLL:

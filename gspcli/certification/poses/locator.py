@@ -21,7 +21,7 @@ from gspcli.certification.equations import study
 from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.equations.frames import Frames
 from gspcli.certification.equations.local_frames import length_scale
-from gspcli.certification.equations.measures import as_stated
+from gspcli.certification.equations.measures import satisfies_constraints
 from gspcli.certification.equations.pose_balls import PoseBall, pose_of_point
 from gspcli.certification.numbers.balls import largest
 from gspcli.certification.numbers.correct_rounding import rounded
@@ -293,7 +293,7 @@ def _located(system: BallSystem, isolation: Isolation) -> Located | None:
     """Return the pose of a solution if it is proved, and known well enough to be rounded."""
     real = isolation.real
     pose = pose_of_point(isolation.point)
-    if pose is None or real is None or not as_stated(system, pose, real=real):
+    if pose is None or real is None or not satisfies_constraints(system, pose, real=real):
         return None
     located = Located(isolation, pose, system.scale, real)
     return None if located.numbers is None else located

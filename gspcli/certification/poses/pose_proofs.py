@@ -13,7 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.certification.equations import study
 from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.equations.local_frames import LocalFrames, length_scale
-from gspcli.certification.equations.measures import Measurement, as_stated, measure, residual
+from gspcli.certification.equations.measures import (
+    Measurement,
+    measure,
+    residual,
+    satisfies_constraints,
+)
 from gspcli.certification.equations.pose_balls import PoseBall, pose_of_floats, pose_of_point
 from gspcli.certification.numbers.balls import float_above, largest
 from gspcli.certification.poses.certificates import Certificate, Certificates, Outcome
@@ -118,12 +123,12 @@ class _Candidate:
     def _judge(self, system: BallSystem, real: bool | None) -> tuple[Outcome, bool]:
         """Return the outcome of a solution nearby, and whether something is still open."""
         assert self.pose is not None
-        if any(not m.value.overlaps(m.stated) for m in self.measurements):
+        if any(not m.value.overlaps(m.target) for m in self.measurements):
             return Outcome.NOT_AS_STATED, False
-        if not as_stated(system, self.pose, real=bool(real)):
+        if not satisfies_constraints(system, self.pose, real=bool(real)):
             return Outcome.NOT_AS_STATED, True
         side_unknown = any(
-            m.height is not None and m.height.contains(0) and not m.stated.is_zero()
+            m.height is not None and m.height.contains(0) and not m.target.is_zero()
             for m in self.measurements
         )
         return Outcome.CERTIFIED, real is None or side_unknown

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DLP, DPL, DPP
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.coordinates import BODIES, Coordinate, choose, stated
+from gspcli.geometry.coordinates import BODIES, Coordinate, choose, nominal_coordinates
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.ranges import wrong_value
@@ -104,14 +104,14 @@ def read_values(
             table.choose(numbers)
         t = table.numbers(["t"])[:, 0] if "t" in table.heading else None
         given = table.numbers(found)
-        base = stated_values(instance)
+        base = nominal_values(instance)
         values = np.tile(base, (len(table), 1))
         columns = [int(name) - 1 for name in found]
         values[:, columns] = given + (base[columns] if delta else 0)
         _check_meaning(table, instance, values, columns)
         places = table.numbers(list(moving))
         if delta and len(moving):
-            places += stated(instance, list(moving.values()))
+            places += nominal_coordinates(instance, list(moving.values()))
         coordinates = {
             one.name: column for one, column in zip(moving.values(), places.T, strict=True)
         }
@@ -149,7 +149,7 @@ def _moving(table: NumberTable, instance: Instance) -> dict[str, Coordinate]:
     return found
 
 
-def stated_values(instance: Instance) -> Array:
+def nominal_values(instance: Instance) -> Array:
     """Return the readings of an instance with the sign of a negative side, shape (6,)."""
     arrangement = Arrangement.of(instance)
     values: Array = np.where(arrangement.sides < 0, -arrangement.values, arrangement.values)

@@ -10,7 +10,12 @@ from numpy.typing import NDArray
 
 from gspcli import _kernel
 from gspcli.catalogue.kinds import DLL
-from gspcli.certification.branches.moving import Law, MovingEquations, Shape, moving_equations
+from gspcli.certification.branches.parametric_quadrics import (
+    Law,
+    MovingEquations,
+    Shape,
+    moving_equations,
+)
 from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.continuation.tracker import helpful

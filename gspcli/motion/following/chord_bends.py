@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.branches.moving import Shape
+from gspcli.certification.branches.parametric_quadrics import Shape
 from gspcli.motion.following.chord_equations import BENDS, ROUNDING, Chord, Parts
 
 Array = NDArray[np.float64]

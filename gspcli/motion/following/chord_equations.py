@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.branches.moving import Shape
+from gspcli.certification.branches.parametric_quadrics import Shape
 from gspcli.certification.branches.taylor import MovingQuadrics
 from gspcli.records import dataclass
 

@@ -26,7 +26,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.branches.moving import Law, Shape
+from gspcli.certification.branches.parametric_quadrics import Law, Shape
 from gspcli.motion.following.branch_follower import MovingPlatform
 from gspcli.records import dataclass
 

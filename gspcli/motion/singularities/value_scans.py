@@ -13,7 +13,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.residuals import condition_numbers
-from gspcli.motion.files.value_files import stated_values
+from gspcli.motion.files.value_files import nominal_values
 from gspcli.motion.singularities.clearances import clearances, range_weights
 from gspcli.records import dataclass
 from gspcli.solver import solve_batch
@@ -117,7 +117,7 @@ class Scan:
 
     def values_at(self, node: Sequence[int]) -> Array:
         """Return the six values at a node; distances to planes are signed."""
-        values = stated_values(self.instance)
+        values = nominal_values(self.instance)
         for axis, k in zip(self.axes, node, strict=True):
             values[axis.constraint] = axis.values[k]
         return values

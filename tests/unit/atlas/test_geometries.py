@@ -1,7 +1,7 @@
 import pytest
 
 from gspcli.atlas.geometries import CLASSES, random_geometry
-from gspcli.catalogue.parsing import parse_name
+from gspcli.catalogue.names import parse_name
 from gspcli.certification.counting import count_geometry
 from gspcli.errors import GspError
 

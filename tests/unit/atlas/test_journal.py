@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from gspcli.atlas import counting as module
-from gspcli.atlas.counting import Result, count_all
+from gspcli.atlas import task_counts as module
 from gspcli.atlas.journal import Journal
+from gspcli.atlas.task_counts import Result, count_all
 from gspcli.atlas.tasks import Task
 from gspcli.atlas.trace import Trace
 from gspcli.atlas.tracked_counts import Tracked

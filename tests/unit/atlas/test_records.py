@@ -7,8 +7,8 @@ import io
 
 import pytest
 
-from gspcli.atlas.counting import Result
 from gspcli.atlas.records import Verdict, contents, verdict
+from gspcli.atlas.task_counts import Result
 from gspcli.atlas.tasks import PRIMES, Task
 from gspcli.atlas.trace import Trace
 from gspcli.atlas.tracked_counts import Tracked

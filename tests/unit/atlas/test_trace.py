@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gspcli.atlas.trace import moving_equation, trace_test
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.solve import solve_system
 from gspcli.continuation.systems import Structure, System

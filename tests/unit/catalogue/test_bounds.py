@@ -22,7 +22,7 @@ from gspcli.catalogue.kinds import (
     Kind,
     Primitive,
 )
-from gspcli.catalogue.parsing import parse_name
+from gspcli.catalogue.names import parse_name
 from gspcli.catalogue.recorded_varieties import coordinates_label, varieties
 from gspcli.catalogue.types import CLASSES, Family, GspType, all_types, families
 from gspcli.resources import data_json

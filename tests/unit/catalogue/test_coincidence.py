@@ -24,7 +24,7 @@ from gspcli.catalogue.coincidence_counts import (
     invariant_partitions,
 )
 from gspcli.catalogue.kinds import ALL, DLL, DLP, DPL, DPP, KINDS, Kind
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import GspType, all_types
 from gspcli.errors import TypeNameError
 

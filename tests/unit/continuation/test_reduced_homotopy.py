@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gspcli import _kernel
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.continuation.reduced_homotopy import ReducedHomotopy, ends_from_start
 from gspcli.continuation.solve import solve_system
 from gspcli.continuation.start import path_count, start_system

@@ -10,8 +10,8 @@ from gspcli.catalogue.kinds import ALL, DLL, DPL, DPP, KINDS, Kind
 from gspcli.catalogue.mechanism import mechanism
 from gspcli.catalogue.realization import REALIZATIONS, Realization, outside, realization
 from gspcli.pictures.chain_panels import chain_drawing
+from gspcli.pictures.joint_frames import ChainEnds, mounted
 from gspcli.pictures.mechanisms import mechanism_drawing
-from gspcli.pictures.mounting import ChainEnds, mounted
 from gspcli.pictures.staging import best_mode, scene_of
 from gspcli.resources import instance_files
 from gspcli.solver import solve

@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import nnls
 
 from gspcli.catalogue.kinds import DHP, DLL, DPH
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.errors import GspError
 from gspcli.geometry.instance import AngleUnit, Units
 from gspcli.geometry.quaternions import pose_from_study
@@ -19,7 +19,7 @@ from gspcli.reality.maximize import Search
 from gspcli.reality.platforms import Platforms, multiplier, random_platforms, reduced
 from gspcli.reality.recognition import look_real
 from gspcli.reality.solved_platforms import Solved, solved
-from gspcli.reality.splitting import Pattern
+from gspcli.reality.split_platforms import Pattern
 from gspcli.reality.state import State, read_state
 from gspcli.reality.step import nonnegative_least_squares, shortest_step
 from gspcli.reality.witness_proofs import certified_real, platform_of, poses, real_instance

@@ -9,7 +9,7 @@ import pytest
 
 from gspcli import load
 from gspcli.catalogue.kinds import KINDS_BY_NAME
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.certification.counting import count_geometry, exact_count
 from gspcli.certification.counting.modular_platform import ModularPlatform
 from gspcli.continuation.tracked_paths import TrackedPaths

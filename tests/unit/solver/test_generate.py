@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.coincidence import parse_sharing
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.types import all_types
 from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement

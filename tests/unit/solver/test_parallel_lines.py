@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.continuation.start import distinct, path_count
 from gspcli.continuation.systems import Coefficients, Structure, System
 from gspcli.continuation.tracked_paths import track_all

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matching import pose_set_distance
 
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number

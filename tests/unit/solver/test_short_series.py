@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.solver import solve
 from gspcli.solver.generate import random_instance
 from gspcli.solver.problem import Problem

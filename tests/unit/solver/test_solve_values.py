@@ -8,7 +8,7 @@ import pytest
 from matching import pose_set_distance
 
 from gspcli import hexapod
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.continuation.paths import Basis
 from gspcli.errors import ArgumentError, GspError
@@ -19,9 +19,9 @@ from gspcli.solver import batch as batch_module
 from gspcli.solver import solve, solve_batch, solve_values
 from gspcli.solver.batch import Block
 from gspcli.solver.generate import random_instance
+from gspcli.solver.poses_by_paths import solve_by_tracking
 from gspcli.solver.proof import CountKind
 from gspcli.solver.row_groups import solve_rows
-from gspcli.solver.tracking import solve_by_tracking
 
 
 def instance_of(name: str):

@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.resources import data_path
 from gspcli.solver import reference_start, solve, solve_batch, solve_values
 from gspcli.solver.generate import random_instance

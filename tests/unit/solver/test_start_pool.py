@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.continuation.reduced_homotopy import ReducedHomotopy
 from gspcli.continuation.tracker import PathStatus

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gspcli.catalogue.parsing import parse_name
+from gspcli.catalogue.names import parse_name
 from gspcli.certification.counting import (
     NotCountedError,
     count_exactly,

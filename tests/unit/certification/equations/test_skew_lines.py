@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.certification.equations.skew_lines import are_skew
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.solver.generate import random_instance

@@ -9,7 +9,7 @@ import pytest
 from flint import acb, arb, ctx, fmpq
 
 from gspcli.catalogue.kinds import DISTANCE_KINDS
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.certification import Certificate, Certificates, Outcome, certify, decide
 from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.equations.pose_balls import pose_of_point

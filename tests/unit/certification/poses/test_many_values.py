@@ -9,7 +9,7 @@ import pytest
 from flint import arb, ctx
 
 from gspcli import _kernel, hexapod
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.certification import decide
 from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.equations.frames import OWN, Frames
@@ -21,8 +21,8 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import quaternion_from_rotation, study_from_pose
 from gspcli.geometry.residuals import residuals
 from gspcli.solver.generate import random_instance
+from gspcli.solver.poses_by_paths import solve_by_tracking
 from gspcli.solver.study_systems import side_choices
-from gspcli.solver.tracking import solve_by_tracking
 
 TYPES = (
     "DPP DPP DPP DPP DPP DPP",

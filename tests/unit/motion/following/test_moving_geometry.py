@@ -7,7 +7,7 @@ from flint import arb
 
 import gspcli
 from gspcli.certification.branches.taylor import MovingSystem
-from gspcli.geometry.coordinates import choose, coordinates, moved, stated
+from gspcli.geometry.coordinates import choose, coordinates, moved, nominal_coordinates
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import FollowOptions, MovingPlatform, measure, track
 from gspcli.motion.following.chord_equations import DEGREE, Parts
@@ -26,7 +26,7 @@ def random_platform(gsp_type, seed=1):
     return rng, instance, R, T
 
 
-def stated_values(instance):
+def nominal_values(instance):
     return np.array([constraint.value.value for constraint in instance.constraints])
 
 
@@ -58,10 +58,12 @@ def test_both_proofs_agree_where_only_values_move(gsp_type):
 def test_a_base_that_is_shifted_takes_the_platform_along():
     instance = gspcli.load(data_path("examples", "platform-6-6.yaml"))
     shift, s = np.array([0.4, -0.3, 0.2]), np.linspace(0, 1, 4)
-    values = np.tile(stated_values(instance), (4, 1))
+    values = np.tile(nominal_values(instance), (4, 1))
     for body in ("base", "platform"):
         chosen = named(instance, body=body)
-        places = stated(instance, chosen)[None] + s[:, None] * [shift[c.component] for c in chosen]
+        places = nominal_coordinates(instance, chosen)[None] + s[:, None] * [
+            shift[c.component] for c in chosen
+        ]
         columns = dict(zip([c.name for c in chosen], places.T, strict=True))
         found = track(instance, values, coordinates=columns, everything=True)
         assert found.certified
@@ -87,7 +89,7 @@ def test_cranks_about_one_axis_turn_everything():
     names = [c.name for c in named(instance, body="base", vector="crank")]
     assert len(names) == 6
     angles = np.array([0, 25, -70, 120.0])
-    values = np.tile(stated_values(instance), (4, 1))
+    values = np.tile(nominal_values(instance), (4, 1))
     found = track(instance, values, coordinates=dict.fromkeys(names, angles), modes=[1])
     assert found.certified
     assert not found.events
@@ -108,7 +110,7 @@ def test_every_coordinate_can_move(gsp_type):
     rng, instance, R, T = random_platform(gsp_type)
     every = coordinates(instance)
     assert {c.vector for c in every} >= {"position"}
-    start = stated(instance, every)
+    start = nominal_coordinates(instance, every)
     places = start + np.linspace(0, 1, 4)[:, None] * rng.normal(size=len(every)) * 1e-4
     platform = MovingGeometry(instance, every)
     values = np.tile(measure(instance, R, T), (4, 1))
@@ -128,8 +130,8 @@ def test_a_fold_met_by_moving_a_joint():
     instance = gspcli.load(data_path("examples", "platform-6-6.yaml"))
     name = f"base.{instance.constraints[0].base_name}.x"
     (one,) = choose(instance, [name])
-    (first,) = stated(instance, [one])
-    values = np.tile(stated_values(instance), (2, 1))
+    (first,) = nominal_coordinates(instance, [one])
+    values = np.tile(nominal_values(instance), (2, 1))
     found = track(instance, values, coordinates={name: first + np.array([0, 1])}, everything=True)
     assert found.complete
     folds = sorted({event.low for event in found.events if event.kind == "fold"})
@@ -147,7 +149,7 @@ def test_what_taylor_polynomials_leave_out_is_bounded():
     instance = gspcli.load(data_path("platforms", "t-top-head.yaml"))
     chosen = choose(instance, [f"crank.B{k}" for k in range(1, 7)])
     system = MovingSystem(instance, chosen)
-    values = stated_values(instance)
+    values = nominal_values(instance)
     rows = (
         np.concatenate((values, np.zeros(6))),
         np.concatenate((values * 1.01, [90, -60, 40, 80, -70, 30])),

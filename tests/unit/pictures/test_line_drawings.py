@@ -12,8 +12,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from gspcli.errors import GspError
-from gspcli.pictures.drawing import drawing
 from gspcli.pictures.figures import styled, written, written_drawing
+from gspcli.pictures.line_drawings import drawing
 from gspcli.pictures.projection import View
 from gspcli.pictures.scene import Scene
 from gspcli.pictures.staging import scene_of

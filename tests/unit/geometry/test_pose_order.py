@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gspcli.geometry.ordering import stable_order
+from gspcli.geometry.pose_order import stable_order
 
 
 def test_poses_are_sorted_by_what_is_rounded_to_nine_decimals_then_by_the_rest():

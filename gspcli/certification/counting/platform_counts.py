@@ -99,7 +99,7 @@ def count_exactly(
         return infinite
     if found.finite or not any(row.kind is DLL for row in instance.constraints):
         return found
-    return _joined(found, [_stated(instance, side, seed, max_work) for side in found.sides])
+    return _joined(found, [_side_count(instance, side, seed, max_work) for side in found.sides])
 
 
 def count_geometry(
@@ -202,8 +202,8 @@ class _Side:
     proved_distinct: int = 0
 
 
-def _stated(instance: Instance, side: SideCount, seed: int, max_work: int) -> _Side:
-    """Return the count of the poses as they are stated for a choice of sides.
+def _side_count(instance: Instance, side: SideCount, seed: int, max_work: int) -> _Side:
+    """Return the count of the poses for a choice of sides, not only of solutions of equations.
 
     It is that of points for lines that are always parallel; of others that in parts.
     """

@@ -18,8 +18,8 @@ from gspcli.certification import certify as certify_alone
 from gspcli.certification.counting import by_points
 from gspcli.certification.poses.decisions import nearly_parallel
 from gspcli.certification.poses.parallel_poses import where_parallel
+from gspcli.certification.poses.platform_certificates import SINGULAR
 from gspcli.certification.poses.pose_proofs import certify_equations
-from gspcli.certification.poses.stated_certificates import SINGULAR
 from gspcli.defaults import MAX_PRECISION, TOLERANCE
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance

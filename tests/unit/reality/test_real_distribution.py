@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.kinds import AHH, AHL, ALH, KINDS
-from gspcli.catalogue.parsing import parse_type
+from gspcli.catalogue.names import parse_type
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.geometry.residuals import residuals
 from gspcli.reality.platforms import random_platforms
+from gspcli.reality.real_distribution import Sample, Tally, sample
 from gspcli.reality.recognition import Reality, reality
-from gspcli.reality.sampling import Sample, Tally, sample
 from gspcli.workers import HERE, Workers
 
 TYPES = ("6PP", "DPL DLP DPH DHP DLL ALL", "3D3A PL PH LL ALL ALH AHH")
