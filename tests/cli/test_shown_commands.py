@@ -55,6 +55,7 @@ def _run(commands: list[Shown]) -> None:
     for shown, done in zip(able, shown_output.run_in_order(able), strict=True):
         codes = next((c for part, c in CODES.items() if re.search(part, shown.line)), (0,))
         assert done.code in codes, (shown.place, shown.line, done.output)
+        assert shown.says in done.output, (shown.line, done.output)
         if shown.output:
             advice = "run python -m tools.build.shown_output"
             assert shown_output.same(done.output, shown.output), (shown.line, done.output, advice)

@@ -2,7 +2,7 @@
 
 In a page a command stands in a block of ``console`` or in an indented block, after ``$ `` or, if it
 is one of `gsp`, bare; in a help under *Examples*. What follows it in a block of ``console`` is its
-output.
+output. In a row of a table a command is the last cell but one, and the last is part of its output.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ _GENERATED = {"commands.md"}
 OTHERS = ("printf", "msolve", "phc", "Singular", "M2")
 _OURS = re.compile(rf"(?:gsp|{'|'.join(OTHERS)}) ")
 _CONSOLE = re.compile(r"^```console\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+_ROW = re.compile(r"^\|.*\| `(gsp [^`]+)` \|(?: `([^`]+)`)? \|$", re.MULTILINE)
 _INDENTED = re.compile(r"^ {4}(?:\$ |(?=gsp ))(.+)$", re.MULTILINE)
 _THEN = ("&&", "|")
 
@@ -46,11 +47,14 @@ class Shown:
         The command line, without the prompt.
     output
         What it is shown to print, or an empty string if nothing is shown.
+    says
+        What is somewhere in its output, as a table says.
     """
 
     place: str
     line: str
     output: str = ""
+    says: str = ""
 
     @property
     def steps(self) -> list[list[str]]:
@@ -104,6 +108,8 @@ def shown_in(page: Path) -> list[Shown]:
         found += [(block.start(), shown) for shown in _of_block(place, block[1])]
     for match in _INDENTED.finditer(text):
         found.append((match.start(), Shown(place, match[1])))
+    for match in _ROW.finditer(text):
+        found.append((match.start(), Shown(place, match[1], says=match[2] or "")))
     ours = (entry for entry in found if _OURS.match(entry[1].line))
     return [shown for _, shown in sorted(ours, key=lambda entry: entry[0])]
 
