@@ -119,7 +119,7 @@ def command(
       gsp enumerate --class 3D3A --only PH HP A
       gsp enumerate --with PP --max-refined-two-sided 80 --sort refined_two_sided
       gsp enumerate --format csv -o types.csv
-      gsp enumerate --coincident "3LL 3ALL"
+      gsp enumerate --coincident "3DLL 3ALL"
     """
     selected = _select(classes, only, having, without, ceilings)
     if coincident is not None:

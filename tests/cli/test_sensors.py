@@ -5,8 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import re
-import shlex
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,35 +14,6 @@ from gspcli.resources import instance_files
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "sensors.md"
 READING = "leg P1 B2 = 2.913 ± 0.002"
-#: Last digits that depend on the processor.
-_ROUNDING = re.compile(r"residuals at most [0-9.e-]+")
-
-
-def _blocks() -> list[tuple[str, str]]:
-    """Return the commands of the page with what they are said to print."""
-    found = []
-    for block in re.findall(r"```console\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL):
-        for part in re.split(r"^\$ gsp ", block, flags=re.MULTILINE)[1:]:
-            command, _, printed = part.partition("\n")
-            found.append((command, printed))
-    return found
-
-
-def test_the_page_has_commands() -> None:
-    assert len(_blocks()) >= 5
-
-
-@pytest.mark.parametrize(("command", "printed"), _blocks(), ids=[c for c, _ in _blocks()])
-def test_the_page_shows_what_is_printed(
-    command: str,
-    printed: str,
-    gsp: Callable,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    outcome = gsp(*shlex.split(command))
-    assert _ROUNDING.sub("", outcome.out + outcome.err) == _ROUNDING.sub("", printed)
 
 
 def test_exit_codes_of_readings(gsp: Callable) -> None:

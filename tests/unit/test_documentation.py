@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shlex
 from collections.abc import Callable
 from pathlib import Path
 
@@ -56,19 +55,3 @@ def test_the_gallery_has_every_instance_file(load_tool: Callable) -> None:
     gallery = load_tool("build.site_gallery")
     shown = re.findall(r'<a href="views/(.+)\.html"><img src="views/\1\.svg"', gallery.grid())
     assert sorted(shown) == sorted(instance_files())
-
-
-def test_what_the_readme_shows_works_anywhere(
-    gsp: Callable, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    calls = re.findall(r"^    (?:\$ )?gsp (.+?)(?:  +#.*)?$", readme, re.MULTILINE)
-    assert len(calls) >= 9
-    monkeypatch.chdir(tmp_path)
-    for call in calls:
-        # All tables are compared by `make demo`.
-        words = [word for word in shlex.split(call) if word != "--check"]
-        assert gsp(*words).code == 0, call
-    written = {path.name for path in tmp_path.iterdir()}
-    assert written == {word for call in calls for word in call.split()[1:] if word in written}
-    assert len(written) == readme.count(" -o ")

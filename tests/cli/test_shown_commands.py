@@ -1,0 +1,121 @@
+"""Every command that a page or a help shows runs, and prints what is shown there."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import click
+import pytest
+
+from gspcli.cli.main import cli
+from tools.build import shown_commands, shown_output, stand_ins
+from tools.build.shown_commands import Shown
+
+PAGES = {page.name: shown_commands.shown_in(page) for page in shown_commands.pages()}
+PAGES = {name: shown for name, shown in PAGES.items() if shown}
+HELPS = shown_commands.helps()
+ALL = [shown for group in (*PAGES.values(), *HELPS.values()) for shown in group]
+#: Pages whose commands are run by tests of their own, which look at more.
+ELSEWHERE = {"calibration.md", "mount.md"}
+#: What takes hours, a cluster, or a limit of time that it uses up: it is only read.
+ENDLESS = re.compile(
+    r"gsp atlas (build|verify)|--time|--count 100000|=5:7:500"
+    r"|gsp maximize-real (6PP --target|platform)"
+)
+#: What takes seconds.
+LONG = re.compile(
+    r"table (all|errata) --check|--all-modes|gsp workspace platform|--of pose|--folds|gsp sample"
+    r"|gsp calibrate|gsp clearance platform.yaml( --mode| path| *$|  )|--random 200|cranks"
+    r"|sensors platform"
+)
+#: Exit codes that are meant; 0 otherwise. What a machine of the reader's keeps is not known.
+CODES = {
+    "hexapod.yaml path.csv --require": (1,),
+    "platform.yaml path.csv .*--require": (0, 1),
+    r"leg P1 B2 = 2\.7 \+-": (1,),
+    "leg P1 B7": (2,),
+}
+
+
+def _short(shown: Shown) -> bool:
+    return not (ENDLESS.search(shown.line) or LONG.search(shown.line))
+
+
+def _run(commands: list[Shown]) -> None:
+    """Run command lines and compare; what needs a program that is not here is left out."""
+    unmade: set[str] = set()
+    able = []
+    for shown in commands:
+        words = {word for words in shown.steps for word in words}
+        if shown.missing or words & unmade:
+            unmade |= {word for word in words if re.search(r"\.(out|phc)$", word)}
+        else:
+            able.append(shown)
+    for shown, done in zip(able, shown_output.run_in_order(able), strict=True):
+        codes = next((c for part, c in CODES.items() if re.search(part, shown.line)), (0,))
+        assert done.code in codes, (shown.place, shown.line, done.output)
+        assert shown.says in done.output, (shown.line, done.output)
+        if shown.output:
+            advice = "run python -m tools.build.shown_output"
+            assert shown_output.same(done.output, shown.output), (shown.line, done.output, advice)
+
+
+@pytest.mark.parametrize("name", [name for name in PAGES if name not in ELSEWHERE])
+def test_the_commands_of_a_page_run(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    _run([shown for shown in PAGES[name] if _short(shown)])
+
+
+@pytest.mark.parametrize("name", HELPS)
+def test_the_examples_of_a_help_run(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert HELPS[name]
+    monkeypatch.chdir(tmp_path)
+    _run([shown for shown in HELPS[name] if _short(shown)])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shown", [s for s in ALL if LONG.search(s.line)], ids=lambda s: s.line)
+def test_commands_that_take_long(
+    shown: Shown, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if ENDLESS.search(shown.line) or Path(shown.place).name in ELSEWHERE:
+        pytest.skip("run by a test of its own, or by nobody")
+    monkeypatch.chdir(tmp_path)
+    _run([shown])
+
+
+def test_commands_that_are_not_run_are_written_correctly(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for shown in ALL:
+        if not _short(shown) or shown.missing:
+            for words in shown.calls:
+                stand_ins.prepare(shown, set())
+                _parse(words)
+
+
+def _parse(words: list[str]) -> None:
+    """Read the words of a call without doing what they ask for."""
+    command: click.Command = cli
+    context = click.Context(cli)
+    while isinstance(command, click.Group):
+        found = command.get_command(context, words[0])
+        assert found is not None, words
+        command, words = found, words[1:]
+    command.make_context("gsp", list(words))
+
+
+def test_output_that_is_not_that_of_today_is_seen(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (wrong,) = [s for s in PAGES["dynamics.md"] if s.line.endswith("0.02,0,0")]
+    spoilt = Shown(wrong.place, wrong.line, wrong.output.replace("28.5166", "28.5167"))
+    with pytest.raises(AssertionError, match="shown_output"):
+        _run([spoilt])
