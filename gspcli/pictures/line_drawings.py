@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import Primitive
 from gspcli.pictures.figures import ANGLE, BASE, DISTANCE, PLATFORM, SOFT, styled, written_drawing
-from gspcli.pictures.projection import Paper, View
+from gspcli.pictures.projection import Paper, View, separate
 from gspcli.pictures.scene import DrawnBody, Scene, Series, StrokeStyle
 
 Array = NDArray[np.float64]
@@ -28,8 +28,6 @@ _MAIN = (StrokeStyle.LEG, StrokeStyle.PERPENDICULAR, StrokeStyle.ARC)
 _PANEL = 3.4
 #: One drawing alone may be larger.
 _ALONE = 5.0
-#: How far names stand from their points, in points of the paper.
-_BESIDE = 9.0
 #: With more panels than this, names would be too small to read.
 _NAMED_PANELS = 6
 
@@ -74,13 +72,18 @@ def drawing(
         figure = Figure(figsize=(columns * side, rows * side), layout="constrained")
         grid = figure.subplots(rows, columns, squeeze=False).ravel()
         named = names and len(panels) <= _NAMED_PANELS
-        for axes, mode in zip(grid, panels, strict=False):
-            paper = Paper(axes, view or View(), scene.size)
+        papers = [Paper(axes, view or View(), scene.size) for axes in grid[: len(panels)]]
+        for paper, mode in zip(papers, panels, strict=True):
             _draw(paper, scene, mode, named=named, fine=len(panels) > _NAMED_PANELS)
             if len(panels) > 1:
-                axes.set_title(f"mode {mode + 1}", color=SOFT, pad=8)
+                paper.axes.set_title(f"mode {mode + 1}", color=SOFT, pad=8)
+        # All panels have the scale of the largest.
+        reach = np.max([paper.reach for paper in papers], axis=0)
+        for paper in papers:
+            paper.finish(reach)
         for axes in grid[len(panels) :]:
             axes.set_axis_off()
+        separate(papers)
         return written_drawing(figure, fmt)
 
 
@@ -93,7 +96,6 @@ def _draw(paper: Paper, scene: Scene, mode: int, *, named: bool, fine: bool) -> 
             paper, scene.platform, PLATFORM, weight, modes.R[mode], modes.T[mode], named=named
         )
         _constraints(paper, scene, modes, mode, weight, named=named)
-    paper.finish()
 
 
 def draw_body(
@@ -126,8 +128,8 @@ def draw_body(
             paper.arrow(at, at + 0.16 * paper.size * (R @ element.direction), color, 0.9 * weight)
             at = outline[2]
         if named:
-            shift = _outward(paper, at, centre)
-            paper.text(at, element.name, color, shift, fontsize=9, fontstyle="italic")
+            way = _outward(paper, at, centre)
+            paper.label(at, element.name, color, way, fontsize=9, fontstyle="italic")
 
 
 def _constraints(
@@ -141,17 +143,17 @@ def _constraints(
             paper.line(stroke.points[pose], shade, width * weight, linestyle=dashes)
         if named:
             box = {"boxstyle": "circle,pad=0.22", "facecolor": "white", "edgecolor": color}
-            paper.text(
+            paper.label(
                 series.labels[pose, k], str(bond.number), color, fontsize=7,
                 bbox={**box, "linewidth": 0.7},
             )  # fmt: skip
 
 
 def _outward(paper: Paper, point: Array, centre: Array) -> Array:
-    """Return the way from a point to its name, away from the middle of the body."""
+    """Return the direction from a point to its name, away from the middle of the body."""
     (flat, middle), _ = paper.project(np.stack((point, centre)))
     away = flat - middle
     length = float(np.linalg.norm(away))
     if length < 1e-9 * paper.size:
-        return np.array([_BESIDE, _BESIDE]) / math.sqrt(2)
-    return np.asarray(_BESIDE * away / length)
+        return np.full(2, math.sqrt(0.5))
+    return np.asarray(away / length)

@@ -12,7 +12,7 @@ from gspcli.pictures.figures import BASE, PLATFORM, styled, written_drawing
 from gspcli.pictures.joint_frames import ChainEnds, fitting, mounted, stretched
 from gspcli.pictures.joint_symbols import draw_joint
 from gspcli.pictures.line_drawings import draw_body
-from gspcli.pictures.projection import Paper, View
+from gspcli.pictures.projection import Paper, View, separate
 from gspcli.pictures.scene import DrawnBody, DrawnPrimitive, Scene
 from gspcli.pictures.strokes import connection
 
@@ -71,6 +71,7 @@ def mechanism_drawing(
                 for joint in joints:
                     draw_joint(paper, joint, own, letter=False)
         paper.finish()
+        separate([paper])
         return written_drawing(figure, fmt)
 
 

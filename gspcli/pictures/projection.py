@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import field
 from typing import TYPE_CHECKING, Any
@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.pictures.label_places import Label, apart
 from gspcli.records import dataclass
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.text import Annotation
 
 Array = NDArray[np.float64]
 
@@ -67,6 +69,8 @@ class Paper:
         The layer of everything, instead of the depth.
     extent
         The smallest and the largest coordinates drawn so far, shape (2, 2).
+    labels
+        Names and numbers, each with the direction in which it stands from its point, or None.
     """
 
     axes: Axes
@@ -74,6 +78,7 @@ class Paper:
     size: float
     fixed: float | None = None
     extent: Array = field(default_factory=lambda: np.array([[math.inf] * 2, [-math.inf] * 2]))
+    labels: list[tuple[Annotation, Array | None]] = field(default_factory=list)
 
     @contextmanager
     def layer(self, layer: float) -> Iterator[None]:
@@ -145,25 +150,61 @@ class Paper:
 
     def text(
         self, point: Array, words: str, color: str, shift: Array | None = None, **more: Any
-    ) -> None:
+    ) -> Annotation:
         """Write beside a point; `shift` is the way there in points, shape (2,)."""
         from matplotlib.patheffects import withStroke
 
         flat, _ = self.project(point[None])
         self._include(flat)
         halo = [] if "bbox" in more else [withStroke(linewidth=2, foreground="white")]
-        self.axes.annotate(
+        return self.axes.annotate(
             words, xy=flat[0], xytext=(0, 0) if shift is None else tuple(shift), color=color,
             textcoords="offset points", ha="center", va="center", annotation_clip=False,
             zorder=100 + len(self.axes.texts) / 1000,
             path_effects=halo, **more,
         )  # fmt: skip
 
-    def finish(self) -> None:
-        """Fit the panel to what was drawn, true to scale and without axes."""
+    def label(
+        self, point: Array, words: str, color: str, way: Array | None = None, **more: Any
+    ) -> None:
+        """Write a name in a direction from its point, or a number on it; `separate` moves both."""
+        self.labels.append((self.text(point, words, color, **more), way))
+
+    def finish(self, reach: Array | None = None) -> None:
+        """Fit the panel to what was drawn, true to scale and without axes.
+
+        Parameters
+        ----------
+        reach
+            Half the width and height of the panel; by default those of what was drawn.
+        """
         self.axes.set_axis_off()
-        margin = _MARGIN * (self.extent[1] - self.extent[0]).max()
-        low, high = self.extent[0] - margin, self.extent[1] + margin
+        middle = self.extent.mean(axis=0)
+        low, high = middle - (half := self.reach if reach is None else reach), middle + half
         self.axes.set_xlim(low[0], high[0])
         self.axes.set_ylim(low[1], high[1])
         self.axes.set_aspect("equal", adjustable="box")
+
+    @property
+    def reach(self) -> Array:
+        """Half the width and height of what was drawn, with a margin, shape (2,)."""
+        size = self.extent[1] - self.extent[0]
+        return np.asarray(size / 2 + _MARGIN * size.max())
+
+
+def separate(papers: Sequence[Paper]) -> None:
+    """Place names and numbers of the finished panels of a figure so that none hides another."""
+    figure = papers[0].axes.get_figure(root=True)
+    assert figure is not None
+    # Only now panels have their places, and texts their sizes.
+    figure.draw_without_rendering()
+    pixels = 72 / figure.dpi
+    for paper in papers:
+        labels = []
+        for text, way in paper.labels:
+            box = text.get_bbox_patch() or text
+            size = pixels * np.array(box.get_window_extent().size)
+            at = pixels * paper.axes.transData.transform(text.xy)
+            labels.append(Label(at, size, way))
+        for (text, _), shift in zip(paper.labels, apart(labels), strict=True):
+            text.set_position(tuple(shift))

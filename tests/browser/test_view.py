@@ -204,7 +204,8 @@ def test_the_chart_of_a_trajectory_has_numbers(browser: Browser, view: Callable[
 def boxes(browser: Browser, selector: str) -> np.ndarray:
     """Return left, top, right and bottom of what is shown, shape (n, 4)."""
     found = browser.run(
-        f"[...document.querySelectorAll('{selector}')].filter((one) => one.style.display !== 'none')"
+        f"[...document.querySelectorAll('{selector}')]"
+        ".filter((one) => one.style.display !== 'none')"
         ".map((one) => one.getBoundingClientRect())"
         ".map(({ left, top, right, bottom }) => [left, top, right, bottom])"
     )

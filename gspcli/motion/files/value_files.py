@@ -15,7 +15,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import BODIES, Coordinate, choose, nominal_coordinates
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.ranges import wrong_value
+from gspcli.geometry.ranges import value_range, wrong_value
 from gspcli.geometry.readings import readings_of, values_of
 from gspcli.motion.files.number_tables import NumberTable
 from gspcli.motion.files.pose_files import PoseFormat, names_poses, poses_in
@@ -165,7 +165,10 @@ def _check_meaning(
         kind = instance.constraints[k].kind
         if kind.has_sides:
             continue
-        for row in np.flatnonzero(np.isfinite(values[:, k])):
+        low, high = value_range(kind, unit)
+        # The others are inside and need no exact number.
+        doubtful = np.isfinite(values[:, k]) & ~((meant[:, k] > low) & (meant[:, k] < high))
+        for row in np.flatnonzero(doubtful):
             value = float(meant[row, k])
             wrong = wrong_value(kind, Number.of(value), unit)
             if value == 0 and kind in (DPP, DPL, DLP):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -66,45 +65,43 @@ def limit_events(track: Track) -> list[LimitEvent]:
 
 def _ranges(track: Track) -> list[LimitEvent]:
     found = []
-    values, t = track.values[:, :6], track.t
     for k, constraint in enumerate(track.instance.constraints):
         if constraint.limits is None:
             continue
-        times, outside = _crossings(track.instance, k, t, values[:, k])
-        state = False
-        for time, now in zip(times, outside, strict=True):
-            if now != state:
-                found.append(LimitEvent("range", now, k, "", None, time, time, True))
-                state = now
+        times, outside = _pieces(track.instance, k, track.t, track.values[:, k])
+        changes = np.flatnonzero(outside != np.concatenate(([False], outside[:-1])))
+        found += [
+            LimitEvent("range", leaves, k, "", None, time, time, True)
+            for time, leaves in zip(times[changes].tolist(), outside[changes].tolist(), strict=True)
+        ]
     return found
 
 
-def _crossings(
-    instance: Instance, k: int, t: Array, values: Array
-) -> tuple[list[float], list[bool]]:
-    """Return where pieces of the motion of one value begin, and whether they are out of range."""
+def _pieces(instance: Instance, k: int, t: Array, values: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Return where pieces of the motion of one value begin, and whether they are out of range.
+
+    The first piece is the first row; between rows a piece ends wherever the value meets an end of
+    the range.
+    """
     constraint = instance.constraints[k]
     assert constraint.limits is not None
-    ends = [limit.value for limit in constraint.limits]
+    ends = np.array([limit.value for limit in constraint.limits])
     if constraint.kind.has_sides and constraint.side is not Side.POSITIVE:
-        mirrored = [-end for end in ends]
-        ends = mirrored + (ends if constraint.side is Side.BOTH else [])
-    times, outside = [float(t[0])], [_is_out(instance, k, values[0])]
-    for row in range(len(t) - 1):
-        first, last = values[row], values[row + 1]
-        parts = [(end - first) / (last - first) for end in ends] if last != first else []
-        cuts = [0.0, *sorted(part for part in parts if 0 < part < 1), 1.0]
-        for begin, end in pairwise(cuts):
-            middle = first + (begin + end) / 2 * (last - first)
-            times.append(float(t[row] + begin * (t[row + 1] - t[row])))
-            outside.append(_is_out(instance, k, middle))
-    return times, outside
-
-
-def _is_out(instance: Instance, k: int, value: float) -> bool:
-    row = np.zeros(len(instance.constraints))
-    row[k] = value
-    return bool(out_of_range(instance, row)[k])
+        ends = np.concatenate((-ends, ends)) if constraint.side is Side.BOTH else -ends
+    first, change = values[:-1, None], np.diff(values)[:, None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        parts = (ends - first) / change
+    # What is not between the rows is sorted last.
+    cuts = np.sort(np.where((parts > 0) & (parts < 1), parts, np.nan), axis=1)
+    edge = np.zeros((len(cuts), 1))
+    begins = np.hstack((edge, cuts))
+    stops = np.nan_to_num(np.hstack((cuts, edge + 1)), nan=1.0)
+    real = ~np.isnan(begins)
+    middles = (first + (begins + stops) / 2 * change)[real]
+    times = (t[:-1, None] + begins * np.diff(t)[:, None])[real]
+    rows = np.zeros((len(middles) + 1, len(instance.constraints)))
+    rows[:, k] = np.concatenate((values[:1], middles))
+    return np.concatenate((t[:1], times)), out_of_range(instance, rows)[:, k]
 
 
 def cones_proved(track: Track) -> bool:

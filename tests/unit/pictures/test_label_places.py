@@ -1,0 +1,81 @@
+"""Names and numbers stand apart, near their points."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gspcli.pictures.drawing import drawing
+from gspcli.pictures.label_places import Label, apart
+from gspcli.pictures.projection import Paper
+from gspcli.pictures.staging import scene_of
+from gspcli.resources import instance_files
+from gspcli.solver import solve
+from gspcli.spec import load
+
+SIZE = np.array([12.0, 9.0])
+RIGHT = np.array([1.0, 0.0])
+
+
+def shared(labels: list[Label], shifts: list[np.ndarray]) -> np.ndarray:
+    """Return which labels overlap, shape (n, n)."""
+    middles = np.array([label.at + shift for label, shift in zip(labels, shifts, strict=True)])
+    sizes = np.array([label.size for label in labels])
+    gaps = np.abs(middles[:, None] - middles) - (sizes[:, None] + sizes) / 2
+    return np.triu((gaps < -1e-6).all(axis=2), 1)
+
+
+def test_what_has_room_stands_where_it_wants_to() -> None:
+    labels = [Label(np.zeros(2), SIZE, RIGHT), Label(np.array([50.0, 0]), SIZE, None)]
+    name, number = apart(labels)
+    assert name == pytest.approx([10.0, 0.0])
+    assert number == pytest.approx([0.0, 0.0])
+
+
+def test_a_number_leaves_a_point_and_a_name_goes_around_a_number() -> None:
+    labels = [Label(np.zeros(2), SIZE, RIGHT), Label(np.array([3.0, 0]), SIZE, None)]
+    shifts = apart(labels)
+    assert np.abs(shifts[1]).max() > 0
+    assert not shared(labels, shifts).any()
+
+
+def test_many_at_one_place_stand_apart() -> None:
+    at = np.random.default_rng(3).uniform(-25, 25, size=(12, 2))
+    labels = [Label(p, SIZE, RIGHT if k % 2 else None) for k, p in enumerate(at)]
+    assert shared(labels, [np.zeros(2)] * 12).any()
+    assert not shared(labels, apart(labels)).any()
+
+
+@pytest.mark.parametrize("name", ["example-6.8", "figure-2", "rubin-m2", "fixture-3-2-1"])
+def test_labels_of_drawings_stand_apart(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    placed = []
+
+    def recorded(labels: list[Label]) -> list[np.ndarray]:
+        shifts = apart(labels)
+        placed.append((labels, shifts))
+        return shifts
+
+    monkeypatch.setattr("gspcli.pictures.projection.apart", recorded)
+    drawing(scene_of(solve(load(instance_files()[name]), certify=False)), "svg", [0, 1])
+    assert len(placed) == 2
+    for labels, shifts in placed:
+        assert len(labels) >= 10
+        assert not shared(labels, shifts).any()
+
+
+def test_all_panels_have_one_scale(monkeypatch: pytest.MonkeyPatch) -> None:
+    reaches = []
+    finish = Paper.finish
+
+    def recorded(paper: Paper, reach: np.ndarray | None = None) -> None:
+        finish(paper, reach)
+        low, high = paper.axes.get_ylim()
+        reaches.append([high - low, paper.reach[1]])
+
+    monkeypatch.setattr(Paper, "finish", recorded)
+    scene = scene_of(solve(load(instance_files()["octahedral-3-3"]), certify=False))
+    drawing(scene, "svg", range(4))
+    heights, drawn = np.transpose(reaches)
+    assert np.ptp(heights) < 1e-9
+    assert np.ptp(drawn) > 0.1
+    assert heights[0] == pytest.approx(2 * drawn.max())
