@@ -25,24 +25,20 @@ _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 def track_rows(result: Track, more: Mapping[str, Array]) -> list[dict[str, Any]]:
     """Return a row for each pose, with more numbers, each of shape (m, r)."""
-    rows = []
-    for k, t in enumerate(result.t.tolist()):
-        for m, mode in enumerate(result.modes.tolist()):
-            T = result.T[m, k]
-            if T[0] != T[0]:
-                continue
-            pose = [*T.tolist(), *result.quaternions[m, k].tolist()]
-            condition = float(result.conditions[m, k])
-            rows.append(
-                {
-                    "t": t,
-                    "mode": mode,
-                    **dict(zip(_POSE, pose, strict=True)),
-                    "condition": condition,
-                    **{key: float(numbers[m, k]) for key, numbers in more.items()},
-                }
-            )
-    return rows
+    import numpy as np
+
+    keys = ("t", "mode", *_POSE, "condition", *more)
+    numbers = np.dstack((result.T, result.quaternions, result.conditions, *more.values()))
+    there = ~np.isnan(result.T[..., 0])
+    modes = result.modes.tolist()
+    return [
+        dict(zip(keys, (t, mode, *pose), strict=True))
+        for t, poses, known in zip(
+            result.t.tolist(), numbers.swapaxes(0, 1).tolist(), there.T.tolist(), strict=True
+        )
+        for mode, pose, here in zip(modes, poses, known, strict=True)
+        if here
+    ]
 
 
 def track_table(

@@ -7,6 +7,9 @@ import io
 
 from gspcli.cli.output.tables import Table
 
+#: What the writer itself writes as `_cell` does; floats with all their digits.
+_PLAIN = {float, int, str}
+
 
 def render(table: Table) -> str:
     """Return a table as CSV."""
@@ -14,9 +17,8 @@ def render(table: Table) -> str:
     writer = csv.writer(buffer, lineterminator="\n")
     keys = [column.key for column in table.columns]
     writer.writerow(keys)
-    # The writer itself gives floats all their digits.
     writer.writerows(
-        [cell if type(cell) is float else _cell(cell) for cell in map(row.get, keys)]
+        [cell if type(cell) in _PLAIN else _cell(cell) for cell in map(row.get, keys)]
         for row in table.rows
     )
     return buffer.getvalue()
