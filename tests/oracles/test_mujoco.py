@@ -15,11 +15,13 @@ from gspcli.dynamics.mass_model import MassModel
 from gspcli.export import simulated_masses
 from gspcli.export.mjcf import TIME_STEP, mjcf
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.lengths import METRES
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion import measure
 from gspcli.motion.statics.wrenches import wrenches
+from gspcli.pictures.staging import best_mode
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.solver.generate import random_instance
@@ -40,6 +42,10 @@ OF_EACH_KIND = [
 #: Worse poses let the softness of MuJoCo's constraints through: drift grows with the condition.
 WELL_CONDITIONED = 100
 SECONDS = 2.0
+#: The folder of machines that are built.
+MACHINES = "platforms"
+#: A step so small that poses of any condition up to that stay where they are.
+FINE = 5e-5
 #: Steps in one call; MuJoCo keeps the model in its own loop.
 _BATCH = 1000
 
@@ -94,7 +100,7 @@ def _holds(model):
 
 
 def _run(model, data, seconds):
-    for _ in range(round(seconds / TIME_STEP)):
+    for _ in range(round(seconds / model.opt.timestep)):
         mujoco.mj_step(model, data)
 
 
@@ -105,7 +111,7 @@ def _platform(data):
 
 def _check(name, seed, seconds):
     instance, arrangement, R, T = _instance(name, seed)
-    model, data = _loaded(mjcf(instance, R, T))
+    model, data = _loaded(mjcf(instance, R, T, step=FINE))
     values = measured(arrangement, R, T)
     for k, kind in enumerate(arrangement.kinds):
         (found,) = data.joint(f"value_{k + 1}").qpos
@@ -136,6 +142,30 @@ def test_the_sample_has_every_kind():
 @pytest.mark.parametrize("name", OF_EACH_KIND)
 def test_of_every_kind_stay_for_two_seconds(name):
     _check(name, 7, SECONDS)
+
+
+def _sag(name, step):
+    """Return how far gravity pulls a machine in a quarter of a second, in lengths."""
+    instance = load(instance_files()[name])
+    result = solve(instance, certify=False)
+    mode = best_mode(result)
+    model, data = _loaded(mjcf(instance, result.R[mode].real, result.T[mode].real, step=step))
+    before = _platform(data)
+    _run(model, data, 0.25)
+    turned, moved = (np.abs(b - a).max() for a, b in zip(before, _platform(data), strict=True))
+    length = Arrangement.of(instance).length * METRES.get(instance.units.length, 1.0)
+    return max(turned, moved / length)
+
+
+@pytest.mark.parametrize(
+    "name", sorted(n for n, p in instance_files().items() if MACHINES in p.parts)
+)
+def test_every_machine_stays_with_the_usual_step(name):
+    assert _sag(name, TIME_STEP) < 1e-7
+
+
+def test_the_platform_gives_way_by_the_square_of_the_step():
+    assert _sag("rubin-m2", TIME_STEP) == pytest.approx(100 * _sag("rubin-m2", FINE), rel=0.02)
 
 
 _RANDOM = np.random.default_rng(2003).choice(len(all_types()), 100, replace=False) + 1
@@ -183,7 +213,7 @@ def _driven(name, seed, seconds):
     while (expected := _path(arrangement, R, T, values, signs * change)) is None:
         change /= 2
     expected = _tracked(instance, (R, T), expected)
-    count = round(seconds / TIME_STEP)
+    count = round(seconds / model.opt.timestep)
     for step in range(count):
         # Starts and ends at rest.
         done = (1 - np.cos(np.pi * (step + 1) / count)) / 2
@@ -214,7 +244,7 @@ def test_special_platforms_can_be_built(name):
     if not real:
         pytest.skip("no real pose")
     instance = load(instance_files()[name])
-    model, data = _loaded(mjcf(instance, real[0].R.real, real[0].T.real))
+    model, data = _loaded(mjcf(instance, real[0].R.real, real[0].T.real, step=FINE))
     assert np.abs(data.efc_pos).max() < 1e-9
     _run(model, data, 0.005)
     assert np.abs(data.efc_pos).max() < 1e-7
@@ -274,7 +304,7 @@ def test_stated_masses_are_those_of_the_model(name, monkeypatch):
     rng = np.random.default_rng(12)
     instance, R, T = random_platform(name, rng, legs=True)
     stated = MassModel.of(instance)
-    model, data = _loaded(mjcf(instance, R, T))
+    model, data = _loaded(mjcf(instance, R, T, step=FINE))
     body = model.body("platform")
     assert body.mass[0] == stated.mass
     assert np.allclose(body.ipos, stated.centre)

@@ -12,7 +12,7 @@ from gspcli.geometry.limits import joint_cones, tilts
 from gspcli.geometry.numbers import Number
 from gspcli.motion import measure, track
 from gspcli.motion.following.branch_follower import FollowOptions
-from gspcli.motion.following.limit_events import _crossings, limit_events
+from gspcli.motion.following.limit_events import _pieces, limit_events
 from gspcli.motion.following.trajectories import track_from
 from tests.support.limited import limited, one_leg, study
 
@@ -162,7 +162,7 @@ def test_signed_distances_cross_ranges_on_their_side(side, changes):
         limits=(Number.of("0.5"), Number.of("1.5")),
     )
     machine = replace(machine, constraints=(planar, *machine.constraints[1:]))
-    times, outside = _crossings(machine, 0, np.array([0.0, 4]), np.array([-2.0, 1]))
+    times, outside = _pieces(machine, 0, np.array([0.0, 4]), np.array([-2.0, 1]))
     found, state = {}, False
     for time, now in zip(times, outside, strict=True):
         if now != state:
