@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gspcli.cli.mode_option import Mode, chosen, mode_option
 from gspcli.cli.names import load_instance
-from gspcli.cli.number_types import Whole
 from gspcli.cli.output import DRAWINGS, Output, check_writable, output_options, write
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
@@ -33,13 +33,7 @@ _PAGE = "html"
 @click.command()
 @click.argument("spec", metavar="SPEC")
 @value_options
-@click.option(
-    "--mode",
-    type=Whole(1),
-    metavar="K",
-    help="The mode that is shown first, as gsp solve numbers them.  [default: the best "
-    "conditioned]",
-)
+@mode_option("The mode that is shown first, as `gsp solve` numbers them.  [default: home]")
 @click.option(
     "--track",
     "track",
@@ -63,7 +57,7 @@ _PAGE = "html"
 def command(
     spec: str,
     changes: Changes,
-    mode: int | None,
+    mode: Mode | None,
     track: str | None,
     euler: str | None,
     pivot: str | None,
@@ -157,17 +151,11 @@ def _stem(spec: str) -> str:
     return "platform" if spec == "-" else Path(spec).stem
 
 
-def _start(result: SolveResult, mode: int | None) -> int:
-    """Return the index of the mode that is asked for."""
-    real = result.counts.real
-    if mode is None:
-        from gspcli.pictures.staging import best_mode
-
-        return best_mode(result)
-    if mode > real:
-        message = f"--mode {mode}: the platform has {real or 'no'} real poses"
-        raise GspError(message)
-    return mode - 1
+def _start(result: SolveResult, mode: Mode | None) -> int:
+    """Return the index of the mode that is asked for; 0 if there is none to show."""
+    if mode is None and result.home is None:
+        return 0
+    return chosen(mode, result.home, result.counts.real) - 1
 
 
 def _say(path: Path, scene: Scene, size: int) -> None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli.grids import PARAMETERS, span_of
+from gspcli.cli.mode_option import Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Whole
 from gspcli.cli.output import (
@@ -41,7 +42,7 @@ _MOST_SHOWN = 2_000_000
 
 @click.command()
 @click.argument("spec", metavar="SPEC")
-@click.option("--mode", type=Whole(1), metavar="K", help="Home is mode K of SPEC.")
+@mode_option("Begin at this mode of SPEC.  [default: home]")
 @pose_value_option("home, instead of a mode of SPEC")
 @click.option(
     "--orientation",
@@ -92,7 +93,7 @@ _MOST_SHOWN = 2_000_000
 def command(
     spec: str,
     changes: Changes,
-    mode: int | None,
+    mode: Mode | None,
     pose: GivenPose | None,
     orientation: str | None,
     position: str | None,
