@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 from gspcli.cli.grids import PARAMETERS
 from gspcli.cli.output import Column, Table
 from gspcli.cli.reachable_home import Home
+from gspcli.errors import GspError
+from gspcli.wording import listed
 
 if TYPE_CHECKING:
     from gspcli.motion import Workspace
@@ -29,6 +31,7 @@ def workspace_document(
         "inner": len(found.inner_keys),
         "open": len(found.open_keys),
         "judged": found.judged,
+        "other_modes": other_modes(found, home),
     }
     if boxes is not None:
         document["boxes"] = [
@@ -41,6 +44,42 @@ def workspace_document(
             for row in boxes
         ]
     return document
+
+
+def other_modes(found: Workspace, home: Home) -> list[int]:
+    """Return the numbers of modes besides home that are in the set, if all its parts are counted.
+
+    Theirs are other parts, such as the mirror image, or poses beyond singular ones.
+    """
+    from gspcli.cli.real_poses import real_poses
+
+    if found.connected:
+        return []
+    try:
+        R, T = real_poses(found.instance)
+    except GspError:
+        # Without numbers there is nothing to name.
+        return []
+    numbers = [k + 1 for k, judged in enumerate(found.judged_poses(R, T).tolist()) if judged >= 0]
+    if home.mode is None:
+        return numbers if len(numbers) > 1 else []
+    return [number for number in numbers if number != home.mode]
+
+
+def _parts_note(found: Workspace, home: Home) -> list[str]:
+    if found.connected:
+        return [
+            "connected with home; not counted: what lies beyond singular poses, such as a mirror "
+            "image (--all-parts)"
+        ]
+    others = other_modes(found, home)
+    if not others:
+        return []
+    names = listed([str(number) for number in others], "and")
+    return [
+        f"all parts are counted, also of mode{'s' * (len(others) > 1)} {names}, such as a mirror "
+        "image (--connected)"
+    ]
 
 
 def _extents(found: Workspace) -> list[dict[str, Any]]:
@@ -65,6 +104,7 @@ def volume_table(found: Workspace, home: Home) -> Table:
         f"home: {home.text}",
         f"proved: {count} boxes inside, {len(found.open_keys)} between, {found.judged} judged; the "
         "set ends between least and lowest and between highest and most",
+        *_parts_note(found, home),
     ]
     columns = [
         Column("name", essential=True),

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gspcli.errors import IncompleteError, NotFiniteError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.coordinates import Coordinate, stated
+from gspcli.geometry.coordinates import Coordinate, nominal_coordinates
 from gspcli.geometry.instance import Instance
 from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
 from gspcli.motion.following.branch_runs import SAME, Run
@@ -79,7 +79,7 @@ def _stated_row(instance: Instance, chosen: Sequence[Coordinate], row: Array) ->
     arrangement = Arrangement.of(instance)
     signs = np.where(arrangement.sides < 0, -1.0, 1.0)
     signs = np.where(_open_sides(instance) & (row[:6] < 0), -1.0, signs)
-    return np.concatenate((signs * arrangement.values, stated(instance, chosen)))
+    return np.concatenate((signs * arrangement.values, nominal_coordinates(instance, chosen)))
 
 
 def _open_sides(instance: Instance) -> NDArray[np.bool_]:
