@@ -59,7 +59,7 @@ def chosen(mode: Mode | None, home: HomeMode | None, count: int) -> int:
         How many real poses there are.
     """
     if home is None:
-        message = "the platform has no real pose"
+        message = "the platform has no real pose for its values (gsp solve says why)"
         raise GspError(message)
     if mode is None or mode == HOME:
         if count > 1:

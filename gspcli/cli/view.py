@@ -23,6 +23,7 @@ from gspcli.wording import shown
 if TYPE_CHECKING:
     from gspcli.pictures.projection import View
     from gspcli.pictures.scene import Scene
+    from gspcli.pictures.shown_poses import Poses
     from gspcli.solver import SolveResult
 
 #: From the zenith, in degrees.
@@ -107,12 +108,13 @@ def command(
         output = replace(output, path=path)
     with working("solving"):
         result = solve(instance)
-    start, names = _start(result.drawn, mode), not no_names
+    paged, names = output.format == _PAGE, not no_names
+    start = _start(result.drawn, mode) if paged or not all_modes else 0
     content: str | bytes
-    if output.format == _PAGE:
+    if paged:
         said = " ".join(f"{line}." for line in summary(result, certify=True))
         scene = scene_of(result, tracks, summary=said)
-        first = len(scene.series) - len(tracks) if tracks else None
+        first = _first_series(scene, tracks, result.drawn, start)
         content = page(scene, start, first, view, names=names)
     else:
         alone = not all_modes and result.drawn.counts.real > 0
@@ -123,6 +125,22 @@ def command(
         _say(output.path, scene, len(content.encode() if isinstance(content, str) else content))
         if opened:
             click.launch(output.path.resolve().as_uri())
+
+
+def _first_series(scene: Scene, tracks: list[Poses], result: SolveResult, start: int) -> int | None:
+    """Return the series that the page opens on: the trajectory that begins nearest to a mode."""
+    if not tracks:
+        return None
+    import numpy as np
+
+    from gspcli.solver.home_mode import distances
+
+    before, nearest = len(scene.series) - len(tracks), 0
+    if result.counts.real:
+        R, T = (np.stack([getattr(one, part)[0] for one in tracks]) for part in "RT")
+        moved, turned = distances(R, T, result.R[start].real, result.T[start].real)
+        nearest = int(np.hypot(moved / result.arrangement.length, turned).argmin())
+    return before + nearest
 
 
 def _view(text: str | None) -> View | None:

@@ -31,7 +31,7 @@ def workspace_document(
         "inner": len(found.inner_keys),
         "open": len(found.open_keys),
         "judged": found.judged,
-        "other_modes": other_modes(found, home),
+        "modes_inside": modes_inside(found),
     }
     if boxes is not None:
         document["boxes"] = [
@@ -46,10 +46,10 @@ def workspace_document(
     return document
 
 
-def other_modes(found: Workspace, home: Home) -> list[int]:
-    """Return the numbers of modes besides home that are in the set, if all its parts are counted.
+def modes_inside(found: Workspace) -> list[int]:
+    """Return the numbers of the modes of SPEC that are in the set, if all its parts are counted.
 
-    Theirs are other parts, such as the mirror image, or poses beyond singular ones.
+    Of two of them one is the mirror image of the other, for instance.
     """
     from gspcli.cli.real_poses import real_poses
 
@@ -60,25 +60,22 @@ def other_modes(found: Workspace, home: Home) -> list[int]:
     except GspError:
         # Without numbers there is nothing to name.
         return []
-    numbers = [k + 1 for k, judged in enumerate(found.judged_poses(R, T).tolist()) if judged >= 0]
-    if home.mode is None:
-        return numbers if len(numbers) > 1 else []
-    return [number for number in numbers if number != home.mode]
+    return [k + 1 for k, judged in enumerate(found.judged_poses(R, T).tolist()) if judged >= 0]
 
 
-def _parts_note(found: Workspace, home: Home) -> list[str]:
+def _parts_note(found: Workspace) -> list[str]:
     if found.connected:
         return [
             "connected with home; not counted: what lies beyond singular poses, such as a mirror "
             "image (--all-parts)"
         ]
-    others = other_modes(found, home)
-    if not others:
+    inside = modes_inside(found)
+    if len(inside) < 2:
         return []
-    names = listed([str(number) for number in others], "and")
+    names = listed([str(number) for number in inside], "and")
     return [
-        f"all parts are counted, also of mode{'s' * (len(others) > 1)} {names}, such as a mirror "
-        "image (--connected)"
+        f"all parts are counted: modes {names} are in them, as a mode and its mirror image "
+        "(--connected counts one part)"
     ]
 
 
@@ -104,7 +101,7 @@ def volume_table(found: Workspace, home: Home) -> Table:
         f"home: {home.text}",
         f"proved: {count} boxes inside, {len(found.open_keys)} between, {found.judged} judged; the "
         "set ends between least and lowest and between highest and most",
-        *_parts_note(found, home),
+        *_parts_note(found),
     ]
     columns = [
         Column("name", essential=True),

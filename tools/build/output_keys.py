@@ -464,7 +464,7 @@ KEYS: dict[str, str] = {
     "solve.home.mode": "its number",
     "solve.home.stated": "whether the file states a home; else it is the least turned",
     "solve.home.reason": "why it is this one, in words",
-    "other_modes": "numbers of modes that are in the set besides home, with --all-parts",
+    "modes_inside": "numbers of the modes that are in the set, with --all-parts",
     "workspace.home.mode": "its number as a mode of the file, or null",
     "pivot": "the point of the platform whose position counts, in the platform's frame",
     "sequence": "order of the axes of rx, ry, rz",
