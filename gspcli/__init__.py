@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from gspcli.errors import ArgumentError, GspError, SpecError
     from gspcli.geometry.building import angle, distance, hexapod, instance
     from gspcli.geometry.instance import Constraint, Instance, Units
+    from gspcli.geometry.home_pose import HomePose
     from gspcli.geometry.masses import Drives, Dynamics, Leg, LegBody, RigidBody
     from gspcli.geometry.numbers import Number
     from gspcli.geometry.primitives import Cone, Line, Plane, Point
@@ -51,6 +52,7 @@ _HOMES = {
     "Family": "gspcli.catalogue.types",
     "GspError": "gspcli.errors",
     "GspType": "gspcli.catalogue.types",
+    "HomePose": "gspcli.geometry.home_pose",
     "Instance": "gspcli.geometry.instance",
     "Leg": "gspcli.geometry.masses",
     "LegBody": "gspcli.geometry.masses",
@@ -107,6 +109,7 @@ __all__ = [
     "Family",
     "GspError",
     "GspType",
+    "HomePose",
     "Instance",
     "Leg",
     "LegBody",

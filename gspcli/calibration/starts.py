@@ -107,16 +107,12 @@ def _in_file_units(model: Model, readings: Array) -> Array:
 
 
 def _home(instance: Instance) -> tuple[Array, Array]:
-    """Return the mode that is turned least, of several the highest."""
+    """Return the home pose."""
     result = solve(instance)
-    real = result.real
-    if not real.any():
+    if result.home is None:
         message = "the stated values have no real pose: state those of a pose of the machine"
         raise GspError(message)
-    R, T = result.R[real].real, result.T[real].real
-    trace = np.trace(R, axis1=1, axis2=2).round(6)
-    best = int(np.lexsort((T[:, 2], trace))[-1])
-    return R[best], T[best]
+    return result.home.R, result.home.T
 
 
 def _frames(model: Model, seen: Measurements, R: Array, T: Array) -> Array:

@@ -11,8 +11,9 @@ import click
 
 from gspcli.cli.analysis_entries import Analysis
 from gspcli.cli.analysis_tables import details, overview
+from gspcli.cli.mode_option import HOME, Mode, mode_option
 from gspcli.cli.names import load_instance
-from gspcli.cli.number_types import Positive, Whole
+from gspcli.cli.number_types import Positive
 from gspcli.cli.output import Column, Output, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options
 from gspcli.cli.pose_rows import asked_poses, check_sources
@@ -49,12 +50,7 @@ _ZERO = 1e-12
 @click.command()
 @click.argument("spec", metavar="SPEC")
 @click.argument("rows", metavar="[ROWS]", required=False)
-@click.option(
-    "--mode",
-    type=Whole(1),
-    metavar="K",
-    help="Only mode K, in detail; of a file of values mode K at its first row.",
-)
+@mode_option("Only this mode of SPEC, in detail; also along a file of values.")
 @pose_value_option("instead of the modes of SPEC")
 @near_option("of a file of values only this one is followed")
 @value_options
@@ -94,7 +90,7 @@ def command(
     spec: str,
     changes: Changes,
     rows: str | None,
-    mode: int | None,
+    mode: Mode | None,
     pose: GivenPose | None,
     near: GivenPose | None,
     euler: str | None,
@@ -112,11 +108,11 @@ def command(
 
     Without --mode or --pose there is one line for each real pose, or for each row of ROWS: a file
     of poses as `gsp measure` takes it, or of values as `gsp track` does, along which the modes are
-    followed. For one pose: the wrench of each constraint, a force along an axis with a pitch, or a
-    couple for angles; the derivatives of the values by a twist (rotation in radians about the axes
-    through the point, velocity of the point) and their inverse; singular values and manipulability
-    of the matrix with lengths divided by the stated length, and the condition number that
-    `gsp solve` gives.
+    followed. For one pose, as with --mode home, or of home with --part: the wrench of each
+    constraint, a force along an axis with a pitch, or a couple for angles; the derivatives of the
+    values by a twist (rotation in radians about the axes through the point, velocity of the point)
+    and their inverse; singular values and manipulability of the matrix with lengths divided by the
+    stated length, and the condition number that `gsp solve` gives.
 
     With --load the forces in the constraints (positive: it pushes towards a greater value) and
     moments for angles; with --stiffness that of the platform; with --tolerance (or tolerance: in
@@ -133,7 +129,7 @@ def command(
     \b
     Examples:
       gsp analyze platform.yaml
-      gsp analyze platform.yaml --mode 1 --load 0,0,-100@0,0,250 --tolerance 0.01
+      gsp analyze platform.yaml --mode home --load 0,0,-100@0,0,250 --tolerance 0.01
       gsp analyze platform.yaml --pose 0,0,1.5,1,0,0,0 --stiffness 2e6
       gsp analyze platform.yaml path.csv --load 0,0,-9 --require "force<=20"
     """
@@ -141,6 +137,9 @@ def command(
     from gspcli.motion.files.number_tables import numbers_of
     from gspcli.motion.statics.wrenches import wrenches
 
+    if output.part is not None and rows is None and pose is None:
+        # Parts are of one pose.
+        mode = mode or HOME
     instance = load_instance(spec, changes)
     requirements = required(require)
     at = None if point is None else numbers_of(point, (3,), "--point")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli.calibration_tables import calibration_document, calibration_table
+from gspcli.cli.mode_option import Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import seed_option
 from gspcli.cli.output import DRAWINGS, FORMATS, Output, emit, output_options, write
@@ -71,12 +72,7 @@ if TYPE_CHECKING:
     metavar="N",
     help="Which N poses to measure next, after those of DATA if it is given.",
 )
-@click.option(
-    "--mode",
-    type=click.IntRange(min=1),
-    metavar="K",
-    help="With --plan: the real pose about which poses are planned.  [default: the least turned]",
-)
+@mode_option("With --plan: the real pose about which poses are planned.  [default: home]")
 @seed_option(": of --plan")
 @pose_options
 @output_options(formats=(*FORMATS, "yaml", *DRAWINGS))
@@ -91,7 +87,7 @@ def command(
     prior: float | None,
     hold_unknown: bool,
     plan: int | None,
-    mode: int | None,
+    mode: Mode | None,
     seed: int,
     euler: str | None,
     pivot: str | None,
@@ -182,7 +178,7 @@ def _plan(
     noise: dict[str, float],
     options: Options,
     count: int,
-    mode: int | None,
+    mode: Mode | None,
     seed: int,
     output: Output,
 ) -> None:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from gspcli.cli.mode_option import HOME, Mode, mode_option
 from gspcli.cli.names import load_instance
-from gspcli.cli.number_types import Whole
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options
 from gspcli.cli.pose_rows import asked_poses, check_sources
@@ -25,12 +25,8 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("spec", metavar="SPEC")
 @click.argument("rows", metavar="[ROWS]", required=False)
-@click.option(
-    "--mode",
-    type=Whole(1),
-    metavar="K",
-    help="Only mode K; of a file of values mode K at its first row.",
-)
+@mode_option("This mode of SPEC; also along a file of values.  [default: home]")
+@click.option("--all-modes", is_flag=True, help="All real poses.")
 @pose_value_option("instead of the modes of SPEC")
 @near_option("of a file of values only this one is followed")
 @value_options
@@ -54,7 +50,8 @@ def command(
     spec: str,
     changes: Changes,
     rows: str | None,
-    mode: int | None,
+    mode: Mode | None,
+    all_modes: bool,
     pose: GivenPose | None,
     near: GivenPose | None,
     euler: str | None,
@@ -74,8 +71,9 @@ def command(
     same mode, the nearest one found, with the values at which it is; or where a value reaches the
     end of its range, as a distance that becomes zero: beyond it there are no poses.
 
-    All real poses are looked at, or each row of ROWS: a file of poses as `gsp measure` takes it, or
-    of values as `gsp track` does, along which the modes are followed.
+    The home mode is looked at, with --all-modes each real pose; or each row of ROWS: a file of
+    poses as `gsp measure` takes it, or of values as `gsp track` does, along which all modes are
+    followed.
 
     With --of pose: how far the platform may move, whatever the values, before the six screws
     become dependent. Distances of poses are root mean squares of the displacements of the
@@ -85,12 +83,17 @@ def command(
     \b
     Examples:
       gsp clearance platform.yaml
-      gsp clearance platform.yaml --mode 1 --refine
+      gsp clearance platform.yaml --all-modes --refine
       gsp clearance platform.yaml --of pose
       gsp clearance platform.yaml path.csv -o clearances.csv
       gsp clearance platform.yaml --pose 0,0,1.5,1,0,0,0 --format json
     """
     check_sources(spec, rows, mode, pose, near)
+    if all_modes and (mode is not None or pose is not None):
+        message = "give either --all-modes or one of --mode and --pose"
+        raise click.UsageError(message)
+    if rows is None and pose is None and not all_modes:
+        mode = mode or HOME
     if points is not None and of != "pose":
         message = "--points needs --of pose"
         raise click.UsageError(message)

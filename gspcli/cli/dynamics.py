@@ -14,6 +14,7 @@ from gspcli.cli.dynamics_tables import (
     mode_tables,
     motion_table,
 )
+from gspcli.cli.mode_option import Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
@@ -53,12 +54,7 @@ _MOST_NAMED = 5
 @click.command()
 @click.argument("spec", metavar="SPEC")
 @click.argument("rows", metavar="[ROWS]", required=False)
-@click.option(
-    "--mode",
-    type=click.IntRange(min=1),
-    metavar="K",
-    help="Mode K of SPEC; of a file of values mode K at its first row.",
-)
+@mode_option("This mode of SPEC; also along a file of values.  [default: home, all without ROWS]")
 @pose_value_option("instead of the modes of SPEC")
 @near_option("of a file of values only this one is followed")
 @value_options
@@ -86,7 +82,7 @@ def command(
     spec: str,
     changes: Changes,
     rows: str | None,
-    mode: int | None,
+    mode: Mode | None,
     pose: GivenPose | None,
     near: GivenPose | None,
     euler: str | None,
@@ -112,7 +108,7 @@ def command(
     drive pushes towards a greater value, and the power of all in W. The worst row and drive are
     named. At a singular pose there is no force; such rows are named, and the exit code is 4.
 
-    With --forward the platform is let go at a pose (--pose or --mode) under given forces. Each row
+    With --forward the platform is let go at home (or --pose, --mode) under given forces. Each row
     is a pose with velocities and accelerations, as this command reads them, and energies in J. The
     exit code is 4 if the motion cannot be followed to the end.
 
@@ -128,7 +124,7 @@ def command(
       gsp dynamics platform.yaml
       gsp dynamics platform.yaml path.csv -o forces.csv
       gsp dynamics platform.yaml path.csv --require "force<=200, power<=50"
-      gsp dynamics platform.yaml --mode 1 --modes --stiffness 2e6
+      gsp dynamics platform.yaml --mode home --modes --stiffness 2e6
       gsp dynamics platform.yaml --pose 0,0,150,1,0,0,0 --forward forces.csv
     """
     if forward is not None and (rows is not None or modal or require is not None):

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from gspcli.cli.mode_option import HOME
 from gspcli.cli.pose_options import text_of
 from gspcli.cli.progress_bars import working
-from gspcli.cli.real_poses import real_poses
+from gspcli.cli.real_poses import mode_number, one_mode, real_poses
 from gspcli.errors import GspError, IncompleteError
 from gspcli.records import dataclass
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from gspcli.cli.mode_option import Mode
     from gspcli.cli.pose_type import GivenPose
     from gspcli.dynamics.motion_files import ValueRows
     from gspcli.dynamics.trajectories import Motion
@@ -82,20 +84,17 @@ class Asked:
 
 
 def start_of(
-    instance: Instance, mode: int | None, pose: GivenPose | None, form: PoseFormat
+    instance: Instance, mode: Mode | None, pose: GivenPose | None, form: PoseFormat
 ) -> tuple[Array, Array]:
     """Return the one pose that a motion begins at, shapes (3, 3) and (3,)."""
-    asked = _without_file(instance, mode, pose, form)
-    if len(asked.T) > 1:
-        message = f"found {len(asked.T)} real poses to start from: choose one with --mode or --pose"
-        raise GspError(message)
+    asked = _without_file(instance, mode or HOME, pose, form)
     return asked.R[0], asked.T[0]
 
 
 def asked_rows(
     instance: Instance,
     rows: str | None,
-    mode: int | None,
+    mode: Mode | None,
     pose: GivenPose | None,
     near: GivenPose | None,
     form: PoseFormat,
@@ -118,35 +117,29 @@ def asked_rows(
 
 
 def _without_file(
-    instance: Instance, mode: int | None, pose: GivenPose | None, form: PoseFormat
+    instance: Instance, mode: Mode | None, pose: GivenPose | None, form: PoseFormat
 ) -> Asked:
     if pose is not None:
         start, place = pose.read(form)
         return Asked(start[None], place[None])
-    R, T = real_poses(instance, mode)
-    numbers = tuple(range(1, len(R) + 1))
-    if mode is None:
-        return Asked(R, T, modes=numbers)
-    return Asked(R[mode - 1 : mode], T[mode - 1 : mode], modes=(mode,))
+    if mode is not None:
+        number, R, T = one_mode(instance, mode)
+        return Asked(R, T, modes=(number,))
+    R, T = real_poses(instance)
+    return Asked(R, T, modes=tuple(range(1, len(R) + 1)))
 
 
 def _followed(
-    instance: Instance, rows: ValueRows, mode: int | None, near: GivenPose | None, form: PoseFormat
+    instance: Instance, rows: ValueRows, mode: Mode | None, near: GivenPose | None, form: PoseFormat
 ) -> Asked:
     """Return the poses of one mode along rows of values."""
     from gspcli.dynamics.motion_files import motion_of_values
     from gspcli.motion import track
 
     start = None if near is None else near.read(form)
+    modes = None if start is not None else [mode_number(instance, mode)]
     with working("following"):
-        modes = None if mode is None else [mode]
         found = track(instance, rows.values, t=rows.t, modes=modes, near=start)
-    if len(found.modes) != 1:
-        count = len(found.modes)
-        message = f"found {count} real poses at the first row: choose one with --mode or --near"
-        if not count:
-            message = "there is no real pose at the first row\nbegin with other values"
-        raise GspError(message)
     if found.ends:
         (end,) = found.ends
         message = (

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gspcli.cli.mode_option import Mode, chosen, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Whole
 from gspcli.cli.output import Output, file_option, write
 from gspcli.cli.progress_bars import working
 from gspcli.cli.streams import say
 from gspcli.cli.value_options import Changes, value_options
-from gspcli.errors import GspError
 from gspcli.export.format import PoseFormat, SystemFormat
 from gspcli.export.formats import FORMATS
 from gspcli.wording import listed
@@ -37,12 +37,9 @@ _COORDINATES = ("study", "study-affine", "rt")
     help="For which.",
 )
 @value_options
-@click.option(
-    "--mode",
-    type=Whole(1),
-    metavar="K",
-    help=f"For {listed(_POSES, 'and')}: the real pose to build, in the order of `gsp solve`.  "
-    "[default: 1]",
+@mode_option(
+    f"For {listed(_POSES, 'and')}: the real pose to build, as `gsp solve` numbers them.  "
+    "[default: home]"
 )
 @click.option(
     "--coordinates",
@@ -64,7 +61,7 @@ def command(
     spec: str,
     target: str,
     changes: Changes,
-    mode: int | None,
+    mode: Mode | None,
     coordinates: str,
     significant_digits: int,
     output: Output,
@@ -90,7 +87,7 @@ def command(
     """
     instance = load_instance(spec, changes)
     if target in _POSES:
-        text = _POSES[target].write(instance, _pose(instance, mode or 1))
+        text = _POSES[target].write(instance, _pose(instance, mode))
     else:
         text = _system(instance, _SYSTEMS[target], coordinates, significant_digits)
     write(output, text)
@@ -109,17 +106,13 @@ command.help = str(command.help).format(
 )
 
 
-def _pose(instance: Instance, number: int) -> Solution:
-    """Return the real pose with a number, from 1."""
+def _pose(instance: Instance, mode: Mode | None) -> Solution:
+    """Return the real pose that is asked for, by default home."""
     from gspcli.solver import solve
 
     with working("solving"):
-        real = solve(instance, certify=False).real_solutions
-    if number > len(real):
-        found = f"{len(real)} real pose" + "s" * (len(real) != 1)
-        message = f"found {found}, expected one with the number {number} (`gsp solve` lists them)"
-        raise GspError(message)
-    return real[number - 1]
+        result = solve(instance, certify=False).drawn
+    return result.real_solutions[chosen(mode, result.home, result.counts.real) - 1]
 
 
 def _system(instance: Instance, form: SystemFormat, coordinates: str, digits: int) -> str:

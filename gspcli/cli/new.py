@@ -31,7 +31,8 @@ _COMMENTS = {
 _TEMPLATE_HEAD = """\
 # Replace the numbers by yours, then: gsp check FILE. They are taken exactly as written, and may be
 # expressions such as 1/3, sqrt(3)/2 or 2*cos(pi/5). A direction or normal may have any length.
-# A primitive may serve in several constraints: use its name again. Optional keys: name, source.
+# A primitive may serve in several constraints: use its name again. Optional keys: name, source,
+# and home: {position: [x, y, z], quaternion: [w, x, y, z]}, near which the meant real pose is.
 """
 
 

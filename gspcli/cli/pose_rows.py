@@ -8,7 +8,7 @@ import click
 
 from gspcli.cli.pose_options import text_of
 from gspcli.cli.progress_bars import working
-from gspcli.cli.real_poses import real_poses
+from gspcli.cli.real_poses import mode_number, one_mode, real_poses
 from gspcli.errors import GspError, IncompleteError
 from gspcli.records import dataclass
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from gspcli.cli.mode_option import Mode
     from gspcli.cli.pose_type import GivenPose
     from gspcli.geometry.instance import Instance
     from gspcli.motion import PoseFormat, Track
@@ -71,7 +72,7 @@ class PoseRows:
 def check_sources(
     spec: str,
     rows: str | None,
-    mode: int | None,
+    mode: Mode | None,
     pose: GivenPose | None,
     near: GivenPose | None,
 ) -> None:
@@ -95,7 +96,7 @@ def check_sources(
 def asked_poses(
     instance: Instance,
     rows: str | None,
-    mode: int | None,
+    mode: Mode | None,
     pose: GivenPose | None,
     near: GivenPose | None,
     form: PoseFormat,
@@ -109,7 +110,7 @@ def asked_poses(
     rows
         A file of poses, as `read_poses` takes it, or of values: then modes are followed along them.
     mode
-        Only this mode, of the instance or at the first row of a file of values.
+        Only this mode, by its number of the instance; also along a file of values.
     pose
         This pose instead.
     near
@@ -122,14 +123,15 @@ def asked_poses(
     if pose is not None:
         R, T = pose.read(form)
         return PoseRows(R[None], T[None], [None])
-    R, T = real_poses(instance, mode)
-    if mode is None:
-        return PoseRows(R, T, list(range(1, len(R) + 1)))
-    return PoseRows(R[mode - 1 : mode], T[mode - 1 : mode], [mode])
+    if mode is not None:
+        number, R, T = one_mode(instance, mode)
+        return PoseRows(R, T, [number])
+    R, T = real_poses(instance)
+    return PoseRows(R, T, list(range(1, len(R) + 1)))
 
 
 def _of_file(
-    instance: Instance, path: str, mode: int | None, near: GivenPose | None, form: PoseFormat
+    instance: Instance, path: str, mode: Mode | None, near: GivenPose | None, form: PoseFormat
 ) -> PoseRows:
     from gspcli.motion import read_poses, read_values, track
     from gspcli.motion.files.pose_files import has_poses
@@ -152,8 +154,8 @@ def _of_file(
         moving = ", ".join(values.coordinates)
         message = f"{name}: found {moving}, expected values only: the geometry stays as SPEC has it"
         raise GspError(message)
+    modes = None if mode is None else [mode_number(instance, mode)]
     with working("following"):
-        modes = None if mode is None else [mode]
         start = None if near is None else near.read(form)
         followed = track(instance, values.values, t=values.t, modes=modes, near=start)
     return _of_track(followed)

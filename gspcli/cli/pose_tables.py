@@ -31,6 +31,7 @@ LEGEND = (
     "infinite if it is singular",
     "sides: + where the point is on the side to which the normal points, - on the other",
     "remarks: what a pose is other than real, simple and proved",
+    "home: the mode that is meant where a command needs one",
 )
 
 
@@ -193,7 +194,8 @@ def _rows(result: SolveResult, shown: Shown, *, certify: bool) -> list[dict[str,
             row["sides"] = "".join("+" if s == "positive" else "-" for s in solution.sides.values())
         if certify and not known[index]:
             row["residual"] = float(f"{solution.residual:.1e}")
-        remarks = ["nearest"] if shown.distances is not None and place == 0 else []
+        remarks = ["home"] if solution.home else []
+        remarks += ["nearest"] if shown.distances is not None and place == 0 else []
         fit = _fit_of(result, shown, index)
         if fit:
             row["off"] = float(f"{fit['off']:.3g}")

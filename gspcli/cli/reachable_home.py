@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from gspcli.cli.real_poses import real_poses
+from gspcli.cli.real_poses import one_mode
 from gspcli.errors import GspError
 from gspcli.records import dataclass
 from gspcli.wording import shown
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from gspcli.cli.mode_option import Mode
     from gspcli.cli.pose_type import GivenPose
     from gspcli.geometry.instance import Instance
     from gspcli.motion import PoseFormat
@@ -80,7 +81,7 @@ def home_pose(
     instance: Instance,
     form: PoseFormat,
     *,
-    mode: int | None,
+    mode: Mode | None,
     pose: GivenPose | None,
     orientation: str | None,
     position: str | None,
@@ -98,7 +99,8 @@ def home_pose(
     elif mode is None and (not needed or (orientation is not None and position is not None)):
         home = Home(np.eye(3), np.zeros(3), form.pivot, size, placed=needed)
     else:
-        home = _mode(instance, mode, form.pivot, size)
+        number, R, T = one_mode(instance, mode)
+        home = Home(R[0], T[0], form.pivot, size, number)
     at = home.T + home.R @ form.pivot
     if orientation is not None:
         count = 3 if form.euler else 4
@@ -113,30 +115,3 @@ def home_pose(
         at = at + np.asarray(form.pivot)
         home = replace(home, T=at - home.R @ form.pivot, mode=None)
     return home
-
-
-def _mode(
-    instance: Instance, mode: int | None, pivot: tuple[float, float, float], size: float
-) -> Home:
-    """Return a mode as home; by default of those that keep all limits the one turned least.
-
-    Of several that are turned alike, as one is and its mirror image, the highest.
-    """
-    import numpy as np
-
-    from gspcli.geometry.limits import within_limits
-    from gspcli.motion.poses.inverse_kinematics import values_at
-
-    R, T = real_poses(instance, mode)
-    if mode is not None:
-        return Home(R[mode - 1], T[mode - 1], pivot, size, mode)
-    kept = within_limits(instance, values_at(instance, R, T), R, T).nonzero()[0]
-    if not len(kept):
-        message = (
-            f"no real pose keeps all ranges and cones, of {len(R)}\ngive a home pose with --pose"
-        )
-        raise GspError(message)
-    # A turn by an angle a has the trace 1 + 2 cos a.
-    trace = np.trace(R[kept], axis1=1, axis2=2).round(9)
-    best = int(kept[np.lexsort((T[kept][:, 2], trace))[-1]])
-    return Home(R[best], T[best], pivot, size, best + 1)

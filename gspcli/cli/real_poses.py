@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from gspcli.cli.mode_option import chosen
 from gspcli.cli.progress_bars import working
 from gspcli.errors import GspError, IncompleteError, NotFiniteError
 
@@ -11,25 +12,33 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from gspcli.cli.mode_option import Mode
     from gspcli.geometry.instance import Instance
 
     Array = NDArray[np.float64]
 
 
-def real_poses(instance: Instance, mode: int | None = None) -> tuple[Array, Array]:
-    """Return the real poses in the order of `gsp solve`, shapes (n, 3, 3) and (n, 3); at least one.
+def one_mode(instance: Instance, mode: Mode | None) -> tuple[int, Array, Array]:
+    """Return the number of a mode and its pose, shapes (1, 3, 3) and (1, 3); by default home."""
+    from gspcli.solver.home_mode import home_mode
 
-    Parameters
-    ----------
-    instance
-        The platform.
-    mode
-        One that must be among them, counted from 1; else None.
+    R, T = real_poses(instance)
+    number = chosen(mode, home_mode(instance, R, T), len(R))
+    return number, R[number - 1 : number], T[number - 1 : number]
+
+
+def mode_number(instance: Instance, mode: Mode | None) -> int:
+    """Return the number of a mode, which home is found for, and said."""
+    return mode if isinstance(mode, int) else one_mode(instance, mode)[0]
+
+
+def real_poses(instance: Instance) -> tuple[Array, Array]:
+    """Return the real poses in the order of `gsp solve`, shapes (n, 3, 3) and (n, 3); at least one.
 
     Raises
     ------
     GspError
-        If there is none, or no such one.
+        If there is none.
     NotFiniteError, IncompleteError
         If the poses are infinitely many, or could not all be found, so that they have no numbers.
     """
@@ -49,8 +58,5 @@ def real_poses(instance: Instance, mode: int | None = None) -> tuple[Array, Arra
             "the platform has no real pose for its values\n"
             "give a pose with --pose, or other values (gsp solve says which contradict each other)"
         )
-        raise GspError(message)
-    if mode is not None and mode > len(R):
-        message = f"found mode {mode}, expected one of the {len(R)} real poses"
         raise GspError(message)
     return R, T

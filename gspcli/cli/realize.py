@@ -63,7 +63,7 @@ def command(names: tuple[str, ...], chosen: str, output: Output) -> None:
     Σf is the sum of their freedoms; idle ones do not move the platform; held are those
     that a chain leaves the platform when its driven joints are held.
 
-    With the suffix svg, png or pdf a SPEC is drawn as a whole, at its best conditioned pose, of
+    With the suffix svg, png or pdf a SPEC is drawn as a whole, in its home mode, of
     all else the chains, also of single kinds such as PL (needs matplotlib).
 
     \b
@@ -143,7 +143,7 @@ def _platform(names: Sequence[str]) -> tuple[str, GspType, Sequence[Connection]]
 def _platform_drawn(spec: str, built: Mechanism, fmt: str) -> bytes:
     """Return the drawing of an instance on its chains."""
     from gspcli.pictures.mechanisms import mechanism_drawing
-    from gspcli.pictures.staging import best_mode, scene_of
+    from gspcli.pictures.staging import first_mode, scene_of
     from gspcli.solver import solve
 
     instance = load_instance(spec)
@@ -152,7 +152,7 @@ def _platform_drawn(spec: str, built: Mechanism, fmt: str) -> bytes:
     if not result.drawn.counts.real:
         message = f"{spec}: no real pose to draw the mechanism at; name its type for the chains"
         raise GspError(message)
-    scene = scene_of(result, only=best_mode(result.drawn))
+    scene = scene_of(result, only=first_mode(result.drawn))
     return mechanism_drawing(scene, built, fmt, 0)
 
 

@@ -162,11 +162,10 @@ def _sorted(result: SolveResult, shown: Shown, R: Any, T: Any) -> Shown:
 
     import numpy as np
 
-    from gspcli.geometry.quaternions import vector_from_rotation
+    from gspcli.solver.home_mode import distances
 
     chosen = np.array([k for k in shown.indices if result.real[k]], dtype=int)
-    moved = np.linalg.norm(result.T[chosen].real - T, axis=1)
-    turned = np.linalg.norm(vector_from_rotation(result.R[chosen].real @ R.T), axis=1)
+    moved, turned = distances(result.R[chosen].real, result.T[chosen].real, R, T)
     order = np.argsort(np.hypot(moved, result.arrangement.length * turned), kind="stable")
     pairs = np.stack((moved, turned / result.arrangement.in_radians), axis=1)[order]
     return replace(

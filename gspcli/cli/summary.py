@@ -153,7 +153,8 @@ def remarks(result: SolveResult, numbers: Sequence[int]) -> list[str]:
         )
     if len(numbers) > 1 and lowest == highest:
         notes.append(f"every pose has condition {lowest}")
-    return ["; ".join(notes), *limits, *_far(result), *_parallel(result), *_ground(result)]
+    home = [result.home.text] if result.home and result.counts.real else []
+    return ["; ".join(notes), *home, *limits, *_far(result), *_parallel(result), *_ground(result)]
 
 
 def _limits(result: SolveResult, numbers: Sequence[int]) -> list[str]:

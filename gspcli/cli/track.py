@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli.limit_sentences import limit_sentences
+from gspcli.cli.mode_option import Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Whole
 from gspcli.cli.output import Output, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
 from gspcli.cli.pose_type import GivenPose, near_option
 from gspcli.cli.progress_bars import working
+from gspcli.cli.real_poses import mode_number
 from gspcli.cli.requirements import refuse, require_option, required
 from gspcli.cli.streams import say
 from gspcli.cli.track_requirements import judged_track, track_entries, track_lines
@@ -38,7 +40,7 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("spec", metavar="SPEC")
 @click.argument("values", metavar="VALUES")
-@click.option("--mode", type=Whole(1), metavar="K", help="Follow only mode K.")
+@mode_option("Follow only this mode, as `gsp solve SPEC` numbers them.")
 @near_option("only this one is followed")
 @value_options
 @click.option(
@@ -50,6 +52,11 @@ if TYPE_CHECKING:
     help="Write N rows for each row of VALUES, evenly between it and the next one.",
 )
 @click.option("--relative", is_flag=True, help="The values in the file are added to those of SPEC.")
+@click.option(
+    "--all-modes",
+    is_flag=True,
+    help="Of a file of poses: follow all modes, not only that of the poses.",
+)
 @click.option(
     "--complete",
     "everything",
@@ -80,11 +87,12 @@ if TYPE_CHECKING:
 def command(
     spec: str,
     values: str,
-    mode: int | None,
+    mode: Mode | None,
     near: GivenPose | None,
     changes: Changes,
     steps: int,
     relative: bool,
+    all_modes: bool,
     everything: bool,
     allow_loss: bool,
     clear: bool,
@@ -108,8 +116,11 @@ def command(
     the crank that turns a point, if SPEC states one. They are linear between rows, too: the point
     of a crank moves on its circle.
 
-    All real poses at the first row are followed, numbered as `gsp solve` orders them. Each row of
-    the output is one mode at one row of VALUES: position and unit quaternion of the platform
+    All real poses at the first row are followed; of a file of poses the mode of these poses, unless
+    with --all-modes or --complete. Modes have the numbers of `gsp solve SPEC`. If the first row is
+    elsewhere, they are carried along: followed, proved, from the values of SPEC to the first row.
+    Those that are not reached so are new, and numbered on. Each row of the output is one mode at
+    one row of VALUES: position and unit quaternion of the platform
     (x_base = R x_platform + T) and the condition number. It is proved for every part between the
     rows that the mode is the only one near, so that it cannot be mistaken for another. Where
     a mode meets another and both vanish (a fold), t is proved to ten digits or more. What happens
@@ -127,9 +138,10 @@ def command(
     \b
     Examples:
       gsp track platform.yaml values.csv -o poses.csv
-      gsp track platform.yaml path.csv --euler ZYX --mode 1 --format json
+      gsp track platform.yaml path.csv --euler ZYX --format json
+      gsp track platform.yaml values.csv --mode home
       gsp track rotary.yaml angles.csv --steps 10
-      gsp track platform.yaml path.csv --mode 1 --require "cone, clearance>=0.5"
+      gsp track platform.yaml path.csv --require "cone, clearance>=0.5"
       gsp track platform.yaml values.csv --complete --allow-loss
       gsp track platform.yaml values.csv --steps 20 --format csv |
         gsp view platform.yaml --track -
@@ -142,14 +154,18 @@ def command(
     requirements = required(require)
     form = pose_format(instance, euler, pivot)
     table = read_values(*text_of(values), instance, form, delta=relative).subdivided(steps)
+    start = None if near is None else near.read(form)
+    if near is None and mode is None and not all_modes and not everything:
+        start = table.start
+    number = None if mode is None else mode_number(instance, mode)
     with working("following"):
         result = track(
             instance,
             table.values,
             coordinates=table.coordinates,
             t=table.t,
-            modes=None if mode is None else [mode],
-            near=None if near is None else near.read(form),
+            modes=None if number is None else [number],
+            near=start,
             everything=everything,
             certify=not no_certify,
             jobs=jobs,
@@ -176,7 +192,7 @@ def command(
     refuse(verdicts)
 
 
-def _check(mode: int | None, near: GivenPose | None, spec: str, values: str) -> None:
+def _check(mode: Mode | None, near: GivenPose | None, spec: str, values: str) -> None:
     """Complain of arguments that do not go together."""
     if mode is not None and near is not None:
         message = "give either --mode or --near"
@@ -197,7 +213,9 @@ def _refuse_none(result: Track) -> None:
 
 
 def _tell(result: Track, limits: list[LimitEvent]) -> None:
-    """Say what happens between the rows."""
+    """Say which modes are new, and what happens between the rows."""
+    if result.new:
+        say(_new_modes(result))
     for line in (*map(event_sentence, result.events), *limit_sentences(result, limits)):
         say(line)
 
@@ -232,6 +250,18 @@ def _refuse_losses(result: Track, *, allowed: bool) -> None:
             "use --allow-loss if that is expected"
         )
         raise IncompleteError(message)
+
+
+def _new_modes(result: Track) -> str:
+    """Say which modes have no number of `gsp solve SPEC`."""
+    names = ", ".join(map(str, result.new))
+    if not result.known:
+        return f"mode {names}: new, for SPEC has no numbers to carry to the first row"
+    many = len(result.new) > 1
+    return (
+        f"mode{'s' if many else ''} {names}: new, not reached from the {result.known} real poses "
+        "of SPEC on the way to the first row"
+    )
 
 
 def _of_poses(result: Track, bound: Callable[[Instance, Array, Array], Array]) -> Array:

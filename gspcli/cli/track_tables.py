@@ -94,6 +94,7 @@ def track_document(
         "certified": result.certified,
         "complete": result.complete,
         "modes": result.modes.tolist(),
+        "new": result.new,
         "coordinates": {
             one.name: result.places[:, k].tolist() for k, one in enumerate(result.coordinates)
         },

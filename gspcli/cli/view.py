@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gspcli.cli.mode_option import Mode, chosen, mode_option
 from gspcli.cli.names import load_instance
-from gspcli.cli.number_types import Whole
 from gspcli.cli.output import DRAWINGS, Output, check_writable, output_options, write
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
@@ -23,6 +23,7 @@ from gspcli.wording import shown
 if TYPE_CHECKING:
     from gspcli.pictures.projection import View
     from gspcli.pictures.scene import Scene
+    from gspcli.pictures.shown_poses import Poses
     from gspcli.solver import SolveResult
 
 #: From the zenith, in degrees.
@@ -33,13 +34,7 @@ _PAGE = "html"
 @click.command()
 @click.argument("spec", metavar="SPEC")
 @value_options
-@click.option(
-    "--mode",
-    type=Whole(1),
-    metavar="K",
-    help="The mode that is shown first, as gsp solve numbers them.  [default: the best "
-    "conditioned]",
-)
+@mode_option("The mode that is shown first, as `gsp solve` numbers them.  [default: home]")
 @click.option(
     "--track",
     "track",
@@ -63,7 +58,7 @@ _PAGE = "html"
 def command(
     spec: str,
     changes: Changes,
-    mode: int | None,
+    mode: Mode | None,
     track: str | None,
     euler: str | None,
     pivot: str | None,
@@ -113,12 +108,13 @@ def command(
         output = replace(output, path=path)
     with working("solving"):
         result = solve(instance)
-    start, names = _start(result.drawn, mode), not no_names
+    paged, names = output.format == _PAGE, not no_names
+    start = _start(result.drawn, mode) if paged or not all_modes else 0
     content: str | bytes
-    if output.format == _PAGE:
+    if paged:
         said = " ".join(f"{line}." for line in summary(result, certify=True))
         scene = scene_of(result, tracks, summary=said)
-        first = len(scene.series) - len(tracks) if tracks else None
+        first = _first_series(scene, tracks, result.drawn, start)
         content = page(scene, start, first, view, names=names)
     else:
         alone = not all_modes and result.drawn.counts.real > 0
@@ -129,6 +125,22 @@ def command(
         _say(output.path, scene, len(content.encode() if isinstance(content, str) else content))
         if opened:
             click.launch(output.path.resolve().as_uri())
+
+
+def _first_series(scene: Scene, tracks: list[Poses], result: SolveResult, start: int) -> int | None:
+    """Return the series that the page opens on: the trajectory that begins nearest to a mode."""
+    if not tracks:
+        return None
+    import numpy as np
+
+    from gspcli.solver.home_mode import distances
+
+    before, nearest = len(scene.series) - len(tracks), 0
+    if result.counts.real:
+        R, T = (np.stack([getattr(one, part)[0] for one in tracks]) for part in "RT")
+        moved, turned = distances(R, T, result.R[start].real, result.T[start].real)
+        nearest = int(np.hypot(moved / result.arrangement.length, turned).argmin())
+    return before + nearest
 
 
 def _view(text: str | None) -> View | None:
@@ -157,17 +169,11 @@ def _stem(spec: str) -> str:
     return "platform" if spec == "-" else Path(spec).stem
 
 
-def _start(result: SolveResult, mode: int | None) -> int:
-    """Return the index of the mode that is asked for."""
-    real = result.counts.real
-    if mode is None:
-        from gspcli.pictures.staging import best_mode
-
-        return best_mode(result)
-    if mode > real:
-        message = f"--mode {mode}: the platform has {real or 'no'} real poses"
-        raise GspError(message)
-    return mode - 1
+def _start(result: SolveResult, mode: Mode | None) -> int:
+    """Return the index of the mode that is asked for; 0 if there is none to show."""
+    if mode is None and result.home is None:
+        return 0
+    return chosen(mode, result.home, result.counts.real) - 1
 
 
 def _say(path: Path, scene: Scene, size: int) -> None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli.grids import PARAMETERS, span_of
+from gspcli.cli.mode_option import Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Whole
 from gspcli.cli.output import (
@@ -24,6 +25,7 @@ from gspcli.cli.pose_options import pose_format, pose_options
 from gspcli.cli.pose_type import GivenPose, pose_value_option
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.reachable_home import Home, home_pose
+from gspcli.cli.streams import say
 from gspcli.cli.travel_tables import show_travels
 from gspcli.cli.value_options import Changes, value_options
 from gspcli.cli.worker_options import jobs_option
@@ -32,6 +34,7 @@ from gspcli.errors import GspError, IncompleteError
 from gspcli.wording import shown
 
 if TYPE_CHECKING:
+    from gspcli.geometry.instance import Instance
     from gspcli.motion import Workspace
 
 #: The tolerance without --gap, and where every box is shown.
@@ -41,7 +44,7 @@ _MOST_SHOWN = 2_000_000
 
 @click.command()
 @click.argument("spec", metavar="SPEC")
-@click.option("--mode", type=Whole(1), metavar="K", help="Home is mode K of SPEC.")
+@mode_option("Begin at this mode of SPEC.  [default: home]")
 @pose_value_option("home, instead of a mode of SPEC")
 @click.option(
     "--orientation",
@@ -65,9 +68,10 @@ _MOST_SHOWN = 2_000_000
     help="Travel with NAME moved by VALUE from home, or by LOW:HIGH:COUNT; may be repeated.",
 )
 @click.option(
-    "--connected",
-    is_flag=True,
-    help="Only what can be reached from home without a singular pose.",
+    "--connected/--all-parts",
+    default=None,
+    help="Only what can be reached from home without a singular pose, or all.  [default: connected "
+    "if SPEC states home]",
 )
 @click.option(
     "--gap",
@@ -92,14 +96,14 @@ _MOST_SHOWN = 2_000_000
 def command(
     spec: str,
     changes: Changes,
-    mode: int | None,
+    mode: Mode | None,
     pose: GivenPose | None,
     orientation: str | None,
     position: str | None,
     over: str | None,
     intervals: tuple[str, ...],
     held: tuple[str, ...],
-    connected: bool,
+    connected: bool | None,
     gap: float | None,
     most_boxes: int,
     listed: bool,
@@ -123,15 +127,16 @@ def command(
     --boxes lists them with the pose in the middle of each, for `gsp view --track`; a picture shows
     them over two parameters, or in slices.
 
-    Home is the pose of --pose or --mode, by default the real pose of SPEC that keeps all limits
-    and is turned least, of several the highest. The exit code is 4 if the bounds do not come as
-    near as --gap.
+    Home is the pose of --pose or --mode, by default the home mode of SPEC as `gsp solve` marks it.
+    If SPEC states a home, only what is connected with it is counted, else mirror images, too: then
+    the other modes in the set are named. The exit code is 4 if the bounds do not come as near as
+    --gap.
 
     \b
     Examples:
       gsp workspace @workspace-study
       gsp workspace platform.yaml --shift z=-20:20:5 --format csv
-      gsp workspace platform.yaml --orientation 1,0,0,0 --connected
+      gsp workspace platform.yaml --orientation 1,0,0,0 --all-parts
       gsp workspace platform.yaml --position 0,0,80 --gap 0.05
       gsp workspace platform.yaml --over x,z -o section.svg
     """
@@ -142,18 +147,21 @@ def command(
     _check(free, intervals, held, listed, output)
     instance = load_instance(spec, changes)
     form = pose_format(instance, euler, pivot)
+    only = instance.home is not None if connected is None else connected
     home = home_pose(
         instance, form, mode=mode, pose=pose, orientation=orientation, position=position,
-        needed=free is None or connected or orientation is None or set(free) != set("xyz"),
+        needed=free is None or only or orientation is None or set(free) != set("xyz"),
     )  # fmt: skip
     sequence = euler or "ZYX"
     if free is None:
-        show_travels(instance, home, sequence, held, output, connected=connected)
+        show_travels(instance, home, sequence, held, output, connected=only)
         return
-    from gspcli.motion import workspace
-
+    if connected is None and only:
+        only = _keeps_limits(instance, home)
     coarse = (listed or output.format in DRAWINGS) and len(free) >= 3
     wanted = gap or (_COARSE if coarse else _TOLERANCE)
+    from gspcli.motion import workspace
+
     with _interruptible() as interrupted:
         found = workspace(
             instance,
@@ -163,7 +171,7 @@ def command(
             pivot=home.pivot,
             sequence=sequence,
             within=dict(map(_interval, intervals)),
-            connected=connected,
+            connected=only,
             tolerance=wanted,
             most_boxes=most_boxes,
             jobs=jobs,
@@ -174,6 +182,16 @@ def command(
     if interrupted():
         raise KeyboardInterrupt
     _refuse_wide_bounds(found, wanted)
+
+
+def _keeps_limits(instance: Instance, home: Home) -> bool:
+    """Return whether home keeps the limits, so that something is connected with it; else say it."""
+    from gspcli.motion.workspace.travels import violations
+
+    left = violations(instance, home.R, home.T)
+    if left:
+        say(f"home, moved as asked, leaves its limits ({left[0]}): all parts are counted")
+    return not left
 
 
 @contextmanager

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 from gspcli.cli.grids import PARAMETERS
 from gspcli.cli.output import Column, Table
 from gspcli.cli.reachable_home import Home
+from gspcli.errors import GspError
+from gspcli.wording import listed
 
 if TYPE_CHECKING:
     from gspcli.motion import Workspace
@@ -29,6 +31,7 @@ def workspace_document(
         "inner": len(found.inner_keys),
         "open": len(found.open_keys),
         "judged": found.judged,
+        "modes_inside": modes_inside(found),
     }
     if boxes is not None:
         document["boxes"] = [
@@ -41,6 +44,39 @@ def workspace_document(
             for row in boxes
         ]
     return document
+
+
+def modes_inside(found: Workspace) -> list[int]:
+    """Return the numbers of the modes of SPEC that are in the set, if all its parts are counted.
+
+    Of two of them one is the mirror image of the other, for instance.
+    """
+    from gspcli.cli.real_poses import real_poses
+
+    if found.connected:
+        return []
+    try:
+        R, T = real_poses(found.instance)
+    except GspError:
+        # Without numbers there is nothing to name.
+        return []
+    return [k + 1 for k, judged in enumerate(found.judged_poses(R, T).tolist()) if judged >= 0]
+
+
+def _parts_note(found: Workspace) -> list[str]:
+    if found.connected:
+        return [
+            "connected with home; not counted: what lies beyond singular poses, such as a mirror "
+            "image (--all-parts)"
+        ]
+    inside = modes_inside(found)
+    if len(inside) < 2:
+        return []
+    names = listed([str(number) for number in inside], "and")
+    return [
+        f"all parts are counted: modes {names} are in them, as a mode and its mirror image "
+        "(--connected counts one part)"
+    ]
 
 
 def _extents(found: Workspace) -> list[dict[str, Any]]:
@@ -65,6 +101,7 @@ def volume_table(found: Workspace, home: Home) -> Table:
         f"home: {home.text}",
         f"proved: {count} boxes inside, {len(found.open_keys)} between, {found.judged} judged; the "
         "set ends between least and lowest and between highest and most",
+        *_parts_note(found),
     ]
     columns = [
         Column("name", essential=True),

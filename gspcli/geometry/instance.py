@@ -18,6 +18,7 @@ from gspcli.geometry.primitives import Geometry
 from gspcli.records import dataclass
 
 if TYPE_CHECKING:
+    from gspcli.geometry.home_pose import HomePose
     from gspcli.geometry.masses import Dynamics
 
 
@@ -177,6 +178,9 @@ class Instance:
         primitive. They are places for sensors.
     dynamics
         Masses, inertias and drives, or None if the file does not say. They change no pose.
+    home
+        The pose near which the machine is at home, or None if the file does not say. It says which
+        real pose is meant where one is needed, and changes none.
     """
 
     constraints: tuple[Constraint, ...]
@@ -185,6 +189,7 @@ class Instance:
     source: str | None = None
     further: tuple[tuple[str, str, Geometry], ...] = ()
     dynamics: Dynamics | None = None
+    home: HomePose | None = None
 
     def __repr__(self) -> str:
         kinds = " ".join(row.kind.name for row in self.constraints)

@@ -6,7 +6,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from gspcli.pictures.page import page
-from gspcli.pictures.staging import best_mode, scene_of
+from gspcli.pictures.staging import first_mode, scene_of
 
 if TYPE_CHECKING:
     from gspcli.solver.result import SolveResult
@@ -22,7 +22,7 @@ def notebook_view(result: SolveResult) -> str:
     result
         What `gspcli.solver.solve` found.
     """
-    document = escape(page(scene_of(result), best_mode(result.drawn)))
+    document = escape(page(scene_of(result), first_mode(result.drawn)))
     title = escape(result.instance.name or result.instance.type.id)
     # In a frame of its own the page's style and scripts touch nothing of the notebook's.
     return (

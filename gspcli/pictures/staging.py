@@ -76,16 +76,9 @@ def scene_of(
     )
 
 
-def best_mode(result: SolveResult) -> int:
-    """Return the index of the mode that is most likely meant; 0 if there is none.
-
-    It is the best conditioned one, and of several the highest.
-    """
-    count = result.counts.real
-    # Rounded: those that differ by rounding errors are equal, and the first of them counts.
-    heights = (result.T[:count, 2].real / result.arrangement.length).round(6)
-    conditions = [float(f"{value:.6g}") for value in result.conditions[:count]]
-    return min(range(count), key=lambda k: (conditions[k], -heights[k]), default=0)
+def first_mode(result: SolveResult) -> int:
+    """Return the index of the mode that is shown first, which is home; 0 if there is none."""
+    return 0 if result.home is None else result.home.number - 1
 
 
 def _modes(result: SolveResult, only: int | None) -> Poses:

@@ -27,8 +27,6 @@ Array = NDArray[np.float64]
 
 #: How far random poses are from home: a part of the platform's size along each axis, and a turn.
 SPREAD, TURN = 0.1, 15.0
-#: Traces that differ by less are turned alike.
-_ALIKE = 1e-6
 #: Sets of values that are solved, and compared, together.
 _CHUNK = 128
 #: Poses that are drawn for each one that cranks can reach, at most.
@@ -105,25 +103,20 @@ def heights(instance: Instance, R: Array, T: Array) -> Array:
 
 
 def home_of(result: SolveResult) -> tuple[Array, Array]:
-    """Return the real pose that is turned least, of several that are turned alike the highest.
+    """Return the home pose.
 
     Raises
     ------
     ArgumentError
         If no pose is real.
     """
-    shown = result.drawn
-    R, T = shown.R[shown.real].real, shown.T[shown.real].real
-    if not len(R):
+    if result.home is None:
         message = (
             "the platform has no real pose for its values, about which others could be drawn: "
             "give the values between which to draw"
         )
         raise ArgumentError(message, "instance")
-    trace = np.trace(R, axis1=1, axis2=2)
-    alike = np.flatnonzero(trace >= trace.max() - _ALIKE)
-    best = int(alike[T[alike, 2].argmax()])
-    return R[best], T[best]
+    return result.home.R, result.home.T
 
 
 @dataclass(frozen=True, eq=False)

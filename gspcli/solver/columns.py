@@ -130,6 +130,7 @@ FACTS = (
     PoseColumn("residual", lambda r: r.residuals.max(axis=1, initial=0.0)),
     PoseColumn("condition", lambda r: r.conditions),
     PoseColumn("certified", lambda r: r.certified),
+    PoseColumn("home", lambda r: [solution.home for solution in r.solutions]),
 )
 #: The order is that of the CSV, after the number, and of the frame.
 COLUMNS = (*TRANSLATION, *QUATERNION, *FACTS)

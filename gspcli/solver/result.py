@@ -23,6 +23,7 @@ from gspcli.geometry.residuals import (
     residuals,
 )
 from gspcli.records import dataclass
+from gspcli.solver.home_mode import HomeMode, home_mode
 from gspcli.solver.pose_set import Motion, PoseSet
 from gspcli.solver.proof import CountKind, Proof
 from gspcli.solver.solution import Counts, Solution
@@ -109,6 +110,12 @@ class SolveResult:
     def drawn(self) -> SolveResult:
         """What there is to look at: itself, or `lone` if no real pose is isolated."""
         return self if self.counts.real else self.lone
+
+    @cached_property
+    def home(self) -> HomeMode | None:
+        """Which of the real poses of `drawn` is home (`home_mode`); None if there are none."""
+        real = self.drawn.real
+        return home_mode(self.instance, self.drawn.R[real].real, self.drawn.T[real].real)
 
     @property
     def account(self) -> PathAccount:
@@ -199,6 +206,7 @@ class SolveResult:
         sides = self.sides
         names = {1: Side.POSITIVE.value, -1: Side.NEGATIVE.value}
         limits = self._limits()
+        home = self.home.number if self.home and self.counts.real else None
         return tuple(
             Solution(
                 number=k + 1,
@@ -212,6 +220,7 @@ class SolveResult:
                 condition=float(self.conditions[k]),
                 sides={i + 1: names[s] for i, s in enumerate(sides[k].tolist()) if s},
                 limits=limits.get(k),
+                home=k + 1 == home,
             )
             for k in range(len(self.R))
         )
@@ -248,6 +257,7 @@ class SolveResult:
             "geometry_count": self.geometry_count,
             "exact_count": self.exact_count,
             "counts": self._counts_json(),
+            "home": None if self.home is None else self.home.to_json(),
             "solutions": [solution.to_json() for solution in chosen],
         }
         if self.motions:

@@ -57,6 +57,8 @@ class Solution:
     limits
         The ranges and cones that the pose does not keep; None if it is not real, or the instance
         has none.
+    home
+        Whether it is the home mode (`gspcli.solver.home_mode`).
     """
 
     number: int
@@ -70,6 +72,7 @@ class Solution:
     condition: float
     sides: Mapping[int, str]
     limits: tuple[LeftLimit, ...] | None = None
+    home: bool = False
 
     def __repr__(self) -> str:
         sort = ("real" if self.real else "complex") + ", certified" * self.certified
@@ -82,6 +85,7 @@ class Solution:
             "number": self.number,
             "real": self.real,
             "certified": self.certified,
+            "home": self.home,
             "multiplicity": self.multiplicity,
             "R": self.R.real.tolist(),
             "T": self.T.real.tolist(),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gspcli.errors import GspError
 from gspcli.geometry.numbers import Number, parse_number
 from gspcli.spec.document import Mapping, Scalar, Sequence, Value
 from gspcli.wording import listed, shortened, shown
@@ -68,6 +69,24 @@ def nonzero(components: list[Number]) -> list[Number]:
         message = "found the zero vector, expected a direction: any nonzero vector"
         raise ValueError(message)
     return components
+
+
+def turning(components: list[Number]) -> list[Number]:
+    """Return a quaternion that is not zero."""
+    if all(x.fraction == 0 for x in components):
+        message = "found zero, expected a quaternion [w, x, y, z]: any but zero"
+        raise ValueError(message)
+    return components
+
+
+def axes(value: Value) -> str:
+    """Return the order of the axes of three angles."""
+    from gspcli.geometry.euler import check_sequence
+
+    try:
+        return check_sequence(scalar(value, "an order of axes such as ZYX"))
+    except GspError as error:
+        raise ValueError(str(error)) from None
 
 
 def name(value: Value) -> str:

@@ -27,6 +27,7 @@ from gspcli.spec.plain import ConstraintFields, InstanceFields, PrimitiveFields
 from gspcli.wording import listed, shown, suggestion
 
 if TYPE_CHECKING:
+    from gspcli.geometry.home_pose import HomePose
     from gspcli.geometry.masses import Dynamics
     from gspcli.spec.models import ConstraintModel, InstanceModel, PrimitiveModel
 
@@ -107,6 +108,7 @@ class FileChecker:
             self.model.source,
             self._further(complete),
             dynamics,
+            self._home(),
         )
         self._check_type(instance)
         return instance
@@ -277,6 +279,17 @@ class FileChecker:
             length = self.model.units.length
             self.problems += problems_of_masses(self.root, dynamics, kinds, length)
         return dynamics
+
+    def _home(self) -> HomePose | None:
+        stated = self.model.home
+        if stated is None:
+            return None
+        from gspcli.geometry.home_pose import HomePose
+
+        if stated.euler is None:
+            return HomePose(stated.position, stated.quaternion)
+        angles = [angle or Number.of(0) for angle in (stated.rx, stated.ry, stated.rz)]
+        return HomePose(stated.position, euler=stated.euler, angles=angles)
 
     def _check_type(self, instance: Instance) -> None:
         if self.model.type is None:

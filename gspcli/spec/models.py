@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema
 from pydantic.json_schema import SkipJsonSchema
 
 from gspcli.errors import Problem
@@ -48,6 +48,10 @@ def _body(value: Value, info: ValidationInfo) -> Mapping:
             )
             problems_of(info).append(Problem(name.location, name.path, message))
     return value
+
+
+def _turn(axis: str) -> Any:
+    return Field(None, description=f"The angle about {axis}, with euler. Default: 0.")
 
 
 class UnitsModel(Section):
@@ -148,6 +152,33 @@ class ConstraintModel(Section):
 Body = Annotated[dict[str, Tolerant[PrimitiveModel]], BeforeValidator(_body)]
 
 
+class HomeModel(Section):
+    """The pose of the machine at home: x_base = R x_platform + position."""
+
+    needs: ClassVar[dict[str, str]] = {"rx": "euler", "ry": "euler", "rz": "euler"}
+    excludes: ClassVar[dict[str, str]] = {"quaternion": "euler"}
+
+    position: Vector = Field(description="Of the platform's origin in the base.")
+    quaternion: Annotated[
+        list[Real] | SkipJsonSchema[None],
+        Field(min_length=4, max_length=4),
+        list_of("four numbers [w, x, y, z]", 4),
+        AfterValidator(entries.turning),
+    ] = Field(None, description="The rotation R, of any length but zero. Default: no turn.")
+    rx: Real | SkipJsonSchema[None] = _turn("x")
+    ry: Real | SkipJsonSchema[None] = _turn("y")
+    rz: Real | SkipJsonSchema[None] = _turn("z")
+    euler: Annotated[
+        str | SkipJsonSchema[None],
+        BeforeValidator(entries.axes),
+        WithJsonSchema({"type": "string", "pattern": "^([xyz]{3}|[XYZ]{3})$"}),
+    ] = Field(
+        None,
+        description="The order of the axes of rx, ry and rz: capitals turn with the platform, "
+        "small letters about the axes of the base.",
+    )
+
+
 class InstanceModel(Section):
     """A generalized Stewart platform with numbers."""
 
@@ -176,4 +207,7 @@ class InstanceModel(Section):
     )
     dynamics: Tolerant[DynamicsModel] = Field(
         None, description="Masses, inertias and drives, for forces and natural frequencies."
+    )
+    home: Tolerant[HomeModel] = Field(
+        None, description="The pose at home: the real pose nearest to it is the home mode."
     )

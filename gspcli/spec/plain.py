@@ -11,7 +11,17 @@ from typing import Any, NamedTuple
 
 from gspcli.geometry.numbers import Number
 from gspcli.spec.document import Mapping, Scalar, Sequence, Value
-from gspcli.spec.entries import name, nonzero, number, optional_text, proper_name, text, version
+from gspcli.spec.entries import (
+    axes,
+    name,
+    nonzero,
+    number,
+    optional_text,
+    proper_name,
+    text,
+    turning,
+    version,
+)
 
 #: What may be said of a platform.
 _SAID = ("name", "source", "type")
@@ -116,6 +126,17 @@ class DynamicsFields(NamedTuple):
     drives: DrivesFields | None
 
 
+class HomeFields(NamedTuple):
+    """As `models.HomeModel`."""
+
+    position: list[Number]
+    quaternion: list[Number] | None = None
+    rx: Number | None = None
+    ry: Number | None = None
+    rz: Number | None = None
+    euler: str | None = None
+
+
 class InstanceFields(NamedTuple):
     """As `models.InstanceModel`."""
 
@@ -127,6 +148,7 @@ class InstanceFields(NamedTuple):
     base: dict[str, PrimitiveFields]
     constraints: list[ConstraintFields]
     dynamics: DynamicsFields | None = None
+    home: HomeFields | None = None
 
 
 def read_plainly(root: Value) -> InstanceFields | None:
@@ -167,7 +189,7 @@ def _direction(value: Value) -> list[Number]:
 
 def _instance(root: Value) -> InstanceFields:
     needed = ("gsp", "units", "platform", "base", "constraints")
-    given = _section(root, needed, (*_SAID, "dynamics"))
+    given = _section(root, needed, (*_SAID, "dynamics", "home"))
     version(given["gsp"])
     units = _section(given["units"], ("length", "angle"))
     said = [optional_text(given[key]) if key in given else None for key in _SAID]
@@ -180,6 +202,7 @@ def _instance(root: Value) -> InstanceFields:
         _body(given["base"]),
         [_constraint(entry) for entry in _list(given["constraints"])],
         _dynamics(given["dynamics"]) if "dynamics" in given else None,
+        _home(given["home"]) if "home" in given else None,
     )
 
 
@@ -232,6 +255,18 @@ def _constraint(value: Value) -> ConstraintFields:
         number(given["scale"]) if "scale" in given else None,
         _choice(given["side"], "positive", "negative", "both") if "side" in given else None,
     )
+
+
+def _home(value: Value) -> HomeFields:
+    if "euler" not in _entries(value):
+        given = _section(value, ("position",), ("quaternion",))
+        quaternion = given.get("quaternion")
+        turned = None if quaternion is None else turning(_numbers(quaternion, 4))
+        return HomeFields(_numbers(given["position"]), turned)
+    turns = ("rx", "ry", "rz")
+    given = _section(value, ("position", "euler"), turns)
+    rx, ry, rz = [number(given[key]) if key in given else None for key in turns]
+    return HomeFields(_numbers(given["position"]), None, rx, ry, rz, axes(given["euler"]))
 
 
 def _choice(value: Value, *choices: str) -> str:

@@ -115,6 +115,8 @@ def _schema_of(schema: dict[str, Any], model: type[Section]) -> None:
         entry.pop("title", None)
     if model.needs:
         schema["dependentRequired"] = {key: [other] for key, other in model.needs.items()}
+    for key, other in model.excludes.items():
+        schema["not"] = {"required": [key, other]}
 
 
 class Section(BaseModel):
@@ -126,6 +128,8 @@ class Section(BaseModel):
         Keys of which exactly one must be given.
     needs
         Keys that make sense only beside another one.
+    excludes
+        Keys that cannot stand beside another one.
     """
 
     model_config = ConfigDict(
@@ -137,6 +141,7 @@ class Section(BaseModel):
     )
     one_of: ClassVar[tuple[str, ...]] = ()
     needs: ClassVar[dict[str, str]] = {}
+    excludes: ClassVar[dict[str, str]] = {}
 
     @model_validator(mode="before")
     @classmethod
@@ -174,8 +179,15 @@ class Section(BaseModel):
             message = f"found {what}, expected exactly one of {listed(cls.one_of)}"
             problems.append(Problem(section.location, section.path, message))
         for needy, other in cls.needs.items():
-            if needy in kept and other not in kept and given:
+            if needy in kept and other not in kept and (given or not cls.one_of):
                 place = kept[Scalar(needy)]
-                message = f"found a {needy} at a {given[0]}, expected one only at a {other}"
+                message = f"found {needy} without {other}, expected both"
+                if given:
+                    message = f"found a {needy} at a {given[0]}, expected one only at a {other}"
+                problems.append(Problem(place.location, place.path, message))
+        for one, other in cls.excludes.items():
+            if one in kept and other in kept:
+                place = kept[Scalar(one)]
+                message = f"found {one} beside {other}, expected one of them"
                 problems.append(Problem(place.location, place.path, message))
         return locate(kept, section.location, section.path)

@@ -13,6 +13,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point
 
 if TYPE_CHECKING:
+    from gspcli.geometry.home_pose import HomePose
     from gspcli.geometry.masses import Dynamics, Leg
 
 _PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_.']*( [A-Za-z0-9_.']+)*")
@@ -67,6 +68,8 @@ def dumps(instance: Instance) -> str:
     units = instance.units
     header.append(f"units: {{length: {scalar(units.length)}, angle: {units.angle.value}}}")
     lines = [*header, *platform.lines(), *base.lines(), "constraints:", *constraints]
+    if instance.home is not None:
+        lines.append(f"home: {{{_home(instance.home)}}}")
     if instance.dynamics is not None:
         lines += ["dynamics:", *_dynamics(instance.dynamics)]
     return "\n".join(lines) + "\n"
@@ -146,6 +149,14 @@ def _constraint(constraint: Constraint, platform: str, base: str) -> str:
         shift += f", scale: {constraint.scale}"
     value = f"value: {reading}{span}{off}{shift}{side}"
     return f"  - {{{quantity}: [{platform}, {base}], {value}}}"
+
+
+def _home(home: HomePose) -> str:
+    said = f"position: {_vector(home.position)}"
+    if home.euler is not None:
+        turns = zip(("rx", "ry", "rz"), home.angles, strict=True)
+        return ", ".join((said, *(f"{key}: {x}" for key, x in turns), f"euler: {home.euler}"))
+    return f"{said}, quaternion: {_vector(home.quaternion)}"
 
 
 def _dynamics(dynamics: Dynamics) -> list[str]:

@@ -8,8 +8,16 @@ import pytest
 HEXAPOD = str(Path(__file__).parents[2] / "data" / "examples" / "platform-6-6.yaml")
 
 
+def test_home_by_default(gsp):
+    run = gsp("clearance", "@rubin-m2")
+    assert (run.code, run.err) == (0, "home is mode 2: nearest to the stated home\n")
+    assert [line.split()[0] for line in run.out.splitlines()[4:6] if line] == ["2"]
+    run = gsp("clearance", HEXAPOD, "--all-modes", "--mode", "home")
+    assert (run.code, "give either --all-modes or one of" in run.err) == (2, True)
+
+
 def test_table(gsp):
-    run = gsp("clearance", HEXAPOD)
+    run = gsp("clearance", HEXAPOD, "--all-modes")
     assert (run.code, run.err) == (0, "")
     lines = run.out.splitlines()
     assert lines[0] == "General 6-6 platform: DPP DPP DPP DPP DPP DPP"

@@ -61,17 +61,19 @@ def test_example_6_8_prints_all_64_poses(gsp):
     assert lines[4].split() == ["orientation", "qw", "qx", "qy", "qz", "positions"]
     assert [line.split()[0] for line in lines[6:14]] == list("ABCDEFGH")
     assert {line.split()[-1] for line in lines[6:14]} == {"8"}
-    assert [line.split()[:2] for line in lines[17:-2]] == [
+    assert [line.split()[:2] for line in lines[17:-3]] == [
         [str(n), "ABCDEFGH"[(n - 1) // 8]] for n in range(1, 65)
     ]
-    assert lines[-1].endswith("; every pose has condition 4.09")
+    assert lines[-2].endswith("; every pose has condition 4.09")
+    home = "home is mode 2: the least turned of 64 real poses (no home is stated), the highest of 8"
+    assert lines[-1].startswith(home)
 
 
 def test_table_of_a_small_platform(gsp, spec):
     run = gsp("solve", spec(), "--no-certify")
     lines = [" ".join(line.split()) for line in run.out.splitlines()]
     assert lines[2] == "8 real poses; complete, proved: all 8 of the type, real or not"
-    assert lines[4] == "no. Tx [m] Ty [m] Tz [m] qw qx qy qz condition"
+    assert lines[4] == "no. Tx [m] Ty [m] Tz [m] qw qx qy qz condition remarks"
     row = lines[6].split()
     assert row[:4] == ["1", "1.00000", "-2.00000", "3.00000"]
     assert row[4:8] == ["0.790569", "-0.353553", "-0.353553", "-0.353553"]

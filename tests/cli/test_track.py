@@ -87,7 +87,7 @@ def test_born_modes(gsp, values):
     backwards = "t,1,2,3,4\n0,2.6,2.0,1.0,1.9\n1,2.53,2.08,0.93,1.97\n"
     run = gsp("track", HEXAPOD, values(backwards), "--complete")
     assert run.code == 0
-    assert "mode 1 begins with mode 2 in a fold at t = 0.281139389996, proved" in run.err
+    assert "mode 3 begins with mode 4 in a fold at t = 0.281139389996, proved" in run.err
     assert "every real pose at the last row is accounted for" in run.out
 
 
@@ -98,7 +98,7 @@ def test_born_modes(gsp, values):
         ((HEXAPOD, "no.csv"), "error: no.csv: cannot be read: No such file or directory\n"),
         (
             (HEXAPOD, "VALUES", "--mode", "5"),
-            "error: found mode 5, expected one of the 2 at the first row\n",
+            "error: found mode 5, expected one of those at the first row: 1, 2\n",
         ),
         ((HEXAPOD, "VALUES", "--mode", "1", "--near", "1"), "give either --mode or --near"),
     ],
@@ -129,8 +129,8 @@ def test_without_a_real_pose_at_the_first_row_there_is_nothing_to_follow(gsp, tm
     assert "error: there is no real pose at the first row\n" in run.err
     run = gsp("track", "@platform-6-6", path, "--complete", "--format", "csv")
     assert run.code == 0
-    assert [line.split(",")[1] for line in run.out.splitlines()[1:]] == ["1", "2"]
-    assert "mode 1 begins with another in a fold" in run.err
+    assert [line.split(",")[1] for line in run.out.splitlines()[1:]] == ["3", "4"]
+    assert "mode 3 begins with another in a fold" in run.err
 
 
 def test_coordinates_that_move_are_columns_for_the_view(gsp, tmp_path):
@@ -199,3 +199,43 @@ def test_limits_are_required_between_the_rows_too(gsp, tmp_path):
     assert run.code == 1
     assert "range <= 1: NOT met; worst 0.98" in run.out
     assert "constraint 1 left between rows at t = 1.25" in run.out
+
+
+NANO = "1,2,3,4,5,6\n.118,.117,.118,.116,.118,.118\n.117,.117,.117,.117,.117,.117\n"
+
+
+def test_modes_have_the_numbers_of_solve(gsp, values):
+    """Home is the same mode in solve, and in a track that begins at other values."""
+    given = values(NANO)
+    listed = json.loads(gsp("solve", "@nano-hexapod", "--format", "json").out)
+    home = listed["home"]["mode"]
+    run = gsp("track", "@nano-hexapod", given, "--mode", "home", "--format", "json")
+    document = json.loads(run.out)
+    assert run.err == f"home is mode {home}: nearest to the stated home\n"
+    assert (document["modes"], document["new"]) == ([home], [])
+    assert document["poses"][0]["z"] > 0.1
+
+
+def test_a_track_of_poses_follows_the_mode_of_these_poses(gsp, values):
+    given = values("x,y,z,rx,ry,rz\n0,0,0.09,0,0,0\n0.001,0,0.091,1,0,0\n")
+    run = gsp("track", "@nano-hexapod", given, "--euler", "ZYX", "--format", "csv")
+    rows = list(csv.DictReader(io.StringIO(run.out)))
+    assert [(row["mode"], round(float(row["z"]), 9)) for row in rows] == [
+        ("8", 0.09),
+        ("8", 0.091),
+    ]
+    every = gsp(
+        "track", "@nano-hexapod", given, "--euler", "ZYX", "--all-modes", "--allow-loss",
+        "--format", "csv",
+    )  # fmt: skip
+    found = {row["mode"] for row in csv.DictReader(io.StringIO(every.out))}
+    assert found == set("12345678")
+
+
+def test_modes_that_are_new_are_named(gsp, values):
+    given = values("1,2,3,4,5,6\n.6,.35,.55,.6,.35,.55\n.6,.35,.55,.6,.35,.55\n")
+    run = gsp("track", "@rubin-m2", given, "--format", "json")
+    new = json.loads(run.out)["new"]
+    assert all(number > 2 for number in new)
+    told = gsp("track", "@rubin-m2", given).err
+    assert ("new, not reached from the 2 real poses of SPEC" in told) == bool(new)

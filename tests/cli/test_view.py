@@ -14,7 +14,9 @@ def test_a_page_to_a_file(gsp: Callable, tmp_path: Path) -> None:
     target = tmp_path / "platform.html"
     outcome = gsp("view", "@octahedral-3-3", "-o", target)
     assert (outcome.code, outcome.out) == (0, "")
-    assert outcome.err.startswith(f"{target}: 4 modes (assembly modes), ")
+    home, written = outcome.err.splitlines()
+    assert home.startswith("home is mode ")
+    assert written.startswith(f"{target}: 4 modes (assembly modes), ")
     assert target.read_text(encoding="utf-8").startswith("<!doctype html>")
 
 
@@ -39,7 +41,7 @@ def test_values_can_be_set(gsp: Callable) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("@octahedral-3-3", "--mode", "5"), "--mode 5: the platform has 4 real poses"),
+        (("@octahedral-3-3", "--mode", "5"), "found mode 5, expected one of the 4 real poses"),
         (("@octahedral-3-3", "-o", "view.docx"), "no format known from 'view.docx'"),
         (("@octahedral-3-3", "--track", "no.csv"), "no.csv: cannot be read"),
         (("-", "--track", "-"), "SPEC and --track cannot both be standard input"),
@@ -79,3 +81,13 @@ def test_what_gsp_track_writes_can_be_seen(gsp: Callable, tmp_path: Path) -> Non
     outcome = gsp("view", "@octahedral-3-3", "--track", track, "-o", target)
     assert outcome.code == 0
     assert "3 poses (trajectory of mode 4)" in outcome.err
+
+
+def test_the_page_of_trajectories_opens_on_home(gsp: Callable, tmp_path: Path) -> None:
+    track, target = tmp_path / "t.csv", tmp_path / "view.html"
+    rows = [f"{t},{mode},0,0,{z},1,0,0,0" for t in (0, 1) for mode, z in ((7, -0.01), (8, 0.09))]
+    track.write_text("t,mode,x,y,z,qw,qx,qy,qz\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    outcome = gsp("view", "@nano-hexapod", "--track", track, "-o", target)
+    assert outcome.err.startswith("home is mode 8: nearest to the stated home\n")
+    # The modes, then the trajectories in the order of the file.
+    assert '"first":2' in target.read_text(encoding="utf-8")

@@ -143,3 +143,19 @@ def test_home_is_the_mode_that_keeps_the_limits(gsp):
     run = gsp("workspace", "@platform-6-6")
     assert run.code == 2
     assert "no constraint has a range and no joint a cone" in run.err
+
+
+CAMERA = ("workspace", "@rubin-camera", "--orientation", "1,0,0,0", "--gap", "0.5")
+
+
+def test_only_what_is_connected_with_a_stated_home_is_counted(gsp):
+    run = gsp(*CAMERA, "--format", "json")
+    whole = gsp(*CAMERA, "--all-parts", "--format", "json")
+    document, every = json.loads(run.out), json.loads(whole.out)
+    assert (document["connected"], every["connected"]) == (True, False)
+    # 3.2e-5 and 6.4e-5 m^3, the mirror image as large as the half at home.
+    assert document["volume"]["lower"] < 3.2e-5 < document["volume"]["upper"]
+    assert every["volume"]["lower"] < 6.4e-5 < every["volume"]["upper"]
+    assert every["volume"]["lower"] > 1.3 * document["volume"]["lower"]
+    assert (document["modes_inside"], every["modes_inside"]) == ([], [7, 8])
+    assert run.err == "home is mode 8: nearest to the stated home\n"

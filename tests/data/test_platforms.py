@@ -5,6 +5,7 @@ import pytest
 
 from gspcli.geometry.residuals import Arrangement, residuals
 from gspcli.resources import INSTANCE_FOLDERS, data_directory, instance_files
+from gspcli.solver import solve
 from gspcli.spec import load, read
 
 NAMES = sorted(name for name, path in instance_files().items() if path.parent.name == "platforms")
@@ -19,6 +20,8 @@ HOME = {
     "t-top-head": 0.170294539,
     "reachy-mini-head": 0.177,
 }
+#: The sources of these state no home.
+HOMELESS = ("linuxcnc-hexapod", "modified-paradex")
 #: The source of these gives six decimals of the home position, or joints to a nanometre.
 ROUNDED = {"t-top-head": 1e-8, "reachy-mini-head": 2e-9}
 
@@ -35,6 +38,22 @@ def test_the_home_position_has_the_values(name):
     found = residuals(arrangement, np.eye(3), np.array([0.0, 0.0, HOME.get(name, 0.0)]))
     tolerance = ROUNDED.get(name, 4e-15 * arrangement.length)
     assert np.all(found <= tolerance), found
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_file_states_home_and_the_mode_is_found(name):
+    instance = load(instance_files()[name])
+    at = [0.0, 0.0, HOME.get(name, 0.0)]
+    if name in HOMELESS:
+        assert instance.home is None
+    else:
+        assert instance.home.T.tolist() == at
+        assert (instance.home.R(1.0) == np.eye(3)).all()
+    found = solve(instance)
+    R, T = found.drawn.R[found.home.number - 1], found.drawn.T[found.home.number - 1]
+    size = 1e-8 * found.arrangement.length
+    assert np.abs(R - np.eye(3)).max() < 2e-7
+    assert np.abs(T - at).max() < ROUNDED.get(name, size)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -39,12 +39,10 @@ HEAD = "# made up: python -m tools.build.calibration_page\nt,1,2,3,4,5,6,x,y,z,q
 
 
 def _home(machine: gspcli.Instance) -> tuple[np.ndarray, np.ndarray]:
-    """Return the mode that is turned least, the upper one."""
+    """Return the home pose."""
     result = gspcli.solve(machine)
-    R, T = result.R[result.real].real, result.T[result.real].real
-    trace = np.trace(R, axis1=1, axis2=2).round(6)
-    best = int(np.lexsort((T[:, 2], trace))[-1])
-    return R[best], T[best]
+    assert result.home is not None
+    return result.home.R, result.home.T
 
 
 def _measured(truth: Model, R: np.ndarray, T: np.ndarray, rng: np.random.Generator) -> str:

@@ -456,8 +456,15 @@ KEYS: dict[str, str] = {
     "expected_readings": "what each sensor would read at this mode, with --reading",
     "off": "how far each reading is from that, in its standard deviations; in CSV the largest",
     "fits": "whether the mode fits all readings",
+    "track.new": "numbers of modes at the first row that are not reached from the values of SPEC",
     # Workspaces
     "home": "the pose that travels begin at and that is kept but for what varies",
+    "solve.home": "which real pose is home, meant where one is needed; null if none is real; of a "
+    "pose, in CSV too: whether it is this one",
+    "solve.home.mode": "its number",
+    "solve.home.stated": "whether the file states a home; else it is the least turned",
+    "solve.home.reason": "why it is this one, in words",
+    "modes_inside": "numbers of the modes that are in the set, with --all-parts",
     "workspace.home.mode": "its number as a mode of the file, or null",
     "pivot": "the point of the platform whose position counts, in the platform's frame",
     "sequence": "order of the axes of rx, ry, rz",

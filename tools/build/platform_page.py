@@ -103,7 +103,7 @@ def _section(name: str, path: Path, instance: Instance) -> str:
         for primitive, numbers in names.items()
     ]
     text = f"\n## {name}\n\n" + "\n".join(comments) + "\n\n"
-    text += f"![{instance.name}, its best conditioned pose](images/{FOLDER}/{name}.svg)\n\n"
+    text += f"![{instance.name} at home](images/{FOLDER}/{name}.svg)\n\n"
     text += f"Type {instance.type.number}. Source: {_linked(str(instance.source))}.\n"
     if shared:
         text += f"\nShared by several constraints (their numbers): {', '.join(shared)}.\n"

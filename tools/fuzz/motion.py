@@ -44,7 +44,7 @@ from gspcli.geometry.coordinates import choose, coordinates, moved
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import measure
-from gspcli.motion.following.trajectories import at_values
+from gspcli.motion.following.row_instances import at_values
 from gspcli.solver import solve
 from gspcli.solver.generate import random_instance
 from gspcli.spec import dumps

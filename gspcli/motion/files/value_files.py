@@ -40,11 +40,14 @@ class ValueTable:
         In the units and order of the instance, DPH and DHP signed, shape (n, 6).
     coordinates
         Of primitives that move, by name, each of shape (n,).
+    start
+        The first pose (R, T) of a file of poses; None of values.
     """
 
     t: Array
     values: Array
     coordinates: Mapping[str, Array] = field(default_factory=dict)
+    start: tuple[Array, Array] | None = None
 
     def subdivided(self, steps: int) -> ValueTable:
         """Return the same trajectory with so many rows for each step between rows."""
@@ -54,7 +57,9 @@ class ValueTable:
         parts = np.linspace(0, len(rows) - 1, steps * (len(rows) - 1) + 1)
         columns = [np.interp(parts, rows, column) for column in self.values.T]
         moving = {name: np.interp(parts, rows, column) for name, column in self.coordinates.items()}
-        return ValueTable(np.interp(parts, rows, self.t), np.stack(columns, axis=1), moving)
+        return ValueTable(
+            np.interp(parts, rows, self.t), np.stack(columns, axis=1), moving, self.start
+        )
 
 
 def read_values(
@@ -86,6 +91,7 @@ def read_values(
     table = NumberTable(text, name)
     moving = _moving(table, instance)
     coordinates: dict[str, Array] = {}
+    start = None
     if names_poses(table):
         if delta:
             table.note_heading("found poses, expected values with --relative")
@@ -96,6 +102,7 @@ def read_values(
         values = np.zeros((len(table), len(instance.constraints)))
         if poses is not None and not table.problems:
             values = measure(instance, poses.R, poses.T)
+            start = (poses.R[0], poses.T[0]) if len(poses.R) else None
     else:
         count = len(instance.constraints)
         numbers = [str(k) for k in range(1, count + 1)]
@@ -121,7 +128,7 @@ def read_values(
         message = f"found t = {t[row + 1]:g} after {t[row]:g}: t must increase"
         table.note_cell(int(row) + 1, "t", message)
     table.check()
-    return ValueTable(t, values, coordinates)
+    return ValueTable(t, values, coordinates, start)
 
 
 def _moving(table: NumberTable, instance: Instance) -> dict[str, Coordinate]:

@@ -77,8 +77,9 @@ class Track:
         The rows, shapes (r,) and (r, 6); the values, with the offsets of the instance added, change
         linearly between them.
     modes
-        The numbers of the modes as `solve` orders them at the first row; those that are born later
-        are numbered on. Shape (m,).
+        The numbers of the modes as `solve` orders them for the values of the instance
+        (`gspcli.motion.following.mode_numbers`); those that are new at the first row, and those
+        that are born later, are numbered on. Shape (m,).
     R, T
         Poses, shapes (m, r, 3, 3) and (m, r, 3); NaN where a mode does not exist or was not
         followed.
@@ -92,6 +93,8 @@ class Track:
         Of how many proved (or followed) parts the modes are made.
     poses_at_end
         With ``everything``: all real poses (R, T) at the last row, found without following.
+    known
+        How many real poses the instance has for its values: modes with larger numbers are new.
     coordinates, places
         The coordinates that move, c of them, and where they are at each row, shape (r, c).
     """
@@ -108,6 +111,7 @@ class Track:
     complete: bool | None
     segments: int
     poses_at_end: tuple[Array, Array] | None = None
+    known: int = 0
     coordinates: tuple[Coordinate, ...] = ()
     places: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
@@ -149,6 +153,12 @@ class Track:
         signs = np.where(turns < 0, -1.0, 1.0).cumprod(axis=1)
         quaternions[:, 1:] *= signs[..., None]
         return quaternions
+
+    @property
+    def new(self) -> list[int]:
+        """The numbers of modes at the first row that are none for the values of the instance."""
+        there = ~np.isnan(self.T[:, 0, 0]) if self.T.shape[1] else np.zeros(0, bool)
+        return [mode for mode in self.modes[there].tolist() if mode > self.known]
 
     @property
     def ends(self) -> tuple[Event, ...]:

@@ -9,17 +9,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.defaults import SEED
-from gspcli.errors import ArgumentError, IncompleteError, NotFiniteError
+from gspcli.errors import ArgumentError
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import choose
-from gspcli.geometry.instance import Instance, Side
-from gspcli.geometry.numbers import Number
+from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import values_of
 from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
 from gspcli.motion.following.branch_runs import SAME, Run
+from gspcli.motion.following.mode_numbers import FirstModes, first_modes, real_poses_at
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.following.parallel_lines import along_parallel_lines
+from gspcli.motion.following.row_instances import at_values, over_rows
 from gspcli.motion.following.tracks import Track
-from gspcli.solver import SolveResult, solve
+from gspcli.solver.home_mode import distances
 
 Array = NDArray[np.float64]
 
@@ -42,7 +44,7 @@ def track(
     Parameters
     ----------
     instance
-        Geometry and units; its values are not used.
+        Geometry, units, and the values by which the modes have their numbers.
     values
         Shape (r, 6), in the units and order of the instance; DPH and DHP distances are signed.
         Offsets are added to them.
@@ -52,8 +54,8 @@ def track(
     t
         Increasing, shape (r,); the numbers of the rows from 1 if None.
     modes
-        Which real poses at the first row to follow, by their number from 1 in the order of `solve`.
-        All of them if None.
+        Which modes to follow, by their numbers as `solve` has them for the values of the instance
+        (`mode_numbers`). All real poses at the first row if None.
     near
         Instead, a pose (R, T): the mode nearest to it.
     everything
@@ -82,29 +84,26 @@ def track(
         raise ArgumentError(message, "t")
     platform: MovingPlatform | MovingGeometry
     if chosen:
-        platform = MovingGeometry(_over(instance, rows), chosen)
+        platform = MovingGeometry(over_rows(instance, rows), chosen)
     else:
-        platform = MovingPlatform(_over(instance, rows))
-    R, T = _all_poses(platform, rows[0], seed, jobs)
+        platform = MovingPlatform(over_rows(instance, rows))
+    first = first_modes(instance, platform, rows[0], seed=seed, jobs=jobs)
+    R, T, numbers = first.R, first.T, first.numbers
     if not chosen:
         same = along_parallel_lines(at_values(instance, rows[0]), rows[:, :6], R)
-        platform = MovingPlatform(_over(same, rows))
-    numbers = np.arange(1, len(R) + 1)
+        platform = MovingPlatform(over_rows(same, rows))
     if near is not None:
-        followed = [_nearest(R, T, near)]
+        followed = [_nearest(instance, first, near)]
     elif modes is not None:
-        for mode in modes:
-            if not 1 <= mode <= len(R):
-                message = f"found mode {mode}, expected one of the {len(R)} at the first row"
-                raise ArgumentError(message)
-        followed = [mode - 1 for mode in modes]
+        followed = [_of_number(first, mode) for mode in modes]
     else:
         followed = list(range(len(R)))
     run = Run(instance, platform, times, rows, FollowOptions(certify=certify, jobs=jobs))
     forward = run.follow(R[followed], T[followed], numbers[followed])
+    forward = replace(forward, known=first.known)
     if not everything:
         return forward
-    return _with_births(run, forward, _all_poses(platform, rows[-1], seed, jobs))
+    return _with_births(run, forward, real_poses_at(platform, rows[-1], seed, jobs))
 
 
 def track_from(
@@ -131,27 +130,9 @@ def track_from(
     rows = _checked(values, "values", (None, 6))
     times = np.arange(1.0, len(rows) + 1)
     R, T = np.asarray(R, float), np.asarray(T, float)
-    platform = MovingPlatform(_over(instance, rows))
+    platform = MovingPlatform(over_rows(instance, rows))
     run = Run(instance, platform, times, rows, options or FollowOptions())
     return run.follow(R, T, np.arange(1, len(R) + 1))
-
-
-def _over(instance: Instance, rows: Array) -> Instance:
-    """Return the instance for following along rows: a value of zero stands for zero at all rows."""
-    values = rows[:, :6]
-    return at_values(instance, values[np.abs(values).argmax(axis=0), np.arange(6)])
-
-
-def at_values(instance: Instance, values: Array) -> Instance:
-    """Return an instance with other values; a signed distance to a plane becomes a side."""
-    constraints = []
-    for constraint, value in zip(instance.constraints, values[:6].tolist(), strict=True):
-        side = constraint.side
-        if constraint.kind.has_sides:
-            side = Side.NEGATIVE if value < 0 else Side.POSITIVE
-            value = abs(value)
-        constraints.append(replace(constraint, value=Number.of(value), side=side))
-    return replace(instance, constraints=tuple(constraints))
 
 
 def _checked(given: ArrayLike, name: str, shape: tuple[int | None, ...]) -> Array:
@@ -170,35 +151,29 @@ def _checked(given: ArrayLike, name: str, shape: tuple[int | None, ...]) -> Arra
     return array
 
 
-def _all_poses(
-    platform: MovingPlatform | MovingGeometry, row: Array, seed: int, jobs: int
-) -> tuple[Array, Array]:
-    """Return the real poses at a row, in the order of `solve`."""
-    values = row[:6]
-    instance = at_values(platform.instance_at(row), values)
-    result: SolveResult = solve(instance, seed=seed, jobs=jobs)
-    if result.verdict == "infinite":
-        message = f"the poses for the values {_listed(values)} are infinitely many"
-        raise NotFiniteError(message)
-    if result.verdict != "complete":
-        message = f"the poses for the values {_listed(values)} could not all be found"
-        raise IncompleteError(message)
-    return result.R[result.real].real, result.T[result.real].real
+def _of_number(first: FirstModes, mode: int) -> int:
+    """Return the index of a mode among those at the first row."""
+    found = np.flatnonzero(first.numbers == mode)
+    if len(found):
+        return int(found[0])
+    there = ", ".join(map(str, first.numbers.tolist())) or "none"
+    if not 1 <= mode <= first.known:
+        message = f"found mode {mode}, expected one of those at the first row: {there}"
+    else:
+        message = (
+            f"mode {mode} cannot be followed from the values of the instance to the first row; "
+            f"found there: {there}"
+        )
+    raise ArgumentError(message)
 
 
-def _listed(values: Array) -> str:
-    return ", ".join(f"{value:.6g}" for value in values)
-
-
-def _nearest(R: Array, T: Array, pose: tuple[ArrayLike, ArrayLike]) -> int:
-    if not len(R):
+def _nearest(instance: Instance, first: FirstModes, pose: tuple[ArrayLike, ArrayLike]) -> int:
+    if not len(first.R):
         message = "there is no real pose at the first row to be near to"
         raise ArgumentError(message)
-    length = np.ptp(T, axis=0).max() or 1.0
-    difference = np.abs(R - np.asarray(pose[0])).max(axis=(1, 2))
-    return int(
-        np.maximum(difference, np.abs(T - np.asarray(pose[1])).max(axis=1) / length).argmin()
-    )
+    goal = np.asarray(pose[0], float), np.asarray(pose[1], float)
+    moved, turned = distances(first.R, first.T, *goal)
+    return int(np.hypot(moved / Arrangement.of(instance).length, turned).argmin())
 
 
 def _with_births(run: Run, forward: Track, last: tuple[Array, Array]) -> Track:
@@ -212,7 +187,7 @@ def _with_births(run: Run, forward: Track, last: tuple[Array, Array]) -> Track:
     distance = np.sqrt(np.maximum(0.0, 2 - 2 * overlap))
     fresh = np.flatnonzero(~(distance < SAME).any(axis=1))
     complete = len(points) - len(fresh) == int(arrived.sum())
-    first = int(forward.modes.max(initial=0)) + 1
+    first = int(forward.modes.max(initial=forward.known)) + 1
     numbers = np.arange(first, first + len(fresh))
     back = run.reversed.follow(last[0][fresh], last[1][fresh], numbers)
     rows = len(run.t)

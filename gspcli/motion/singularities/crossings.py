@@ -13,10 +13,12 @@ from gspcli.certification.branches.folds import prove_fold
 from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import Field
+from gspcli.geometry.readings import values_of
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion.following.branch_follower import MovingPlatform
+from gspcli.motion.following.row_instances import at_values
 from gspcli.motion.following.tracks import Event
-from gspcli.motion.following.trajectories import at_values, track
+from gspcli.motion.following.trajectories import track
 from gspcli.motion.singularities.discriminant import Curve, Discriminant
 from gspcli.motion.singularities.value_scans import Scan
 from gspcli.records import dataclass
@@ -143,7 +145,9 @@ class _Search:
     ) -> None:
         """Add the folds in which modes end from one node to another, or the curves through them."""
         ends = np.stack([self._found.values_at(start), self._found.values_at(goal)])
-        path = track(self._found.instance, ends, seed=self._seed)
+        # From the first of them, so that no numbers have to be carried along.
+        begin = values_of(self._found.instance, ends[:1])[0]
+        path = track(at_values(self._found.instance, begin), ends, seed=self._seed)
         for event in path.events:
             # Two modes that meet tell of the same fold.
             told = event.partner is not None and event.partner < event.mode

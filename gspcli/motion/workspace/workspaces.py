@@ -8,15 +8,19 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.euler import euler_from_rotation
 from gspcli.geometry.instance import Instance
 from gspcli.motion.workspace.box_sets import Levels
-from gspcli.motion.workspace.pose_boxes import Keys, PoseBoxes, places
+from gspcli.motion.workspace.pose_boxes import PARAMETERS, Keys, PoseBoxes, places
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
 #: Volumes are sums of many products in floating point, with errors far below this, relatively.
 ROUNDING = 1e-9
+#: Parameters that differ by less, in lengths of the platform and radians, are the same.
+_SAME = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,6 +148,25 @@ class Workspace:
                     key |= place[:, d].astype(np.uint64) << np.uint64(d * int(bits))
                 found[within & np.isin(key, keys[levels == level])] = sign
         return found
+
+    def judged_poses(self, R: ArrayLike, T: ArrayLike) -> NDArray[np.int8]:
+        """Return where poses lie, as `judged_at`; -1 where a parameter is not free, and another.
+
+        Parameters
+        ----------
+        R, T
+            Poses, shapes (n, 3, 3) and (n, 3).
+        """
+        R, T = np.asarray(R, float), np.asarray(T, float)
+        parameters = np.zeros((len(R), 6))
+        parameters[:, :3] = T + R @ self.boxes.pivot
+        parameters[:, 3:] = euler_from_rotation(self.boxes.sequence, R @ self.boxes.R.T)
+        size = np.array([Arrangement.of(self.instance).length] * 3 + [1.0] * 3)
+        indices = [PARAMETERS.index(name) for name in self.free]
+        fixed = [k for k in range(6) if k not in indices]
+        off = np.abs(parameters - self.boxes.home)[:, fixed] / size[fixed]
+        found = self.judged_at(parameters[:, indices] / self.units)
+        return np.where((off < _SAME).all(axis=1), found, -1).astype(np.int8)
 
     def _corners(self, keys: Keys, levels: Levels) -> Array:
         low, high = self.bounds.T

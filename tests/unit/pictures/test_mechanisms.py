@@ -12,7 +12,7 @@ from gspcli.catalogue.realization import REALIZATIONS, Realization, outside, rea
 from gspcli.pictures.chain_panels import chain_drawing
 from gspcli.pictures.joint_frames import ChainEnds, mounted
 from gspcli.pictures.mechanisms import mechanism_drawing
-from gspcli.pictures.staging import best_mode, scene_of
+from gspcli.pictures.staging import first_mode, scene_of
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load
@@ -84,7 +84,7 @@ def test_driven_joints_are_marked(made: Realization) -> None:
 def test_whole_mechanisms_are_drawn(name: str) -> None:
     instance = load(instance_files()[name])
     result = solve(instance, certify=False)
-    scene = scene_of(result, only=best_mode(result))
+    scene = scene_of(result, only=first_mode(result))
     built = mechanism(instance.constraints)
     svg = mechanism_drawing(scene, built, "svg", 0)
     assert svg == mechanism_drawing(scene, built, "svg", 0)

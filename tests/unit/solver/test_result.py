@@ -34,6 +34,7 @@ def test_json_has_the_keys_of_the_schema(result):
         "geometry_count",
         "exact_count",
         "counts",
+        "home",
         "solutions",
         "seed",
         "version",
@@ -44,7 +45,7 @@ def test_json_has_the_keys_of_the_schema(result):
     assert len(document["solutions"]) == document["counts"]["found"]
     for solution in document["solutions"]:
         keys = {"number", "real", "certified", "multiplicity", "R", "T", "quaternion"}
-        keys |= {"residual", "condition", "sides"}
+        keys |= {"residual", "condition", "sides", "home"}
         if not solution["real"]:
             keys |= {"R_imag", "T_imag", "quaternion_imag"}
         assert set(solution) == keys

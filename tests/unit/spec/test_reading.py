@@ -40,6 +40,7 @@ dynamics:
     rod: {mass: 0.2, centre: 30, inertia: 5}
     universal: [1, 0, 0]
   drives: {inertia: 0, stiffness: [1e6, 2e6, 1e6, 1e3, 1e3, 1e3]}
+home: {position: [0, 0, 20], rx: 1, euler: xyz}
 """
 
 

@@ -150,3 +150,23 @@ def test_wrong_arguments_are_named(wrong, said):
     with pytest.raises(ArgumentError) as caught:
         wrong(good)
     assert str(caught.value).startswith(said)
+
+
+HOMES = [
+    ("{position: [0, 1/3, 20]}", "{position: [0, 1/3, 20], quaternion: [1, 0, 0, 0]}"),
+    ("{position: [0, 0, 2], quaternion: [1, 0, 0, sqrt(3)]}",) * 2,
+    (
+        "{euler: ZYX, position: [0, 0, 2], rz: -90}",
+        "{position: [0, 0, 2], rx: 0, ry: 0, rz: -90, euler: ZYX}",
+    ),
+]
+
+
+@pytest.mark.parametrize(("stated", "written"), HOMES)
+def test_home_is_written_and_read_back(stated, written):
+    text = data_path("platforms", "linuxcnc-hexapod.yaml").read_text(encoding="utf-8")
+    instance = loads(text + f"home: {stated}\n")
+    assert f"\nhome: {written}\n" in dumps(instance)
+    assert loads(dumps(instance)) == instance
+    assert loads(dumps(instance)).home == instance.home
+    assert loads(text) != instance

@@ -12,7 +12,7 @@ from gspcli.certification.branches.fold_system import CurveSystem
 from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.geometry.coordinates import choose
 from gspcli.motion import MovingPlatform
-from gspcli.motion.following.trajectories import at_values
+from gspcli.motion.following.row_instances import at_values
 from gspcli.resources import data_path
 from gspcli.solver.generate import random_instance
 

@@ -10,7 +10,7 @@ from gspcli.certification.branches.folds import prove_fold
 from gspcli.defaults import SEED
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import MovingPlatform, measure, track
-from gspcli.motion.following.trajectories import at_values
+from gspcli.motion.following.row_instances import at_values
 from gspcli.resources import data_path
 from gspcli.solver.generate import random_instance
 

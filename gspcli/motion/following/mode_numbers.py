@@ -1,0 +1,146 @@
+"""Which modes there are at the first row of a trajectory, with the numbers that `solve` gives them.
+
+The numbers are those of the real poses for the values that the instance states. A trajectory that
+begins elsewhere has them carried along: the modes are followed, proved, from the stated values to
+the first row. What is there at the first row and is not reached so is new.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.errors import IncompleteError, NotFiniteError
+from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.coordinates import Coordinate, nominal_coordinates
+from gspcli.geometry.instance import Instance
+from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
+from gspcli.motion.following.branch_runs import SAME, Run
+from gspcli.motion.following.moving_geometry import MovingGeometry
+from gspcli.motion.following.parallel_lines import along_parallel_lines
+from gspcli.motion.following.row_instances import at_values, over_rows
+from gspcli.records import dataclass
+from gspcli.solver import SolveResult, solve
+
+Array = NDArray[np.float64]
+Platform = MovingPlatform | MovingGeometry
+
+
+@dataclass(frozen=True, eq=False)
+class FirstModes:
+    """The real poses at the first row.
+
+    Attributes
+    ----------
+    R, T
+        The poses, shapes (n, 3, 3) and (n, 3), in the order of their numbers.
+    numbers
+        Their numbers, shape (n,).
+    known
+        How many real poses there are for the stated values; those with larger numbers are new.
+    """
+
+    R: Array
+    T: Array
+    numbers: NDArray[np.int64]
+    known: int
+
+
+def first_modes(
+    instance: Instance, platform: Platform, row: Array, *, seed: int, jobs: int
+) -> FirstModes:
+    """Return the real poses at a row of values and coordinates, numbered as `solve` does.
+
+    Raises
+    ------
+    NotFiniteError, IncompleteError
+        If the poses at the row are infinitely many or could not all be found.
+    """
+    start = _stated_row(instance, platform.chosen, row)
+    if np.array_equal(start, row) and not _open_sides(instance).any():
+        R, T = _real(solve(instance, seed=seed, jobs=jobs), row)
+        return FirstModes(R, T, np.arange(1, len(R) + 1), len(R))
+    R, T = real_poses_at(platform, row, seed, jobs)
+    found = solve(instance, seed=seed, jobs=jobs)
+    numbers = np.zeros(len(R), np.int64)
+    known = found.counts.real if found.verdict == "complete" else 0
+    if known and len(R):
+        numbers = _carried(instance, platform, found, np.stack((start, row)), (R, T), jobs)
+    fresh = np.flatnonzero(numbers == 0)
+    numbers[fresh] = known + 1 + np.arange(len(fresh))
+    order = np.argsort(numbers)
+    return FirstModes(R[order], T[order], numbers[order], known)
+
+
+def _stated_row(instance: Instance, chosen: Sequence[Coordinate], row: Array) -> Array:
+    """Return the values and coordinates that an instance states; open sides are those of a row."""
+    arrangement = Arrangement.of(instance)
+    signs = np.where(arrangement.sides < 0, -1.0, 1.0)
+    signs = np.where(_open_sides(instance) & (row[:6] < 0), -1.0, signs)
+    return np.concatenate((signs * arrangement.values, nominal_coordinates(instance, chosen)))
+
+
+def _open_sides(instance: Instance) -> NDArray[np.bool_]:
+    """Return which constraints leave their side open, shape (6,)."""
+    arrangement = Arrangement.of(instance)
+    return np.asarray(arrangement.sided & (arrangement.sides == 0))
+
+
+def _carried(
+    instance: Instance,
+    platform: Platform,
+    found: SolveResult,
+    rows: Array,
+    first: tuple[Array, Array],
+    jobs: int,
+) -> NDArray[np.int64]:
+    """Return the numbers of poses at the second row, 0 where no mode of the first one arrives."""
+    real, sides = found.real, found.sides[found.real]
+    R, T = found.R[real].real, found.T[real].real
+    begins = (~_open_sides(instance) | (sides * np.sign(rows[0, :6]) >= 0)).all(axis=1)
+    numbers = np.flatnonzero(begins) + 1
+    R, T = R[begins], T[begins]
+    between: Platform
+    if platform.chosen:
+        between = MovingGeometry(over_rows(instance, rows), platform.chosen)
+    else:
+        same = along_parallel_lines(at_values(instance, rows[0]), rows[:, :6], R)
+        between = MovingPlatform(over_rows(same, rows))
+    if not np.array_equal(rows[0], rows[1]):
+        run = Run(instance, between, np.array([0.0, 1.0]), rows, FollowOptions(jobs=jobs))
+        followed = run.follow(R, T, numbers)
+        there = ~np.isnan(followed.T[:, -1, 0])
+        numbers, R, T = numbers[there], followed.R[there, -1], followed.T[there, -1]
+    # Study points are known up to sign.
+    overlap = np.abs(between.points(*first) @ between.points(R, T).T)
+    same_pose = np.sqrt(np.maximum(0.0, 2 - 2 * overlap)) < SAME
+    return (
+        np.where(same_pose.any(axis=1), numbers[same_pose.argmax(axis=1)], 0)
+        if len(R)
+        else (np.zeros(len(first[0]), np.int64))
+    )
+
+
+def real_poses_at(platform: Platform, row: Array, seed: int, jobs: int) -> tuple[Array, Array]:
+    """Return the real poses at a row, in the order of `solve`."""
+    values = row[:6]
+    instance = at_values(platform.instance_at(row), values)
+    result: SolveResult = solve(instance, seed=seed, jobs=jobs)
+    return _real(result, values)
+
+
+def _real(result: SolveResult, row: Array) -> tuple[Array, Array]:
+    values = row[:6]
+    if result.verdict == "infinite":
+        message = f"the poses for the values {_listed(values)} are infinitely many"
+        raise NotFiniteError(message)
+    if result.verdict != "complete":
+        message = f"the poses for the values {_listed(values)} could not all be found"
+        raise IncompleteError(message)
+    return result.R[result.real].real, result.T[result.real].real
+
+
+def _listed(values: Array) -> str:
+    return ", ".join(f"{value:.6g}" for value in values)

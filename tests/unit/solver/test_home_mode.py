@@ -1,0 +1,79 @@
+"""Which real pose is home: nearest to the stated one, else the least turned, then the highest."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gspcli.geometry.home_pose import HomePose
+from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.resources import instance_files
+from gspcli.solver import solve
+from gspcli.solver.home_mode import home_mode
+from gspcli.spec import load
+
+HEXAPOD = load(instance_files()["simmechanics-hexapod"])
+LOOSE = replace(HEXAPOD, home=None)
+
+
+def test_the_pose_nearest_to_the_stated_home():
+    result = solve(HEXAPOD)
+    R, T = result.R[result.real].real, result.T[result.real].real
+    for k in range(len(R)):
+        near = HomePose(list(T[k] + [0.01, 0, -0.02]), list(result.quaternions[k].real))
+        found = home_mode(replace(HEXAPOD, home=near), R, T)
+        assert (found.number, found.stated, found.count) == (k + 1, True, len(R))
+        assert (R[k] == found.R).all()
+        assert (T[k] == found.T).all()
+        assert found.reason.startswith("nearest to the stated home, 0.0224 m and ")
+
+
+def test_a_stated_home_in_angles_is_the_same_pose():
+    given = HomePose([0, 0, 2], euler="xyz", angles=[10, -20, 30])
+    turn = given.R(np.pi / 180)
+    x, y, z = (
+        rotation_from_vector(np.deg2rad(a) * e)
+        for a, e in zip((10, -20, 30), np.eye(3), strict=True)
+    )
+    assert turn == pytest.approx(z @ y @ x, abs=1e-15)
+
+
+def test_without_one_the_least_turned_and_then_the_highest():
+    upper, lower = np.array([[0, 0, 2.0], [0, 0, -2.0]])
+    turned = rotation_from_vector(np.array([0, 0, 0.1]))
+    R = np.stack([turned, np.eye(3), np.eye(3)])
+    found = home_mode(LOOSE, R, np.stack([upper, lower, upper]))
+    assert (found.number, found.stated, found.equal) == (3, False, 2)
+    found = home_mode(LOOSE, R[:2], np.stack([upper, lower]))
+    assert (found.number, found.equal) == (2, 1)
+    assert home_mode(LOOSE, R[:0], np.zeros((0, 3))) is None
+
+
+def test_equal_is_what_differs_by_less_than_a_millionth():
+    T = np.array([[0, 0, -2.0], [0, 0, 2.0]])
+    for turn, number in ((0.5e-6, 2), (2e-6, 1)):
+        R = np.stack([np.eye(3), rotation_from_vector(np.array([turn, 0, 0]))])
+        assert home_mode(LOOSE, R, T).number == number
+
+
+def test_the_mode_is_marked_in_every_form():
+    result = solve(HEXAPOD)
+    number = result.home.number
+    assert [s.number for s in result.solutions if s.home] == [number]
+    frame = result.to_frame()
+    assert frame.index[frame["home"]].tolist() == [number]
+    document = result.to_json()
+    assert document["home"] == {
+        "mode": number,
+        "stated": True,
+        "reason": "nearest to the stated home",
+    }
+    assert [s["number"] for s in document["solutions"] if s["home"]] == [number]
+
+
+@pytest.mark.parametrize(
+    ("quaternion", "euler"), [([0, 0, 0, 0], None), ([1, 0, 0], None), ([1, 0, 0, 0], "ZYX")]
+)
+def test_what_is_no_home(quaternion, euler):
+    with pytest.raises(ValueError, match="quaternion"):
+        HomePose([0, 0, 0], quaternion, euler=euler)
