@@ -8,12 +8,16 @@
 // Included by lanes.hpp: in an anonymous namespace, as everything there.
 #pragma once
 
+#include "mixed_operators.hpp"
+
 namespace gsp {
 namespace {
 
 struct DoubleDouble {
+  static constexpr int kParts = 2;
   D hi, lo;
   DoubleDouble() = default;
+  explicit INLINE DoubleDouble(const D& x) : hi(x), lo{} {}
   INLINE DoubleDouble(const D& a, const D& b) : hi(a), lo(b) {}
   // Vector by vector, as C in lanes.hpp.
   INLINE DoubleDouble(const DoubleDouble& o) : hi(o.hi), lo(o.lo) {}
@@ -48,15 +52,12 @@ INLINE DoubleDouble exact_product(const D& a, const D& b) {
 #endif
 }
 
-INLINE DoubleDouble extend(const D& x) { return {x, D{}}; }
-
 INLINE DoubleDouble operator-(const DoubleDouble& a) { return {-a.hi, -a.lo}; }
 INLINE DoubleDouble operator+(const DoubleDouble& a, const DoubleDouble& b) {
   const DoubleDouble s = exact_sum(a.hi, b.hi), t = exact_sum(a.lo, b.lo);
   const DoubleDouble u = quick_sum(s.hi, s.lo + t.hi);
   return quick_sum(u.hi, u.lo + t.lo);
 }
-INLINE DoubleDouble operator-(const DoubleDouble& a, const DoubleDouble& b) { return a + -b; }
 INLINE DoubleDouble operator*(const DoubleDouble& a, const DoubleDouble& b) {
   const DoubleDouble p = exact_product(a.hi, b.hi);
   return quick_sum(p.hi, p.lo + (a.hi * b.lo + a.lo * b.hi));
@@ -71,27 +72,12 @@ INLINE DoubleDouble operator/(const DoubleDouble& a, const DoubleDouble& b) {
   return quick_sum(first, left.hi / b.hi);
 }
 
-INLINE DoubleDouble operator*(double a, const DoubleDouble& b) { return (D{} + a) * b; }
-INLINE DoubleDouble operator*(const DoubleDouble& a, double b) { return (D{} + b) * a; }
-INLINE DoubleDouble operator/(double a, const DoubleDouble& b) { return extend(D{} + a) / b; }
-INLINE DoubleDouble operator-(double a, const DoubleDouble& b) { return extend(D{} + a) - b; }
-INLINE DoubleDouble operator+(double a, const DoubleDouble& b) { return extend(D{} + a) + b; }
-INLINE DoubleDouble operator+(const DoubleDouble& a, double b) { return a + extend(D{} + b); }
-INLINE void operator+=(DoubleDouble& a, const DoubleDouble& b) { a = a + b; }
-INLINE void operator-=(DoubleDouble& a, const DoubleDouble& b) { a = a - b; }
-
 INLINE Mask operator<(const DoubleDouble& a, const DoubleDouble& b) {
   return (a.hi < b.hi) | ((a.hi == b.hi) & (a.lo < b.lo));
 }
 INLINE Mask operator<=(const DoubleDouble& a, const DoubleDouble& b) {
   return (a.hi < b.hi) | ((a.hi == b.hi) & (a.lo <= b.lo));
 }
-INLINE Mask operator>(const DoubleDouble& a, const DoubleDouble& b) { return b < a; }
-INLINE Mask operator>=(const DoubleDouble& a, const DoubleDouble& b) { return b <= a; }
-INLINE Mask operator<(const DoubleDouble& a, double b) { return a < extend(D{} + b); }
-INLINE Mask operator<=(const DoubleDouble& a, double b) { return a <= extend(D{} + b); }
-INLINE Mask operator>(const DoubleDouble& a, double b) { return extend(D{} + b) < a; }
-INLINE Mask operator>=(const DoubleDouble& a, double b) { return extend(D{} + b) <= a; }
 
 INLINE DoubleDouble select(const Mask& m, const DoubleDouble& a, const DoubleDouble& b) {
   return {m ? a.hi : b.hi, m ? a.lo : b.lo};

@@ -188,7 +188,7 @@ C complex_root(const C& z) {
   const D half = 0.5 * (im < 0.0 ? -im : im) / other;
   const Mask right = re > 0.0;
   const D x = right ? other : half, y = im < 0.0 ? -(right ? half : other) : (right ? half : other);
-  const C first{extend(x), extend(y)};
+  const C first{V(x), V(y)};
   const C left = minus(z, times(first, first));
   const D scale = 0.5 / (x * x + y * y), a = left.re.hi + left.re.lo, b = left.im.hi + left.im.lo;
   return {{x, scale * (x * a + y * b)}, {y, scale * (x * b - y * a)}};

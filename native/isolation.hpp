@@ -6,6 +6,7 @@
 
 #include "proofs.hpp"
 
+#include "factorization.hpp"
 #include "lanes.hpp"
 
 namespace gsp {
@@ -92,37 +93,21 @@ INLINE void free_columns(const T* row, const Mask* above, T* out) {
   for (int k = 0; k < kRows; ++k) out[k] = select(above[k], row[k + 1], row[k]);
 }
 
-// An approximate inverse: J = L R by modified Gram-Schmidt, the rows of R orthogonal and the diagonal
-// of L one, so J^-1 = R^H (R R^H)^-1 L^-1.
+// An approximate inverse: J = L R, so J^-1 = R^H (R R^H)^-1 L^-1.
 void invert(const C (&jacobian)[kRows][kRows], C (&inverse)[kRows][kRows]) {
-  C r[kRows][kRows], lower[kRows][kRows], x[kRows][kRows];
+  C r[kRows][kRows], lower[kRows][kRows], x[kRows][kRows];  // x: the columns of (R R^H)^-1 L^-1
   V scale[kRows];
   for (int i = 0; i < kRows; ++i)
     for (int k = 0; k < kRows; ++k) r[i][k] = jacobian[i][k];
-  for (int j = 0; j < kRows; ++j) {
-    V size = square(r[j][0]);
-    for (int k = 1; k < kRows; ++k) size += square(r[j][k]);
-    scale[j] = 1.0 / size;
-    for (int i = j + 1; i < kRows; ++i) {
-      Sum sum{};
-      for (int k = 0; k < kRows; ++k) sum.add(r[j][k], r[i][k]);
-      const C s = scale[j] * sum.conjugate_total();
-      for (int k = 0; k < kRows; ++k) subtract_product(r[i][k], s, r[j][k]);
-      lower[i][j] = s;
-    }
-  }
+  factorize<kRows>(r, lower, scale);
   for (int c = 0; c < kRows; ++c) {
-    x[c][c] = {splat(1.0), splat(0.0)};
-    for (int i = c + 1; i < kRows; ++i) {
-      x[i][c] = C{};
-      for (int j = c; j < i; ++j) subtract_product(x[i][c], lower[i][j], x[j][c]);
-    }
-    for (int i = c; i < kRows; ++i) x[i][c] = scale[i] * x[i][c];
+    inverse_column<kRows>(lower, c, x[c]);
+    for (int i = c; i < kRows; ++i) x[c][i] = scale[i] * x[c][i];
   }
   for (int k = 0; k < kRows; ++k)
     for (int c = 0; c < kRows; ++c) {
       Sum sum{};
-      for (int j = c; j < kRows; ++j) sum.add(r[j][k], x[j][c]);
+      for (int j = c; j < kRows; ++j) sum.add(r[j][k], x[c][j]);
       inverse[k][c] = sum.conjugate_total();
     }
 }

@@ -67,11 +67,11 @@ namespace {
 #if GSP_PARTS == 4
 typedef QuadDouble V;
 constexpr double kEpsilon = 1e-60;  // of rounding in the equations
-INLINE V splat(double x) { return quad_double(D{} + x); }
+INLINE V splat(double x) { return V(D{} + x); }
 #elif GSP_PARTS == 2
 typedef DoubleDouble V;
 constexpr double kEpsilon = 1e-31;
-INLINE V splat(double x) { return extend(D{} + x); }
+INLINE V splat(double x) { return V(D{} + x); }
 #else
 typedef D V;
 constexpr double kEpsilon = 4e-16;

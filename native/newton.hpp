@@ -2,8 +2,7 @@
 //
 // Points are in C^8 of norm 1. The Jacobian matrix J has seven rows with J z = 0 on solutions, so
 // least-norm solutions of J dz = b are orthogonal to z: the row conj(z).dz = 0 of a moving patch is
-// there without being written. J = L R with L lower triangular, one on its diagonal, and orthogonal
-// rows of R, by modified Gram-Schmidt, which needs no pivoting and so no branches between lanes.
+// there without being written.
 //
 // With 64 digits lengths are measured in units of e and of f at the point:
 // poses far away are near each other in C^8, where e nearly vanishes, but not in these.
@@ -12,6 +11,7 @@
 // cannot merge functions that were compiled for different processors.
 #pragma once
 
+#include "factorization.hpp"
 #include "quadrics.hpp"
 
 namespace gsp {
@@ -142,20 +142,7 @@ void factorize(Workspace& w) {
   if constexpr (kUnits)
     for (int i = 0; i < kRows; ++i)
       for (int j = 0; j < N; ++j) w.row[i][j] = by(w.unit[j / 4], w.row[i][j]);
-  for (int j = 0; j < kRows; ++j) {
-    const C* q = w.row[j];
-    V size = square(q[0]);
-    for (int k = 1; k < N; ++k) size += square(q[k]);
-    w.inverse[j] = 1.0 / size;
-    for (int i = j + 1; i < kRows; ++i) {
-      C* r = w.row[i];
-      Sum sum{};
-      for (int k = 0; k < N; ++k) sum.add(q[k], r[k]);
-      const C s = w.inverse[j] * sum.conjugate_total();
-      for (int k = 0; k < N; ++k) subtract_product(r[k], s, q[k]);
-      w.lower[i][j] = s;
-    }
-  }
+  factorize<kRows>(w.row, w.lower, w.inverse);
 }
 
 // b becomes L^-1 b.

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "pair.hpp"
+
 namespace gsp {
 namespace {
 
@@ -9,20 +11,13 @@ namespace {
 constexpr int kNorm = 0, kRotation = 1, kTranslation = 10, kBody = 13, kRho = 16, kMoment = 17,
               kStudy = 26;
 
-// Nothing may be reassociated or contracted here (T. J. Dekker; D. E. Knuth).
-Doubled renormalized(double high, double low, double size) {
-  const double s = high + low;
-  return {s, low - (s - high), size};
-}
+Pair pair(const Doubled& a) { return {a.high, a.low}; }
+Doubled sized(const Pair& x, double size) { return {x.hi, x.lo, size}; }
 Doubled operator+(const Doubled& a, const Doubled& b) {
-  const double s = a.high + b.high, t = s - a.high;
-  const double rest = (a.high - (s - t)) + (b.high - t);
-  return renormalized(s, rest + (a.low + b.low), a.size + b.size);
+  return sized(sum(pair(a), pair(b)), a.size + b.size);
 }
 Doubled operator*(const Doubled& a, const Doubled& b) {
-  const double p = a.high * b.high;
-  const double rest = std::fma(a.high, b.high, -p) + (a.high * b.low + a.low * b.high);
-  return renormalized(p, rest, a.size * b.size);
+  return sized(product(pair(a), pair(b)), a.size * b.size);
 }
 Doubled operator-(const Doubled& a) { return {-a.high, -a.low, a.size}; }
 Doubled operator-(const Doubled& a, const Doubled& b) { return a + -b; }
@@ -33,7 +28,7 @@ Doubled operator*(double c, const Doubled& a) { return {c * a.high, c * a.low, s
 Doubled root(const Doubled& x) {
   const double r = std::sqrt(x.high);
   const Doubled square = Doubled{r, 0.0, r} * Doubled{r, 0.0, r};
-  return renormalized(r, (x - square).high / (2.0 * r), std::sqrt(x.size));
+  return sized(renormalized(r, (x - square).high / (2.0 * r)), std::sqrt(x.size));
 }
 
 Doubled dot(const Doubled* a, const Doubled* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }

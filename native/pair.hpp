@@ -10,18 +10,20 @@ struct Pair {
   double hi, lo;
 };
 
+// high + low, if |high| >= |low|.
+inline Pair renormalized(double high, double low) {
+  const double s = high + low;
+  return {s, low - (s - high)};
+}
+
 inline Pair sum(const Pair& a, const Pair& b) {
   const double s = a.hi + b.hi, v = s - a.hi;
-  const double e = (a.hi - (s - v)) + (b.hi - v) + (a.lo + b.lo);
-  const double hi = s + e;
-  return {hi, e - (hi - s)};
+  return renormalized(s, (a.hi - (s - v)) + (b.hi - v) + (a.lo + b.lo));
 }
 
 inline Pair product(const Pair& a, const Pair& b) {
   const double p = a.hi * b.hi;
-  const double e = __builtin_fma(a.hi, b.hi, -p) + (a.hi * b.lo + a.lo * b.hi);
-  const double hi = p + e;
-  return {hi, e - (hi - p)};
+  return renormalized(p, __builtin_fma(a.hi, b.hi, -p) + (a.hi * b.lo + a.lo * b.hi));
 }
 
 }  // namespace

@@ -15,8 +15,10 @@ namespace gsp {
 namespace {
 
 struct QuadDouble {
+  static constexpr int kParts = 4;
   D part[4];
   QuadDouble() = default;
+  explicit INLINE QuadDouble(const D& x) : part{x, D{}, D{}, D{}} {}
   INLINE QuadDouble(const D& a, const D& b, const D& c, const D& d) : part{a, b, c, d} {}
   // Vector by vector, as C in lanes.hpp.
   INLINE QuadDouble(const QuadDouble& o) : part{o.part[0], o.part[1], o.part[2], o.part[3]} {}
@@ -41,8 +43,6 @@ INLINE QuadDouble renormalized(D a, D b, D c, D d) {
   s = exact_sum(c, d);
   return {a, b, s.hi, s.lo};
 }
-
-INLINE QuadDouble quad_double(const D& x) { return {x, D{}, D{}, D{}}; }
 
 INLINE QuadDouble operator-(const QuadDouble& a) {
   return {-a.part[0], -a.part[1], -a.part[2], -a.part[3]};
@@ -94,7 +94,6 @@ INLINE QuadDouble operator+(const QuadDouble& a, const QuadDouble& b) {
   add(a, b, c);
   return c;
 }
-INLINE QuadDouble operator-(const QuadDouble& a, const QuadDouble& b) { return a + -b; }
 INLINE QuadDouble operator*(const QuadDouble& a, const QuadDouble& b) {
   QuadDouble c;
   multiply(a, b, c);
@@ -126,7 +125,7 @@ INLINE QuadDouble operator/(const QuadDouble& a, const QuadDouble& b) {
 NOINLINE void take_root(const QuadDouble& x, QuadDouble& out) {
   const D first = root(x.part[0]);
   const D slope = first > 0.0 ? 0.5 / first : first;
-  out = quad_double(first);
+  out = QuadDouble(first);
   for (int k = 0; k < 3; ++k) {
     const QuadDouble left = x - out * out;
     out = out + slope * left;
@@ -138,15 +137,6 @@ INLINE QuadDouble root(const QuadDouble& x) {
   return c;
 }
 
-INLINE QuadDouble operator*(double a, const QuadDouble& b) { return (D{} + a) * b; }
-INLINE QuadDouble operator*(const QuadDouble& a, double b) { return (D{} + b) * a; }
-INLINE QuadDouble operator/(double a, const QuadDouble& b) { return quad_double(D{} + a) / b; }
-INLINE QuadDouble operator-(double a, const QuadDouble& b) { return quad_double(D{} + a) - b; }
-INLINE QuadDouble operator+(double a, const QuadDouble& b) { return quad_double(D{} + a) + b; }
-INLINE QuadDouble operator+(const QuadDouble& a, double b) { return a + quad_double(D{} + b); }
-INLINE void operator+=(QuadDouble& a, const QuadDouble& b) { a = a + b; }
-INLINE void operator-=(QuadDouble& a, const QuadDouble& b) { a = a - b; }
-
 INLINE Mask operator<(const QuadDouble& a, const QuadDouble& b) {
   const QuadDouble left = a - b;
   return left.part[0] < 0.0;
@@ -155,12 +145,6 @@ INLINE Mask operator<=(const QuadDouble& a, const QuadDouble& b) {
   const QuadDouble left = a - b;
   return left.part[0] <= 0.0;
 }
-INLINE Mask operator>(const QuadDouble& a, const QuadDouble& b) { return b < a; }
-INLINE Mask operator>=(const QuadDouble& a, const QuadDouble& b) { return b <= a; }
-INLINE Mask operator<(const QuadDouble& a, double b) { return a < quad_double(D{} + b); }
-INLINE Mask operator<=(const QuadDouble& a, double b) { return a <= quad_double(D{} + b); }
-INLINE Mask operator>(const QuadDouble& a, double b) { return quad_double(D{} + b) < a; }
-INLINE Mask operator>=(const QuadDouble& a, double b) { return quad_double(D{} + b) <= a; }
 
 INLINE QuadDouble select(const Mask& m, const QuadDouble& a, const QuadDouble& b) {
   return {m ? a.part[0] : b.part[0], m ? a.part[1] : b.part[1], m ? a.part[2] : b.part[2],

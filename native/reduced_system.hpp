@@ -3,6 +3,7 @@
 // Included by each build of reduced_homotopy.cpp: all in an anonymous namespace.
 #pragma once
 
+#include "factorization.hpp"
 #include "forms.hpp"
 #include "reduced_moving.hpp"
 
@@ -154,23 +155,7 @@ struct System : Expansion<4 + M> {
     for (int l = 0; l < M; ++l) add_quantity(geometry.free[l], 4 + l, 1.0);
   }
 
-  // J = L R by modified Gram-Schmidt, the rows of R orthogonal and the diagonal of L one; the rows
-  // become those of R.
-  void factorize() {
-    for (int j = 0; j < D; ++j) {
-      const C* r = row[j];
-      V size = square(r[0]);
-      for (int k = 1; k < D; ++k) size += square(r[k]);
-      inverse[j] = 1.0 / size;
-      for (int i = j + 1; i < D; ++i) {
-        Sum sum{};
-        for (int k = 0; k < D; ++k) sum.add(r[k], row[i][k]);
-        const C s = inverse[j] * sum.conjugate_total();
-        for (int k = 0; k < D; ++k) subtract_product(row[i][k], s, r[k]);
-        lower[i][j] = s;
-      }
-    }
-  }
+  void factorize() { gsp::factorize<D>(row, lower, inverse); }
 
   INLINE void solve(const C* given, C* result) const {
     C b[D];

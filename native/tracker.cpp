@@ -195,13 +195,9 @@ void refine(const Equations& H, Workspace& w, int count, const int* index, const
   V condition = splat(0.0), curvature = splat(0.0);
   for (int c = 0; c < kRows; ++c) {
     C x[kRows];
-    x[c] = {splat(1.0), splat(0.0)};
+    inverse_column<kRows>(w.lower, c, x);
     V column = w.inverse[c];
-    for (int i = c + 1; i < kRows; ++i) {
-      x[i] = C{};
-      for (int j = c; j < i; ++j) subtract_product(x[i], w.lower[i][j], x[j]);
-      column += w.inverse[i] * square(x[i]);
-    }
+    for (int i = c + 1; i < kRows; ++i) column += w.inverse[i] * square(x[i]);
     curvature += column;
     condition += w.magnitude[c] * w.magnitude[c] * column;
   }
