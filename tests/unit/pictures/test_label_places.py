@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 from gspcli.pictures.drawing import drawing
+
 from gspcli.pictures.label_places import Label, apart
 from gspcli.pictures.projection import Paper
 from gspcli.pictures.staging import scene_of
