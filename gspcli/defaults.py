@@ -9,6 +9,6 @@ SEED = 20031
 TOLERANCE = 1e-6
 #: Bits at which `certify` stops raising the precision.
 MAX_PRECISION = 1024
-#: Work that an exact count may take unless somebody asks for it, in billions of multiplications
-#: modulo a prime: about as many seconds.
-PATIENCE = 2.0
+#: Work that an exact count may take, in billions of multiplications modulo a prime, each of which
+#: takes a second or two: while a platform is solved; if a function asks for it; with `gsp count`.
+PATIENCE, COUNT_LIMIT, LONG_COUNT = 2.0, 5.0, 60.0

@@ -201,7 +201,9 @@ struct Rounded {
 
 // The double nearest to a number that is known up to an error; of numbers below kSmall units the
 // nearest multiple of kGrid units.
-INLINE Rounded round_entry(const V& x, const D& error, const D& unit) {
+INLINE Rounded round_entry(const V& number, const D& error, const D& unit) {
+  // A sum that cancels may leave a low part above the high one, of the other sign.
+  const V x = exact_sum(number.hi, number.lo);
   const D size = x.hi < 0.0 ? -x.hi : x.hi, none = D{};
   // The sum is of the binade whose last digit is kGrid units.
   const D small = kSmall * unit, base = size < small ? (x.hi < 0.0 ? 2.0 * small : small) : none;

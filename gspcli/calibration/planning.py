@@ -147,6 +147,15 @@ class Plan:
 _NO_LENGTHS = ("direction.", "normal.", "axis.", "scale.", ".rx", ".ry", ".rz")
 
 
+def _too_much_alike(count: int) -> IncompleteError:
+    message = (
+        f"the poses within ranges and cones are so much alike that {count} of them would tell "
+        "no number even twice as well as it is known now\n"
+        "widen the ranges to those that the machine can have, or measure more exactly (--sigma)"
+    )
+    return IncompleteError(message)
+
+
 def planned(
     instance: Instance,
     count: int,
@@ -213,12 +222,7 @@ def planned(
     known = deviations(after)
     untold = int((known > _HARDLY * deviations(nothing)).sum())
     if untold == len(known) and 6 * count >= len(nothing):
-        message = (
-            f"the poses within ranges and cones are so much alike that {count} of them would tell "
-            "no number even twice as well as it is known now\n"
-            "widen the ranges to those that the machine can have, or measure more exactly (--sigma)"
-        )
-        raise IncompleteError(message)
+        raise _too_much_alike(count)
     there = places.taken(chosen)
     return Plan(
         instance=instance,

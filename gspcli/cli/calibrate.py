@@ -17,7 +17,7 @@ from gspcli.errors import GspError, Problem, SpecError
 from gspcli.wording import shown
 
 if TYPE_CHECKING:
-    from gspcli.calibration import Options
+    from gspcli.calibration import Calibration, Options
     from gspcli.calibration.measurements import Measurements
     from gspcli.geometry.instance import Instance
 
@@ -159,6 +159,11 @@ def command(
             "look for wrong rows (units, order of axes, signs), or try --robust"
         )
         raise GspError(message)
+    _show(result, output)
+
+
+def _show(result: Calibration, output: Output) -> None:
+    """Write the new numbers, the residuals or the table of both."""
     if output.format == "yaml":
         from gspcli.calibration.instance_files import calibrated_text
 

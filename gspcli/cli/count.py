@@ -12,6 +12,7 @@ from gspcli.cli.number_types import Positive, seed_option
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.value_options import Changes, value_options
+from gspcli.defaults import LONG_COUNT
 from gspcli.errors import NotFiniteError
 from gspcli.wording import shown
 
@@ -57,7 +58,7 @@ _LEGEND = (
 )
 @click.option(
     "--effort",
-    default=60.0,
+    default=LONG_COUNT,
     show_default=True,
     type=Positive(),
     metavar="BILLIONS",

@@ -21,6 +21,7 @@ from gspcli.errors import IncompleteError, NotFiniteError
 
 if TYPE_CHECKING:
     from gspcli.cli.pose_tables import Shown
+    from gspcli.geometry.instance import Instance
     from gspcli.sensing import ReadingFit
     from gspcli.solver import SolveResult
 
@@ -119,12 +120,9 @@ def command(
     columns = rotation_columns(rotation)
     if everything:
         _refuse_angles(rotation)
-    if near is None and (euler or pivot):
-        message = "--euler and --pivot say what the numbers of --near are: give it, too"
-        raise click.UsageError(message)
     instance = load_instance(spec, changes)
     given = given_readings(readings, instance)
-    goal = None if near is None else near.read(pose_format(instance, euler, pivot))
+    goal = _goal(near, euler, pivot, instance)
     with working("solving"):
         result = solve(instance, seed=seed, jobs=jobs, certify=not no_certify, prove=prove)
         indices = range(len(result.R) if everything else result.counts.real)
@@ -141,8 +139,7 @@ def command(
         notes = _notes(result, shown, everything=everything, legend=legend)
         tables = pose_tables(result, shown, certify=not no_certify, summary=lines, notes=notes)
         tables += lone_tables(result, shown)
-        if any(proved):
-            tables.append(_digits_of(shown, proved))
+        tables += _digits_of(shown, proved)
         emit(output, tables)
     else:
         flat = [digit_cells(pose or {}) for pose in proved]
@@ -180,6 +177,18 @@ def _refuse_angles(rotation: str) -> None:
     if rotation not in ("quaternion", "matrix"):
         message = f"--rotation {rotation} says nothing of poses that are not real: leave out --all"
         raise click.UsageError(message)
+
+
+def _goal(
+    near: GivenPose | None, euler: str | None, pivot: str | None, instance: Instance
+) -> tuple[Any, Any] | None:
+    """Return the pose that others are compared with."""
+    if near is not None:
+        return near.read(pose_format(instance, euler, pivot))
+    if euler or pivot:
+        message = "--euler and --pivot say what the numbers of --near are: give it, too"
+        raise click.UsageError(message)
+    return None
 
 
 def _notes(result: SolveResult, shown: Shown, *, everything: bool, legend: bool) -> list[str]:
@@ -244,13 +253,15 @@ def _refined(result: SolveResult, shown: Shown, digits: int) -> list[dict[str, A
     ]
 
 
-def _digits_of(shown: Shown, proved: Sequence[dict[str, Any] | None]) -> Table:
-    """Return the table of the digits that are proved."""
+def _digits_of(shown: Shown, proved: Sequence[dict[str, Any] | None]) -> list[Table]:
+    """Return the table of the digits that are proved, if there are any."""
+    if not any(proved):
+        return []
     rows = [
         {"number": number, **digit_cells(pose or {})}
         for number, pose in zip(shown.numbers, proved, strict=True)
     ]
-    return digit_table(rows)
+    return [digit_table(rows)]
 
 
 def _complain(result: SolveResult, *, certified: bool) -> None:

@@ -28,17 +28,6 @@ Complex = NDArray[np.complex128]
 _BATCH = 64
 
 
-def solve_closed_form(arrangement: Arrangement) -> PoseSet | None:
-    """Return all poses of a 3D3A platform, None if it is not in general position.
-
-    Raises
-    ------
-    ValueError
-        If the arrangement has not three angles.
-    """
-    return next(solve_closed_forms(arrangement, arrangement.values[None]))
-
-
 def solve_closed_forms(arrangement: Arrangement, values: Array) -> Iterator[PoseSet | None]:
     """Yield all poses of one geometry with each of many sets of values, in order.
 

@@ -18,7 +18,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.solver import solve
-from gspcli.solver.closed_form import solve_closed_form
+from gspcli.solver.closed_form import solve_closed_forms
 from gspcli.solver.generate import random_instance
 
 #: Families with few poses, so that many platforms can be tried.
@@ -39,7 +39,8 @@ def platform(key: tuple[str, int]) -> tuple[Instance, np.ndarray, np.ndarray, np
     name, seed = key
     source = np.random.default_rng(seed)
     instance, _ = random_instance(parse_type(name), source, one_sided=True)
-    poses = solve_closed_form(Arrangement.of(instance))
+    arrangement = Arrangement.of(instance)
+    poses = next(solve_closed_forms(arrangement, arrangement.values[None]))
     assert poses is not None
     return instance, poses.R, poses.T, poses.real
 

@@ -6,6 +6,7 @@ What is compared are the numbers of certified poses, the verdict and the counts.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 
@@ -21,7 +22,9 @@ from gspcli.certification.poses.locator import Locator
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Geometry, vector
 from gspcli.geometry.residuals import sides_of
+from gspcli.motion import track
 from gspcli.resources import data_path
 from gspcli.solver import all_poses, solve, solve_batch, solve_values
 from gspcli.solver.generate import random_instance
@@ -154,6 +157,61 @@ def test_whether_alone_or_among_many(name: str) -> None:
         number = batch.number[k]
         for part in ("R", "T", "real", "multiplicity"):
             assert getattr(batch, part)[k, :number].tobytes() == getattr(poses, part).tobytes()
+
+
+def far(instance: Instance) -> Instance:
+    """Return a platform in the frames of a workshop, thousands of lengths away."""
+
+    def moved(geometry: Geometry, by: tuple[int, int, int]) -> Geometry:
+        numbers = [
+            Number.of((x.fraction if x.fraction is not None else Fraction(x.value)) + step)
+            for x, step in zip(geometry.position, by, strict=True)
+        ]
+        return replace(geometry, position=vector(*numbers))
+
+    rows = [
+        replace(
+            row,
+            platform=moved(row.platform, (-30000, 12000, 7000)),
+            base=moved(row.base, (40000, -25000, 9000)),
+        )
+        for row in instance.constraints
+    ]
+    return replace(instance, constraints=tuple(rows))
+
+
+@pytest.mark.parametrize("name", ["platforms/nano-hexapod", "6PP", "3PP 2PH ALL"])
+def test_in_frames_far_away(name: str) -> None:
+    """There the nano-hexapod is not quite symmetric: entries of 1e-17 that are not zero."""
+    instance = far(platform(name))
+    expected, starts = said(solve(instance, starts=SolvedStarts()).poses), SolvedStarts()
+    for seed, jobs in ((3, 1), (5, 2), (5, 1)):
+        assert said(solve(instance, seed=seed, jobs=jobs, starts=starts).poses) == expected
+
+
+@pytest.mark.parametrize("name", ["platforms/nano-hexapod", "6PP", "2PL LP 3AHH"])
+def test_rows_of_a_track(name: str) -> None:
+    """Along with others or alone, after other calls and in threads; and the modes of `solve`."""
+    instance = platform(name)
+    own = np.array([row.value.value for row in instance.constraints])
+    rows = own * (1 + 0.001 * np.random.default_rng(2).normal(size=(4, 6)))
+    found = track(instance, rows)
+    assert found.certified
+    solve(instance, starts=SolvedStarts(), seed=3)
+    again, mode = track(instance, rows, jobs=2, seed=9), track(instance, rows, modes=[2])
+    for part in ("R", "T", "quaternions"):
+        numbers = getattr(found, part)
+        assert getattr(again, part).tobytes() == numbers.tobytes()
+        assert getattr(mode, part)[0].tobytes() == numbers[1].tobytes()
+        assert getattr(track(instance, rows[:2]), part).tobytes() == numbers[:, :2].tobytes()
+    length = Arrangement.of(instance).length
+    for k, row in enumerate(rows.tolist()):
+        numbers = {i: Number.of(Fraction(x)) for i, x in enumerate(row)}
+        result = solve(instance.with_values(numbers), starts=SolvedStarts())
+        R, T = result.R[result.real].real, result.T[result.real].real
+        for turn, place in zip(found.R[:, k], found.T[:, k], strict=True):
+            off = np.abs(R - turn).max(axis=(1, 2)) + np.abs(T - place).max(axis=1) / length
+            assert (off < 1e-13).sum() == 1
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -17,7 +17,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, vector
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.geometry.residuals import residuals
-from gspcli.solver.closed_form import solve_closed_form
+from gspcli.solver.closed_form import solve_closed_forms
 from gspcli.solver.poses_by_paths import solve_by_tracking
 from gspcli.solver.study_systems import side_choices
 
@@ -60,7 +60,7 @@ def test_the_closed_form_answers_completely_or_not_at_all():
     answered = 0
     for seed in range(300):
         arrangement, R, T = lattice_platform(seed)
-        poses = solve_closed_form(arrangement)
+        poses = next(solve_closed_forms(arrangement, arrangement.values[None]))
         if poses is None:
             continue
         answered += 1

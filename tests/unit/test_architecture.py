@@ -124,6 +124,27 @@ def test_imports_within_a_room_point_one_way(room: str) -> None:
                 assert parts[2] in inner[: place + 1], f"{path}: {name}"
 
 
+#: Lines of a file and of a function at most, and the tables that may have more.
+LONGEST_FILE, LONGEST_FUNCTION = 350, 60
+TABLES = {"tools/build/output_keys.py"}
+
+
+@pytest.mark.parametrize("folder", ["gspcli", "tools", "bench"])
+def test_files_and_functions_are_short(folder: str) -> None:
+    """Functions without their docstrings."""
+    root = PACKAGE.parent
+    for path in sorted((root / folder).rglob("*.py")):
+        text = path.read_text(encoding="utf-8")
+        name = path.relative_to(root).as_posix()
+        lines = text.count("\n")
+        assert lines <= LONGEST_FILE or name in TABLES, f"{name}: {lines} lines"
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.FunctionDef) and node.end_lineno is not None:
+                said = (ast.get_docstring(node, clean=False) or "").count("\n")
+                lines = node.end_lineno - node.lineno - said
+                assert lines <= LONGEST_FUNCTION, f"{name}: {node.name} has {lines} lines"
+
+
 def _module(path: Path) -> str:
     parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)

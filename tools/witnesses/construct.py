@@ -1,10 +1,10 @@
 """Construct platforms with many real solutions for types with DPL and DLP.
 
 For each family whose solutions are not all known to be real, and to which no simpler one with as
-many solutions leads (`lift.py`): split its DPL and DLP (`gspcli.reality.split_platforms`) in one
-of the ways that leave the most solutions, look for a platform of what remains with all of them real, some
-seconds of processor time for each pattern (`patterns.py`), and go from there to a platform of the
-family. What is known of the patterns is kept beside the journal.
+many solutions leads (`lift.py`): split its DPL and DLP (`gspcli.reality.split_platforms`) in one of
+the ways that leave the most solutions, look for a platform of what remains with all of them real,
+some seconds of processor time for each pattern (`patterns.py`), and go from there to a platform of
+the family. What is known of the patterns is kept beside the journal.
 """
 
 from __future__ import annotations

@@ -6,7 +6,6 @@ from gspcli.certification.counting.exact_counts import ExactCount, SideCount
 from gspcli.certification.counting.modular_platform import NotCountedError
 from gspcli.certification.counting.parts import PartCount
 from gspcli.certification.counting.platform_counts import (
-    DEFAULT_LIMIT,
     count_exactly,
     count_geometry,
     dimension_exactly,
@@ -16,7 +15,6 @@ from gspcli.certification.counting.platform_counts import (
 )
 
 __all__ = [
-    "DEFAULT_LIMIT",
     "ApproximatePose",
     "ExactCount",
     "NotCountedError",

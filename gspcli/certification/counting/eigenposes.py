@@ -23,12 +23,12 @@ from gspcli.certification.counting.modular_platform import (
     on_sides,
 )
 from gspcli.certification.counting.motion_equations import equations, with_moments
-from gspcli.certification.counting.platform_counts import DEFAULT_LIMIT, work_limit
+from gspcli.certification.counting.platform_counts import work_limit
 from gspcli.certification.counting.residue_counts import Ending, trace
 from gspcli.certification.counting.spectrum import SpectrumError, eigenvectors
 from gspcli.certification.equations import study
 from gspcli.certification.numbers.balls import rotated
-from gspcli.defaults import SEED
+from gspcli.defaults import COUNT_LIMIT, SEED
 from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
 
@@ -56,7 +56,7 @@ class ApproximatePose:
 
 
 def poses_by_elimination(
-    instance: Instance, bits: int, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
+    instance: Instance, bits: int, *, seed: int = SEED, limit: float | None = COUNT_LIMIT
 ) -> list[ApproximatePose] | None:
     """Return approximations of all poses of an instance, by eigenvectors.
 

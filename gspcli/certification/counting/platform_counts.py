@@ -16,13 +16,10 @@ from gspcli.certification.counting.exact_counts import (
 )
 from gspcli.certification.counting.modular_platform import ModularPlatform, NotCountedError
 from gspcli.certification.counting.parts import count_parts, dimension, on_a_hyperplane
-from gspcli.defaults import SEED
+from gspcli.defaults import COUNT_LIMIT, SEED
 from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
 
-#: Billions of multiplications after which a count is given up, by default: each takes a second
-#: or two.
-DEFAULT_LIMIT = 5.0
 _UNLIMITED = 2**62
 
 
@@ -30,7 +27,7 @@ def exact_count(
     instance: Instance,
     *,
     seed: int = SEED,
-    limit: float | None = DEFAULT_LIMIT,
+    limit: float | None = COUNT_LIMIT,
     suspect: bool = True,
 ) -> ExactCount | None:
     """Return how many solutions an instance has, or None if that could not be computed.
@@ -59,7 +56,7 @@ def exact_count(
 
 
 def geometry_count(
-    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
+    instance: Instance, *, seed: int = SEED, limit: float | None = COUNT_LIMIT
 ) -> ExactCount | None:
     """Return how many solutions an instance's geometry has with generic values, or None.
 
@@ -75,7 +72,7 @@ def count_exactly(
     instance: Instance,
     *,
     seed: int = SEED,
-    limit: float | None = DEFAULT_LIMIT,
+    limit: float | None = COUNT_LIMIT,
     suspect: bool = True,
 ) -> ExactCount:
     """Return how many solutions an instance has.
@@ -103,7 +100,7 @@ def count_exactly(
 
 
 def count_geometry(
-    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
+    instance: Instance, *, seed: int = SEED, limit: float | None = COUNT_LIMIT
 ) -> ExactCount:
     """Return how many solutions an instance's geometry has with generic values.
 
@@ -114,7 +111,7 @@ def count_geometry(
 
 
 def dimension_exactly(
-    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
+    instance: Instance, *, seed: int = SEED, limit: float | None = COUNT_LIMIT
 ) -> tuple[int, float]:
     """Return the dimension of the set of poses over the complex numbers, and how sure that is.
 
@@ -131,7 +128,7 @@ def dimension_exactly(
 
 
 def with_points_for_lines(
-    instance: Instance, *, seed: int = SEED, limit: float | None = DEFAULT_LIMIT
+    instance: Instance, *, seed: int = SEED, limit: float | None = COUNT_LIMIT
 ) -> Instance | None:
     """Return the instance with points for lines that are parallel at every pose, None without any.
 

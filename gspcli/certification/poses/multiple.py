@@ -107,9 +107,9 @@ def multiple_poses(
             T = [x / n for x in translation]
             root = dot4(limit[:4], limit[:4]).sqrt()
             yield MultiplePose(
-                _rounded(list(chain(*R)), real).reshape(3, 3),
-                _rounded([x * system.scale for x in T], real),
-                _rounded([x / root for x in limit[:4]], real),
+                _middles(list(chain(*R)), real).reshape(3, 3),
+                _middles([x * system.scale for x in T], real),
+                _middles([x / root for x in limit[:4]], real),
                 real,
                 number,
                 _is_pose(
@@ -177,6 +177,6 @@ def _gap(a: Sequence[acb], b: Sequence[acb]) -> float:
     return float(largest([x - y for x, y in zip(a, b, strict=True)]))
 
 
-def _rounded(numbers: Sequence[acb], real: bool) -> Complex:
+def _middles(numbers: Sequence[acb], real: bool) -> Complex:
     values = np.array([complex(number.mid()) for number in numbers])
     return values.real.astype(complex) if real else values
