@@ -24,7 +24,7 @@ from gspcli.motion.files.pose_files import (
     PoseFormat,
     rotations_of,
 )
-from gspcli.motion.files.value_files import nominal_values
+from gspcli.motion.files.value_files import nominal_values, note_legs
 from gspcli.wording import listed, shown
 
 Array = NDArray[np.float64]
@@ -64,13 +64,15 @@ def read_measurements(
     SpecError
         With all mistakes, each with line and column.
     """
-    table, targets = NumberTable(text, name), targets or {}
+    table, targets = NumberTable(text, name, form.units), targets or {}
+    form = form.of(table)
     # Cells cannot be told apart in rows that have too few.
     table.check()
     groups = _groups(table, instance, targets)
     n = len(table)
     pivot = np.array(form.pivot)
     readings = np.full((n, 6), np.nan)
+    note_legs(table, instance)
     found = [number for number in _NUMBERS if number in table.heading]
     readings[:, [int(number) - 1 for number in found]] = table.numbers(found, blanks=True)
     cranks = _cranks(table, instance, readings)

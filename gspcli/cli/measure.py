@@ -60,7 +60,8 @@ def command(
     prints; one of them may be - for standard input. Columns of POSES: x, y, z and one of
     qw, qx, qy, qz (a quaternion of any length), rx, ry, rz (with --euler, in the angle unit of
     SPEC) or r11 ... r33 (by rows), for x_base = R x_platform + T; and perhaps t. Others are left
-    out.
+    out. Headings of other programs are read where they have one meaning: X [mm], Roll, Pitch, Yaw,
+    Time; and decimals with a comma between semicolons.
 
     Each pose is one row with the distances and angles in the units and the order of SPEC. Distances
     to planes (DPH, DHP) are signed: positive on the side to which the normal points. The values of

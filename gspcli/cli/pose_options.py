@@ -50,6 +50,7 @@ def pose_format(instance: Instance, euler: str | None, pivot: str | None) -> Pos
         check_sequence(euler) if euler is not None else None,
         pivot_from_text(pivot) if pivot is not None else (0.0, 0.0, 0.0),
         instance.units.angle.in_radians,
+        instance.units.length,
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import Location, Problem, SpecError
+from gspcli.motion.files.headings import FileUnits, Heading, hints
 from gspcli.records import dataclass
 from gspcli.wording import listed, shown, suggestion
 
@@ -17,6 +18,11 @@ Array = NDArray[np.float64]
 
 #: One cell, in quotation marks or not, up to a delimiter.
 _CELL = r'[ ]*(?:"((?:[^"]|"")*)"|([^{d}]*?))[ ]*(?:[{d}]|$)'
+#: Decimals with a point or a comma, the line that says what separates cells, units that are kept.
+_POINT = re.compile(r"\d\.\d")
+_COMMA = re.compile(r"(?<![\w.,])([+-]?\d*),(\d+)(?![\d.,])")
+_SEPARATOR = re.compile(r"sep=.")
+_ANY_UNITS = FileUnits()
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
@@ -31,9 +37,11 @@ class Cell:
 class NumberTable:
     """A table of numbers under a heading, read from CSV text.
 
-    The delimiter is the first of comma, semicolon and tab that the heading has, else blanks. Empty
-    lines and lines that begin with # are left out. Mistakes are collected in `problems`, so that
-    all of them can be told at once (`check`).
+    The delimiter is the first of comma, semicolon and tab that the heading has, else blanks.
+    Between semicolons or tabs decimals may be written with a comma, if none has a point. Headings
+    of other programs are read where they have one meaning (`headings`), and numbers are converted
+    where the heading names another unit. Empty lines and lines that begin with # are left out.
+    Mistakes are collected in `problems`, so that all of them can be told at once (`check`).
 
     Parameters
     ----------
@@ -41,9 +49,11 @@ class NumberTable:
         The content of the file.
     name
         How messages name the file.
+    units
+        In which units the numbers are wanted.
     """
 
-    def __init__(self, text: str, name: str) -> None:
+    def __init__(self, text: str, name: str, units: FileUnits = _ANY_UNITS) -> None:
         self.name = name
         self.problems: list[Problem] = []
         lines = [
@@ -55,20 +65,31 @@ class NumberTable:
             raise SpecError(
                 [Problem(Location(name, 1, 1), "", "found nothing, expected a heading and rows")]
             )
+        if _SEPARATOR.fullmatch(lines[0][1]) and len(lines) > 1:
+            # How spreadsheets tell each other what separates cells.
+            del lines[0]
         heading = lines[0][1]
         self._delimiter = next((mark for mark in ",;\t" if mark in heading), "")
         cells = self._cells(heading)
         self._heading_line = lines[0][0]
         self._columns = [cell.column for cell in cells]
-        #: The names in the heading, in small letters; those with a dot name what somebody has
-        #: named, and may differ in capitals only.
-        self.heading = tuple(cell.text if "." in cell.text else cell.text.lower() for cell in cells)
+        meant = [Heading.of(cell.text) for cell in cells]
+        #: The names in the heading as they are called here (`Heading.name`).
+        self.heading = tuple(one.name for one in meant)
+        #: The same without units, as they are written.
+        self.names = tuple(one.word for one in meant)
+        #: Of these the columns that are said to be lengths of legs.
+        self.legs = tuple(one.name for one in meant if one.is_leg)
+        self._units = {one.name: one.unit for one in meant if one.unit is not None}
+        self._wanted = units
         #: The same as they are written.
         self.written = tuple(cell.text for cell in cells)
         for k, cell in enumerate(cells):
             if cell.text and self.heading.index(self.heading[k]) < k:
                 self._note(lines[0][0], cell, f"found the column {shown(cell.text)} twice")
         self._lines = lines[1:]
+        if self._delimiter in (";", "\t"):
+            self._read_decimal_commas()
         if not self._lines:
             self.note_heading("found a heading and no rows")
         for number, line in self._lines:
@@ -76,6 +97,13 @@ class NumberTable:
             if found != len(cells) and (row := self._cells(line)) and len(row) != len(cells):
                 message = f"found {len(row)} cells, expected {len(cells)} as in the heading"
                 self.problems.append(Problem(Location(name, number, 1), "", message))
+
+    def _read_decimal_commas(self) -> None:
+        """Write decimals with a point where all are written with a comma; places stay the same."""
+        lines = [line for _, line in self._lines]
+        if any(map(_POINT.search, lines)) or not any("," in line for line in lines):
+            return
+        self._lines = [(number, _COMMA.sub(r"\1.\2", line)) for number, line in self._lines]
 
     def __len__(self) -> int:
         return len(self._lines)
@@ -141,7 +169,8 @@ class NumberTable:
         hint = ""
         if missing is not None:
             hint = f": {missing} is missing{suggestion(missing, self._unknown(groups))}"
-        found = " ".join(self.heading) or "nothing"
+        found = " ".join(self.written) or "nothing"
+        hint = hints(self.written) or hint
         self.note_heading(f"found the columns {shown(found)}, expected {expected}{hint}")
         return None
 
@@ -188,7 +217,18 @@ class NumberTable:
         rows = np.array(found, float).reshape(len(found), len(places))
         for k in np.flatnonzero(~np.isfinite(rows).all(axis=1)).tolist():
             rows[k] = self._complain(*self._lines[k], places, columns, blanks=blanks)
-        return rows
+        return rows * self._factors(columns) if self._units else rows
+
+    def _factors(self, columns: Sequence[str]) -> list[float]:
+        """Return by what the numbers of columns are multiplied, for the units that are wanted."""
+        factors = []
+        for name in columns:
+            factor = self._wanted.factor(self._units.get(name, ""))
+            if isinstance(factor, str):
+                self.note_column(self.written[self.heading.index(name)], factor)
+                factor = 1.0
+            factors.append(factor)
+        return factors
 
     def _complain(
         self,

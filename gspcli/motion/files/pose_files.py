@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from gspcli.errors import Location, Problem, SpecError
 from gspcli.geometry.euler import euler_from_rotation, rotation_from_euler
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation, rotation_from_quaternion
+from gspcli.motion.files.headings import ROLL_PITCH_YAW, SEQUENCE, FileUnits
 from gspcli.motion.files.number_tables import NumberTable, check, wrong_number
 from gspcli.records import dataclass
 from gspcli.wording import shown
@@ -49,11 +51,26 @@ class PoseFormat:
         The point of the platform, in its frame, whose position x, y and z are; length units.
     in_radians
         The unit of rx, ry and rz.
+    length
+        The name of the unit of lengths; empty if it does not matter.
     """
 
     euler: str | None = None
     pivot: tuple[float, float, float] = (0.0, 0.0, 0.0)
     in_radians: float = 1.0
+    length: str = ""
+
+    @property
+    def units(self) -> FileUnits:
+        """The units in which numbers of files are wanted."""
+        return FileUnits(self.length, self.in_radians)
+
+    def of(self, table: NumberTable) -> PoseFormat:
+        """Return the format with the order of axes that a heading says: roll, pitch, yaw."""
+        names = {name.lower().strip() for name in table.names}
+        if self.euler is None and set(ROLL_PITCH_YAW) <= names:
+            return replace(self, euler=SEQUENCE)
+        return self
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +95,8 @@ def read_poses(text: str, name: str, form: PoseFormat) -> PoseTable:
 
     CSV has a heading with ``x y z`` (or ``Tx Ty Tz``, as `gsp solve` writes them) and one of
     ``qw qx qy qz``, ``rx ry rz`` or ``r11 … r33``, and perhaps ``t``; other columns are left out.
-    JSON is what `gsp solve` prints.
+    JSON is what `gsp solve` prints. Headings of other programs are read where they have one meaning
+    (`gspcli.motion.files.headings`): ``X [mm]``, ``Roll``, ``Pitch``, ``Yaw``, ``Time``.
 
     Parameters
     ----------
@@ -94,7 +112,7 @@ def read_poses(text: str, name: str, form: PoseFormat) -> PoseTable:
     """
     if text.lstrip()[:1] in ("{", "["):
         return _read_json(text, name, form)
-    table = NumberTable(text, name)
+    table = NumberTable(text, name, form.units)
     poses = poses_in(table, form)
     table.check()
     assert poses is not None
@@ -116,6 +134,7 @@ def poses_in(table: NumberTable, form: PoseFormat) -> PoseTable | None:
 
     Mistakes are noted in the table; a pose with one has numbers that mean nothing.
     """
+    form = form.of(table)
     position = table.choose(POSITION, TRANSLATION)
     rotation = table.choose(QUATERNION, ANGLES, ENTRIES)
     if position == TRANSLATION and any(form.pivot):

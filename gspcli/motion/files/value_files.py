@@ -88,7 +88,7 @@ def read_values(
     SpecError
         With all mistakes, each with line and column.
     """
-    table = NumberTable(text, name)
+    table = NumberTable(text, name, form.units)
     moving = _moving(table, instance)
     coordinates: dict[str, Array] = {}
     start = None
@@ -104,6 +104,7 @@ def read_values(
             values = measure(instance, poses.R, poses.T)
             start = (poses.R[0], poses.T[0]) if len(poses.R) else None
     else:
+        note_legs(table, instance)
         count = len(instance.constraints)
         numbers = [str(k) for k in range(1, count + 1)]
         found = [name for name in numbers if name in table.heading]
@@ -129,6 +130,15 @@ def read_values(
         table.note_cell(int(row) + 1, "t", message)
     table.check()
     return ValueTable(t, values, coordinates, start)
+
+
+def note_legs(table: NumberTable, instance: Instance) -> None:
+    """Note columns that are said to be lengths of legs where a constraint is none."""
+    for number in table.legs:
+        kind = instance.constraints[int(number) - 1].kind
+        if kind != DPP:
+            message = f"constraint {number} is {kind.name}, not the length of a leg: write {number}"
+            table.note_column(table.written[table.heading.index(number)], message)
 
 
 def _moving(table: NumberTable, instance: Instance) -> dict[str, Coordinate]:
