@@ -174,20 +174,16 @@ def command(
         _refuse_none(result)
     with working("looking at limits"):
         limits = limit_events(result)
-    asked = {one.quantity for one in requirements}
+    flags = {"clearance": clear, "pose-clearance": pose_clear}
+    asked = {one.quantity for one in requirements} | {name for name in flags if flags[name]}
     with working("looking for singularities"):
-        more = _clearances(
-            result,
-            of_values=clear or "clearance" in asked,
-            of_pose=pose_clear or "pose-clearance" in asked,
-        )
+        more = _clearances(result, asked)
     rows = track_rows(result, more)
     verdicts, columns = judged_track(result, limits, requirements, rows)
     shown = track_table(result, rows, limits, columns, track_lines(verdicts, rows, steps))
     document = track_document(result, rows, limits) | track_entries(verdicts, rows, steps)
     emit(output, shown, document=document)
-    if output.format != "json":
-        _tell(result, limits)
+    _tell(result, limits, output)
     _refuse_losses(result, allowed=allow_loss)
     refuse(verdicts)
 
@@ -212,24 +208,26 @@ def _refuse_none(result: Track) -> None:
         raise GspError(message)
 
 
-def _tell(result: Track, limits: list[LimitEvent]) -> None:
-    """Say which modes are new, and what happens between the rows."""
+def _tell(result: Track, limits: list[LimitEvent], output: Output) -> None:
+    """Say which modes are new, and what happens between the rows; a document has it, too."""
+    if output.format == "json":
+        return
     if result.new:
         say(_new_modes(result))
     for line in (*map(event_sentence, result.events), *limit_sentences(result, limits)):
         say(line)
 
 
-def _clearances(result: Track, *, of_values: bool, of_pose: bool) -> dict[str, Array]:
+def _clearances(result: Track, asked: set[str]) -> dict[str, Array]:
     """Return the clearances that are asked for, by their names in rows, each of shape (m, r)."""
     from gspcli.motion.singularities.clearances import clearances, range_weights
     from gspcli.motion.singularities.pose_clearances import pose_clearances
 
     found = {}
-    if of_values:
+    if "clearance" in asked:
         weighted = partial(clearances, weights=range_weights(result.instance))
         found["clearance"] = _of_poses(result, weighted)
-    if of_pose:
+    if "pose-clearance" in asked:
         found["pose_clearance"] = _of_poses(result, pose_clearances)
     return found
 

@@ -140,9 +140,7 @@ def command(
       gsp workspace platform.yaml --position 0,0,80 --gap 0.05
       gsp workspace platform.yaml --over x,z -o section.svg
     """
-    if mode is not None and pose is not None:
-        message = "give either --mode or --pose"
-        raise click.UsageError(message)
+    _one_home(mode, pose)
     free = _free(over, orientation, position)
     _check(free, intervals, held, listed, output)
     instance = load_instance(spec, changes)
@@ -182,6 +180,12 @@ def command(
     if interrupted():
         raise KeyboardInterrupt
     _refuse_wide_bounds(found, wanted)
+
+
+def _one_home(mode: object, pose: object) -> None:
+    if mode is not None and pose is not None:
+        message = "give either --mode or --pose"
+        raise click.UsageError(message)
 
 
 def _keeps_limits(instance: Instance, home: Home) -> bool:

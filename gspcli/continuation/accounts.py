@@ -56,7 +56,7 @@ def classify_endpoints(
         if attempt:
             care = CAREFUL if attempt < options.attempts - 1 else PARANOID
             results = track(origin, target, start.points, options=care, jobs=jobs)
-        ends = _Attempt(start, origin, target, results, jobs, options).settled(seed)
+        ends = _Attempt(start, origin, target, results, jobs, options).endpoints(seed)
         if best is not None:
             ends = _completed(ends, best, simple(target, best.points))
         if best is None or ends.doubts < best.doubts:
@@ -126,7 +126,7 @@ class _Attempt:
         self.regular = clearly_simple(results)[0]
         self.error = regular_error(self.correction)
 
-    def settled(self, seed: int) -> Endpoints:
+    def endpoints(self, seed: int) -> Endpoints:
         for options in (CAREFUL, PARANOID):
             wrong = collided(self.points, self.error, self.regular)
             wrong |= self.status == PathStatus.FAILED

@@ -87,9 +87,9 @@ def poses_by_paths(
 ) -> PoseSet:
     """Return where the paths for all sides end, by numerical path tracking alone."""
     results = [tracked_paths.solutions(options) for tracked_paths in tracked]
-    settled = [find_real_points(result.points) for result in results]
-    points = np.concatenate([representatives for representatives, _ in settled])
-    real = np.concatenate([real for _, real in settled])
+    pairs = [find_real_points(result.points) for result in results]
+    points = np.concatenate([representatives for representatives, _ in pairs])
+    real = np.concatenate([real for _, real in pairs])
     multiplicity = np.concatenate([result.multiplicity for result in results])
     R, T = poses_of(arrangement, points)
     spurious, undecided = judge_parallel_lines(arrangement, R, T, multiplicity > 1)
