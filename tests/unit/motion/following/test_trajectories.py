@@ -10,7 +10,7 @@ from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_
 from gspcli.motion import FollowOptions, MovingPlatform, measure, track
 from gspcli.motion.following import branch_steps as stepping
 from gspcli.motion.following.branch_runs import Run
-from gspcli.motion.following.trajectories import at_values
+from gspcli.motion.following.row_instances import at_values
 from gspcli.motion.singularities.clearances import clearances
 from gspcli.resources import data_path
 from gspcli.solver.generate import random_instance
