@@ -87,7 +87,7 @@ def test_born_modes(gsp, values):
     backwards = "t,1,2,3,4\n0,2.6,2.0,1.0,1.9\n1,2.53,2.08,0.93,1.97\n"
     run = gsp("track", HEXAPOD, values(backwards), "--complete")
     assert run.code == 0
-    assert "mode 3 begins with mode 4 in a fold at t = 0.281139389996, proved" in run.err
+    assert "mode 1 begins with mode 2 in a fold at t = 0.281139389996, proved" in run.err
     assert "every real pose at the last row is accounted for" in run.out
 
 
@@ -129,8 +129,8 @@ def test_without_a_real_pose_at_the_first_row_there_is_nothing_to_follow(gsp, tm
     assert "error: there is no real pose at the first row\n" in run.err
     run = gsp("track", "@platform-6-6", path, "--complete", "--format", "csv")
     assert run.code == 0
-    assert [line.split(",")[1] for line in run.out.splitlines()[1:]] == ["3", "4"]
-    assert "mode 3 begins with another in a fold" in run.err
+    assert [line.split(",")[1] for line in run.out.splitlines()[1:]] == ["1", "2"]
+    assert "mode 1 begins with another in a fold" in run.err
 
 
 def test_coordinates_that_move_are_columns_for_the_view(gsp, tmp_path):

@@ -1,4 +1,4 @@
-"""Which modes there are at the first row of a trajectory, with the numbers that `solve` gives them.
+"""Which modes there are at a row of a trajectory, with the numbers that `solve` gives them.
 
 The numbers are those of the real poses for the values that the instance states. A trajectory that
 begins elsewhere has them carried along: the modes are followed, proved, from the stated values to
@@ -29,8 +29,8 @@ Platform = MovingPlatform | MovingGeometry
 
 
 @dataclass(frozen=True, eq=False)
-class FirstModes:
-    """The real poses at the first row.
+class RowModes:
+    """The real poses at a row.
 
     Attributes
     ----------
@@ -48,9 +48,9 @@ class FirstModes:
     known: int
 
 
-def first_modes(
+def row_modes(
     instance: Instance, platform: Platform, row: Array, *, seed: int, jobs: int
-) -> FirstModes:
+) -> RowModes:
     """Return the real poses at a row of values and coordinates, numbered as `solve` does.
 
     Raises
@@ -61,8 +61,8 @@ def first_modes(
     start = _stated_row(instance, platform.chosen, row)
     if np.array_equal(start, row) and not _open_sides(instance).any():
         R, T = _real(solve(instance, seed=seed, jobs=jobs), row)
-        return FirstModes(R, T, np.arange(1, len(R) + 1), len(R))
-    R, T = real_poses_at(platform, row, seed, jobs)
+        return RowModes(R, T, np.arange(1, len(R) + 1), len(R))
+    R, T = _real_poses_at(platform, row, seed, jobs)
     found = solve(instance, seed=seed, jobs=jobs)
     numbers = np.zeros(len(R), np.int64)
     known = found.counts.real if found.verdict == "complete" else 0
@@ -71,7 +71,7 @@ def first_modes(
     fresh = np.flatnonzero(numbers == 0)
     numbers[fresh] = known + 1 + np.arange(len(fresh))
     order = np.argsort(numbers)
-    return FirstModes(R[order], T[order], numbers[order], known)
+    return RowModes(R[order], T[order], numbers[order], known)
 
 
 def _stated_row(instance: Instance, chosen: Sequence[Coordinate], row: Array) -> Array:
@@ -113,17 +113,15 @@ def _carried(
         followed = run.follow(R, T, numbers)
         there = ~np.isnan(followed.T[:, -1, 0])
         numbers, R, T = numbers[there], followed.R[there, -1], followed.T[there, -1]
+    if not len(R):
+        return np.zeros(len(first[0]), np.int64)
     # Study points are known up to sign.
     overlap = np.abs(between.points(*first) @ between.points(R, T).T)
     same_pose = np.sqrt(np.maximum(0.0, 2 - 2 * overlap)) < SAME
-    return (
-        np.where(same_pose.any(axis=1), numbers[same_pose.argmax(axis=1)], 0)
-        if len(R)
-        else (np.zeros(len(first[0]), np.int64))
-    )
+    return np.where(same_pose.any(axis=1), numbers[same_pose.argmax(axis=1)], 0)
 
 
-def real_poses_at(platform: Platform, row: Array, seed: int, jobs: int) -> tuple[Array, Array]:
+def _real_poses_at(platform: Platform, row: Array, seed: int, jobs: int) -> tuple[Array, Array]:
     """Return the real poses at a row, in the order of `solve`."""
     values = row[:6]
     instance = at_values(platform.instance_at(row), values)

@@ -16,7 +16,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import values_of
 from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
 from gspcli.motion.following.branch_runs import SAME, Run
-from gspcli.motion.following.mode_numbers import FirstModes, first_modes, real_poses_at
+from gspcli.motion.following.mode_numbers import RowModes, row_modes
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.following.parallel_lines import along_parallel_lines
 from gspcli.motion.following.row_instances import at_values, over_rows
@@ -87,7 +87,7 @@ def track(
         platform = MovingGeometry(over_rows(instance, rows), chosen)
     else:
         platform = MovingPlatform(over_rows(instance, rows))
-    first = first_modes(instance, platform, rows[0], seed=seed, jobs=jobs)
+    first = row_modes(instance, platform, rows[0], seed=seed, jobs=jobs)
     R, T, numbers = first.R, first.T, first.numbers
     if not chosen:
         same = along_parallel_lines(at_values(instance, rows[0]), rows[:, :6], R)
@@ -103,7 +103,8 @@ def track(
     forward = replace(forward, known=first.known)
     if not everything:
         return forward
-    return _with_births(run, forward, real_poses_at(platform, rows[-1], seed, jobs))
+    last = row_modes(instance, platform, rows[-1], seed=seed, jobs=jobs)
+    return _with_births(run, forward, last)
 
 
 def track_from(
@@ -151,7 +152,7 @@ def _checked(given: ArrayLike, name: str, shape: tuple[int | None, ...]) -> Arra
     return array
 
 
-def _of_number(first: FirstModes, mode: int) -> int:
+def _of_number(first: RowModes, mode: int) -> int:
     """Return the index of a mode among those at the first row."""
     found = np.flatnonzero(first.numbers == mode)
     if len(found):
@@ -167,7 +168,7 @@ def _of_number(first: FirstModes, mode: int) -> int:
     raise ArgumentError(message)
 
 
-def _nearest(instance: Instance, first: FirstModes, pose: tuple[ArrayLike, ArrayLike]) -> int:
+def _nearest(instance: Instance, first: RowModes, pose: tuple[ArrayLike, ArrayLike]) -> int:
     if not len(first.R):
         message = "there is no real pose at the first row to be near to"
         raise ArgumentError(message)
@@ -176,10 +177,14 @@ def _nearest(instance: Instance, first: FirstModes, pose: tuple[ArrayLike, Array
     return int(np.hypot(moved / Arrangement.of(instance).length, turned).argmin())
 
 
-def _with_births(run: Run, forward: Track, last: tuple[Array, Array]) -> Track:
-    """Add the modes that are born on the way, followed back from the last row."""
+def _with_births(run: Run, forward: Track, last: RowModes) -> Track:
+    """Add the modes that are born on the way, followed back from the last row.
+
+    They have the numbers that are carried from the stated values to the last row, unless these
+    are in use, and else are numbered on.
+    """
     platform = run.platform
-    points = platform.points(*last)
+    points = platform.points(last.R, last.T)
     arrived = ~np.isnan(forward.T[:, -1, 0])
     known = platform.points(forward.R[arrived, -1], forward.T[arrived, -1])
     # Study points are known up to sign.
@@ -187,9 +192,11 @@ def _with_births(run: Run, forward: Track, last: tuple[Array, Array]) -> Track:
     distance = np.sqrt(np.maximum(0.0, 2 - 2 * overlap))
     fresh = np.flatnonzero(~(distance < SAME).any(axis=1))
     complete = len(points) - len(fresh) == int(arrived.sum())
+    numbers = last.numbers[fresh]
+    unknown = (numbers > last.known) | np.isin(numbers, forward.modes)
     first = int(forward.modes.max(initial=forward.known)) + 1
-    numbers = np.arange(first, first + len(fresh))
-    back = run.reversed.follow(last[0][fresh], last[1][fresh], numbers)
+    numbers[unknown] = np.arange(first, first + unknown.sum())
+    back = run.reversed.follow(last.R[fresh], last.T[fresh], numbers)
     rows = len(run.t)
     began = [
         replace(
@@ -211,5 +218,5 @@ def _with_births(run: Run, forward: Track, last: tuple[Array, Array]) -> Track:
         events=(*forward.events, *began),
         complete=complete,
         segments=forward.segments + back.segments,
-        poses_at_end=last,
+        poses_at_end=(last.R, last.T),
     )

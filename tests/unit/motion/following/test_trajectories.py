@@ -10,7 +10,7 @@ from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_
 from gspcli.motion import FollowOptions, MovingPlatform, measure, track
 from gspcli.motion.following import branch_steps as stepping
 from gspcli.motion.following.branch_runs import Run
-from gspcli.motion.following.trajectories import at_values
+from gspcli.motion.following.row_instances import at_values
 from gspcli.motion.singularities.clearances import clearances
 from gspcli.resources import data_path
 from gspcli.solver.generate import random_instance
@@ -279,7 +279,7 @@ def test_crossing_a_plane_is_no_fold():
         ),
         ({"t": [1, 1, 2]}, "t must increase"),
         ({"t": [1, 2]}, r"^t: found shape \(2,\), expected \(3\)"),
-        ({"modes": [3]}, "found mode 3, expected one of the 2 at the first row"),
+        ({"modes": [3]}, "found mode 3, expected one of those at the first row: 1, 2"),
     ],
 )
 def test_mistakes_are_named(hexapod, changes, message):
