@@ -21,7 +21,6 @@ from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion import measure
 from gspcli.motion.statics.wrenches import wrenches
-from gspcli.pictures.staging import best_mode
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.solver.generate import random_instance
@@ -148,7 +147,7 @@ def _sag(name, step):
     """Return how far gravity pulls a machine in a quarter of a second, in lengths."""
     instance = load(instance_files()[name])
     result = solve(instance, certify=False)
-    mode = best_mode(result)
+    mode = int(result.conditions[: result.counts.real].argmin())
     model, data = _loaded(mjcf(instance, result.R[mode].real, result.T[mode].real, step=step))
     before = _platform(data)
     _run(model, data, 0.25)
