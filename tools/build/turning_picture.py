@@ -13,8 +13,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
-from gspcli.pictures.line_drawings import draw_body
 from gspcli.pictures.figures import BASE, DISTANCE, PLATFORM, SOFT, styled
+from gspcli.pictures.line_drawings import draw_body
 from gspcli.pictures.projection import Paper, View
 from gspcli.pictures.scene import Scene
 from gspcli.pictures.staging import scene_of
