@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from gspcli.dynamics import forward_dynamics, inverse_dynamics, natural_modes, simulate
     from gspcli.errors import ArgumentError, GspError, SpecError
     from gspcli.geometry.building import angle, distance, hexapod, instance
-    from gspcli.geometry.instance import Constraint, Instance, Units
     from gspcli.geometry.home_pose import HomePose
+    from gspcli.geometry.instance import Constraint, Instance, Units
     from gspcli.geometry.masses import Drives, Dynamics, Leg, LegBody, RigidBody
     from gspcli.geometry.numbers import Number
     from gspcli.geometry.primitives import Cone, Line, Plane, Point

@@ -117,7 +117,7 @@ class FileUnits:
         Velocities and accelerations, as mm/s and deg/s^2, are those of the unit before the stroke.
         """
         base = re.sub(r"\s*/\s*s(\^?2|²)?$", "", unit.lower())
-        if base in _PLAIN or not self.length and base in _LENGTHS or base == self.length.lower():
+        if base in _PLAIN or (not self.length and base in _LENGTHS) or base == self.length.lower():
             return 1.0
         if base in _RADIANS:
             return _RADIANS[base] / self.in_radians

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from gspcli.pictures.drawing import drawing
 
 from gspcli.pictures.label_places import Label, apart
+from gspcli.pictures.line_drawings import drawing
 from gspcli.pictures.projection import Paper
 from gspcli.pictures.staging import scene_of
 from gspcli.resources import instance_files
