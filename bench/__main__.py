@@ -32,6 +32,8 @@ _PROGRAM = msolve.executable()
 #: We and the peers in process are measured in turns, so often.
 SLICES = 8
 
+#: The batch that is compared with a peer: its type, certified, on one thread.
+_BATCH = ("6PP", True, 1)
 #: Peers that are no installed programs: where a copy is, is said with ``--peer``.
 COPIES = {"fksgp": fksgp.NAME}
 
@@ -136,56 +138,20 @@ def memory(folder: Path) -> dict[str, Shell]:
 
 
 def bars(report: Report) -> list[Bar]:
-    """Return what is wanted beside what was measured."""
-    cases = {result.case.key: result for result in report.cases}
+    """Return the ratios to the quickest peer beside what is wanted, the worst first."""
     found: list[Bar] = []
-    if (six := cases.get("6-6")) is not None:
-        times = [median(peer.seconds) for peer in six.peers.values() if peer.seconds]
+    for case in report.cases:
+        times = {name: median(peer.seconds) for name, peer in case.peers.items() if peer.seconds}
         if times:
-            found.append(
-                Bar("6-6, quickest peer over gsp", "times", 20, min(times) / six.seconds, True)
-            )
-    for key, limit in (("6-6", 0.6), ("3D3A PL PL LP", 0.5), ("6PL", 15), ("6LL", 150)):
-        if key in cases:
-            seconds = cases[key].certified_seconds
-            found.append(Bar(f"{key}, certified, median", "ms", limit, seconds * 1e3))
+            quickest = min(times, key=lambda name: times[name])
+            ratio = times[quickest] / case.certified_seconds
+            found.append(Bar(f"{case.case.key}, {quickest} over gsp", case.case.wanted, ratio))
+    peer = next((c.peers.get(fksgp.NAME) for c in report.cases if c.case.key == "6-6"), None)
     for batch in report.throughputs:
-        wanted = {("6PP", True): 0.15, ("PL PL LP 3ALL", False): 0.5}
-        limit = wanted.get((batch.type_text, batch.certified))
-        if limit is not None and batch.jobs == 1:
-            how = ", certified" if batch.certified else ""
-            text = f"{batch.type_text}, each of a batch of {batch.batch}{how}"
-            found.append(Bar(text, "ms", limit, batch.seconds * 1e3))
-        peer = six.peers.get(fksgp.NAME) if six is not None else None
-        if peer and peer.seconds and batch.certified and batch.type_text == "6PP":
+        if peer and peer.seconds and (batch.type_text, batch.certified, batch.jobs) == _BATCH:
             ratio = median(peer.seconds) / batch.seconds
-            if batch.jobs == 1:
-                text = "6-6, fkSGP over gsp in a certified batch"
-                found.append(Bar(text, "times", 60, ratio, True))
-    found += _thread_bars(report)
-    if report.dietmaier is not None:
-        wall = report.dietmaier.seconds
-        found.append(Bar("Dietmaier's file from the shell, certified", "s", 0.15, wall))
-    peaks = [run.memory for run in report.large.values()] + [report.sweep_memory]
-    if any(peaks):
-        found.append(Bar("peak memory, any type", "MB", 300, max(peaks)))
-    return found
-
-
-def _thread_bars(report: Report) -> list[Bar]:
-    """Return how much quicker two threads are than one, in large batches."""
-    times = {(x.type_text, x.certified, x.jobs): x.seconds for x in report.throughputs}
-    return [
-        Bar(
-            f"{text}, two threads over one{', certified' if certified else ''}",
-            "times",
-            1.8,
-            times[text, certified, 1] / times[text, certified, 2],
-            True,
-        )
-        for text, certified, jobs in times
-        if jobs == 1 and text == "6PP"
-    ]
+            found.append(Bar(f"6-6 in a batch, {fksgp.NAME} over gsp", 60, ratio))
+    return sorted(found, key=lambda bar: bar.measured)
 
 
 def main() -> int:

@@ -46,6 +46,10 @@ class Case:
     """The example file that is the one instance, instead of random ones."""
     split: bool = False
     """Whether phc's blackbox does better with products split (`bench.homotopy.split_system`)."""
+    planar: bool = False
+    """Whether the points of each body are in one plane, z = 0."""
+    wanted: float = 10.0
+    """How many times quicker than the quickest peer certified solutions are to be."""
     beyond: tuple[str, ...] = ()
     """The peers that are not even tried, because the case is far beyond what they can do."""
 
@@ -53,13 +57,14 @@ class Case:
         """Return instances: `count` random ones, or the one of the file."""
         if self.path:
             return [load(str(data_path("examples", self.path)))]
-        drawn = random_instances(self.type_text, seed)
+        drawn = random_instances(self.type_text, seed, planar=self.planar)
         return [next(drawn) for _ in range(count)]
 
 
 CASES = (
-    Case("6-6", "6PP", 5),
-    Case("Dietmaier", "6PP", 1, "dietmaier.yaml"),
+    Case("6-6", "6PP", 5, wanted=5),
+    Case("planar 6-6", "6PP", 5, planar=True, wanted=2),
+    Case("Dietmaier", "6PP", 1, "dietmaier.yaml", wanted=5),
     Case("6PH", "6PH", 5),
     Case("3PH+3HP", "3PH 3HP", 5),
     Case("3D3A PL PL LP", "PL PL LP 3ALL", 3, split=True),
@@ -69,7 +74,9 @@ CASES = (
 )
 
 
-def random_instances(type_text: str, seed: int, *, one_sided: bool = True) -> Iterator[Instance]:
+def random_instances(
+    type_text: str, seed: int, *, one_sided: bool = True, planar: bool = False
+) -> Iterator[Instance]:
     """Yield random instances of a type, their values measured at a pose and rounded."""
     kinds = parse_type(type_text).kinds
     rng = np.random.default_rng(seed)
@@ -79,8 +86,8 @@ def random_instances(type_text: str, seed: int, *, one_sided: bool = True) -> It
         rows = tuple(
             Constraint(
                 kind,
-                _primitive(kind.platform, rng, directions),
-                _primitive(kind.base, rng, directions),
+                _primitive(kind.platform, rng, directions, planar=planar),
+                _primitive(kind.base, rng, directions, planar=planar),
                 Number.of(0),
                 platform_name=f"{kind.platform.value}{i}",
                 base_name=f"{kind.base.value}{i}",
@@ -114,9 +121,13 @@ def _with_values(draft: Instance, rng: np.random.Generator, one_sided: bool) -> 
 
 
 def _primitive(
-    primitive: Primitive, rng: np.random.Generator, directions: Iterator[list[int]]
+    primitive: Primitive,
+    rng: np.random.Generator,
+    directions: Iterator[list[int]],
+    *,
+    planar: bool,
 ) -> Geometry:
-    position = vector(*(_decimal(value) for value in rng.uniform(-1, 1, size=3)))
+    position = vector(*(_decimal(x) for x in rng.uniform(-1, 1, size=3) * (1, 1, not planar)))
     if primitive is Primitive.POINT:
         return Point(position)
     direction = vector(*next(directions))

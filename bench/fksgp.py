@@ -29,14 +29,15 @@ from gspcli.geometry.quaternions import study_from_pose
 NAME = "fkSGP"
 #: An instance is solved this often; the median counts.
 _TIMES = 5
-_MODULE = "solver66"
+#: Its function for any six legs, and the one for planar bodies, by the modules they are in.
+_GENERAL, _PLANAR = "solver66", "solver6p6p"
 
 Solver = Callable[[Any, Any, Any, int], tuple[Any, Any]]
 
 
 def version(folder: Path | None) -> str:
     """Return what identifies a copy, or an empty string if there is none."""
-    source = folder / "python" / f"{_MODULE}.py" if folder else None
+    source = folder / "python" / f"{_GENERAL}.py" if folder else None
     if source is None or not source.is_file():
         return ""
     return f"sha256 {hashlib.sha256(source.read_bytes()).hexdigest()[:12]}"
@@ -49,10 +50,11 @@ def can(case: Case) -> bool:
 
 def solve(folder: Path, instance: Instance, seed: int) -> Answer:
     """Solve an instance."""
-    solver = _solver(folder)
     arrangement = Arrangement.of(instance)
     # Both bodies begin at their first point.
     base, platform = arrangement.x - arrangement.x[0], arrangement.y - arrangement.y[0]
+    planar = not (base[:, 2].any() or platform[:, 2].any())
+    solver = _solver(folder, _PLANAR if planar else _GENERAL)
     squares = arrangement.values**2
     # Its random rotations come from NumPy's global generator.
     np.random.seed(seed)  # noqa: NPY002
@@ -71,12 +73,12 @@ def solve(folder: Path, instance: Instance, seed: int) -> Answer:
     return Answer(median(times), points[:, 1:] / points[:, :1])
 
 
-def _solver(folder: Path) -> Solver:
-    """Return its function, loaded without the package's own imports, which need Python 3.12."""
+def _solver(folder: Path, name: str) -> Solver:
+    """Return a function of it, loaded without the package's own imports, which need Python 3.12."""
     package = "_fksgp"
     if package not in sys.modules:
         module = ModuleType(package)
         module.__path__ = [str(folder / "python")]
         sys.modules[package] = module
-    solver: Solver = getattr(import_module(f"{package}.{_MODULE}"), _MODULE)
+    solver: Solver = getattr(import_module(f"{package}.{name}"), name)
     return solver

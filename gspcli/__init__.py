@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from gspcli.solver.parallel_certificates import certify
     from gspcli.spec import dump, dumps, load, loads, read, set_values
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 
 #: Where each public name lives; nothing is imported before it is used.
 _HOMES = {

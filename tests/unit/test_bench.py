@@ -14,7 +14,7 @@ import pytest
 from numpy.typing import NDArray
 
 from bench import fksgp, macaulay2, msolve, phc
-from bench.__main__ import main
+from bench.__main__ import bars, main
 from bench.cases import CASES, Case
 from bench.homotopy import (
     NAMES,
@@ -27,7 +27,7 @@ from bench.homotopy import (
     written_product,
 )
 from bench.peers import Answer, compare
-from bench.report import Bar, duration, table
+from bench.report import Bar, CaseResult, PeerResult, Report, duration, table
 from bench.sweep import Cost, plot
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import study_from_pose
@@ -196,10 +196,21 @@ def test_a_peer_without_a_copy_is_refused(
 
 
 def test_bars_and_tables() -> None:
-    assert Bar("a", "ms", 2.4, 1.234).cells == ["a", "≤ 2.4 ms", "1.2 ms", "met"]
-    assert Bar("b", "times", 20, 19, at_least=True).cells[3] == "**missed**"
+    assert Bar("a", 2.4, 12.34).cells == ["a", "≥ 2.4 times", "12 times", "met"]
+    assert Bar("b", 20, 19).cells[3] == "**missed**"
     assert table(["x", "y"], [["1", "2"]]) == "| x | y |\n| --- | ---: |\n| 1 | 2 |\n"
     assert [duration(x) for x in (12.3, 0.0456, 7e-6)] == ["12 s", "46 ms", "7 µs"]
+
+
+def test_the_page_states_the_worst_ratio_first() -> None:
+    report = Report(1, 1.0, True, {})
+    for case, seconds in zip(CASES, (3.0, 2.0), strict=False):
+        asked = {"quick": PeerResult([seconds], [], ""), "slow": PeerResult([9.0], [], "")}
+        report.cases.append(CaseResult(case, 40, [40], [2], 1.0, 1.0, asked))
+    report.bars = bars(report)
+    assert [bar.measured for bar in report.bars] == [2.0, 3.0]
+    text = report.markdown()
+    assert text.index("The worst ratio is 2") < text.index("quick over gsp | ≥")
 
 
 def test_the_plot_has_a_dot_for_each_family() -> None:
