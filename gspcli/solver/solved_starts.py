@@ -112,8 +112,8 @@ class SolvedStarts:
             return cast(_Entry, self.fetch(sort, key))
         return self.keep(sort, key, make())
 
-    def is_second(self, structure: Structure) -> bool:
-        """Return whether a platform of a structure was solved before."""
+    def is_second(self, structure: Structure | tuple[bool, ...]) -> bool:
+        """Return whether a platform of a structure, or with bodies as planar, was solved before."""
         if self.fetch(Sort.MET, structure):
             return True
         self.keep(Sort.MET, structure, True)
