@@ -4,22 +4,13 @@
 // that the linker cannot merge functions that were compiled for different processors.
 #pragma once
 
-#include "proofs.hpp"
-
-#include "factorization.hpp"
-#include "lanes.hpp"
+#include "inverse.hpp"
 
 namespace gsp {
 namespace {
 
-constexpr int kRows = kEquations + 1;
-// As in gspcli.certification: bounds of the relative rounding error of everything computed here, of
-// sums of nonnegative numbers, and of what falls below the normal range; radius of the theorem.
-constexpr double kRounding = 0x1p-45, kOutward = 1.0 + 0x1p-40, kTiny = 0x1p-1000;
+// Radius of the theorem.
 constexpr double kReach = 0.125;
-
-// Not below the modulus of z, and not much above it.
-INLINE V bound(const C& z) { return maximum(z.re, -z.re) + maximum(z.im, -z.im); }
 
 // Values and gradients of quadrics, of complex numbers or of bounds of moduli.
 template <class T>
@@ -91,25 +82,6 @@ void combine(const ProofSystem& system, const Quadrics<T>& q, double sign, T* va
 template <class T>
 INLINE void free_columns(const T* row, const Mask* above, T* out) {
   for (int k = 0; k < kRows; ++k) out[k] = select(above[k], row[k + 1], row[k]);
-}
-
-// An approximate inverse: J = L R, so J^-1 = R^H (R R^H)^-1 L^-1.
-void invert(const C (&jacobian)[kRows][kRows], C (&inverse)[kRows][kRows]) {
-  C r[kRows][kRows], lower[kRows][kRows], x[kRows][kRows];  // x: the columns of (R R^H)^-1 L^-1
-  V scale[kRows];
-  for (int i = 0; i < kRows; ++i)
-    for (int k = 0; k < kRows; ++k) r[i][k] = jacobian[i][k];
-  factorize<kRows>(r, lower, scale);
-  for (int c = 0; c < kRows; ++c) {
-    inverse_column<kRows>(lower, c, x[c]);
-    for (int i = c; i < kRows; ++i) x[c][i] = scale[i] * x[c][i];
-  }
-  for (int k = 0; k < kRows; ++k)
-    for (int c = 0; c < kRows; ++c) {
-      Sum sum{};
-      for (int j = c; j < kRows; ++j) sum.add(r[j][k], x[c][j]);
-      inverse[k][c] = sum.conjugate_total();
-    }
 }
 
 // Bounds of the sums of the moduli of all second derivatives of each equation where coordinates are

@@ -15,8 +15,10 @@ def all_poses(problem: Problem) -> PoseSet:
         for ends in strategy(problem):
             ledger.add(ends)
             if (poses := ledger.complete) is not None:
-                problem.keep(poses)
+                problem.keep(poses, at_once=ledger.is_at_once)
                 return poses
     from gspcli.solver.by_count import poses_by_count
 
-    return poses_by_count(problem, ledger, all_poses)
+    poses = poses_by_count(problem, ledger, all_poses)
+    problem.keep(poses, at_once=False)
+    return poses

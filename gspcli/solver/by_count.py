@@ -78,7 +78,6 @@ def _by_geometry_or_type(problem: Problem, ledger: Ledger) -> PoseSet | None:
         for last in (None, Further.IN_BALLS):
             _go_on(ledger.sides, last, counted.solutions // len(ledger.sides))
             if (poses := ledger.complete) is not None:
-                problem.keep(poses)
                 return poses
     # Paths that went wrong are followed with 32 digits as long as a count would take longer.
     if not any(_too_many_unresolved(side) for side in ledger.sides):

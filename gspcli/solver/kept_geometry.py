@@ -2,39 +2,163 @@
 
 Planar bodies, symmetric ones and shared joints are what most platforms have, and leave fewer poses
 than the type. Paths from the stored start system would end at infinity; those from a start of the
-geometry do not.
+geometry do not. Where that is so but for rounding, the others are far away: they need no paths, as
+they hardly depend on the values (`gspcli.certification.poses.far_poses`).
 """
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.geometry_start import StartMethod
 from gspcli.solver.one_geometry import Geometry, geometry_about, solved_system
+from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.problem import Problem
+from gspcli.solver.solved_starts import SolvedPlatform, Sort, geometry_key
+
+if TYPE_CHECKING:
+    from gspcli.certification.poses.far_poses import FarPoses
+
+Array = NDArray[np.float64]
 
 #: Squares of distances, in typical lengths, are about this; what has a sign is about zero.
 _SQUARE = 0.5
 #: How far the start's values are from real ones.
 _SPREAD = 0.5
+#: Poses with larger entries, lengths in typical ones, are far away: 32 digits in the frames of the
+#: platform do not round them correctly.
+_FAR = 64
+#: Bodies with a smaller part of their largest extent across a plane are nearly planar.
+_FLAT = 1e-3
+#: So many random starts are tried near far poses: from some, paths are lost or jump.
+_ATTEMPTS = 6
 
 
 def kept_geometry(problem: Problem) -> Geometry | None:
     """Return the geometry of a platform with a start; None where none is kept, or none is safe."""
-    arrangement, length = problem.arrangement, problem.unit
-    known = problem.starts.platform(arrangement)
+    known = problem.starts.platform(problem.arrangement)
     if known is None:
         return None
-    square = [kind.is_distance and not kind.has_sides for kind in arrangement.kinds]
+    far = _are_far(known.arrangement, known.poses)
+    if not far.any():
+        return _about(problem, known.arrangement, known.poses, problem.seed)
+    if not known.has_geometry_of(problem.instance):
+        return None
+    key = geometry_key(problem.arrangement), problem.unit, problem.seed, problem.limit
+    return problem.starts.kept(Sort.SAME, key, partial(_with_far_poses, problem, known, far))
+
+
+def kept_among(
+    problem: Problem, solve: Callable[[Problem], PoseSet], rows: Array, begin: bool
+) -> Geometry | None:
+    """Return a geometry with poses far away and starts among sets of values; None if it has none.
+
+    Parameters
+    ----------
+    problem, solve
+        The platform, and what returns all poses of one.
+    rows
+        Sets of values, shape (b, 6).
+    begin
+        Whether to solve one of them if no platform of the geometry is kept.
+    """
+    one = problem.with_values(rows[len(rows) // 2])
+    if not one.is_kept or one.limit == 0:
+        return None
+    known = problem.starts.platform(one.arrangement)
+    if known is None and begin:
+        solve(one)
+        known = problem.starts.platform(one.arrangement)
+    if known is None or not _are_far(known.arrangement, known.poses).any():
+        return None
+    found = kept_geometry(one)
+    return found and found.among(rows, problem.jobs)
+
+
+def _with_far_poses(
+    problem: Problem, known: SolvedPlatform, is_far: NDArray[np.bool_]
+) -> Geometry | None:
+    """Return the geometry with a start of the near poses, and with the far ones."""
+    solved = problem.like(known.instance)
+    if len(solved.choices) > 1 or solved.proofs is None:
+        return None
+    from gspcli.certification.poses.far_poses import FarPoses
+
+    apart = known.poses.reordered(is_far)
+    equations = solved.locator, solved.proofs
+    far = FarPoses.of(*equations, solved.choices[0], solved.sides[0], apart.R, apart.T)
+    if far is None:
+        return None
+    near, rows = _beside(known.poses.reordered(~is_far), far), known.arrangement.values[None]
+    for attempt in range(_ATTEMPTS):
+        found = _about(problem, _flattened(known.arrangement), near, problem.seed + attempt, far)
+        if found is None:
+            continue
+        points, unit = found.quick_ends(rows, 1)
+        ends = found.ends(points, unit)
+        if solved.proofs.decide(rows, solved.choices, ends.points, ends.frames).complete[0]:
+            return found
+    return None
+
+
+def _beside(near: PoseSet, far: FarPoses) -> PoseSet:
+    """Return the poses from which paths lead: near ones, then far ones to be approached."""
+    R, T = (np.concatenate(x) for x in zip((near.R, near.T), far.points, strict=True))
+    return replace(near, R=R, T=T, signs=None)
+
+
+def _about(
+    problem: Problem,
+    known: Arrangement,
+    poses: PoseSet,
+    seed: int,
+    far: FarPoses | None = None,
+) -> Geometry | None:
+    """Return the geometry with a start from a solved platform; None if that is not safe."""
+    length = problem.unit
+    square = [kind.is_distance and not kind.has_sides for kind in known.kinds]
     geometry = geometry_about(
-        arrangement,
+        problem.arrangement if far is None else known,
         length,
         np.where(square, _SQUARE, 0.0),
         np.full(len(square), _SPREAD),
         count=lambda: problem.geometry_count,
-        seed=problem.seed,
+        seed=seed,
         starts=problem.starts,
-        ways=(StartMethod.SOLVED, StartMethod.QUICK),
-        solved=solved_system(known[0], length, known[1]),
+        ways=(StartMethod.SOLVED, StartMethod.QUICK) if far is None else (StartMethod.SOLVED,),
+        solved=solved_system(known, length, poses),
+        far=far,
     )
     return None if geometry is None or geometry.proof is None else geometry
+
+
+def _are_far(arrangement: Arrangement, poses: PoseSet) -> NDArray[np.bool_]:
+    """Return which poses are far away."""
+    turns, places = np.abs(poses.R).max(axis=(1, 2)), np.abs(poses.T).max(axis=1)
+    return np.asarray(np.maximum(turns, places / arrangement.length) > _FAR)
+
+
+def _flattened(arrangement: Arrangement) -> Arrangement:
+    """Return the arrangement with the points of nearly planar bodies in their planes.
+
+    Equations of paths with fewer unknowns are solved for what such bodies leave nearly singular.
+    Proofs are of the platform as it is.
+    """
+    return replace(arrangement, y=_in_plane(arrangement.y), x=_in_plane(arrangement.x))
+
+
+def _in_plane(points: Array) -> Array:
+    """Return points (n, 3) in a plane that they are nearly in."""
+    middle = points.mean(axis=0)
+    _, sizes, axes = np.linalg.svd(points - middle)
+    if not sizes[2] < _FLAT * sizes[0]:
+        return points
+    flat: Array = points - np.outer((points - middle) @ axes[2], axes[2])
+    return flat

@@ -17,6 +17,7 @@ from gspcli.solver.problem import Problem
 from gspcli.solver.proof import CountKind, Proof
 
 if TYPE_CHECKING:
+    from gspcli.certification.poses.far_poses import FarPoses
     from gspcli.solver.side import Side
 
 
@@ -25,10 +26,16 @@ _OF_POSES = tuple(name for name in ProvedPoses._fields if name != "complete")
 
 
 class Ends(NamedTuple):
-    """Study points of any norm that may be poses, shape (k, m, 8) for k choices of sides."""
+    """Study points of any norm that may be poses, shape (k, m, 8) for k choices of sides.
+
+    With poses far away, known for other values, and approximations of them (`FarPoses`), if there
+    is one choice of sides.
+    """
 
     points: ComplexArray
     frames: Frames
+    far: FarPoses | None = None
+    local: ComplexArray | None = None
 
 
 class Ledger:
@@ -57,16 +64,25 @@ class Ledger:
         problem = self.problem
         if problem.proofs is None:
             return
-        found = problem.proofs.decide_own(problem.choices, ends.points, ends.frames)
+        proofs, choices = problem.proofs, problem.choices
+        found = proofs.decide_own(choices, ends.points, ends.frames)
+        if ends.far is not None:
+            values = proofs.own_values(choices), np.ones(1), proofs.scale
+            found = ends.far.beside(found, *values, ends.local)
         number = found.certified.size
         if found.complete[0] and "sides" not in self.__dict__ and self._counted(number):
             self._whole = found
             return
         for k, side in enumerate(self.sides):
-            each = slice(k * ends.points.shape[1], (k + 1) * ends.points.shape[1])
+            each = slice(k * number // len(choices), (k + 1) * number // len(choices))
             side.add_proved(
                 found._replace(**{name: getattr(found, name)[:, each] for name in _OF_POSES})
             )
+
+    @property
+    def is_at_once(self) -> bool:
+        """Whether a strategy has found everything, and the kernel proved it."""
+        return self._whole is not None
 
     def __len__(self) -> int:
         """Return how many poses are proved."""

@@ -43,6 +43,7 @@ from gspcli.solver.study_systems import coefficients_of, side_choices
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
+    from gspcli.certification.poses.far_poses import FarPoses
 
 Array = NDArray[np.float64]
 
@@ -70,6 +71,23 @@ class Solved(NamedTuple):
     poses: ProvedPoses
     account: PathAccount
     proof: Proof | None
+
+
+class GeometryEnds(NamedTuple):
+    """The ends of paths to b sets of values of a geometry.
+
+    Attributes
+    ----------
+    points, frames
+        Study points of any norm for k choices of sides, shape (b, k, m, 8), and their frames.
+    far, local
+        The poses to which no paths lead, and their approximations (`FarPoses.local`).
+    """
+
+    points: ComplexArray
+    frames: Frames
+    far: FarPoses | None = None
+    local: ComplexArray | None = None
 
 
 def geometry_among(
@@ -100,9 +118,7 @@ def geometry_among(
     found = geometry_about(
         given, length, mean, spread, count=count, seed=seed, starts=starts, ways=StartMethod
     )
-    if found is None or found.pool is None:
-        return found
-    return replace(found, pool=found.pool.about(parameters, jobs))
+    return found and found.among(rows, jobs)
 
 
 def geometry_about(
@@ -116,6 +132,7 @@ def geometry_about(
     starts: SolvedStarts,
     ways: Iterable[StartMethod],
     solved: SolvedSystem | None = None,
+    far: FarPoses | None = None,
 ) -> Geometry | None:
     """Return a geometry with a start about some parameters; None if that is not safe.
 
@@ -131,6 +148,8 @@ def geometry_about(
         To the start, which are tried in turn.
     solved
         A platform of the geometry for `StartMethod.SOLVED`, in that unit.
+    far
+        The poses far away that such a platform has besides; those to be approached are its last.
     """
     inner, choices = given.in_units_of(length), side_choices(given)
     geometry = np.array([inner.y, inner.x, inner.u, inner.v]).tobytes()
@@ -141,7 +160,7 @@ def geometry_about(
         if start is None:
             continue
         expected = path_count(start.system.structure) * len(choices)
-        found = len(start.points) * len(choices)
+        found = len(start.points) * len(choices) + _besides(far)
         proof: Proof | None = Proof(CountKind.TYPE)
         if found < expected:
             counted = count()
@@ -151,8 +170,13 @@ def geometry_about(
             proof = (
                 Proof.modulo(CountKind.GEOMETRY, counted.error) if counted.has_lone_lines else None
             )
-        return Geometry(given, inner, length, choices, start, start.pool, expected, proof)
+        return Geometry(given, inner, length, choices, start, start.pool, far, expected, proof)
     return None
+
+
+def _besides(far: FarPoses | None) -> int:
+    """Return how many poses there are besides the ends of paths, which lead to some of these."""
+    return 0 if far is None else len(far) - far.approached
 
 
 def solved_system(given: Arrangement, length: float, poses: PoseSet) -> SolvedSystem:
@@ -193,6 +217,8 @@ class Geometry:
         The start for each of them.
     pool
         From where paths with fewer unknowns lead; None if there are none.
+    far
+        The poses to which no paths lead, for the only choice of sides; None if there are none.
     expected
         The generic count of the type.
     proof
@@ -205,13 +231,14 @@ class Geometry:
     choices: Array
     start: GeometryStart
     pool: StartPool | None
+    far: FarPoses | None
     expected: int
     proof: Proof | None
 
     @property
     def found(self) -> int:
         """How many poses there are for values in general position."""
-        return len(self.start.points) * len(self.choices)
+        return len(self.start.points) * len(self.choices) + _besides(self.far)
 
     @property
     def account(self) -> PathAccount:
@@ -228,6 +255,12 @@ class Geometry:
         """How many sets of values are solved together."""
         return max(1, _BATCH_PATHS // self.found)
 
+    def among(self, rows: Array, jobs: int) -> Geometry:
+        """Return the geometry with starts among sets of values (b, 6)."""
+        if self.pool is None:
+            return self
+        return replace(self, pool=self.pool.about(self._parameters(rows), jobs))
+
     def frames(self, unit: float) -> Frames:
         """Return the frames of the ends of paths, with the unit of f in them."""
         given = self.given
@@ -237,8 +270,12 @@ class Geometry:
         """Return the poses for sets of values (b, 6)."""
 
         def proved(rows: Array, points: ComplexArray, unit: float) -> ProvedPoses:
-            points = points.reshape(len(rows), len(self.choices), -1, 8)
-            return proofs.decide(rows, self.choices, points, self.frames(unit), jobs=jobs)
+            ends = self.ends(points, unit)
+            poses = proofs.decide(rows, self.choices, ends.points, ends.frames, jobs=jobs)
+            if ends.far is None:
+                return poses
+            values = proofs.values(rows, self.choices)[:, 0], proofs.units(rows), proofs.scale
+            return ends.far.beside(poses, *values, ends.local, jobs=jobs)
 
         poses = proved(rows, *self.quick_ends(rows, jobs))
         for ends in (self._short_ends, self._careful_ends):
@@ -251,6 +288,22 @@ class Geometry:
             for part, better in zip(poses, proved(rows[again], *found), strict=True):
                 part[again] = better
         return Solved(poses, self.account, self.proof)
+
+    def ends(self, points: ComplexArray, unit: float) -> GeometryEnds:
+        """Return ends of paths to sets of values by choices of sides, and what is known besides.
+
+        Parameters
+        ----------
+        points, unit
+            As `quick_ends` returns them.
+        """
+        choices, frames = len(self.choices), self.frames(unit)
+        points = points.reshape(-1, choices, len(self.start.points), 8)
+        if self.far is None:
+            return GeometryEnds(points, frames)
+        near = points.shape[2] - self.far.approached
+        local = self.far.local(points[:, 0, near:], frames)
+        return GeometryEnds(points[:, :, :near], frames, self.far, local)
 
     def quick_ends(self, rows: Array, jobs: int) -> tuple[ComplexArray, float]:
         """Return Study points of the ends of paths to sets of values, and their unit of f."""

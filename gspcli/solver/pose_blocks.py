@@ -87,6 +87,7 @@ def _solve_rows(problem: Problem, rows: Array, wrong: Mapping[int, PoseSet]) -> 
 def _geometry_blocks(problem: Problem, rows: Array) -> Iterator[tuple[Block, Index]]:
     """Yield the poses for sets of values, and which of them are not found for certain."""
     from gspcli.certification.poses.many_values import ValueProofs
+    from gspcli.solver.kept_geometry import kept_among
     from gspcli.solver.row_groups import solve_rows
 
     for size, found in solve_rows(
@@ -97,6 +98,7 @@ def _geometry_blocks(problem: Problem, rows: Array) -> Iterator[tuple[Block, Ind
         seed=problem.seed,
         jobs=problem.jobs,
         starts=problem.starts,
+        kept=partial(kept_among, problem, all_poses),
     ):
         if found is None or (found.proof is None and problem.certify):
             yield Block.nothing(size), np.arange(size)

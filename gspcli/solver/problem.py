@@ -20,7 +20,7 @@ from gspcli.defaults import PATIENCE, SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
-from gspcli.solver.solved_starts import STARTS, SolvedStarts
+from gspcli.solver.solved_starts import STARTS, SolvedPlatform, SolvedStarts
 from gspcli.solver.study_systems import coefficients_at, coefficients_of, side_choices
 
 if TYPE_CHECKING:
@@ -169,10 +169,19 @@ class Problem:
 
         return list(track_all(self.systems, seed=self.seed, jobs=self.jobs))
 
-    def keep(self, poses: PoseSet) -> None:
-        """Keep all poses for platforms of the same geometry, if no quick paths have led to them."""
-        if self.is_kept and "tracked" in self.__dict__:
-            self.starts.keep_platform(self.arrangement, poses)
+    def keep(self, poses: PoseSet, *, at_once: bool) -> None:
+        """Keep poses for platforms of the same geometry, if they are all it has.
+
+        Not if quick paths have led to them, and the kernel has proved all of them at once.
+        """
+        if not self.is_kept or (at_once and "tracked" not in self.__dict__):
+            return
+        number = int(poses.certified.sum())
+        count = self.geometry_count if self.knows_geometry_count else None
+        known = (self.expected, count.solutions if count else None)
+        if number == len(poses.R) and number in known:
+            solved = SolvedPlatform(self.instance, self.arrangement, poses, count)
+            self.starts.keep_platform(solved)
 
     @cached_property
     def proofs(self) -> ValueProofs | None:
@@ -203,7 +212,12 @@ class Problem:
     @cached_property
     def geometry_count(self) -> ExactCount | None:
         """The count of a geometry that is worth keeping; None if it is not known."""
-        return self.count_geometry() if self.is_kept and self.limit != 0 else None
+        if not self.is_kept or self.limit == 0:
+            return None
+        known = self.starts.platform(self.arrangement)
+        if known is not None and known.count and known.has_geometry_of(self.instance):
+            return known.count
+        return self.count_geometry()
 
     def count_geometry(self) -> ExactCount | None:
         """Return the count of the geometry with values in general position."""

@@ -126,16 +126,22 @@ def _solved_reference(structure: Structure) -> Reference | None:
     return None
 
 
-def complex_platform(kinds: tuple[Kind, ...], seed: int) -> System:
+def complex_platform(
+    kinds: tuple[Kind, ...], seed: int, *, flat: tuple[bool, bool] = (False, False)
+) -> System:
     """Return a platform with complex values, lengths of order one.
 
     Parameters
     ----------
     kinds, seed
         Of its constraints, and of its random numbers.
+    flat
+        Whether the points of the platform, and of the base, are of one plane.
     """
     rng = np.random.default_rng([seed, len(kinds)])
     y, x = rng.uniform(-1, 1, (2, len(kinds), 3))
+    y[:, 2] *= not flat[0]
+    x[:, 2] *= not flat[1]
     y, x = (z - z.mean(axis=0) for z in (y, x))
     length = np.sqrt(max((z**2).sum(axis=1).max() for z in (y, x)))
     u, v = rng.normal(size=(2, len(kinds), 3))

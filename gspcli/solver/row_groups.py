@@ -46,6 +46,7 @@ def solve_rows(
     seed: int,
     jobs: int = 1,
     starts: SolvedStarts = STARTS,
+    kept: Callable[[Array, bool], Geometry | None] = lambda *_: None,
 ) -> Iterator[tuple[int, Solved | None]]:
     """Yield all poses of one geometry with each of many sets of values, in order.
 
@@ -68,6 +69,9 @@ def solve_rows(
         Threads. The result does not depend on them.
     starts
         What is kept of solved platforms.
+    kept
+        Returns the geometry with a start for sets of values (k, 6), where a solved platform of it
+        has poses far away; and whether one of them is to be solved if none is kept.
 
     Yields
     ------
@@ -86,7 +90,11 @@ def solve_rows(
         equations = proofs(rows[members])
         if equations is None:
             break
-        geometry = geometry_among(arrangement, rows[members], count, seed, jobs, starts)
+        geometry = (
+            kept(rows[members], False)
+            or geometry_among(arrangement, rows[members], count, seed, jobs, starts)
+            or kept(rows[members], True)
+        )
         if geometry is not None:
             geometries[key] = geometry, equations
     begin = 0

@@ -10,7 +10,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from enum import Enum
 from threading import Lock
-from typing import TYPE_CHECKING, TypeVar, cast
+from typing import TYPE_CHECKING, NamedTuple, TypeVar, cast
 
 import numpy as np
 
@@ -36,8 +36,26 @@ class Sort(Enum):
     MET = "structures of equations that were solved once"
     REFERENCE = "solved platforms with complex values, one a structure"
     PLATFORM = "solved platforms of special geometries"
+    SAME = "starts of special geometries, made from those"
     GEOMETRY = "solved systems of a geometry with complex values"
     COUNT = "exact counts of geometries"
+
+
+class SolvedPlatform(NamedTuple):
+    """A solved platform of a special geometry."""
+
+    instance: Instance
+    arrangement: Arrangement
+    poses: PoseSet
+    count: ExactCount | None
+    """Of the geometry, if it has been counted."""
+
+    def has_geometry_of(self, instance: Instance) -> bool:
+        """Whether an instance differs in its values only, exactly."""
+        return all(
+            (a.kind, a.side, a.platform, a.base) == (b.kind, b.side, b.platform, b.base)
+            for a, b in zip(self.instance.constraints, instance.constraints, strict=True)
+        )
 
 
 class SolvedStarts:
@@ -94,23 +112,23 @@ class SolvedStarts:
             return cast(_Entry, self.fetch(sort, key))
         return self.keep(sort, key, make())
 
-    def is_second(self, structure: Structure) -> bool:
-        """Return whether a platform of a structure was solved before."""
+    def is_second(self, structure: Structure | tuple[bool, ...]) -> bool:
+        """Return whether a platform of a structure, or with bodies as planar, was solved before."""
         if self.fetch(Sort.MET, structure):
             return True
         self.keep(Sort.MET, structure, True)
         return False
 
-    def keep_platform(self, arrangement: Arrangement, poses: PoseSet) -> None:
+    def keep_platform(self, solved: SolvedPlatform) -> None:
         """Keep all poses of a platform of a special geometry: its start is made from them."""
-        self.kept(Sort.PLATFORM, _geometry(arrangement), lambda: (arrangement, poses))
+        self.kept(Sort.PLATFORM, geometry_key(solved.arrangement), lambda: solved)
 
-    def platform(self, arrangement: Arrangement) -> tuple[Arrangement, PoseSet] | None:
+    def platform(self, arrangement: Arrangement) -> SolvedPlatform | None:
         """Return the solved platform of a geometry, as well as doubles tell."""
         if not self._kept[Sort.PLATFORM]:
             return None
-        found = self.fetch(Sort.PLATFORM, _geometry(arrangement))
-        return cast("tuple[Arrangement, PoseSet] | None", found)
+        found = self.fetch(Sort.PLATFORM, geometry_key(arrangement))
+        return cast("SolvedPlatform | None", found)
 
     def count(self, instance: Instance, seed: int, limit: float | None) -> ExactCount | None:
         """Return the count of an instance's geometry; None if it is not known."""
@@ -128,7 +146,8 @@ class SolvedStarts:
         return self.kept(Sort.COUNT, (rows, seed, limit), counted)
 
 
-def _geometry(given: Arrangement) -> Hashable:
+def geometry_key(given: Arrangement) -> Hashable:
+    """Return what platforms of one geometry and sides share, as well as doubles tell."""
     parts = (given.y, given.x, given.u, given.v, given.sides)
     return (given.kinds, *(np.asarray(part).tobytes() for part in parts))
 

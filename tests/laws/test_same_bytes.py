@@ -46,6 +46,12 @@ FILES = (
 TYPES = ("6PP", "5PP PL", "3PP 2PH ALL", "2PL LP 3AHH", "DPH DHP DLL ALL ALH AHH", "6D 4PP PL LL")
 GEOMETRIES = ("6PP", "3PP 2PH ALL", "2PL LP 3AHH", "DPH DHP DLL ALL ALH AHH", "6D 4PP PL LL")
 NAMES = (*FILES, *TYPES)
+#: Machines that are special up to the rounding of their numbers, and how far values change.
+FAR = [
+    ("platforms/reachy-mini-head", 0.2),
+    ("platforms/rubin-camera", 0.01),
+    ("platforms/modified-paradex", 0.1),
+]
 PARTS = ("quaternions", "R", "T", "real", "multiplicity")
 
 
@@ -212,6 +218,25 @@ def test_rows_of_a_track(name: str) -> None:
         for turn, place in zip(found.R[:, k], found.T[:, k], strict=True):
             off = np.abs(R - turn).max(axis=(1, 2)) + np.abs(T - place).max(axis=1) / length
             assert (off < 1e-13).sum() == 1
+
+
+@pytest.mark.parametrize(("name", "spread"), FAR)
+def test_whether_far_poses_are_kept(name: str, spread: float) -> None:
+    """Known for other values, alone and among many, or found anew."""
+    instance, starts = platform(name), SolvedStarts()
+    solve(instance, starts=starts)
+    own = np.array([row.value.value for row in instance.constraints])
+    rows = own * (1 + spread * np.random.default_rng(2).uniform(-1, 1, size=(6, 6)))
+    batch = list(solve_values(instance, rows, starts=starts))
+    length = Arrangement.of(instance).length
+    for k, row in enumerate(rows[:2]):
+        other = instance.with_values(
+            {i: Number.of(Fraction(x)) for i, x in enumerate(row.tolist())}
+        )
+        kept = solve(other, starts=starts).poses
+        assert said(kept) == said(batch[k].in_order(length))
+        assert said(kept) == said(solve(other, starts=SolvedStarts()).poses)
+        assert kept.proof is not None
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -20,6 +20,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache, cached_property
 from itertools import chain, product
+from math import prod
 
 import numpy as np
 from flint import acb, acb_mat, arb, arb_mat, fmpz_mat
@@ -242,6 +243,25 @@ class BallSystem:
             for index in equation.squares:
                 outer[row][index] -= 2 * quadrics[index]
         return acb_mat(7, 1, values), acb_mat(outer) * gradients
+
+    def open_quadrics(self, sides: tuple[int, ...]) -> list[acb_mat] | None:
+        """Return the Hessian matrices of e.f and of six equations that are each one quadric alone.
+
+        Multiplied so that a value (the square of a distance, a height, a cosine) is once in its
+        equation, times N, with the sign minus. None if some equations are no quadrics.
+        """
+        whole = self._single_quadrics(sides)
+        if whole is None:
+            return None
+        entries = whole.entries()
+        factors = [arb(1)]
+        for given in self.statements:
+            directions = [norm(vector) for vector in (given.u, given.v) if vector]
+            factors.append(1 / prod(directions, start=arb(1)))
+        return [
+            acb_mat(8, 8, entries[64 * k : 64 * (k + 1)]) * acb(factor)
+            for k, factor in enumerate(factors)
+        ]
 
     def _single_quadrics(self, sides: tuple[int, ...]) -> acb_mat | None:
         """Return the Hessian matrices, (56, 8), if each equation is a quadric alone, else None."""

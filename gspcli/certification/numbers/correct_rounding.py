@@ -17,8 +17,10 @@ import numpy as np
 from flint import acb, arb
 from numpy.typing import NDArray
 
-#: See above; and the largest radius of a ball around a number that may be a tie of two doubles.
-SMALL, GRID, _TIE = Fraction(1, 2**12), Fraction(1, 2**64), Fraction(1, 2**900)
+#: The exponents of these, and of the largest radius of a ball around a number that may be a tie.
+_SMALL, _GRID, _TIE = -12, -64, -900
+#: See above.
+SMALL, GRID = Fraction(2) ** _SMALL, Fraction(2) ** _GRID
 
 
 def rounded(
@@ -39,29 +41,43 @@ def rounded(
     if not all(x.is_finite() for both in parts for x in both):
         return None
     largest = max([abs(float(x.mid())) for both in parts for x in both])
-    unit = Fraction(max(least_unit, 2.0 ** math.frexp(largest)[1]))
-    found = [[_rounded(x, unit) for x in both] for both in parts]
+    exponent = math.frexp(max(least_unit, 2.0 ** math.frexp(largest)[1]))[1] - 1
+    found = [[_rounded(x, exponent) for x in both] for both in parts]
     if any(x is None for both in found for x in both):
         return None
     return np.array(found, np.float64).view(np.complex128)[:, 0]
 
 
-def _rounded(number: arb, unit: Fraction) -> float | None:
-    middle, radius = _fraction(number.mid()), _fraction(number.rad())
-    if radius < _TIE * unit:
+def _rounded(number: arb, unit: int) -> float | None:
+    """Return a ball's numbers rounded, the unit a power of two; None if that is not one double."""
+    mantissa, exponent = map(int, number.mid().man_exp())
+    radius, place = map(int, number.rad().man_exp())
+    if not radius or radius.bit_length() + place <= unit + _TIE:
         # An exact number may well be half-way between two doubles.
-        return _nearest(middle, unit)
-    low, high = (_nearest(end, unit) for end in (middle - radius, middle + radius))
+        return _nearest(mantissa, exponent, unit)
+    last = min(exponent, place)
+    middle, reach = mantissa << (exponent - last), radius << (place - last)
+    low, high = (_nearest(end, last, unit) for end in (middle - reach, middle + reach))
     return low if low == high else None
 
 
-def _nearest(number: Fraction, unit: Fraction) -> float:
-    if abs(number) >= SMALL * unit:
-        return float(number)
+def _nearest(mantissa: int, exponent: int, unit: int) -> float:
+    """Return what a mantissa times a power of two is rounded to."""
+    size = abs(mantissa)
+    if size.bit_length() + exponent > unit + _SMALL:
+        # The nearest double, exactly where it is none of those near zero.
+        drop = max(size.bit_length() - 53, -1074 - exponent)
+    else:
+        drop = unit + _GRID - exponent
+    kept = _shifted(size, drop)
     # Zero has one sign.
-    return float(round(number / (GRID * unit)) * GRID * unit) + 0.0
+    return math.ldexp(kept if mantissa > 0 else -kept, exponent + drop) if kept else 0.0
 
 
-def _fraction(number: arb) -> Fraction:
-    mantissa, exponent = map(int, number.man_exp())
-    return Fraction(mantissa << exponent) if exponent >= 0 else Fraction(mantissa, 1 << -exponent)
+def _shifted(size: int, drop: int) -> int:
+    """Return the integer nearest to one over a power of two, of two the even one."""
+    if drop <= 0:
+        return size << -drop
+    kept, rest = size >> drop, size & ((1 << drop) - 1)
+    half = 1 << (drop - 1)
+    return kept + (rest > half or (rest == half and kept & 1))

@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 #: Bound of the relative error of a located pose that has been rounded to doubles.
 _ROUNDED = 2.0**-51
+#: Poses that agree to this part of their largest entry seem to be the same.
+_ALIKE = 1e-9
 
 
 class Collection:
@@ -135,6 +137,13 @@ class Collection:
         gaps = np.abs(entries - here).max(axis=1, initial=0)
         near = np.flatnonzero(gaps <= 2 * (self._deviations + off))
         return int(near[0]) if len(near) == 1 else -1
+
+    def is_near(self, R: Complex, T: Complex) -> bool:
+        """Whether an approximate pose, R (3, 3) and T (3,), seems to be one of those here."""
+        scale = self.locator.scale
+        here, there = _entries(R[None], T[None] / scale), _entries(self.R, self.T / scale)
+        gaps = np.abs(there - here).max(axis=1, initial=0)
+        return bool((gaps <= _ALIKE * np.abs(here).max(initial=1)).any())
 
     def _near(self, R: Complex, T: Complex) -> tuple[NDArray[np.intp], float]:
         """Return which poses doubles do not tell from a located one, and how far that is off."""

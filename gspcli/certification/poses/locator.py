@@ -73,7 +73,11 @@ class Located:
                 [[x.conjugate() for x in row] for row in self.pose.rotation],
                 [x.conjugate() for x in self.pose.translation],
             )
-        return replace(self, isolation=replace(self.isolation, centre=centre), pose=pose)
+        other = replace(self, isolation=replace(self.isolation, centre=centre), pose=pose)
+        if self.numbers is not None:
+            R, T, quaternion = (x.conj() + 0.0 for x in self.numbers)
+            other.__dict__["numbers"] = R, T, canonical_sign(quaternion[None])[0]
+        return other
 
     @cached_property
     def numbers(self) -> tuple[Complex, Complex, Complex] | None:

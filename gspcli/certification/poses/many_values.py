@@ -144,7 +144,7 @@ class ValueProofs:
         high, low = sines(rows[:, self._angles], complements, degrees=degrees)
         return high * signs, low * signs
 
-    def _values(self, rows: Array, choices: Array) -> Array:
+    def values(self, rows: Array, choices: Array) -> Array:
         """Return what the kernel wants of each value (native/ends.hpp), shape (b, k, 6, 6)."""
         values = np.repeat(rows[:, None, :], len(choices), axis=1)
         bounds, lows, gaps = np.empty_like(values), np.zeros_like(values), np.zeros_like(values)
@@ -182,8 +182,11 @@ class ValueProofs:
         jobs
             Threads.
         """
-        units = length_scales(self.instance, rows[:, self._distances]) / self.scale
-        return self._decide(self._values(rows, choices), units, points, frames, jobs)
+        return self._decide(self.values(rows, choices), self.units(rows), points, frames, jobs)
+
+    def units(self, rows: Array) -> Array:
+        """Return the units of the last digits of translations, in lengths of the equations."""
+        return length_scales(self.instance, rows[:, self._distances]) / self.scale
 
     def decide_own(self, choices: Array, points: Complex, frames: Frames) -> ProvedPoses:
         """Prove what double precision can of the values of the instance, exactly as written.
@@ -195,10 +198,10 @@ class ValueProofs:
         points
             Shape (k, m, 8).
         """
-        values = self._own_values(choices)[None]
+        values = self.own_values(choices)[None]
         return self._decide(values, np.ones(1), points[None], frames, jobs=1)
 
-    def _own_values(self, choices: Array) -> Array:
+    def own_values(self, choices: Array) -> Array:
         """Return what the kernel wants of the values of the instance, shape (k, 6, 6)."""
         rows = self.instance.constraints
         exact = [row.value.fraction if row.kind.is_distance else None for row in rows]
@@ -271,7 +274,7 @@ class ValueProofs:
             tolerance=TOLERANCE,
             jobs=jobs,
         )
-        certified = _CERTIFIED[bits]
+        certified, real, rounded = proved_bits(bits)
         different = complete > 0
         undecided = () if different.all() else np.flatnonzero(certified.all(axis=1) & ~different)
         for k in undecided:
@@ -282,9 +285,8 @@ class ValueProofs:
             different[k] = all_different(entries, deviation[k])
         if DLL in self.kinds:
             skew = are_skew(self.instance, R.reshape(-1, 3, 3), deviation.ravel())
-            certified &= skew.reshape(certified.shape)
-        real = certified & _REAL[bits]
-        rounded = certified & _ROUNDED[bits]
+            skew = skew.reshape(certified.shape)
+            certified, real, rounded = certified & skew, real & skew, rounded & skew
         # Solutions of the equations of different sides are different ones: no distance is zero.
         different &= rounded.all(axis=1)
 
@@ -301,6 +303,12 @@ class ValueProofs:
             deviation=together(deviation),
             complete=np.asarray(different.reshape(count, -1).all(axis=1)),
         )
+
+
+def proved_bits(bits: NDArray[np.uint8]) -> tuple[NDArray[np.bool_], ...]:
+    """Return which poses are certified, real and rounded correctly, by what the kernel says."""
+    certified = _CERTIFIED[bits]
+    return certified, certified & _REAL[bits], certified & _ROUNDED[bits]
 
 
 def _numbers(instance: Instance, kinds: tuple[Kind, ...]) -> Array:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gspcli.certification.counting import poses_by_elimination
+import numpy as np
+
+from gspcli.certification.counting import ApproximatePose, poses_by_elimination
 from gspcli.solver.side import Side
 
 #: Bits in which all poses are computed, and the largest number of paths for which that is worth it
@@ -23,25 +25,42 @@ def early_elimination(side: Side) -> Iterator[None]:
     many = len(side.unresolved) > (max(few, of_cube * paths**3) if len(side.found) else few)
     if side.all_simple and paths <= _MOST and many:
         side.eliminated = 1
-        _eliminate(side, _BITS[0])
-        yield
+        yield from _eliminated(side, _BITS[0])
 
 
 def by_elimination(side: Side) -> Iterator[None]:
     """Eliminate with more and more bits."""
     for bits in _BITS[side.eliminated :] if side.paths.count <= _ELIMINABLE else ():
-        _eliminate(side, bits)
-        yield
+        yield from _eliminated(side, bits)
 
 
-def _eliminate(side: Side, bits: int) -> None:
-    """Add the poses that eigenvectors give."""
-    problem, locator = side.problem, side.problem.locator
+def _eliminated(side: Side, bits: int) -> Iterator[None]:
+    """Add the poses that eigenvectors give: first those that doubles tell from all others."""
+    problem = side.problem
     asked = problem.arrangement.sides.tolist()
+    poses = []
     for pose in poses_by_elimination(problem.instance, bits, seed=problem.seed) or ():
         each = zip(pose.signs, side.sides, asked, strict=True)
         if all((sign < 0) == (other == 1) for sign, other, given in each if given == 0):
-            start = locator.point_of_pose(pose.R, pose.T, bits)
-            side.found.add([locator.locate_exactly(start, side.sides, bits // 2)])
-    side.found.add_conjugates()
+            poses.append(pose)
+    left = [pose for pose in poses if not _added(side, pose, bits, only_new=True)]
     side.found.add_close_conjugates()
+    yield
+    for pose in left:
+        _added(side, pose, bits, only_new=False)
+    side.found.add_close_conjugates()
+    yield
+
+
+def _added(side: Side, pose: ApproximatePose, bits: int, *, only_new: bool) -> bool:
+    """Add the pose near an approximation, and its conjugate; False if it seems to be known."""
+    locator = side.locator
+    if only_new:
+        R = np.array([[complex(x) for x in row] for row in pose.R])
+        T = np.array([complex(x) for x in pose.T])
+        if side.found.is_near(R, T):
+            return False
+    start = locator.point_of_pose(pose.R, pose.T, bits)
+    side.found.add([locator.locate_exactly(start, side.sides, bits // 2)])
+    side.found.add_conjugates()
+    return True

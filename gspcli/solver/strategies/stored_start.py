@@ -11,7 +11,10 @@ from gspcli.solver.ledger import Ends
 from gspcli.solver.problem import Problem
 
 if TYPE_CHECKING:
+    from gspcli.continuation.start import StartSystem
+    from gspcli.continuation.systems import Structure
     from gspcli.continuation.tracked_paths import TrackedPaths
+    from gspcli.continuation.tracker_options import TrackerOptions
 
 
 def reduced_paths(problem: Problem) -> Iterator[Ends]:
@@ -21,20 +24,31 @@ def reduced_paths(problem: Problem) -> Iterator[Ends]:
     the time (`make bench`, row "6-6, one").
     """
     from gspcli.continuation.reduced_homotopy import ends_from_start
-    from gspcli.continuation.start import start_system
-    from gspcli.continuation.tracker_options import FROM_START, LONG_STEPS
-    from gspcli.solver.reference_start import reference_start
 
     structure, given = problem.equations
     targets, structure = given.g[:, list(structure.order)], structure.canonical()
-    ways = [(start_system(structure), FROM_START)]
-    if (reference := reference_start(structure, problem.starts)) is not None:
-        ways.insert(0, (reference.start, LONG_STEPS))
-    for start, options in ways:
+    for start, options in _ways(problem, structure):
         found = [ends_from_start(start, quadrics, options) for quadrics in targets]
         ends = [points for points in found if points is not None]
         if len(ends) == len(found):
             yield Ends(np.array(ends), problem.frames)
+
+
+def _ways(problem: Problem, structure: Structure) -> Iterator[tuple[StartSystem, TrackerOptions]]:
+    """Yield where reduced paths begin, and how long their steps are, the shortest first."""
+    from gspcli.continuation.start import start_system
+    from gspcli.continuation.tracker_options import FROM_START, LONG_STEPS, SHORT_STEPS
+    from gspcli.solver.planar_start import planar_starts
+    from gspcli.solver.reference_start import reference_start
+
+    planar = planar_starts(problem.arrangement.normalized, problem.starts)
+    if planar:
+        yield planar[0], FROM_START
+        yield from ((start, SHORT_STEPS) for start in planar)
+        return
+    if (reference := reference_start(structure, problem.starts)) is not None:
+        yield reference.start, LONG_STEPS
+    yield start_system(structure), FROM_START
 
 
 def short_series(problem: Problem) -> Iterator[Ends]:

@@ -1,6 +1,7 @@
 """Platforms of special geometries are followed from a start of their own, proved by its count."""
 
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from gspcli.certification import counting
 from gspcli.geometry.numbers import Number
 from gspcli.resources import data_path
-from gspcli.solver import by_count, solve
+from gspcli.solver import by_count, solve, solve_batch
 from gspcli.solver.geometry_start import StartMethod, geometry_start
 from gspcli.solver.kept_geometry import kept_geometry
 from gspcli.solver.problem import Problem
@@ -135,11 +136,12 @@ def test_poses_of_which_two_are_the_same_are_no_start():
     instance = platform("examples", "octahedral-3-3")
     starts = SolvedStarts()
     known = solve(instance, starts=starts)
-    arrangement, poses = starts.platform(known.arrangement)
+    kept = starts.platform(known.arrangement)
+    poses = kept.poses
     # Two paths from one pose meet.
     twice = poses.reordered(np.array([0, 0, *range(2, len(poses.R))]))
     wrong = SolvedStarts()
-    wrong.keep_platform(arrangement, twice)
+    wrong.keep_platform(kept._replace(poses=twice))
     for _ in range(2):
         found = solve(instance, starts=wrong)
         assert found.proof == known.proof
@@ -178,3 +180,57 @@ def test_a_count_of_the_geometry_that_proves_nothing_is_followed_by_that_of_the_
     found = solve(platform("examples", "octahedral-3-3"), starts=SolvedStarts())
     assert found.proof.by is CountKind.EXACT
     assert len(found.R) == found.certified.sum() == 16
+
+
+def test_far_poses_need_no_paths(monkeypatch):
+    # 28 poses are near; 12 are so far away that doubles find none of them.
+    instance, starts = platform("platforms", "reachy-mini-head"), SolvedStarts()
+    first = solve(instance, starts=starts)
+    assert kept_geometry(Problem(instance, starts=starts)).start.points.shape == (28, 8)
+
+    def nothing_else(*_):
+        raise AssertionError
+
+    monkeypatch.setattr("gspcli.solver.strategies.stored_start.reduced_paths", nothing_else)
+    again = solve(instance, starts=starts)
+    assert again.proof == first.proof
+    for part in ("quaternions", "R", "T", "real"):
+        np.testing.assert_array_equal(getattr(again, part), getattr(first, part))
+    rows = np.array([row.value.value for row in instance.constraints]) * np.linspace(
+        0.9, 1.1, 16
+    ).reshape(-1, 1)
+    batch = solve_batch(instance, rows, starts=starts)
+    assert batch.proved.all()
+    assert not batch.others
+
+
+def test_far_poses_of_another_geometry_are_not_used():
+    # The same in doubles, but not the same platform.
+    instance, starts = platform("platforms", "reachy-mini-head"), SolvedStarts()
+    solve(instance, starts=starts)
+    first = instance.constraints[0]
+    point = first.platform.position
+    moved = replace(
+        first.platform, position=(Number.of(point[0].fraction + Fraction(1, 10**30)), *point[1:])
+    )
+    other = replace(
+        instance, constraints=(replace(first, platform=moved), *instance.constraints[1:])
+    )
+    assert starts.platform(Problem(other).arrangement) is not None
+    assert kept_geometry(Problem(other, starts=starts)) is None
+    assert kept_geometry(Problem(instance, starts=starts)) is not None
+
+
+def test_a_count_that_disagrees_proves_nothing_of_far_poses():
+    instance, starts = platform("platforms", "rubin-camera"), SolvedStarts()
+    known = solve(instance, starts=starts)
+    kept = starts.platform(known.arrangement)
+    # Without one of the near poses there is no start.
+    near = np.flatnonzero(np.abs(kept.poses.R).max(axis=(1, 2)) < 10)
+    fewer = SolvedStarts()
+    poses = kept.poses.reordered(np.delete(np.arange(len(kept.poses.R)), near[0]))
+    fewer.keep_platform(kept._replace(poses=poses))
+    assert kept_geometry(Problem(instance, starts=fewer)) is None
+    found = solve(instance, starts=fewer)
+    assert found.verdict == "complete"
+    assert len(found.R) == 36

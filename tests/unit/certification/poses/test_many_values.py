@@ -174,7 +174,7 @@ def test_the_kernel_writes_the_equations_of_ball_arithmetic(name, change):
     rng = np.random.default_rng(27)
     instance = change(random_instance(parse_type(name), rng, one_sided=True)[0])
     proofs = ValueProofs(instance, None)
-    values = proofs._own_values(side_choices(Arrangement.of(instance)))[0].tolist()
+    values = proofs.own_values(side_choices(Arrangement.of(instance)))[0].tolist()
     weights = proofs._weights.tolist()
     with ctx.workprec(200):
         system = BallSystem(instance, 200)

@@ -1,0 +1,147 @@
+"""Local coordinates at a pose far away, in which equations for other values are of order one.
+
+What they are is said in native/far_poses.hpp. They are computed in balls from the equations of
+`ball_system` and the exact numbers of the platform, and given as sums of two doubles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import chain
+from typing import NamedTuple
+
+import numpy as np
+from flint import acb, acb_mat, arb, ctx
+from numpy.typing import NDArray
+
+from gspcli.certification.equations import study
+from gspcli.certification.numbers.rounding import OUTWARD
+from gspcli.certification.poses.locator import Located, Locator
+
+Complex = NDArray[np.complex128]
+
+#: Bits in which coefficients are computed, each tried in turn, and how much they may err then.
+_BITS, _KNOWN = (512, 1024, 2048), 2.0**-120
+#: What is lost where doubles underflow.
+_LEAST = 2.0**-500
+#: Coefficients may not be larger: their products are doubles.
+_LARGEST = 2.0**400
+_PAIRS = [(i, j) for i in range(7) for j in range(i, 7)]
+#: Where the equations are bent by more Newton's method needs to begin nearby: squares of lengths
+#: alone make it 8.
+_BENT = 64.0
+
+
+class LocalCoordinates(NamedTuple):
+    """Those at one pose: see the attributes of `FarPoses`."""
+
+    numbers: Complex
+    error: float
+    real: bool
+    centre: Complex
+    slope: Complex
+
+    @property
+    def is_bent(self) -> bool:
+        """Whether Newton's method needs to begin nearby."""
+        squares = self.numbers[0, : 7 * 36].reshape(7, 36)[:, 8:]
+        return bool(np.abs(squares).max() > _BENT)
+
+
+def local_coordinates(
+    locator: Locator, sides: tuple[int, ...], R: Complex, T: Complex
+) -> LocalCoordinates | None:
+    """Return local coordinates at a pose; None if it is not known well enough.
+
+    Parameters
+    ----------
+    locator, sides
+        The equations, and the index of that of each constraint.
+    R, T
+        The pose, shapes (3, 3) and (3,), rounded.
+    """
+    for bits in _BITS:
+        located = locator.near(R, T, sides, bits)
+        if not isinstance(located, Located):
+            return None
+        with ctx.workprec(bits):
+            balls = _coefficients(locator, sides, located)
+            if balls is None:
+                continue
+            doubles, error = _in_doubles(balls[0], real=located.real)
+            centre, slope = (np.array([complex(x.mid()) for x in part]) for part in balls[1:])
+        if error < _KNOWN:
+            numbers = np.array(doubles).view(np.complex128)[..., 0]
+            fits = np.isfinite(numbers).all() and np.abs(numbers).max() < _LARGEST
+            if not fits:
+                return None
+            real = located.real
+            return LocalCoordinates(
+                numbers.T, max(error, _LEAST), real, centre, slope.reshape(7, 8)
+            )
+    return None
+
+
+def _coefficients(
+    locator: Locator, sides: tuple[int, ...], located: Located
+) -> tuple[list[acb], ...] | None:
+    """Return balls of the numbers of one pose in the order of the kernel, its centre and slope."""
+    system, patch = locator.system(ctx.prec), located.isolation.patch
+    equations = system.open_quadrics(sides)
+    if equations is None:
+        return None
+    point = [acb(x.real) if located.real else x for x in located.isolation.centre]
+    column = acb_mat(8, 1, point)
+    gradients = acb_mat(7, 8, list(chain.from_iterable((h * column).entries() for h in equations)))
+    free = [k for k in range(8) if k != patch]
+    try:
+        inverse = acb_mat(7, 7, [gradients[i, k] for i in range(7) for k in free]).inv()
+    except ZeroDivisionError:
+        return None
+    directions = acb_mat(8, 7)
+    for i, k in enumerate(free):
+        for j in range(7):
+            # Any exact numbers will do.
+            x = inverse[i, j].mid()
+            directions[k, j] = acb(x.real) if located.real else x
+    norm = sum((x * x for x in point[:4]), acb(0))
+    found: list[acb] = []
+    for hessian in (*equations, *_pose_forms()):
+        found += _form(hessian, column, directions, norm)
+    # Not across the negative numbers, where there is no square root.
+    root = norm.sqrt() if norm.real > 0 else (-norm).sqrt() * acb(0, 1)
+    for k in range(4):
+        found.append(point[k] / root)
+        found += [directions[k, j] * root for j in range(7)]
+    return found, point, [x / norm for x in gradients.entries()]
+
+
+def _form(hessian: acb_mat, column: acb_mat, directions: acb_mat, norm: acb) -> list[acb]:
+    """Return the coefficients of a quadratic form over N, in local coordinates."""
+    across = directions.transpose()
+    slope = hessian * column
+    second = across * (hessian * directions)
+    value = (column.transpose() * slope)[0, 0] / (2 * norm)
+    squares = (norm * second[i, j] for i, j in _PAIRS)
+    halves = (x / 2 if i == j else x for x, (i, j) in zip(squares, _PAIRS, strict=True))
+    return [value, *(across * slope).entries(), *halves]
+
+
+def _pose_forms() -> Iterable[acb_mat]:
+    """Yield the Hessian matrices of N, N R by rows and N T."""
+    for k in (study.NORM, *chain(*study.ROTATION), *study.TRANSLATION):
+        yield acb_mat(8, 8, [acb(x) for x in study.form_hessians()[k].ravel().tolist()])
+
+
+def _in_doubles(numbers: Sequence[acb], *, real: bool) -> tuple[list[list[list[float]]], float]:
+    """Return complex numbers as sums of two, each by its parts, and by how much they err."""
+    found, error = [], 0.0
+    for number in numbers:
+        parts = []
+        for ball in (number.real, arb(0) if real else number.imag):
+            middle = ball.mid()
+            high = float(middle)
+            parts.append((high, float(middle - high)))
+            error = max(error, float(ball.rad()))
+        found.append([list(both) for both in zip(*parts, strict=True)])
+    return found, error * OUTWARD

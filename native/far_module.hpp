@@ -1,0 +1,14 @@
+// Python bindings of far_poses.hpp.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <string>
+
+#include "far_poses.hpp"
+
+namespace gsp {
+
+void bind_far_poses(nanobind::module_& m, DecideFar* (*choose)(const std::string& build));
+
+}  // namespace gsp

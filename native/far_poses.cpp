@@ -1,0 +1,364 @@
+#include "far_poses.hpp"
+
+#include "inverse.hpp"
+
+namespace gsp {
+namespace {
+
+constexpr double kValueRounding = 0x1p-92;  // of `FineFarPoses.values`
+constexpr double kStepRounding = 0x1p-48;   // of a step of Newton's method where nothing cancels
+// Newton's method takes at most so many steps, each at most such a part of the one before; after so short a
+// one, as a part of the coordinates, values of 32 digits tell more than those of 16.
+constexpr int kMostSteps = 10, kFineSteps = 3;
+constexpr double kShrinking = 0.5, kArrived = 1e-7, kNear = 1e-3;
+// On the way to values from which it does not find a solution at once it stops at multiples of this part of
+// the way.
+constexpr double kLeastPart = 0x1p-6;
+constexpr int kEntries = 12, kNumbers = 16;
+constexpr double kNothing = 5e-10;  // rounds to zero to nine digits
+
+// The numbers of as many poses as there are lanes: number k of lane l stands at k W + l.
+struct Block {
+  double *re, *im, *low_re, *low_im;
+  double doubt[W], real[W];
+
+  INLINE C number(int k) const {
+    C z;
+    __builtin_memcpy(&z.re, re + k * W, sizeof z.re);
+    __builtin_memcpy(&z.im, im + k * W, sizeof z.im);
+    return z;
+  }
+  FineNumbers numbers() const { return {{re, im}, {low_re, low_im}}; }
+};
+
+Block packed(const FarGeometry& g, int first, double* work) {
+  constexpr int size = kFarNumbers * W;
+  Block b{work, work + size, work + 2 * size, work + 3 * size, {}, {}};
+  for (int l = 0; l < W; ++l) {
+    // Lanes that are left over repeat the first pose.
+    const int p = first + l < g.count ? first + l : first;
+    b.doubt[l] = g.error[p], b.real[l] = g.real[p];
+    for (int k = 0; k < kFarNumbers; ++k) {
+      const Complex &x = g.number[p * kFarNumbers + k], &y = g.low[p * kFarNumbers + k];
+      b.re[k * W + l] = x.re, b.im[k * W + l] = x.im;
+      b.low_re[k * W + l] = y.re, b.low_im[k * W + l] = y.im;
+    }
+  }
+  return b;
+}
+
+struct Linear {
+  C value[kRows], jacobian[kRows][kRows], inverse[kRows][kRows];
+};
+
+// A form and its gradient.
+INLINE void differentiate(const Block& b, int form, const C* s, C& value, C* gradient) {
+  int at = form * kLocalMonomials;
+  value = b.number(at++);
+  for (int i = 0; i < kRows; ++i, ++at) {
+    gradient[i] = b.number(at);
+    add_product(value, gradient[i], s[i]);
+  }
+  for (int i = 0; i < kRows; ++i)
+    for (int j = i; j < kRows; ++j, ++at) {
+      const C q = b.number(at), by = q * s[j];
+      add_product(value, by, s[i]);
+      gradient[i] = gradient[i] + by;
+      add_product(gradient[j], q, s[i]);
+    }
+}
+
+void linearize(const Block& b, const double* shift, const C* s, Linear& at) {
+  C norm, slope[kRows];
+  differentiate(b, kOfNorm, s, norm, slope);
+  for (int r = 0; r < kRows; ++r) {
+    differentiate(b, r, s, at.value[r], at.jacobian[r]);
+    if (r == 0) continue;
+    const V by = splat(shift[r - 1]);
+    at.value[r] = at.value[r] - by * norm;
+    for (int k = 0; k < kRows; ++k) at.jacobian[r][k] = at.jacobian[r][k] - by * slope[k];
+  }
+  invert(at.jacobian, at.inverse);
+}
+
+INLINE void newton_step(const Linear& at, C* change) {
+  for (int i = 0; i < kRows; ++i) {
+    change[i] = C{};
+    for (int j = 0; j < kRows; ++j) add_product(change[i], at.inverse[i][j], at.value[j]);
+  }
+}
+
+// Sums of the moduli of the terms of a form, of its derivatives, and of all second derivatives.
+struct Sizes {
+  V value, slope, curvature;
+};
+
+INLINE Sizes sizes_of(const Block& b, int form, const V* size) {
+  int at = form * kLocalMonomials;
+  Sizes sum{bound(b.number(at++)), splat(0.0), splat(0.0)};
+  for (int i = 0; i < kRows; ++i, ++at) {
+    const V a = bound(b.number(at));
+    sum.value += a * size[i], sum.slope += a;
+  }
+  for (int i = 0; i < kRows; ++i)
+    for (int j = i; j < kRows; ++j, ++at) {
+      const V a = bound(b.number(at));
+      sum.value += a * size[i] * size[j], sum.slope += a * (size[i] + size[j]), sum.curvature += 2.0 * a;
+    }
+  return sum;
+}
+
+// Whether there is exactly one solution near local coordinates, and how far it is off after Newton's step.
+void isolate(const Block& b, const double* shift, const double* gap, const C* s, const Linear& at, Mask& isolated,
+             V& error_after) {
+  V size[kRows], rounding[kRows], curvature[kRows], moved[kRows], doubt[kRows], total = splat(1.0), own;
+  __builtin_memcpy(&own, b.doubt, sizeof own);
+  for (int i = 0; i < kRows; ++i) size[i] = bound(s[i]), total += size[i];
+  const Sizes norm = sizes_of(b, kOfNorm, size);
+  for (int r = 0; r < kRows; ++r) {
+    Sizes here = sizes_of(b, r, size);
+    V in_numbers = own;
+    double off = 0.0;
+    if (r > 0) {
+      const double by = shift[r - 1] < 0.0 ? -shift[r - 1] : shift[r - 1];
+      off = gap[r - 1];
+      here.value += by * norm.value, here.slope += by * norm.slope, here.curvature += by * norm.curvature;
+      in_numbers = in_numbers * splat(1.0 + by);
+    }
+    // Every number errs by its doubt, and the shift by its gap.
+    rounding[r] = kOutward * (kRounding * here.slope + off * norm.slope + 128.0 * in_numbers * total);
+    curvature[r] = kOutward * (here.curvature + off * norm.curvature + 128.0 * in_numbers);
+    doubt[r] = kOutward * (kValueRounding * here.value + off * norm.value + in_numbers * total * total) + kTiny;
+    moved[r] = bound(at.value[r]) + doubt[r];
+    doubt[r] += kStepRounding * moved[r];
+  }
+  V a = splat(0.0), bend = splat(0.0), delta = splat(0.0), left = splat(0.0), sum = splat(0.0);
+  for (int i = 0; i < kRows; ++i) {
+    V defect = splat(0.0), bent = splat(0.0), far = splat(0.0), doubtful = splat(0.0);
+    for (int k = 0; k < kRows; ++k) {
+      C x{splat(i == k ? 1.0 : 0.0), splat(0.0)};
+      for (int j = 0; j < kRows; ++j) subtract_product(x, at.inverse[i][j], at.jacobian[j][k]);
+      defect += bound(x);
+    }
+    for (int j = 0; j < kRows; ++j) {
+      const V y = bound(at.inverse[i][j]);
+      V row = rounding[j];
+      for (int k = 0; k < kRows; ++k) row += kRounding * bound(at.jacobian[j][k]);
+      defect += y * row, bent += y * curvature[j], far += y * moved[j], doubtful += y * doubt[j];
+    }
+    a = maximum(defect, a), bend = maximum(bent, bend);
+    delta = maximum(far, delta), left = maximum(doubtful, left);
+    sum += defect + bent + far;
+  }
+  a = kOutward * a + kTiny, bend = kOutward * bend + kTiny, delta = kOutward * delta;
+  const V radius = (1.0 - a) / (2.0 * bend), q = kOutward * (a + bend * radius);
+  // Whatever is not a number proves nothing: it is in the sum.
+  isolated = (sum < __builtin_inf()) & (q < 1.0) & (radius > 0.0) & (kOutward * delta <= (1.0 - q) * radius);
+  const V error = kOutward * (delta / (1.0 - q));
+  error_after = kOutward * ((a + bend * error) * error + left + 0x1p-100 * total);
+}
+
+// Numbers of all lanes as other builds of code can read them.
+template <int count>
+struct Shared {
+  double re[count * W], im[count * W];
+  void store(const C* z) {
+    for (int i = 0; i < count; ++i) {
+      __builtin_memcpy(re + i * W, &z[i].re, sizeof z[i].re);
+      __builtin_memcpy(im + i * W, &z[i].im, sizeof z[i].im);
+    }
+  }
+  void load(C* z) const {
+    for (int i = 0; i < count; ++i) {
+      __builtin_memcpy(&z[i].re, re + i * W, sizeof z[i].re);
+      __builtin_memcpy(&z[i].im, im + i * W, sizeof z[i].im);
+    }
+  }
+  operator LaneNumbers() { return {re, im}; }
+};
+
+struct Lanes {
+  C entry[kNumbers];
+  V deviation;
+  Mask isolated, real, imaginary, rounded;
+};
+
+INLINE bool any(const Mask& m) {
+  for (int l = 0; l < W; ++l)
+    if (m[l]) return true;
+  return false;
+}
+
+// Newton's method in doubles; returns in which lanes it has found a solution.
+Mask converge(const Block& b, const double* shift, C* s) {
+  C change[kRows];
+  Linear at;
+  V last = splat(__builtin_inf());
+  Mask arrived{}, lost{};
+  for (int step = 0; step < kMostSteps; ++step) {
+    linearize(b, shift, s, at);
+    newton_step(at, change);
+    V length = splat(0.0), size = splat(kNear);
+    for (int i = 0; i < kRows; ++i) {
+      s[i] = s[i] - change[i];
+      length = maximum(length, bound(change[i])), size = maximum(size, bound(s[i]));
+    }
+    arrived = length <= kArrived * size;
+    // Not a number is not below anything.
+    lost |= ~(arrived | (length <= kShrinking * last));
+    last = length;
+    if (!any(~arrived & ~lost)) break;
+  }
+  return arrived & ~lost;
+}
+
+// Local coordinates of solutions for values further by the shift, as well as they are found: from
+// approximations, else from the poses that are known.
+void follow(const Block& b, const double* shift, C* s) {
+  const Mask found = converge(b, shift, s);
+  if (!any(~found)) return;
+  C reached[kRows];
+  for (int i = 0; i < kRows; ++i) reached[i] = {splat(0.0), splat(0.0)};
+  double done = 0.0, part = 0.5;
+  while (done < 1.0 && part >= kLeastPart) {
+    double here[kEquations];
+    for (int r = 0; r < kEquations; ++r) here[r] = (done + part) * shift[r];
+    C moved[kRows];
+    for (int i = 0; i < kRows; ++i) moved[i] = reached[i];
+    if (any(~converge(b, here, moved) & ~found)) {
+      part *= 0.5;
+      continue;
+    }
+    for (int i = 0; i < kRows; ++i) reached[i] = moved[i];
+    done += part;
+  }
+  for (int i = 0; i < kRows; ++i) s[i] = select(found, s[i], reached[i]);
+}
+
+// hi + low -= change
+INLINE void subtract(V& hi, V& low, const V& change) {
+  const V t = low - change, s = hi + t, v = s - hi;
+  low = (hi - (s - v)) + (t - v);
+  hi = s;
+}
+
+// Newton's method in doubles, then with values of 32 digits until those are rounded.
+void prove(const FarGeometry& g, const Block& b, const double* shift, C* s, double unit, Lanes& out) {
+  C low[kRows] = {}, change[kRows];
+  Linear at;
+  follow(b, shift, s);
+  Shared<kRows> local, rest, value, moved;
+  Shared<kNumbers> entry;
+  double errors[W], deviation[W], rounded[W];
+  for (int step = 0;; ++step) {
+    local.store(s), rest.store(low);
+    linearize(b, shift, s, at);
+    GSP_FINE_FAR.values(b.numbers(), {local, rest}, shift, shift + kEquations, value);
+    value.load(at.value);
+    newton_step(at, change);
+    moved.store(change);
+    V error;
+    isolate(b, shift, shift + 2 * kEquations, s, at, out.isolated, error);
+    __builtin_memcpy(errors, &error, sizeof error);
+    GSP_FINE_FAR.poses(b.numbers(), {local, rest}, moved, errors, b.doubt, b.real, unit,
+                       {entry, deviation, rounded});
+    bool all = true;
+    for (int l = 0; l < W; ++l) all = all && rounded[l] != 0.0 && out.isolated[l];
+    if (all || step == kFineSteps) break;
+    for (int i = 0; i < kRows; ++i)
+      subtract(s[i].re, low[i].re, change[i].re), subtract(s[i].im, low[i].im, change[i].im);
+  }
+  entry.load(out.entry);
+  V largest = splat(1.0), height = splat(0.0);
+  for (int l = 0; l < W; ++l) {
+    out.deviation[l] = deviation[l];
+    out.rounded[l] = rounded[l] != 0.0 ? -1 : 0, out.real[l] = b.real[l] != 0.0 ? -1 : 0;
+  }
+  for (int i = 0; i < kEntries; ++i) {
+    largest = maximum(largest, root(square(out.entry[i])));
+    height = maximum(height, maximum(out.entry[i].im, -out.entry[i].im));
+  }
+  out.isolated = out.isolated & (out.deviation <= g.tolerance * largest);
+  // Real equations have conjugate solutions: the only one near real coordinates is real.
+  out.real = out.real & out.isolated;
+  out.imaginary = out.isolated & (height > out.deviation);
+  out.rounded = out.rounded & out.isolated;
+}
+
+INLINE Complex conjugate(const Complex& z) { return {z.re, -z.im + 0.0}; }
+
+// A pose, and its conjugate if it is not real, at places of one set of values.
+void put_pose(const Lanes& s, int l, double scale, int place, int other, const Poses& out) {
+  for (int i = 0; i < 9; ++i) out.rotation[9 * place + i] = lane(s.entry[i], l);
+  for (int i = 0; i < 3; ++i) out.translation[3 * place + i] = lane(splat(scale) * s.entry[9 + i], l);
+  for (int i = 0; i < 4; ++i) out.quaternion[4 * place + i] = lane(s.entry[kEntries + i], l);
+  out.deviation[place] = lane(s.deviation, l);
+  out.proved[place] =
+      static_cast<std::uint8_t>((s.isolated[l] ? kIsolated : 0) | (s.real[l] ? kReal : 0) |
+                                (s.imaginary[l] ? kComplex : 0) | (s.rounded[l] ? kRounded : 0));
+  if (other < 0) return;
+  for (int i = 0; i < 9; ++i) out.rotation[9 * other + i] = conjugate(out.rotation[9 * place + i]);
+  for (int i = 0; i < 3; ++i) out.translation[3 * other + i] = conjugate(out.translation[3 * place + i]);
+  // The first part that is not zero to nine digits is positive (`quaternions.canonical_sign`).
+  const Complex* e = out.quaternion + 4 * place;
+  double sign = 1.0;
+  for (int i = 4; i-- > 0;) {
+    if (e[i].im > kNothing || e[i].im < -kNothing) sign = e[i].im > 0.0 ? -1.0 : 1.0;
+    if (e[i].re > kNothing || e[i].re < -kNothing) sign = e[i].re > 0.0 ? 1.0 : -1.0;
+  }
+  for (int i = 0; i < 4; ++i)
+    out.quaternion[4 * other + i] = {sign * e[i].re + 0.0, -sign * e[i].im + 0.0};
+  out.deviation[other] = out.deviation[place], out.proved[other] = out.proved[place];
+}
+
+bool apart(const Complex& a, const Complex& b, double reach) {
+  const double re = a.re - b.re, im = a.im - b.im;
+  return re > reach || -re > reach || im > reach || -im > reach;
+}
+
+// Whether poses are all rounded, and proved different from each other.
+bool is_complete(int first, int count, double scale, const Poses& out) {
+  for (int p = first; p < first + count; ++p) {
+    if (!(out.proved[p] & kRounded) || !(out.proved[p] & (kReal | kComplex))) return false;
+    for (int q = first; q < p; ++q) {
+      const double reach = kOutward * (out.deviation[p] + out.deviation[q]);
+      bool different = false;
+      for (int i = 0; i < 9 && !different; ++i)
+        different = apart(out.rotation[9 * p + i], out.rotation[9 * q + i], reach);
+      for (int i = 0; i < 3 && !different; ++i)
+        different = apart(out.translation[3 * p + i], out.translation[3 * q + i], scale * reach);
+      if (!different) return false;
+    }
+  }
+  return true;
+}
+
+void decide(const FarGeometry& g, const FarValues& given, double* work, const Poses& out) {
+  int total = g.count;
+  for (int p = 0; p < g.count; ++p) total += !g.real[p];
+  for (int first = 0, pairs = 0; first < g.count; first += W) {
+    const Block b = packed(g, first, work);
+    const int size = g.count - first < W ? g.count - first : W;
+    int partner[W];
+    for (int l = 0; l < size; ++l) partner[l] = g.real[first + l] ? -1 : g.count + pairs++;
+    for (int row = 0; row < given.count; ++row) {
+      Lanes s;
+      C local[kRows];
+      for (int l = 0; l < W; ++l)
+        for (int i = 0; i < kRows; ++i)
+          put(local[i], l, given.local[(row * g.count + first + (l < size ? l : 0)) * kRows + i]);
+      prove(g, b, given.shift + 3 * kEquations * row, local, given.unit[row], s);
+      for (int l = 0; l < size; ++l)
+        put_pose(s, l, g.scale, row * total + first + l, partner[l] < 0 ? -1 : row * total + partner[l], out);
+    }
+  }
+  for (int row = 0; row < given.count; ++row) out.complete[row] = is_complete(row * total, total, g.scale, out);
+}
+
+}  // namespace
+
+void GSP_DECIDE_FAR(const FarGeometry& geometry, const FarValues& given, double* work, const Poses& poses) {
+  decide(geometry, given, work, poses);
+}
+
+}  // namespace gsp

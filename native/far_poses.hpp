@@ -1,0 +1,67 @@
+// Poses far away in local coordinates, for many sets of values of one geometry; plain data.
+//
+// A platform that is special up to a rounding of eps has poses eps^-2 lengths away, where N is eps^4. A value
+// enters its equation as a multiple of N alone, so that they hardly depend on it. Let z be one of them and B
+// the inverse of the Jacobian matrix of the equations F there: with the values D further (squares of
+// distances, heights, cosines) the point z + N B s, s in C^7, is a solution where
+//
+//     s + s^T Q s / 2 - D (1 + g s + s^T M s / 2) = 0,   Q = N B^T F'' B,  g = B^T N',  M = N B^T N'' B,
+//
+// seven equations whose numbers are all of order one or small, whatever N is. The proof is that of
+// gspcli.certification.poses.isolation, with second derivatives that are constant.
+#pragma once
+
+#include <cstdint>
+
+#include "ends.hpp"
+
+namespace gsp {
+
+// Local coordinates; their monomials: 1, s_i, s_i s_j (i <= j, row by row).
+constexpr int kLocal = kEquations + 1, kSquares = 28, kLocalMonomials = 1 + kLocal + kSquares;
+// Forms in them: F / N, then N, N R by rows and N T, over N at z. The last is e over the root of N at z, of
+// which only the first 1 + kLocal coefficients are there.
+constexpr int kOfNorm = kLocal, kFarForms = kOfNorm + 13;
+constexpr int kFarNumbers = kFarForms * kLocalMonomials + 4 * (1 + kLocal);
+
+// The poses of one geometry with known values.
+struct FarGeometry {
+  int count;
+  const Complex *number, *low;  // (count, kFarNumbers), and what double precision leaves of them
+  // By how much the numbers err, besides 2^-104 of themselves, and F / N at z itself; (count).
+  const double* error;
+  const std::uint8_t* real;  // (count): whether the pose that is known is real, and the numbers are
+  double scale, tolerance;   // see OpenGeometry
+};
+
+// Sets of values.
+struct FarValues {
+  int count;
+  // (count, 3, 6): by how much the values are greater, what double precision leaves of that, and by how much
+  // it errs.
+  const double* shift;
+  const Complex* local;  // (count, poses, 7): approximations of local coordinates, zero where there are none
+  const double* unit;  // (count), see OpenValues
+};
+
+// Decides about all poses for all sets of values, in the order of the sets: those of the geometry, then the
+// conjugates of those that are not real. Poses are complete if they are all rounded and different. `work` has
+// room for `kFarRoom` numbers.
+using DecideFar = void(const FarGeometry&, const FarValues&, double* work, const Poses&);
+DecideFar decide_far_portable, decide_far_avx2, decide_far_avx512;
+constexpr int kFarRoom = 4 * kFarNumbers * 8;  // for 8 lanes
+
+// The same with 32 digits, for as many poses as there are lanes.
+struct FineFarPoses {
+  // The equations at local coordinates (7): they err by less than 2^-92 times the sum of the moduli of
+  // their terms.
+  void (*values)(const FineNumbers& number, const FineNumbers& local, const double* shift,
+                 const double* shift_low, const LaneNumbers& value);
+  // The poses at local coordinates less a change (7), which are known up to an error each then, as
+  // `FinePoints.poses`. The numbers err by `doubt`.
+  void (*poses)(const FineNumbers& number, const FineNumbers& local, const LaneNumbers& change,
+                const double* error, const double* doubt, const double* real, double unit, const FinePoses&);
+};
+extern const FineFarPoses fine_far_portable, fine_far_avx2, fine_far_avx512;
+
+}  // namespace gsp

@@ -1,0 +1,42 @@
+// Approximate inverses of Jacobian matrices, and what proofs in double precision allow for.
+//
+// Included by each build of ends.cpp and far_poses.cpp: all in an anonymous namespace, so that the linker
+// cannot merge functions that were compiled for different processors.
+#pragma once
+
+#include "proofs.hpp"
+
+#include "factorization.hpp"
+#include "lanes.hpp"
+
+namespace gsp {
+namespace {
+
+constexpr int kRows = kEquations + 1;
+// As in gspcli.certification: bounds of the relative rounding error of everything computed here, of
+// sums of nonnegative numbers, and of what falls below the normal range; radius of the theorem.
+constexpr double kRounding = 0x1p-45, kOutward = 1.0 + 0x1p-40, kTiny = 0x1p-1000;
+// Not below the modulus of z, and not much above it.
+INLINE V bound(const C& z) { return maximum(z.re, -z.re) + maximum(z.im, -z.im); }
+
+// An approximate inverse: J = L R, so J^-1 = R^H (R R^H)^-1 L^-1.
+void invert(const C (&jacobian)[kRows][kRows], C (&inverse)[kRows][kRows]) {
+  C r[kRows][kRows], lower[kRows][kRows], x[kRows][kRows];  // x: the columns of (R R^H)^-1 L^-1
+  V scale[kRows];
+  for (int i = 0; i < kRows; ++i)
+    for (int k = 0; k < kRows; ++k) r[i][k] = jacobian[i][k];
+  factorize<kRows>(r, lower, scale);
+  for (int c = 0; c < kRows; ++c) {
+    inverse_column<kRows>(lower, c, x[c]);
+    for (int i = c; i < kRows; ++i) x[c][i] = scale[i] * x[c][i];
+  }
+  for (int k = 0; k < kRows; ++k)
+    for (int c = 0; c < kRows; ++c) {
+      Sum sum{};
+      for (int j = c; j < kRows; ++j) sum.add(r[j][k], x[c][j]);
+      inverse[k][c] = sum.conjugate_total();
+    }
+}
+
+}  // namespace
+}  // namespace gsp

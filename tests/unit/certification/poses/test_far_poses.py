@@ -1,0 +1,144 @@
+"""Poses far away are proved for other values in local coordinates, as balls prove them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from gspcli import _kernel
+from gspcli.certification.poses.far_poses import FarPoses
+from gspcli.certification.poses.locator import Located
+from gspcli.geometry.building import hexapod
+from gspcli.geometry.numbers import Number
+from gspcli.resources import data_path
+from gspcli.solver import solve
+from gspcli.solver.problem import Problem
+from gspcli.solver.solved_starts import SolvedStarts
+from gspcli.spec import load
+
+PARTS = ("R", "T", "quaternions", "real", "certified", "rounded", "deviation")
+
+
+def rounded_hexagons():
+    """Regular hexagons, whose numbers have six decimals."""
+    angles = np.radians([0, 20, 120, 140, 240, 260])
+    ring = np.stack((np.cos(angles), np.sin(angles), 0 * angles), axis=1).round(6)
+    return hexapod(300 * ring, 200 * ring[[5, 0, 1, 2, 3, 4]], [250, 255] * 3)
+
+
+INSTANCES = {
+    "hexagons": rounded_hexagons,
+    "reachy-mini-head": lambda: load(data_path("platforms", "reachy-mini-head.yaml")),
+}
+
+
+@pytest.fixture(scope="module", params=INSTANCES)
+def known(request):
+    """Return an instance and its far poses."""
+    instance = INSTANCES[request.param]()
+    poses = solve(instance, starts=SolvedStarts()).poses
+    far = poses.reordered(np.abs(poses.R).max(axis=(1, 2)) > 64)
+    problem = Problem(instance, starts=SolvedStarts())
+    sides = problem.choices[0], problem.sides[0]
+    return instance, FarPoses.of(problem.locator, problem.proofs, *sides, far.R, far.T)
+
+
+def others(instance, count, spread, seed=1):
+    """Yield problems with other values."""
+    rng = np.random.default_rng(seed)
+    own = np.array([row.value.value for row in instance.constraints])
+    for _ in range(count):
+        values = own * (1 + spread * rng.uniform(-1, 1, 6))
+        numbers = {i: Number.of(Fraction(x)) for i, x in enumerate(values.tolist())}
+        yield Problem(instance.with_values(numbers), starts=SolvedStarts())
+
+
+def decided(far, problem):
+    values = problem.proofs.own_values(problem.choices)
+    return far.decide(values, np.ones(1), problem.proofs.scale)
+
+
+def test_poses_for_other_values_are_those_that_balls_prove_to_the_bit(known):
+    instance, far = known
+    assert len(far) == 12
+    for problem in others(instance, 3, 0.1):
+        found = decided(far, problem)
+        assert found.complete.all()
+        for k in range(len(far)):
+            located = problem.locator.near(found.R[0, k], found.T[0, k], (0,) * 6, 512)
+            assert isinstance(located, Located)
+            assert located.real == found.real[0, k]
+            assert located.R.tobytes() == found.R[0, k].tobytes()
+            assert located.T.tobytes() == found.T[0, k].tobytes()
+            assert located.quaternion.tobytes() == found.quaternions[0, k].tobytes()
+
+
+def test_many_sets_of_values_are_as_each_alone_with_each_build(known):
+    instance, far = known
+    problems = list(others(instance, 5, 0.2))
+    alone = [decided(far, problem) for problem in problems]
+    scale = max(problem.proofs.scale for problem in problems)
+    assert all(problem.proofs.scale == scale for problem in problems)
+    values = np.concatenate([p.proofs.own_values(p.choices) for p in problems])
+    together = far.decide(values, np.ones(len(values)), scale, jobs=2)
+    for name in PARTS:
+        one = np.concatenate([getattr(each, name) for each in alone])
+        np.testing.assert_array_equal(getattr(together, name), one)
+    builds = ["portable", "avx2", "avx512"]
+    shifts = far._shifts(values, scale / far.scale)
+    local = np.zeros((len(values), len(far.real), 7), complex)
+    given = far.numbers, far.errors, far.real, shifts, local, np.ones(len(values))
+    for build in builds[: builds.index(_kernel.build())]:
+        R, T, *_ = _kernel.decide_far(*given, scale=far.scale, tolerance=1e-9, build=build)
+        np.testing.assert_array_equal(R, together.R[:])
+        np.testing.assert_array_equal(T, together.T[:])
+
+
+def test_numbers_that_are_hardly_known_prove_nothing(known):
+    instance, far = known
+    doubtful = replace(far, errors=np.full_like(far.errors, 1e-2))
+    for problem in others(instance, 2, 0.1):
+        assert not decided(doubtful, problem).certified.any()
+        # Known to fewer digits than are rounded, they exist, but are not written down.
+        roughly = decided(replace(far, errors=np.full_like(far.errors, 1e-12)), problem)
+        assert roughly.certified.all()
+        assert not roughly.rounded.any()
+        assert not roughly.complete.any()
+
+
+def test_the_bound_of_a_pose_covers_what_is_wrong_with_its_numbers(known):
+    instance, far = known
+    rng = np.random.default_rng(2)
+    wrong = far.numbers * 1.0
+    wrong[0] += 1e-13 * rng.uniform(-1, 1, wrong[0].shape)
+    doubted = replace(far, numbers=wrong, errors=np.full_like(far.errors, 2e-13))
+    for problem in others(instance, 2, 0.1):
+        right, other = decided(far, problem), decided(doubted, problem)
+        scale = problem.proofs.scale
+        entries = [
+            np.concatenate((x.R.reshape(1, -1, 9), x.T / scale), axis=2) for x in (right, other)
+        ]
+        off = np.abs(entries[0] - entries[1]).max(axis=2)
+        assert other.certified.all()
+        assert (off <= other.deviation + right.deviation).all()
+
+
+def test_values_out_of_reach_are_left_to_others(known):
+    instance, far = known
+    for problem in others(instance, 2, 0.0):
+        values = problem.proofs.own_values(problem.choices)
+        values[:, [0, 1]] *= 1e6
+        values[:, 3] *= 1e6
+        assert not far.decide(values, np.ones(1), problem.proofs.scale).complete.any()
+
+
+def test_a_pose_without_its_conjugate_is_no_start():
+    instance = INSTANCES["hexagons"]()
+    poses = solve(instance, starts=SolvedStarts()).poses
+    far = poses.reordered(np.abs(poses.R).max(axis=(1, 2)) > 64)
+    problem = Problem(instance, starts=SolvedStarts())
+    equations = problem.locator, problem.proofs, problem.choices[0], problem.sides[0]
+    assert FarPoses.of(*equations, far.R[:-1], far.T[:-1]) is None

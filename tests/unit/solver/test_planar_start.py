@@ -1,0 +1,75 @@
+"""Planar platforms, a new geometry each time, from a solved one with complex values."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gspcli import hexapod
+from gspcli.catalogue.kinds import DPH
+from gspcli.continuation.reduced_homotopy import ends_from_start
+from gspcli.continuation.tracker_options import SHORT_STEPS
+from gspcli.geometry.quaternions import rotation_from_quaternion
+from gspcli.solver import solve
+from gspcli.solver.planar_start import planar_starts
+from gspcli.solver.problem import Problem
+from gspcli.solver.solved_starts import SolvedStarts
+from gspcli.solver.strategies import stored_start
+
+
+def platform(rng, *, height=0.0):
+    """Return a random platform whose bodies are planar but for a height of one point."""
+    base, top = rng.uniform(-1, 1, (2, 6, 3)).round(6)
+    base[:, 2] = top[:, 2] = 0
+    top[0, 2] = height
+    R, T = rotation_from_quaternion(rng.normal(size=4)), rng.uniform(-1, 1, 3)
+    return hexapod(base, top, np.linalg.norm(top @ R.T + T - base, axis=1).round(6))
+
+
+def test_from_the_second_planar_platform_on_paths_begin_at_a_planar_one(monkeypatch):
+    rng, starts = np.random.default_rng(4), SolvedStarts()
+    instances = [platform(rng) for _ in range(5)]
+    known = [solve(instance, starts=SolvedStarts()) for instance in instances]
+    for instance in instances[:2]:
+        solve(instance, starts=starts)
+    # Nothing but what planar starts give.
+    monkeypatch.setattr(stored_start, "careful_paths", None)
+    for instance, expected in zip(instances[2:], known[2:], strict=True):
+        found = solve(instance, starts=starts)
+        assert found.verdict == "complete"
+        assert found.proof == expected.proof
+        for part in ("quaternions", "R", "T", "real"):
+            np.testing.assert_array_equal(getattr(found, part), getattr(expected, part))
+
+
+def test_each_start_leads_to_all_poses():
+    starts, rng = SolvedStarts(), np.random.default_rng(5)
+    problem = Problem(platform(rng), starts=starts)
+    given = problem.arrangement.normalized
+    assert planar_starts(given, starts) == []
+    found = planar_starts(given, starts)
+    assert [len(start.points) for start in found] == [40, 40]
+    structure, coefficients = problem.equations
+    targets = coefficients.g[:, list(structure.order)]
+    for start in found:
+        ends = ends_from_start(start, targets[0], SHORT_STEPS)
+        proved = problem.proofs.decide_own(problem.choices, ends[None], problem.frames)
+        assert proved.certified.sum() == 40
+
+
+@pytest.mark.parametrize("what", ["height", "joints", "kinds"])
+def test_others_have_no_planar_start(what):
+    rng, starts = np.random.default_rng(6), SolvedStarts()
+    instance = platform(rng, height=1e-6 if what == "height" else 0.0)
+    given = Problem(instance).arrangement.normalized
+    if what == "height":
+        # The base alone is planar, and has starts of its own.
+        assert [planar_starts(given, starts) == [] for _ in range(2)] == [True, False]
+        given.x[0, 2] = 1e-6
+    elif what == "joints":
+        given.y[0] = given.y[1]
+    else:
+        given = replace(given, kinds=(DPH, *given.kinds[1:]))
+    assert [planar_starts(given, starts) == [] for _ in range(2)] == [True, True]
