@@ -16,8 +16,8 @@ from gspcli.errors import IncompleteError, NotFiniteError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import Coordinate, nominal_coordinates
 from gspcli.geometry.instance import Instance
-from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
-from gspcli.motion.following.branch_runs import SAME, Run
+from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform, Stop
+from gspcli.motion.following.branch_runs import SAME
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.following.parallel_lines import along_parallel_lines
 from gspcli.motion.following.row_instances import at_values, over_rows
@@ -109,10 +109,16 @@ def _carried(
         same = along_parallel_lines(at_values(instance, rows[0]), rows[:, :6], R)
         between = MovingPlatform(over_rows(same, rows))
     if not np.array_equal(rows[0], rows[1]):
-        run = Run(instance, between, np.array([0.0, 1.0]), rows, FollowOptions(jobs=jobs))
-        followed = run.follow(R, T, numbers)
-        there = ~np.isnan(followed.T[:, -1, 0])
-        numbers, R, T = numbers[there], followed.R[there, -1], followed.T[there, -1]
+        # What becomes of modes that end on the way does not matter: no folds are looked for.
+        followed = between.follow(
+            between.internal(rows)[None],
+            np.zeros(len(R), np.int64),
+            between.points(R, T),
+            FollowOptions(jobs=jobs),
+        )
+        there = followed.stop == Stop.END
+        numbers = numbers[there]
+        R, T = between.poses(followed.points[there, -1])
     if not len(R):
         return np.zeros(len(first[0]), np.int64)
     # Study points are known up to sign.
