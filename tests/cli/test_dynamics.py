@@ -243,10 +243,12 @@ def test_mistakes_of_forces(gsp, spec, rows, text, message):
     assert message in run.err
 
 
-def test_a_motion_needs_one_start(gsp, spec, rows):
-    forces = rows("t,F1,F2,F3,F4,F5,F6\n0,1,1,1,1,1,1\n1,1,1,1,1,1,1\n", "forces.csv")
-    run = gsp("dynamics", spec, "--forward", forces)
-    assert "found 16 real poses to start from: choose one with --mode or --pose" in run.err
+def test_a_motion_starts_at_home(gsp, spec, rows):
+    forces = rows("t,F1,F2,F3,F4,F5,F6\n0,20,20,20,20,20,20\n.01,20,20,20,20,20,20\n", "f.csv")
+    run = gsp("dynamics", spec, "--forward", forces, "--format", "csv")
+    home = re.match(r"home is mode (\d+): ", run.err)
+    given = gsp("dynamics", spec, "--forward", forces, "--mode", home[1], "--format", "csv")
+    assert (run.code, run.out) == (given.code, given.out) == (0, given.out)
 
 
 def test_analyze_adds_the_weights(gsp, spec):
