@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
-from bench import fksgp, macaulay2, msolve, phc
+from bench import fksgp, macaulay2, machines, msolve, phc
 from bench.cases import CASES, Case, random_instances
 from bench.homotopy import Homotopy
 from bench.own import Shell, shell, solve_seconds, throughput, write_instance
@@ -151,7 +151,26 @@ def bars(report: Report) -> list[Bar]:
         if peer and peer.seconds and (batch.type_text, batch.certified, batch.jobs) == _BATCH:
             ratio = median(peer.seconds) / batch.seconds
             found.append(Bar(f"6-6 in a batch, {fksgp.NAME} over gsp", 60, ratio))
+    found += _machine_bars(report)
     return sorted(found, key=lambda bar: bar.measured)
+
+
+def _machine_bars(report: Report) -> list[Bar]:
+    """Return the same for platforms that are special but for rounding, the slowest of each sort."""
+    found = [result for result in report.machines if result.peer is not None]
+    if not found:
+        return []
+    over = f"{fksgp.NAME} over gsp"
+    known = {result.name: result for result in found}
+    others = min(found, key=lambda x: x.ratio(x.others))
+    batch = min(found, key=lambda x: x.ratio(x.batch))
+    floats, decimals = known[machines.FLOATS], known[machines.DECIMALS]
+    return [
+        Bar(f"{others.name} with other values, {over}", 3, others.ratio(others.others)),
+        Bar(f"{batch.name} in a batch, {over}", 100, batch.ratio(batch.batch)),
+        Bar(f"{floats.name}, first, {over}", 0.25, floats.ratio(floats.first)),
+        Bar(f"{decimals.name}, first, {over}", 1, decimals.ratio(decimals.first)),
+    ]
 
 
 def main() -> int:
@@ -159,6 +178,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="a rough run of a few minutes")
     parser.add_argument("--case", action="append", help="only this case, and nothing else")
+    parser.add_argument(
+        "--machines", action="store_true", help="only platforms that are special but for rounding"
+    )
     parser.add_argument("--no-peers", action="store_true", help="measure gsp alone")
     parser.add_argument(
         "--peer",
@@ -184,6 +206,7 @@ def main() -> int:
     peers = [name for name, version in known.items() if version]
     report = Report(seed=SEED, limit=limit, quick=quick, versions=known)
     chosen = [case for case in CASES if not arguments.case or case.key in arguments.case]
+    chosen = [] if arguments.machines else chosen
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for case in chosen:
@@ -192,7 +215,10 @@ def main() -> int:
             report.cases.append(
                 measure_case(case, peers, count=count, limit=limit, folder=folder, copies=copies)
             )
-        if not arguments.case:
+        if arguments.machines or not arguments.case:
+            _say("machines")
+            report.machines += machines.measure(SEED, copies.get(fksgp.NAME), quick=quick)
+        if not arguments.case and not arguments.machines:
             measure_rest(report, folder, quick=quick)
     report.bars = bars(report)
     text = report.markdown()

@@ -166,6 +166,26 @@ def decide(
     NDArray[np.uint8],
     NDArray[np.uint8],
 ]: ...
+def decide_far(
+    numbers: NDArray[np.complex128],
+    errors: NDArray[np.float64],
+    real: NDArray[np.uint8],
+    shifts: NDArray[np.float64],
+    local: NDArray[np.complex128],
+    units: NDArray[np.float64],
+    *,
+    scale: float,
+    tolerance: float,
+    jobs: int = 1,
+    build: str = "",
+) -> tuple[
+    NDArray[np.complex128],
+    NDArray[np.complex128],
+    NDArray[np.complex128],
+    NDArray[np.float64],
+    NDArray[np.uint8],
+    NDArray[np.uint8],
+]: ...
 
 REGULAR: int
 NEGATIVE: int

@@ -86,6 +86,8 @@ FROM_START = replace(
 )
 #: From a solved platform with complex values to others of its structure.
 LONG_STEPS = replace(FROM_START, predictor_tolerance=1e-2, contraction=0.25)
+#: From a planar platform with complex values to others: of 60, the former lose paths of 11 to 28.
+MEDIUM_STEPS = replace(FROM_START, predictor_tolerance=1e-3, contraction=0.07)
 #: From the start of a geometry to real values near it, on which nothing but values moves.
 VALUE_STEPS = replace(FROM_START, predictor_tolerance=2e-2, contraction=0.35, radius_fraction=0.8)
 #: The same again for what these lose.

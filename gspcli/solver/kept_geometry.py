@@ -10,8 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +40,13 @@ _FLAT = 1e-3
 _ATTEMPTS = 6
 
 
+class _Entry(NamedTuple):
+    """A geometry with far poses, and the solved platform that it was made from."""
+
+    made_from: SolvedPlatform
+    geometry: Geometry | None
+
+
 def kept_geometry(problem: Problem) -> Geometry | None:
     """Return the geometry of a platform with a start; None where none is kept, or none is safe."""
     known = problem.starts.platform(problem.arrangement)
@@ -52,7 +58,12 @@ def kept_geometry(problem: Problem) -> Geometry | None:
     if not known.has_geometry_of(problem.instance):
         return None
     key = geometry_key(problem.arrangement), problem.unit, problem.seed, problem.limit
-    return problem.starts.kept(Sort.SAME, key, partial(_with_far_poses, problem, known, far))
+    entry = cast("_Entry | None", problem.starts.fetch(Sort.SAME, key))
+    # Platforms that are the same in doubles may not be the same.
+    if entry is None or entry.made_from is not known:
+        made = _Entry(known, _with_far_poses(problem, known, far))
+        entry = problem.starts.keep(Sort.SAME, key, made)
+    return entry.geometry
 
 
 def kept_among(
@@ -87,7 +98,7 @@ def _with_far_poses(
 ) -> Geometry | None:
     """Return the geometry with a start of the near poses, and with the far ones."""
     solved = problem.like(known.instance)
-    if len(solved.choices) > 1 or solved.proofs is None:
+    if len(solved.choices) > 1 or solved.proofs is None or is_far.all():
         return None
     from gspcli.certification.poses.far_poses import FarPoses
 

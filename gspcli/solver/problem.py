@@ -215,8 +215,8 @@ class Problem:
         if not self.is_kept or self.limit == 0:
             return None
         known = self.starts.platform(self.arrangement)
-        if known is not None and known.count and known.has_geometry_of(self.instance):
-            return known.count
+        if known is not None and known.geometry_count and known.has_geometry_of(self.instance):
+            return known.geometry_count
         return self.count_geometry()
 
     def count_geometry(self) -> ExactCount | None:

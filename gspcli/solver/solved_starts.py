@@ -47,8 +47,8 @@ class SolvedPlatform(NamedTuple):
     instance: Instance
     arrangement: Arrangement
     poses: PoseSet
-    count: ExactCount | None
-    """Of the geometry, if it has been counted."""
+    geometry_count: ExactCount | None
+    """The count of the geometry, if it is known."""
 
     def has_geometry_of(self, instance: Instance) -> bool:
         """Whether an instance differs in its values only, exactly."""

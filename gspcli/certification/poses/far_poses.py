@@ -119,7 +119,7 @@ class FarPoses:
         """R (k, 3, 3) and T (k, 3) of those, in the frames of the instance."""
         chosen = self.centres[len(self.centres) - self.approached :]
         R, T = pose_from_study(chosen[:, :4], chosen[:, 4:])
-        return R, T * self.scale
+        return np.asarray(R, np.complex128), np.asarray(T * self.scale, np.complex128)
 
     def local(self, points: Complex, frames: Frames) -> Complex:
         """Return local coordinates, (b, n, 7), with those of approximations of the last k poses.
@@ -212,7 +212,7 @@ class FarPoses:
             largest = (_largest(near.R, near.T / scale) + near.deviation).max(axis=1, initial=0)
         complete = near.complete & far.complete & (largest * OUTWARD < least)
         parts = (np.concatenate(both, axis=1) for both in zip(near[:-1], far[:-1], strict=True))
-        return ProvedPoses(*parts, complete)
+        return ProvedPoses._make([*parts, complete])
 
     def _shifts(self, values: Array, ratio: float) -> Array:
         """Return by how much values are greater than those of the platform, (b, 3, 6)."""

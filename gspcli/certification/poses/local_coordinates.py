@@ -21,7 +21,7 @@ from gspcli.certification.poses.locator import Located, Locator
 Complex = NDArray[np.complex128]
 
 #: Bits in which coefficients are computed, each tried in turn, and how much they may err then.
-_BITS, _KNOWN = (512, 1024, 2048), 2.0**-120
+_BITS, _KNOWN = (256, 512, 1024, 2048), 2.0**-120
 #: What is lost where doubles underflow.
 _LEAST = 2.0**-500
 #: Coefficients may not be larger: their products are doubles.

@@ -37,13 +37,18 @@ def reduced_paths(problem: Problem) -> Iterator[Ends]:
 def _ways(problem: Problem, structure: Structure) -> Iterator[tuple[StartSystem, TrackerOptions]]:
     """Yield where reduced paths begin, and how long their steps are, the shortest first."""
     from gspcli.continuation.start import start_system
-    from gspcli.continuation.tracker_options import FROM_START, LONG_STEPS, SHORT_STEPS
+    from gspcli.continuation.tracker_options import (
+        FROM_START,
+        LONG_STEPS,
+        MEDIUM_STEPS,
+        SHORT_STEPS,
+    )
     from gspcli.solver.planar_start import planar_starts
     from gspcli.solver.reference_start import reference_start
 
     planar = planar_starts(problem.arrangement.normalized, problem.starts)
     if planar:
-        yield planar[0], FROM_START
+        yield planar[0], MEDIUM_STEPS
         yield from ((start, SHORT_STEPS) for start in planar)
         return
     if (reference := reference_start(structure, problem.starts)) is not None:
