@@ -14,8 +14,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import combinations, islice
 
-import numpy as np
-
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLP, DPH, DPL, DPP, Kind
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES, GspType
@@ -33,8 +31,8 @@ from gspcli.solver.pose_set import Motion, PoseSet
 _CHOICES, _MOST_POSES = 40, 640
 #: Decimals to which a pose is compared with the constraints that it was not made from.
 _DIGITS = 50
-#: Residuals, lengths by that of the platform, of what holds and what does not. Of multiple poses, and of
-#: the distance of parallel lines, where its equation always holds, nothing else is known.
+#: Residuals, lengths by that of the platform, of what holds and what does not. Of multiple poses,
+#: and of the distance of parallel lines, where its equation always holds, nothing else is known.
 _HOLDS, _FAILS = 1e-9, 1e-4
 #: Angles, in degrees, at which two directions are parallel.
 _STRAIGHT = {ALL: ("0", "180"), ALH: ("90",), AHL: ("90",), AHH: ("0", "180")}

@@ -71,7 +71,7 @@ def test_a_leg_stretched_as_far_as_it_goes():
     """Five legs of length zero at one point, and one that reaches no farther: it can turn still."""
     near, far, middle = (np.array(p, float) for p in ((1, 2, 3), (4, 1, 0), (1, 2, 6)))
     y, x = np.tile(near, (6, 1)), np.tile(far, (6, 1))
-    y[5], x[5] = middle, far + (0, 0, 7)
+    y[5], x[5] = middle, far + np.array([0, 0, 7])
     given = legs(y, x, np.eye(3), far - near).with_values(np.array([0.0] * 5 + [10.0]))
     rough = rotation_from_quaternion(np.array([0.9, 0.1, -0.3, 0.2]))
     motion = local_motion(given, rough, far - near)
