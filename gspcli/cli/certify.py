@@ -46,8 +46,8 @@ _COLUMNS = (
     show_default=True,
     type=Positive(),
     metavar="D",
-    help="Largest difference of a pose from its solution, lengths by the platform's size; "
-    "relative for numbers above one.",
+    help="Largest difference of a pose from its solution, lengths by that of the least body or "
+    "distance; relative for numbers above one.",
 )
 @click.option(
     "--max-precision",
@@ -132,10 +132,12 @@ def command(
         **instance.to_json(),
         "tolerance": max_deviation,
         "scale": proved.scale,
+        "least_length": proved.least_length,
         "counts": counts,
         "solutions": solutions,
     }
-    emit(output, _tables(solutions, counts, output.format), document=document)
+    nearness = _nearness(proved, instance.units.length)
+    emit(output, _tables(solutions, counts, nearness, output.format), document=document)
     _conclude(solutions, proved)
 
 
@@ -155,12 +157,26 @@ def _facts(item: Certificate) -> dict[str, Any]:
     }
 
 
+def _nearness(proved: Certificates, unit: str) -> list[str]:
+    """Return how near to their solutions all poses are that are certified, if any is."""
+    if not proved.certified:
+        return []
+    turned, moved = proved.deviation, proved.deviation * proved.least_length
+    return [
+        f"certified poses are within {turned:.1e} of their solutions in R, "
+        f"within {moved:.1e} {unit} in T"
+    ]
+
+
 def _by_number(sides: Iterable[str | None]) -> dict[str, str]:
     return {str(k): side for k, side in enumerate(sides, 1) if side}
 
 
 def _tables(
-    solutions: list[dict[str, Any]], counts: dict[str, int], output_format: str
+    solutions: list[dict[str, Any]],
+    counts: dict[str, int],
+    nearness: list[str],
+    output_format: str,
 ) -> list[Table]:
     rows: list[dict[str, Any]] = []
     for entry in solutions:
@@ -172,8 +188,8 @@ def _tables(
     ).format(**counts)
     shown = [Column(key) for key in DECIMALS if any(key in row for row in rows)]
     if output_format == "csv" or not shown:
-        return [Table([*_COLUMNS, *shown], rows, summary=[note], part="poses")]
-    return [Table(_COLUMNS, rows, summary=[note], part="poses"), digit_table(rows)]
+        return [Table([*_COLUMNS, *shown], rows, summary=[note, *nearness], part="poses")]
+    return [Table(_COLUMNS, rows, summary=[note, *nearness], part="poses"), digit_table(rows)]
 
 
 def _conclude(solutions: list[dict[str, Any]], proved: Certificates) -> None:

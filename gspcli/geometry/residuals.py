@@ -46,6 +46,13 @@ def residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
     return np.asarray(result)
 
 
+def relative_residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
+    """Return `residuals` without units: lengths by that of the platform, angles in radians."""
+    units = np.full(len(arrangement.kinds), arrangement.length)
+    units[arrangement.angles] = 1 / arrangement.in_radians
+    return np.asarray(residuals(arrangement, R, T) / units)
+
+
 def proved_residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
     """Return the same at poses next to which the constraints are proved to hold as stated.
 

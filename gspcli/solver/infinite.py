@@ -15,7 +15,7 @@ from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import Field
-from gspcli.geometry.residuals import residuals
+from gspcli.geometry.residuals import relative_residuals
 from gspcli.solver.pose_set import Motion, PoseSet
 from gspcli.solver.poses_by_paths import poses_by_paths, poses_of
 from gspcli.solver.problem import Problem
@@ -133,8 +133,9 @@ def _cleaned(arrangement: Arrangement, poses: PoseSet) -> PoseSet:
 
 
 def _holds(arrangement: Arrangement, motion: Motion) -> bool:
-    size = np.abs(motion.T).max(initial=arrangement.length)
-    return bool(np.abs(residuals(arrangement, motion.R, motion.T)).max() <= _ON_MOTION * size)
+    found = relative_residuals(arrangement, motion.R, motion.T)
+    found[:, arrangement.distances] /= max(1.0, np.abs(motion.T).max() / arrangement.length)
+    return bool(found.max() <= _ON_MOTION)
 
 
 def _lost(account: PathAccount) -> PathAccount:

@@ -81,7 +81,7 @@ def certify(
                     item, same_as=first.get(pose), unresolved=(), equivalent=same
                 )
                 first.setdefault(pose, place)
-    return Certificates(tuple(items), found.scale)
+    return Certificates(tuple(items), found.scale, found.least_length)
 
 
 def _parts(

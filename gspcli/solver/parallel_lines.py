@@ -32,7 +32,8 @@ _ALMOST_PARALLEL = 1e-2
 _POLISHING_STEPS = 2
 #: Poses are sought about an end from so many places turned by so much, by so many steps.
 _TRIALS, _TURNS, _TRIAL_STEPS = 4, (1e-7, 1e-6, 1e-5), 12
-#: Residual, in lengths, at which a trial has arrived, and how near to the end it must be.
+#: Residual, lengths by that of the platform, at which a trial has arrived, and how near to the end
+#: it must be.
 _ARRIVED, _NEAR = 1e-9, 1e-3
 #: Near parallel lines residuals become small with the sine, whatever the distance: a trial that
 #: only runs into the end itself has not arrived.
@@ -119,6 +120,6 @@ def _poses_nearby(arrangement: Arrangement, R: Field, T: Field) -> bool:
                 pose, place, residual = improved(arrangement, turned, T, _TRIAL_STEPS)
             distance = np.abs(pose - R).max() + np.abs(place - T).max() / arrangement.length
             least = min(_ARRIVED, _ARRIVED_OF_SINE * _sines(arrangement, pose, place).min())
-            if residual < least * arrangement.length and distance < _NEAR:
+            if residual < least and distance < _NEAR:
                 return True
     return False

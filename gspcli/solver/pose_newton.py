@@ -7,7 +7,7 @@ import numpy as np
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import Field
-from gspcli.geometry.residuals import residuals
+from gspcli.geometry.residuals import relative_residuals
 
 
 def improved(
@@ -27,9 +27,9 @@ def improved(
     Returns
     -------
     R, T, residual
-        The pose, and its largest residual in the units of the instance.
+        The pose, and its largest residual, lengths by that of the platform and angles in radians.
     """
-    best = float(residuals(arrangement, R, T).max())
+    best = float(relative_residuals(arrangement, R, T).max())
     for _ in range(steps):
         try:
             step = np.linalg.solve(jacobian(arrangement, R, T), -_errors(arrangement, R, T))
@@ -38,7 +38,7 @@ def improved(
         if not np.isfinite(step).all():
             break
         moved = _turned(step[:3], R), T + step[3:]
-        residual = float(residuals(arrangement, *moved).max())
+        residual = float(relative_residuals(arrangement, *moved).max())
         if not residual < best:
             break
         (R, T), best = moved, residual

@@ -14,8 +14,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import combinations, islice
 
-import numpy as np
-
 from gspcli.catalogue.counts import generic_counts
 from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLP, DPH, DPL, DPP, Kind
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES, GspType
@@ -26,15 +24,15 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Vector
-from gspcli.geometry.residuals import residuals
+from gspcli.geometry.residuals import relative_residuals
 from gspcli.solver.pose_set import Motion, PoseSet
 
 #: So many choices of six constraints are counted, of types with at most so many poses.
 _CHOICES, _MOST_POSES = 40, 640
 #: Decimals to which a pose is compared with the constraints that it was not made from.
 _DIGITS = 50
-#: Residuals, by the platform's length, of what holds and what does not. Of multiple poses, and of
-#: the distance of parallel lines, where its equation always holds, nothing else is known.
+#: Residuals, lengths by that of the platform, of what holds and what does not. Of multiple poses,
+#: and of the distance of parallel lines, where its equation always holds, nothing else is known.
 _HOLDS, _FAILS = 1e-9, 1e-4
 #: Angles, in degrees, at which two directions are parallel.
 _STRAIGHT = {ALL: ("0", "180"), ALH: ("90",), AHL: ("90",), AHH: ("0", "180")}
@@ -95,7 +93,7 @@ def _common(whole: Instance, chosen: Instance, poses: PoseSet) -> tuple[Motion, 
     """Return the real poses at which all constraints hold, None if some cannot be told."""
     real = poses.reordered(poses.real)
     arrangement = Arrangement.of(whole)
-    sizes = np.abs(residuals(arrangement, real.R, real.T)).max(axis=1) / arrangement.length
+    sizes = relative_residuals(arrangement, real.R, real.T).max(axis=1, initial=0.0)
     kept = []
     certificates = certify(chosen, real.R, real.T)
     for k, certificate in enumerate(certificates):

@@ -27,6 +27,9 @@ Array = NDArray[np.float64]
 #: Steps of a sample motion, in radians or typical lengths, and how many of them.
 _STEP = 0.05
 _STEPS = 24
+#: A double pose, such as a leg stretched as far as it goes, is approached by halves: to 1e-6, where
+#: residuals are 1e-12.
+_CORRECTIONS = 48
 #: Relative singular values of the Jacobian matrix below this belong to its kernel.
 _KERNEL = 1e-6
 #: Cosines this near to one, and distances this near to zero, are at the end of their range.
@@ -165,7 +168,7 @@ class _System:
 
         The Jacobian matrix is inverted on its largest 6 - kernel singular values only.
         """
-        for _ in range(12):
+        for _ in range(_CORRECTIONS):
             errors, rows = self.equations(R, T)
             if np.abs(errors).max() < _CONVERGED:
                 return R, T

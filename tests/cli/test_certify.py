@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
@@ -58,10 +59,70 @@ def test_table(gsp: Callable, files: Files) -> None:
     assert lines[0] == (
         "2 poses: 2 certified, 2 of them proved pairwise different, 2 of these real"
     )
-    assert lines[2].split()[:6] == ["no.", "outcome", "real", "same", "as", "residual"]
-    assert lines[4].split()[:3] == ["1", "certified", "yes"]
-    assert "4:positive 5:positive" in lines[4]
-    assert "4:positive 5:negative" in lines[5]
+    assert lines[3].split()[:6] == ["no.", "outcome", "real", "same", "as", "residual"]
+    assert lines[5].split()[:3] == ["1", "certified", "yes"]
+    assert "4:positive 5:positive" in lines[5]
+    assert "4:positive 5:negative" in lines[6]
+
+
+#: A body of a millimetre in a room of kilometres: R = 1, T = (3, 4, 12) is a pose.
+MIXED = """\
+gsp: 1
+units: {length: m, angle: deg}
+platform:
+  A: {point: [0.001, 0.002, 0]}
+  B: {point: [0, -0.001, 0.003]}
+  C: {point: [0.002, 0, 0.001]}
+  D: {point: [-0.001, 0.001, 0.002]}
+  E: {point: [0.003, -0.002, -0.001]}
+  F: {point: [-0.002, 0.003, 0]}
+base:
+  a: {point: [1000, 0, 100]}
+  b: {point: [-300, 900, 0]}
+  c: {point: [0, 200, 800]}
+  d: {point: [-700, -600, 10]}
+  e: {point: [100, -800, 300]}
+  f: {point: [500, 500, -900]}
+constraints:
+"""
+
+
+def mixed() -> str:
+    """Return MIXED with the distances at that pose, as roots of exact decimals."""
+    rows = []
+    for name in "ABCDEF":
+        a, b = ([Fraction(x) for x in _point(MIXED, key)] for key in (name, name.lower()))
+        squared = sum((x + t - y) ** 2 for x, t, y in zip(a, (3, 4, 12), b, strict=True))
+        value = f"sqrt({squared.numerator}/{squared.denominator})"
+        rows.append(f"  - {{distance: [{name}, {name.lower()}], value: {value}}}\n")
+    return MIXED + "".join(rows)
+
+
+def _point(text: str, name: str) -> list[str]:
+    return text.split(f"  {name}: {{point: [")[1].split("]")[0].split(", ")
+
+
+def test_the_tolerance_is_that_of_the_least_body(gsp: Callable, files: Files) -> None:
+    run = gsp("certify", *files([pose(3, 4, 12)], mixed()))
+    assert (run.code, run.err) == (0, "")
+    nearness = run.out.splitlines()[1]
+    assert nearness.startswith("certified poses are within ")
+    assert nearness.endswith(" m in T")
+    assert float(nearness.split()[-4]) < 1e-12
+    # A thousandth of a metre is a millionth of the room, but all of the body.
+    zeros = [[0.0] * 3] * 3
+    for wrong in (
+        pose(3.001, 4, 12),
+        pose(3.000001, 4, 12),
+        pose(3, 4, 12, R_imag=zeros, T_imag=[1e-4, 0, 0]),
+    ):
+        run = gsp("certify", *files([wrong], mixed()))
+        assert run.code == 1
+        assert "no solution is within the tolerance" in run.err
+    document = gsp("certify", *files([pose(3, 4, 12)], mixed()), "--format", "json").out
+    length, scale = (json.loads(document)[key] for key in ("least_length", "scale"))
+    assert length == 2**-8  # next below the 5 mm of the body
+    assert scale == 2048
 
 
 def test_json(gsp: Callable, files: Files) -> None:

@@ -32,6 +32,9 @@ Floats = NDArray[Any]
 
 #: Frames are moved if an origin is farther than so many sizes of the platform.
 FAR = 8
+#: The least length that tells poses apart, as a part of the scale.
+_LEAST = 2.0**-20
+_BODIES = ("platform", "base")
 #: Bits in which the translation of a pose given by doubles is exact in other frames.
 _EXACT = 4096
 
@@ -57,6 +60,28 @@ def length_scales(instance: Instance, distances: Array) -> Array:
     sizes = np.maximum(_reach(instance), np.abs(distances).max(axis=1, initial=0))
     known = (sizes > 0) & (sizes < math.inf)
     return np.asarray(np.where(known, np.exp2(np.frexp(np.where(known, sizes, 1.0))[1]), 1.0))
+
+
+def least_length(instance: Instance) -> float:
+    """Return a power of two next below the least size of a body or distance, zeros apart.
+
+    That is what a pose can be off before it is another one: a distance of 1e-3 between bodies of
+    1e3 has poses 2e-3 apart. Not below 2^-20 of the scale, about as well as doubles know the poses
+    of such a platform when multiplied by a tolerance of 1e-6.
+    """
+    rows = instance.constraints
+    sizes = [abs(c.value.value) for c in rows if c.kind.is_distance]
+    sizes += [max(high - low for low, high in _ranges(rows, body)) for body in _BODIES]
+    scale = length_scale(instance)
+    least = min((size for size in sizes if size > 0), default=scale)
+    return max(2.0 ** (math.frexp(least)[1] - 1), _LEAST * scale) if least < math.inf else scale
+
+
+def _ranges(rows: Sequence[Constraint], body: str) -> list[tuple[float, float]]:
+    """Return the least and the largest of each coordinate of the primitives of a body."""
+    points = [getattr(row, body).position for row in rows]
+    columns = [[number.value for number in column] for column in zip(*points, strict=True)]
+    return [(min(column), max(column)) for column in columns]
 
 
 def _reach(instance: Instance) -> float:
@@ -97,10 +122,8 @@ class LocalFrames:
         if _reach(instance) <= FAR * max(distances):
             return _OF_THE_INSTANCE
         middles, extents = [], []
-        for body in ("platform", "base"):
-            points = [getattr(c, body).position for c in instance.constraints]
-            columns = [[number.value for number in column] for column in zip(*points, strict=True)]
-            ends = [(min(column), max(column)) for column in columns]
+        for body in _BODIES:
+            ends = _ranges(instance.constraints, body)
             middles.append([(low + high) / 2 for low, high in ends])
             extents += [high - low for low, high in ends]
         size = max(*distances, *extents)

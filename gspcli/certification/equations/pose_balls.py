@@ -26,17 +26,21 @@ class PoseBall:
         """The twelve numbers."""
         return [*chain(*self.rotation), *self.translation]
 
-    def widened(self, radius: float) -> PoseBall:
-        """Return balls of all poses whose numbers differ by at most a radius from these."""
-        around = acb(arb(0, radius), arb(0, radius))
+    def widened(self, radius: float, length: float) -> PoseBall:
+        """Return balls of all poses that deviate by at most a radius from this one."""
+        turned, moved = (acb(arb(0, x), arb(0, x)) for x in (radius, arb(radius) * length))
         return PoseBall(
-            [[entry + around for entry in row] for row in self.rotation],
-            [entry + around for entry in self.translation],
+            [[entry + turned for entry in row] for row in self.rotation],
+            [entry + moved for entry in self.translation],
         )
 
-    def deviation(self, other: PoseBall) -> tuple[arb, arb]:
-        """Bound the largest difference of any of the numbers of two poses, below and above."""
+    def deviation(self, other: PoseBall, length: float) -> tuple[arb, arb]:
+        """Bound the largest difference of any of the numbers of two poses, below and above.
+
+        Differences of translations are divided by a length, a power of two in units of the scale.
+        """
         gaps = [x - y for x, y in zip(self.entries, other.entries, strict=True)]
+        gaps[9:] = [gap / length for gap in gaps[9:]]
         return max(gap.abs_lower() for gap in gaps), largest(gaps)
 
 

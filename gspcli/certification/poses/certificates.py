@@ -56,7 +56,7 @@ class Certificate:
         same sides.
     deviation
         Proved bound of the difference between the candidate and the solution in any entry of R
-        and of T, the latter divided by the scale of the instance.
+        and of T, the latter divided by `Certificates.least_length`.
     residual_bound
         For real solutions: proved bound of the difference between what is measured on the
         candidate, with the real numbers exactly as they were given, and what the constraints
@@ -108,10 +108,20 @@ class Certificates(Sequence[Certificate]):
         One for each candidate.
     scale
         The length, a power of two, by which translations are divided in errors.
+    least_length
+        The length, a power of two, by which translations are divided in deviations: next below
+        the least of the sizes of both bodies and of the distances, zeros apart; at least 2^-20
+        of the scale.
     """
 
     items: tuple[Certificate, ...]
     scale: float
+    least_length: float
+
+    @property
+    def deviation(self) -> float:
+        """Proved bound of the deviations of all that are certified, 0 if there are none."""
+        return max((item.deviation or 0.0 for item in self.items if item.certified), default=0.0)
 
     @overload
     def __getitem__(self, index: int) -> Certificate: ...

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.certification.equations import study
 from gspcli.certification.equations.ball_system import BallSystem
-from gspcli.certification.equations.local_frames import LocalFrames, length_scale
+from gspcli.certification.equations.local_frames import LocalFrames, least_length, length_scale
 from gspcli.certification.equations.measures import (
     Measurement,
     measure,
@@ -47,6 +47,7 @@ class _Candidate:
         given: PoseBall,
         said: tuple[int, ...],
         rounding: float,
+        length: float,
     ) -> None:
         self.start = self.point = [acb(x) for x in point.tolist()]
         self.patch = patch
@@ -55,6 +56,8 @@ class _Candidate:
         self.said = said
         #: How far a point is moved by writing its pose in doubles, about, in Study coordinates.
         self.rounding = rounding
+        #: What translations may deviate is relative to this, in units of the scale.
+        self.length = length
         # Entries of complex rotations may be large, and are then only known relatively.
         self.size = max(1.0, float_above(largest(given.entries)))
         self.sides: list[tuple[int, ...]] = []
@@ -76,24 +79,28 @@ class _Candidate:
         if found is None:
             # With too few digits Newton's method leaves even a good start.
             self.point = self.start
-            if self.isolation is None and system.excludes(self.given.widened(tolerance)):
+            if self.isolation is None and self._is_refuted(system, tolerance):
                 self.outcome, self.is_open = Outcome.REFUTED, False
             return
         self.isolation, self.pose = result, pose = found
-        nearest, farthest = pose.deviation(self.given)
+        nearest, farthest = pose.deviation(self.given, self.length)
         self.deviation = float_above(farthest)
         real = result.real
         self.measurements = measure(system, pose) if real else []
         if self.deviation <= tolerance:
             self.point, self.sides = list(result.centre), [result.sides]
             self.outcome, self.is_open = self._judge(system, real)
-        elif system.excludes(self.given.widened(tolerance)):
+        elif self._is_refuted(system, tolerance):
             self.outcome, self.is_open = Outcome.REFUTED, False
         else:
             # The error of the solution is part of the bound, and shrinks with the precision; and
             # with more digits Newton's method may find another solution from the same start.
             self.point = list(result.centre) if not nearest > tolerance else self.start
             self.outcome = Outcome.TOO_FAR
+
+    def _is_refuted(self, system: BallSystem, tolerance: float) -> bool:
+        """Whether it is proved that no solution is within the tolerance."""
+        return system.excludes(self.given.widened(tolerance, self.length))
 
     def _nearest(self, system: BallSystem, tolerance: float) -> tuple[Isolation, PoseBall] | None:
         """Return the nearest solution that is proved, of those on sides that it may be on.
@@ -108,7 +115,7 @@ class _Candidate:
         ]
         if len(proved) < 2:
             return proved[0] if proved else None
-        deviations = [float_above(pose.deviation(self.given)[1]) for _, pose in proved]
+        deviations = [float_above(pose.deviation(self.given, self.length)[1]) for _, pose in proved]
         elsewhere = [
             deviation > tolerance or not self._is_said(system, result)
             for deviation, (result, _) in zip(deviations, proved, strict=True)
@@ -219,7 +226,7 @@ def certify_equations(
         raise ArgumentError(message, "T")
     local_frames = LocalFrames.of(instance)
     instance = local_frames.applied(instance)
-    scale = length_scale(instance)
+    scale, length = length_scale(instance), least_length(instance)
     with ctx.workprec(FIRST_PRECISION):
         given = [
             _in_frames(pose_of_floats(rotation, translation, 1.0), local_frames, scale)
@@ -230,7 +237,7 @@ def certify_equations(
         points, patches = study.study_points(rotations, places.reshape(-1, 3))
         rounding = _EPS * np.maximum(1, np.abs(translations).max(axis=1, initial=0) / scale)
     candidates = [
-        _Candidate(point, int(patch), pose, said, error)
+        _Candidate(point, int(patch), pose, said, error, length / scale)
         for point, patch, pose, said, error in zip(
             points, patches, given, _signs(sides, len(given)), rounding, strict=True
         )
@@ -247,7 +254,7 @@ def certify_equations(
             for index in {k for pair in unknown for k in pair}:
                 candidates[index].is_open = True
             if 2 * precision > max_precision or not any(c.is_open for c in candidates):
-                return _record(system, candidates, unknown + rounded, equal)
+                return _record(system, candidates, unknown + rounded, equal, length)
         precision *= 2
 
 
@@ -300,7 +307,11 @@ def _relations(candidates: Sequence[_Candidate]) -> tuple[Pairs, Pairs, Pairs]:
 
 
 def _record(
-    system: BallSystem, candidates: Sequence[_Candidate], unknown: Pairs, equal: Pairs
+    system: BallSystem,
+    candidates: Sequence[_Candidate],
+    unknown: Pairs,
+    equal: Pairs,
+    length: float,
 ) -> Certificates:
     same_as: dict[int, int] = {}
     for i, j in sorted(equal):
@@ -321,4 +332,5 @@ def _record(
             for k, candidate in enumerate(candidates)
         ),
         system.scale,
+        length,
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -105,6 +107,16 @@ def test_distance_of_parallel_lines(apart: int, poses: int) -> None:
     found = isolated_real_poses(other, lambda platform: solve(platform).poses)
     assert found is not None
     assert len(found) == poses
+
+
+@pytest.mark.parametrize("size", ["/100000000", "*100000000"])
+def test_a_shaft_in_other_units(size: str) -> None:
+    """An angle is no length: residuals of both are not compared with the same size."""
+    text = SHAFT.format(unit="deg", angle=0, direction=1, gap=3)
+    for number in ("50", "8", "10", "6", "3"):
+        text = re.sub(rf"(?<=[ \[]){number}(?=[,\]}}])", f"{number}{size}", text)
+    found = lone(text)
+    np.testing.assert_allclose(turns(found), [3 / 8, 3 / 8], atol=1e-12)
 
 
 def test_key_that_touches() -> None:

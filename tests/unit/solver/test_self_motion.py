@@ -67,6 +67,22 @@ def test_legs_to_two_points_of_the_platform_leave_a_rotation(pose):
     assert (turned > 0.01).all()
 
 
+def test_a_leg_stretched_as_far_as_it_goes():
+    """Five legs of length zero at one point, and one that reaches no farther: it can turn still."""
+    near, far, middle = (np.array(p, float) for p in ((1, 2, 3), (4, 1, 0), (1, 2, 6)))
+    y, x = np.tile(near, (6, 1)), np.tile(far, (6, 1))
+    y[5], x[5] = middle, far + np.array([0, 0, 7])
+    given = legs(y, x, np.eye(3), far - near).with_values(np.array([0.0] * 5 + [10.0]))
+    rough = rotation_from_quaternion(np.array([0.9, 0.1, -0.3, 0.2]))
+    motion = local_motion(given, rough, far - near)
+    assert motion is not None
+    assert (motion.dimension, motion.real) == (1, True)
+    # The direction from the point to the end of the leg is known to half of the digits only.
+    ends = motion.R @ (middle - near)
+    np.testing.assert_allclose(ends, np.broadcast_to((0, 0, -3), ends.shape), atol=1e-4)
+    assert residuals(given, motion.R, motion.T).max() < 1e-8
+
+
 def test_angles_at_the_end_of_their_range_hold_directions():
     """Planes that stay parallel: the one polynomial is singular there, the motions are not."""
     rng = np.random.default_rng(4)

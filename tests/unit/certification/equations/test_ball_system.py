@@ -81,7 +81,7 @@ def test_a_pose_off_by_little_is_excluded(names: str, known: Callable) -> None:
         pose = scaled(exact(platform), system.scale)
         moved = PoseBall(pose.rotation, [pose.translation[0] + arb(1e-9), *pose.translation[1:]])
         assert system.excludes(moved)
-        assert not system.excludes(moved.widened(2e-9))
+        assert not system.excludes(moved.widened(2e-9, 1.0))
         assert residual(measure(system, moved)) > 1e-12
 
 

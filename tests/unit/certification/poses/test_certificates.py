@@ -238,7 +238,7 @@ def test_only_solutions_proved_different_are_counted() -> None:
     copy = Certificate(Outcome.CERTIFIED, 64, real=True, same_as=2)
     other = Certificate(Outcome.CERTIFIED, 64, real=False)
     nothing = Certificate(Outcome.REFUTED, 64)
-    result = Certificates((first, second, other, copy, nothing), 1.0)
+    result = Certificates((first, second, other, copy, nothing), 1.0, 1.0)
     assert (result.certified, result.distinct, result.real) == (4, 2, 1)
 
 
