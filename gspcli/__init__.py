@@ -25,7 +25,9 @@ if TYPE_CHECKING:
     from gspcli.catalogue.mechanism import mechanism
     from gspcli.catalogue.names import parse_class, parse_kind, parse_kind_set, parse_type
     from gspcli.catalogue.types import Family, GspType, all_types
+    from gspcli.certification.counting.count_results import count
     from gspcli.dynamics import forward_dynamics, inverse_dynamics, natural_modes, simulate
+    from gspcli.dynamics.analyses import analyze
     from gspcli.errors import ArgumentError, GspError, SpecError
     from gspcli.geometry.building import angle, distance, hexapod, instance
     from gspcli.geometry.home_pose import HomePose
@@ -33,10 +35,16 @@ if TYPE_CHECKING:
     from gspcli.geometry.masses import Drives, Dynamics, Leg, LegBody, RigidBody
     from gspcli.geometry.numbers import Number
     from gspcli.geometry.primitives import Cone, Line, Plane, Point
-    from gspcli.motion import measure, track
+    from gspcli.motion import track
+    from gspcli.motion.poses.measured_values import measure
+    from gspcli.motion.singularities.clearance_results import clearance
+    from gspcli.motion.singularities.scan_results import scan
+    from gspcli.motion.workspace.box_division import workspace
     from gspcli.pictures.notebook import notebook_view
+    from gspcli.reality.sample_results import sample
     from gspcli.sensing import fit_readings, sensors
     from gspcli.solver import solve, solve_batch, solve_values
+    from gspcli.solver.new_instance import new
     from gspcli.solver.parallel_certificates import certify
     from gspcli.spec import dump, dumps, load, loads, read, set_values
 
@@ -65,11 +73,14 @@ _HOMES = {
     "TypeList": "gspcli.catalogue.listing",
     "Units": "gspcli.geometry.instance",
     "all_types": "gspcli.catalogue.types",
+    "analyze": "gspcli.dynamics.analyses",
     "angle": "gspcli.geometry.building",
     "calibrate": "gspcli.calibration",
     "certify": "gspcli.solver.parallel_certificates",
+    "clearance": "gspcli.motion.singularities.clearance_results",
     "coincident_types": "gspcli.catalogue.coincidence",
     "constraint_facts": "gspcli.catalogue.constraints",
+    "count": "gspcli.certification.counting.count_results",
     "distance": "gspcli.geometry.building",
     "dump": "gspcli.spec",
     "dumps": "gspcli.spec",
@@ -81,15 +92,18 @@ _HOMES = {
     "inverse_dynamics": "gspcli.dynamics",
     "load": "gspcli.spec",
     "loads": "gspcli.spec",
-    "measure": "gspcli.motion",
+    "measure": "gspcli.motion.poses.measured_values",
     "mechanism": "gspcli.catalogue.mechanism",
     "natural_modes": "gspcli.dynamics",
+    "new": "gspcli.solver.new_instance",
     "notebook_view": "gspcli.pictures.notebook",
     "parse_class": "gspcli.catalogue.names",
     "parse_kind": "gspcli.catalogue.names",
     "parse_kind_set": "gspcli.catalogue.names",
     "parse_type": "gspcli.catalogue.names",
     "read": "gspcli.spec",
+    "sample": "gspcli.reality.sample_results",
+    "scan": "gspcli.motion.singularities.scan_results",
     "sensors": "gspcli.sensing",
     "set_values": "gspcli.spec",
     "simulate": "gspcli.dynamics",
@@ -98,6 +112,7 @@ _HOMES = {
     "solve_values": "gspcli.solver",
     "track": "gspcli.motion",
     "type_bounds": "gspcli.catalogue.bounds",
+    "workspace": "gspcli.motion.workspace.box_division",
 }
 
 __all__ = [
@@ -123,11 +138,14 @@ __all__ = [
     "Units",
     "__version__",
     "all_types",
+    "analyze",
     "angle",
     "calibrate",
     "certify",
+    "clearance",
     "coincident_types",
     "constraint_facts",
+    "count",
     "distance",
     "dump",
     "dumps",
@@ -142,12 +160,15 @@ __all__ = [
     "measure",
     "mechanism",
     "natural_modes",
+    "new",
     "notebook_view",
     "parse_class",
     "parse_kind",
     "parse_kind_set",
     "parse_type",
     "read",
+    "sample",
+    "scan",
     "sensors",
     "set_values",
     "simulate",
@@ -156,6 +177,7 @@ __all__ = [
     "solve_values",
     "track",
     "type_bounds",
+    "workspace",
 ]
 
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.analysis_entries import Analysis
 from gspcli.cli.analysis_tables import details, overview
 from gspcli.cli.mode_option import HOME, Mode, mode_option
 from gspcli.cli.names import load_instance
@@ -31,16 +30,10 @@ from gspcli.cli.value_options import Changes, value_options
 from gspcli.errors import GspError
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from gspcli.cli.pose_rows import PoseRows
+    from gspcli.dynamics.analyses import Analysis
     from gspcli.geometry.instance import Instance
     from gspcli.motion.files.requirements import Requirement, Verdict
-    from gspcli.motion.statics.geometry_errors import GeometryAccuracy
-    from gspcli.motion.statics.wrenches import Wrenches
-
-    Array = NDArray[np.float64]
 
 #: Formats for people.
 _READABLE = ("table", "markdown", "latex")
@@ -134,19 +127,18 @@ def command(
       gsp analyze platform.yaml path.csv --load 0,0,-9 --require "force<=20"
     """
     check_sources(spec, rows, mode, pose, near)
-    from gspcli.motion.files.number_tables import numbers_of
-    from gspcli.motion.statics.wrenches import wrenches
-
     if output.part is not None and rows is None and pose is None:
         # Parts are of one pose.
         mode = mode or HOME
     instance = load_instance(spec, changes)
     requirements = required(require)
-    at = None if point is None else numbers_of(point, (3,), "--point")
     asked = asked_poses(instance, rows, mode, pose, near, pose_format(instance, euler, pivot))
-    given = wrenches(instance, asked.R, asked.T, point=at, length=length)
-    analysis = _analysis(given, load, stiffness, tolerance, geometry_tolerance)
-    entries = [{**asked.named(k), **analysis.entry(k)} for k in range(len(asked.T))]
+    analysis = _analysis(
+        instance, asked, load, stiffness, tolerance, geometry_tolerance, point, length
+    )
+    given = analysis.given
+    names = [asked.named(k) for k in range(len(asked.T))]
+    entries = analysis.to_json(names)["poses"]
     verdicts, more = _judge(analysis, requirements, entries)
     detailed = rows is None and (mode is not None or pose is not None)
     tables = details(entries[0], given) if detailed else [overview(entries, given, more)]
@@ -154,42 +146,37 @@ def command(
         tables = [replace(table, rows=[_tidy(row) for row in table.rows]) for table in tables]
     if verdicts:
         tables[0] = replace(tables[0], summary=verdict_lines(verdicts, asked.place))
-    emit(output, tables, document=_document(instance, given, entries, verdicts, asked))
+    emit(output, tables, document=_document(analysis, entries, verdicts, asked))
     refuse(verdicts)
     asked.check()
 
 
 def _analysis(
-    given: Wrenches,
+    instance: Instance,
+    asked: PoseRows,
     load: str | None,
     stiffness: str | None,
     tolerance: str | None,
-    geometry: str | None,
+    geometry_tolerance: str | None,
+    point: str | None,
+    length: float | None,
 ) -> Analysis:
     """Return what the options ask for."""
-    from gspcli.motion.statics.accuracy import accuracy
+    from gspcli.dynamics.analyses import analyze
 
-    constants = _six(stiffness, "stiffness")
-    limits = _six(tolerance, "tolerance") or _stated_tolerances(given.instance)
-    return Analysis(
-        given,
-        _reactions(given, load),
-        None if constants is None else given.stiffness(constants),
-        None if constants is None else given.least_stiffness(constants),
-        None if limits is None else accuracy(given, limits),
-        None if geometry is None else _geometry(given, geometry),
+    force, at = (None, None) if load is None else _load(load)
+    return analyze(
+        instance,
+        asked.R,
+        asked.T,
+        load=force,
+        at=at,
+        stiffness=_given(stiffness, (1, 6), "--stiffness"),
+        tolerance=_given(tolerance, (1, 6), "--tolerance"),
+        geometry_tolerance=_geometry(geometry_tolerance),
+        point=_given(point, (3,), "--point"),
+        length=length,
     )
-
-
-def _reactions(given: Wrenches, load: str | None) -> Array | None:
-    """Return what holds a load and the weights that SPEC states, shape (n, 6); None for neither."""
-    held = None if load is None else given.reactions(*_load(load, given.point))
-    if given.instance.dynamics is None:
-        return held
-    from gspcli.dynamics import inverse_dynamics
-
-    weights = inverse_dynamics(given.instance, given.R, given.T).in_file_units
-    return weights if held is None else held + weights
 
 
 def _judge(
@@ -219,56 +206,36 @@ def _tidy(row: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _six(text: str | None, name: str) -> list[float] | None:
+def _given(text: str | None, counts: tuple[int, ...], option: str) -> list[float] | None:
+    """Return the numbers of an option, or None without it."""
     if text is None:
         return None
     from gspcli.motion.files.number_tables import numbers_of
 
-    numbers = numbers_of(text, (1, 6), f"--{name}")
-    return numbers * 6 if len(numbers) == 1 else numbers
+    return numbers_of(text, counts, option)
 
 
-def _stated_tolerances(instance: Instance) -> list[float] | None:
-    """Return the tolerances of the file if it has any; those left out are zero."""
-    stated = [constraint.tolerance for constraint in instance.constraints]
-    if all(tolerance is None for tolerance in stated):
-        return None
-    return [0.0 if tolerance is None else tolerance.value for tolerance in stated]
-
-
-def _load(text: str, point: Array) -> tuple[list[float], list[float], Any]:
-    from gspcli.motion.files.number_tables import numbers_of
-
+def _load(text: str) -> tuple[list[float] | None, list[float] | None]:
+    """Return a force with its moment, and where it acts or None."""
     wrench, _, where = re.sub(r"\s", "", text).partition("@")
-    numbers = numbers_of(wrench, (3, 6), "--load")
-    at = numbers_of(where, (3,), "--load") if where else point
-    return numbers[:3], numbers[3:] or [0.0, 0.0, 0.0], at
+    return _given(wrench, (3, 6), "--load"), _given(where or None, (3,), "--load")
 
 
-def _geometry(given: Wrenches, text: str) -> GeometryAccuracy:
-    from gspcli.motion.files.number_tables import numbers_of
-    from gspcli.motion.statics.geometry_errors import geometry_accuracy
-
-    coordinates, *tilts = numbers_of(text, (1, 2), "--geometry-tolerance")
-    if min(coordinates, *tilts, 0) < 0:
+def _geometry(text: str | None) -> list[float] | None:
+    numbers = _given(text, (1, 2), "--geometry-tolerance")
+    if numbers is not None and min(numbers) < 0:
         message = f"--geometry-tolerance: found {text}, expected numbers of at least 0"
         raise GspError(message)
-    return geometry_accuracy(given, coordinates, *tilts)
+    return numbers
 
 
 def _document(
-    instance: Instance,
-    given: Wrenches,
+    analysis: Analysis,
     entries: list[dict[str, Any]],
     verdicts: list[Verdict],
     asked: PoseRows,
 ) -> dict[str, Any]:
-    document: dict[str, Any] = {
-        "schema": "gsp.analyze/1",
-        **instance.to_json(),
-        "length": given.length,
-        "poses": entries,
-    }
+    document = analysis.to_json() | {"poses": entries}
     if verdicts:
         document["requirements"] = verdict_entries(verdicts, asked.named)
     return document

@@ -19,7 +19,7 @@ from gspcli.defaults import MAX_PRECISION, TOLERANCE
 from gspcli.errors import CheckFailed, IncompleteError
 
 if TYPE_CHECKING:
-    from gspcli.certification import Certificate, Certificates
+    from gspcli.certification import Certificates
 
 _SIDES = {1: "positive", -1: "negative"}
 _COLUMNS = (
@@ -111,50 +111,22 @@ def command(
             max_precision=max_precision,
         )
         claims = zip(given.claimed_real, given.claimed_sides.tolist(), strict=True)
-        for number, (item, (real, said)) in enumerate(zip(proved, claims, strict=True), 1):
-            entry = {
-                "number": number,
-                **_facts(item),
+        document = proved.to_json()
+        given_as = zip(document["solutions"], proved, claims, strict=True)
+        for entry, item, (real, said) in given_as:
+            entry |= {
                 "claimed_real": real,
                 "claimed_sides": _by_number([_SIDES.get(sign) for sign in said]),
             }
             if digits is not None and item.certified:
                 entry["refined"] = refined(instance, item, digits)
             solutions.append(entry)
-    counts = {
-        "poses": len(proved),
-        "certified": proved.certified,
-        "distinct": proved.distinct,
-        "real": proved.real,
-    }
-    document = {
-        "schema": "gsp.certify/1",
-        **instance.to_json(),
-        "tolerance": max_deviation,
-        "scale": proved.scale,
-        "least_length": proved.least_length,
-        "counts": counts,
-        "solutions": solutions,
-    }
+    head = {"schema": "gsp.certify/1", **instance.to_json(), "tolerance": max_deviation}
+    document = {**head, **document, "solutions": solutions}
     nearness = _nearness(proved, instance.units.length)
-    emit(output, _tables(solutions, counts, nearness, output.format), document=document)
+    tables = _tables(solutions, document["counts"], nearness, output.format)
+    emit(output, tables, document=document)
     _conclude(solutions, proved)
-
-
-def _facts(item: Certificate) -> dict[str, Any]:
-    return {
-        "certified": item.certified,
-        "outcome": item.outcome.value,
-        "real": item.real,
-        "same_as": None if item.same_as is None else item.same_as + 1,
-        "unresolved": [index + 1 for index in item.unresolved],
-        "residual_bound": item.residual_bound,
-        "deviation": item.deviation,
-        "sides": _by_number([side and side.value for side in item.sides or ()]),
-        "precision": item.precision,
-        "error": item.error,
-        "uniqueness": item.uniqueness,
-    }
 
 
 def _nearness(proved: Certificates, unit: str) -> list[str]:

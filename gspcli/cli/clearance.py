@@ -18,8 +18,6 @@ from gspcli.errors import GspError
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
-    from gspcli.motion.singularities.clearances import Clearance
-    from gspcli.motion.singularities.pose_clearances import PoseClearance
 
 
 @click.command()
@@ -97,25 +95,18 @@ def command(
     if points is not None and of != "pose":
         message = "--points needs --of pose"
         raise click.UsageError(message)
-    from gspcli.motion.singularities.clearances import clearance, range_weights
-    from gspcli.motion.singularities.pose_clearances import pose_clearance
+    from gspcli.motion.singularities.clearance_results import clearance
+    from gspcli.motion.singularities.clearances import range_weights
 
     instance = load_instance(spec, changes)
     chosen = None if points is None else _points(points)
     asked = asked_poses(instance, rows, mode, pose, near, pose_format(instance, euler, pivot))
-    R, T = asked.R, asked.T
-    weights = range_weights(instance)
-    found = []
-    for k in progress(range(len(R)), total=len(R), label="poses"):
-        if of == "pose":
-            reach = pose_clearance(instance, R[k], T[k], points=chosen, refine=refine)
-            row = _row_of_pose(instance, reach)
-        else:
-            bounds = clearance(instance, R[k], T[k], weights=weights, refine=refine)
-            row = _row_of_values(instance, bounds)
-        found.append({**asked.named(k), **row})
-    unit = _unit(instance, of, ranged=weights is not None)
-    emit(output, _table(instance, found, of, unit), document=_document(instance, of, found))
+    found = clearance(
+        instance, asked.R, asked.T, of=of, points=chosen, refine=refine, progress=progress
+    )
+    document = found.to_json([asked.named(k) for k in range(len(asked.T))])
+    unit = _unit(instance, of, ranged=range_weights(instance) is not None)
+    emit(output, _table(instance, document["modes"], of, unit), document=document)
     asked.check()
 
 
@@ -133,44 +124,6 @@ def _points(text: str) -> list[list[float]]:
                 message = f"--points: {wrong}"
                 raise GspError(message)
     return [[float(cell) for cell in point] for point in points]
-
-
-def _row_of_values(instance: Instance, found: Clearance) -> dict[str, Any]:
-    """Return what is known of how far the values of one mode may change."""
-    row = _bounds(found.lower, found.upper, found.ratio)
-    if found.values is None:
-        return row
-    from gspcli.geometry.readings import readings_of
-
-    readings = readings_of(instance, found.values).tolist()
-    row |= {"by": "fold" if found.end is None else "end of range", "values": readings}
-    if found.end is not None:
-        row["constraint"] = found.end + 1
-    if found.fold is not None:
-        row |= {"R": found.fold.R.tolist(), "T": found.fold.T.tolist()}
-    return row
-
-
-def _row_of_pose(instance: Instance, found: PoseClearance) -> dict[str, Any]:
-    """Return what is known of how far one pose may move."""
-    row = _bounds(found.lower, found.upper, found.ratio)
-    if found.R is None or found.T is None:
-        return row
-    from gspcli.motion.poses.inverse_kinematics import measure
-
-    values = measure(instance, found.R, found.T).tolist()
-    pose = {"R": found.R.tolist(), "T": found.T.tolist()}
-    return row | {"by": "singular pose", "values": values, **pose}
-
-
-def _bounds(lower: float, upper: float, ratio: float) -> dict[str, Any]:
-    """Return both bounds, and places for where the upper one is."""
-    return {
-        "lower": lower,
-        "upper": upper if upper < float("inf") else None,
-        "ratio": ratio if ratio < float("inf") else None,
-        **dict.fromkeys(("by", "constraint", "values", "R", "T")),
-    }
 
 
 def _unit(instance: Instance, of: str, *, ranged: bool) -> str:
@@ -208,7 +161,3 @@ def _shown(row: dict[str, Any]) -> dict[str, Any]:
     """Return a row of the table."""
     values = {str(k): value for k, value in enumerate(row["values"] or (), 1)}
     return {key: value for key, value in row.items() if key not in ("values", "R", "T")} | values
-
-
-def _document(instance: Instance, of: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
-    return {"schema": "gsp.clearance/1", **instance.to_json(), "of": of, "modes": rows}

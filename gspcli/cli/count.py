@@ -113,23 +113,21 @@ def command(
 def _count_specs(
     specs: tuple[str, ...], changes: Changes, limit: float, seed: int, output: Output
 ) -> None:
-    from gspcli.certification.counting import NotCountedError, count_exactly, count_geometry
+    from gspcli.certification.counting import NotCountedError
+    from gspcli.certification.counting.count_results import count
 
     instances = [load_instance(spec, changes) for spec in specs]
     rows, documents, refusals, infinite = [], [], [], []
     for spec, instance in progress(
         list(zip(specs, instances, strict=True)), total=len(specs), label="counting solutions"
     ):
-        exact = geometry = None
-        try:
-            geometry = count_geometry(instance, seed=seed, limit=limit)
-            exact = count_exactly(instance, seed=seed, limit=limit)
-        except NotCountedError as error:
-            refusals.append(f"{spec}: {error}")
-        if exact is not None and not exact.finite:
+        found = count(instance, seed=seed, effort=limit)
+        if found.refusal:
+            refusals.append(f"{spec}: {found.refusal}")
+        if found.exact is not None and not found.exact.finite:
             infinite.append(spec)
-        documents.append(_document(instance, exact, geometry, seed))
-        rows.append(_row(spec, instance, exact, geometry))
+        documents.append(found.to_json())
+        rows.append(_row(spec, instance, found.exact, found.geometry))
     document: Any = documents[0] if len(documents) == 1 else documents
     emit(output, Table(_COLUMNS, rows, notes=[_LEGEND]), document=document)
     if refusals:
@@ -137,40 +135,6 @@ def _count_specs(
     if infinite:
         message = f"infinitely many complex solutions: {', '.join(infinite)}"
         raise NotFiniteError(message)
-
-
-def _document(
-    instance: Instance, exact: ExactCount | None, geometry: ExactCount | None, seed: int
-) -> dict[str, Any]:
-    return {
-        "schema": "gsp.count/1",
-        **instance.to_json(),
-        "type_count": instance.expected,
-        "geometry_count": geometry.solutions if geometry else None,
-        "exact_count": exact.solutions if exact else None,
-        "distinct": exact.distinct if exact else None,
-        "finite": exact.finite if exact else None,
-        "spurious": exact.spurious if exact else None,
-        "spurious_distinct": exact.spurious_distinct if exact else None,
-        "at_least": exact.proved_lower if exact else None,
-        "proof": {
-            "type_count": {"modulo_random_prime": False},
-            "geometry_count": _proof(geometry.error if geometry else None),
-            "exact_count": _proof(exact.error if exact else None),
-            "distinct": _proof(exact.distinct_error if exact else None),
-        },
-        "sides": [
-            {"signs": list(side.signs), "exact_count": side.solutions, "distinct": side.distinct}
-            for side in (exact.sides if exact else ())
-        ],
-        "primes": list(exact.primes) if exact else [],
-        "seed": seed,
-        "version": __version__,
-    }
-
-
-def _proof(error: float | None) -> dict[str, Any] | None:
-    return None if error is None else {"modulo_random_prime": error or False}
 
 
 def _row(

@@ -94,7 +94,8 @@ def command(
     if cranks and require is not None:
         message = "--require needs the values, not --cranks"
         raise click.UsageError(message)
-    from gspcli.motion import PoseTable, measure, read_poses
+    from gspcli.motion import PoseTable, read_poses
+    from gspcli.motion.poses.measured_values import measure
 
     instance = load_instance(spec)
     requirements = required(require)
@@ -113,19 +114,9 @@ def command(
     times = _times(table)
     document = None
     if output.format == "json":
-        document = {
-            "schema": "gsp.measure/1",
-            **instance.to_json(),
-            "poses": [
-                {
-                    "t": row["t"],
-                    "values": [row[str(k)] for k in range(1, 7)],
-                    "sides": row["sides"],
-                    **{column.key: row[column.key] for column in more},
-                }
-                for row in rows
-            ],
-        }
+        document = values.to_json(times)
+        for pose_, row in zip(document["poses"], rows, strict=True):
+            pose_ |= {column.key: row[column.key] for column in more}
         if verdicts:
             document["requirements"] = verdict_entries(
                 verdicts, lambda k: {"row": k + 1, "t": times[k]}

@@ -67,14 +67,11 @@ def command(
       gsp new P1-p1 P1-p2 P2-p2 P2-p3 P3-p3 P3-p1
       gsp new 421 --template -o platform.yaml
     """
-    import numpy as np
-
-    from gspcli.solver.generate import random_instance
+    from gspcli.solver.new_instance import new
     from gspcli.spec import dumps
 
-    rng = np.random.default_rng(seed)
-    instance, _ = random_instance(
-        _pattern(type_words), rng, digits=decimals, planar=planar, one_sided=one_sided
+    instance = new(
+        _pattern(type_words), decimals=decimals, planar=planar, one_sided=one_sided, seed=seed
     )
     gsp_type = instance.type
     head = f"# {gsp_type.id} (type {gsp_type.number}, {gsp_type.platform_class})\n"

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from gspcli import __version__
 from gspcli.cli.names import read_type
 from gspcli.cli.number_types import Whole, one_sided_option, seed_option
 from gspcli.cli.output import (
@@ -30,8 +29,6 @@ if TYPE_CHECKING:
     from gspcli.reality.real_distribution import Sample, Tally
     from gspcli.workers import Workers
 
-SCHEMA = "gsp.sample/1"
-#: Exit code after Ctrl-C, as of the whole program.
 #: The longest bar of the histogram, characters.
 _BAR = 40
 #: Decimals that keep a number of order one.
@@ -84,6 +81,7 @@ def command(
     """
     from gspcli.cli.progress_bars import progress
     from gspcli.reality.real_distribution import Sample, Tally, sample
+    from gspcli.reality.sample_results import SampleResult
 
     if folder is not None:
         _make(folder)
@@ -104,7 +102,7 @@ def command(
         write(output, histogram(wanted, total, output.format))
     else:
         table = _table(wanted, total, bars=output.format == "table")
-        emit(output, table, document=_document(wanted, total))
+        emit(output, table, document=SampleResult(wanted, total).to_json())
     return INTERRUPTED if interrupted else 0
 
 
@@ -160,22 +158,6 @@ def _table(wanted: Sample, tally: Tally, *, bars: bool) -> Table:
 def _subject(wanted: Sample) -> str:
     sides = " for one choice of sides" if wanted.one_sided else ""
     return f"real ones of {wanted.expected} solutions{sides}"
-
-
-def _document(wanted: Sample, tally: Tally) -> dict[str, Any]:
-    return {
-        "schema": SCHEMA,
-        "type": wanted.gsp_type.to_json(),
-        "one_sided": wanted.one_sided,
-        "expected": wanted.expected,
-        "seed": wanted.seed,
-        "version": __version__,
-        "platforms": tally.platforms,
-        "undecided": tally.undecided,
-        "incomplete": tally.incomplete,
-        "mean": tally.mean,
-        "real": {str(real): tally.real[real] for real in sorted(tally.real)},
-    }
 
 
 def histogram(wanted: Sample, tally: Tally, fmt: str) -> bytes:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from contextlib import nullcontext
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,20 +26,19 @@ from gspcli.cli.output import (
 from gspcli.cli.pose_options import pose_format, pose_options
 from gspcli.cli.pose_type import GivenPose, pose_value_option
 from gspcli.cli.progress_bars import progress
-from gspcli.cli.scan_tables import scan_document, scan_table
+from gspcli.cli.scan_tables import scan_table
 from gspcli.cli.streams import say
 from gspcli.cli.value_options import Changes, value_options
 from gspcli.cli.worker_options import resume_option, worker_options
 from gspcli.defaults import SEED
-from gspcli.errors import INTERRUPTED, GspError, IncompleteError
+from gspcli.errors import INTERRUPTED, IncompleteError
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from gspcli.geometry.instance import Instance
     from gspcli.motion.singularities.crossings import Boundary
-    from gspcli.motion.singularities.value_scans import Axis, Scan
+    from gspcli.motion.singularities.value_scans import Scan
     from gspcli.workers import Workers
 
     Array = NDArray[np.float64]
@@ -133,12 +132,13 @@ def command(
         message = "--euler and --pivot say what the numbers of --pose are: give it, too"
         raise click.UsageError(message)
     from gspcli.motion.singularities.crossings import Boundary
+    from gspcli.motion.singularities.scan_results import as_read, check_values, corrected
     from gspcli.motion.singularities.value_scans import MISSING, Axis, Scan
 
     axes = [Axis(int(name) - 1, nodes) for name, nodes in axes_of("--vary", texts, _NUMBERS)]
     asked = Scan.empty(instance, axes)
-    found = Scan.empty(*_corrected(asked), clearance=quantity == "clearance")
-    _check_values(found)
+    found = Scan.empty(*corrected(asked), clearance=quantity == "clearance")
+    check_values(found, "--vary")
     total = math.prod(len(axis.values) for axis in axes)
     limits = Boundary()
     interrupted = False
@@ -149,14 +149,14 @@ def command(
     except KeyboardInterrupt:
         interrupted = True
         say(f"interrupted after {(found.modes != MISSING).sum()} of {total} nodes")
-    found, limits = _as_read(asked, found, limits)
+    result = as_read(asked, found, limits, folds=folds)
+    found, limits = result.found, result.limits
     if output.format in DRAWINGS:
         from gspcli.pictures.maps import mode_map
 
         write(output, mode_map(found, limits, quantity, output.format))
     else:
-        table = scan_table(found, limits, folds, output.format)
-        emit(output, table, document=scan_document(found, limits, folds))
+        emit(output, scan_table(result, output.format), document=result.to_json())
     if interrupted:
         return INTERRUPTED
     _refuse_gaps(found, limits)
@@ -176,63 +176,6 @@ def _refuse_gaps(found: Scan, limits: Boundary) -> None:
             "the number of modes changes"
         )
         raise IncompleteError(message)
-
-
-def _corrected(asked: Scan) -> tuple[Instance, list[Axis]]:
-    """Return what to scan, with the offsets and scales of SPEC in its values."""
-    from gspcli.geometry.readings import is_corrected, without_corrections
-
-    if not is_corrected(asked.instance):
-        return asked.instance, list(asked.axes)
-    axes = [
-        replace(axis, values=tuple(value * factor + offset for value in axis.values))
-        for axis, factor, offset in zip(asked.axes, *_corrections(asked), strict=True)
-    ]
-    return without_corrections(asked.instance), axes
-
-
-def _as_read(asked: Scan, found: Scan, limits: Boundary) -> tuple[Scan, Boundary]:
-    """Return what was found with values as SPEC has them, offsets and scales taken away again."""
-    from gspcli.geometry.readings import is_corrected
-
-    if not is_corrected(asked.instance):
-        return found, limits
-    factors, offsets = _corrections(asked)
-    limits.crossings = [
-        replace(one, values=tuple(((one.values - offsets) / factors).tolist()))
-        for one in limits.crossings
-    ]
-    limits.curves = [
-        replace(
-            curve,
-            values=(curve.values - offsets) / factors,
-            cusps=(curve.cusps - offsets) / factors,
-        )
-        for curve in limits.curves
-    ]
-    return replace(found, instance=asked.instance, axes=asked.axes), limits
-
-
-def _corrections(asked: Scan) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return what the values of the axes are multiplied by, and what is added to them then."""
-    from gspcli.geometry.readings import factors, offsets
-
-    chosen = [axis.constraint for axis in asked.axes]
-    return factors(asked.instance)[chosen], offsets(asked.instance, signed=False)[chosen]
-
-
-def _check_values(found: Scan) -> None:
-    """Raise if a value is none that its constraint can have."""
-    from gspcli.geometry.numbers import Number
-    from gspcli.geometry.ranges import wrong_value
-
-    for axis in found.axes:
-        kind = found.instance.constraints[axis.constraint].kind
-        for value in (axis.values[0], axis.values[-1]):
-            wrong = wrong_value(kind, Number.of(value), found.instance.units.angle)
-            if wrong and not kind.has_sides:
-                message = f"--vary: found {value:g} for constraint {axis.constraint + 1}, {wrong}"
-                raise GspError(message)
 
 
 def _fill(found: Scan, workers: Workers, journal: Path | None) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gspcli.cli.limit_sentences import limit_sentences
+from gspcli.cli.limit_sentences import limit_sentences, plain_limit
 from gspcli.cli.mode_option import Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Whole
@@ -19,7 +19,7 @@ from gspcli.cli.real_poses import mode_number
 from gspcli.cli.requirements import refuse, require_option, required
 from gspcli.cli.streams import say
 from gspcli.cli.track_requirements import judged_track, track_entries, track_lines
-from gspcli.cli.track_tables import event_sentence, track_document, track_rows, track_table
+from gspcli.cli.track_tables import event_sentence, track_table
 from gspcli.cli.value_options import Changes, value_options
 from gspcli.cli.worker_options import jobs_option
 from gspcli.errors import GspError, IncompleteError
@@ -178,10 +178,11 @@ def command(
     asked = {one.quantity for one in requirements} | {name for name in flags if flags[name]}
     with working("looking for singularities"):
         more = _clearances(result, asked)
-    rows = track_rows(result, more)
+    rows = result.rows(more)
     verdicts, columns = judged_track(result, limits, requirements, rows)
     shown = track_table(result, rows, limits, columns, track_lines(verdicts, rows, steps))
-    document = track_document(result, rows, limits) | track_entries(verdicts, rows, steps)
+    document = result.to_json(rows) | {"limits": [plain_limit(one) for one in limits]}
+    document |= track_entries(verdicts, rows, steps)
     emit(output, shown, document=document)
     _tell(result, limits, output)
     _refuse_losses(result, allowed=allow_loss)

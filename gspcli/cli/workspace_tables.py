@@ -21,16 +21,11 @@ def workspace_document(
     found: Workspace, home: Home, boxes: list[dict[str, Any]] | None
 ) -> dict[str, Any]:
     """Return a workspace for JSON, with its boxes if they are asked for."""
-    low, high = found.volume
     heading = home.document(found.instance, found.boxes.sequence, connected=found.connected)
     document = {
         **heading,
         "travel": None,
-        "volume": {"lower": low, "upper": high, "unit": found.measure, "gap": found.gap},
-        "extents": _extents(found),
-        "inner": len(found.inner_keys),
-        "open": len(found.open_keys),
-        "judged": found.judged,
+        **found.to_json(),
         "modes_inside": modes_inside(found),
     }
     if boxes is not None:
@@ -79,16 +74,6 @@ def _parts_note(found: Workspace) -> list[str]:
     ]
 
 
-def _extents(found: Workspace) -> list[dict[str, Any]]:
-    rows = []
-    for name, ends in zip(found.free, found.extents.tolist(), strict=True):
-        (low, high), (least, most) = (
-            [None if end != end else end for end in pair] for pair in ends
-        )
-        rows.append({"name": name, "least": least, "lowest": low, "highest": high, "most": most})
-    return rows
-
-
 def volume_table(found: Workspace, home: Home) -> Table:
     """Return the extents over each parameter, and the volume above them."""
     low, high = found.volume
@@ -110,7 +95,7 @@ def volume_table(found: Workspace, home: Home) -> Table:
             for key in ("least", "lowest", "highest", "most")
         ),
     ]
-    return Table(columns, _extents(found), title=found.instance.title, notes=notes, summary=summary)
+    return Table(columns, found.rows(), title=found.instance.title, notes=notes, summary=summary)
 
 
 def box_rows(found: Workspace) -> list[dict[str, Any]]:

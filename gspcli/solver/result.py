@@ -57,6 +57,11 @@ class SolveResult:
     poses: PoseSet
     seed: int
 
+    def __post_init__(self) -> None:
+        for part in vars(self.poses).values():
+            if isinstance(part, np.ndarray):
+                part.setflags(write=False)
+
     def __repr__(self) -> str:
         name = self.instance.name or self.instance.type.id
         return f"<SolveResult of {name}: {self.poses.account_text}>"

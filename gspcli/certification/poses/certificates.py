@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import field
 from enum import Enum
-from typing import overload
+from typing import TYPE_CHECKING, Any, overload
 
 from gspcli.certification.poses.isolation import Isolation
 from gspcli.geometry.instance import Instance, Side
 from gspcli.records import dataclass
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 class Outcome(Enum):
@@ -97,6 +100,23 @@ class Certificate:
         """Whether exactly one simple solution is proved near the candidate."""
         return self.outcome is Outcome.CERTIFIED
 
+    def to_json(self) -> dict[str, Any]:
+        """Return what is proved as plain data; candidates and constraints are counted from 1."""
+        sides = [side and side.value for side in self.sides or ()]
+        return {
+            "certified": self.certified,
+            "outcome": self.outcome.value,
+            "real": self.real,
+            "same_as": None if self.same_as is None else self.same_as + 1,
+            "unresolved": [index + 1 for index in self.unresolved],
+            "residual_bound": self.residual_bound,
+            "deviation": self.deviation,
+            "sides": {str(k): side for k, side in enumerate(sides, 1) if side},
+            "precision": self.precision,
+            "error": self.error,
+            "uniqueness": self.uniqueness,
+        }
+
 
 @dataclass(frozen=True)
 class Certificates(Sequence[Certificate]):
@@ -138,6 +158,27 @@ class Certificates(Sequence[Certificate]):
             f"<Certificates: {self.certified} of {len(self)} certified, {self.distinct} of them "
             f"proved different, {self.real} of these real>"
         )
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a row for each candidate (pandas is imported now)."""
+        import pandas as pd
+
+        return pd.DataFrame(self.to_json()["solutions"])
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the certificates as plain data, as `gsp certify` has them."""
+        entries = enumerate((item.to_json() for item in self.items), 1)
+        return {
+            "scale": self.scale,
+            "least_length": self.least_length,
+            "counts": {
+                "poses": len(self),
+                "certified": self.certified,
+                "distinct": self.distinct,
+                "real": self.real,
+            },
+            "solutions": [{"number": number, **entry} for number, entry in entries],
+        }
 
     def __len__(self) -> int:
         """Return the number of candidates."""

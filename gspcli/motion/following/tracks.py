@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import field
 from functools import cached_property
-from typing import Literal
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +17,16 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.records import dataclass
+from gspcli.wording import counted
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Array = NDArray[np.float64]
+
+#: Columns of a pose.
+POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
+_NOTHING: Mapping[str, Array] = MappingProxyType({})
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +70,22 @@ class Event:
     partner: int | None = None
     partner_R: Array | None = None
     partner_T: Array | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the event as plain data; rows are counted from 1."""
+        return {
+            "kind": self.kind,
+            "reason": self.reason,
+            "begins": self.begins,
+            "mode": self.mode,
+            "partner": self.partner,
+            "row": self.row + 1,
+            "t": [self.low, self.high],
+            "R": _finite(self.R),
+            "T": _finite(self.T),
+            "partner_R": None if self.partner_R is None else self.partner_R.tolist(),
+            "partner_T": None if self.partner_T is None else self.partner_T.tolist(),
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +140,16 @@ class Track:
     coordinates: tuple[Coordinate, ...] = ()
     places: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
+    def __post_init__(self) -> None:
+        for array in (self.t, self.values, self.modes, self.R, self.T, self.places):
+            array.setflags(write=False)
+
+    def __repr__(self) -> str:
+        how = "proved" if self.certified else "not proved"
+        kinds = self.instance.name or self.instance.type.id
+        size = f"{counted(len(self.modes), 'mode')}, {counted(len(self.t), 'row')}"
+        return f"<Track of {kinds}: {size}, {how}, {counted(len(self.events), 'event')}>"
+
     def instances(self) -> Iterator[tuple[slice, Instance]]:
         """Yield runs of rows with what is followed there, whose values are not used."""
         if not self.coordinates:
@@ -154,6 +189,56 @@ class Track:
         quaternions[:, 1:] *= signs[..., None]
         return quaternions
 
+    def rows(self, more: Mapping[str, Array] = _NOTHING) -> list[dict[str, Any]]:
+        """Return a row for each pose, as plain data.
+
+        Parameters
+        ----------
+        more
+            Further columns, each of shape (m, r).
+        """
+        keys = ("t", "mode", *POSE, "condition", *more)
+        numbers = np.dstack((self.T, self.quaternions, self.conditions, *more.values()))
+        there = ~np.isnan(self.T[..., 0])
+        modes = self.modes.tolist()
+        return [
+            dict(zip(keys, (t, mode, *pose), strict=True))
+            for t, poses, known in zip(
+                self.t.tolist(), numbers.swapaxes(0, 1).tolist(), there.T.tolist(), strict=True
+            )
+            for mode, pose, here in zip(modes, poses, known, strict=True)
+            if here
+        ]
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a row for each pose (pandas is imported now)."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows())
+
+    def to_json(self, rows: list[dict[str, Any]] | None = None) -> dict[str, Any]:
+        """Return everything as plain data of schema ``gsp.track/1``, but for ranges and cones.
+
+        Parameters
+        ----------
+        rows
+            Those of `rows`, perhaps with more columns.
+        """
+        return {
+            "schema": "gsp.track/1",
+            **self.instance.to_json(),
+            "certified": self.certified,
+            "complete": self.complete,
+            "modes": self.modes.tolist(),
+            "new": self.new,
+            "coordinates": {
+                one.name: self.places[:, k].tolist() for k, one in enumerate(self.coordinates)
+            },
+            "parts": self.segments,
+            "poses": self.rows() if rows is None else rows,
+            "events": [event.to_json() for event in self.events],
+        }
+
     @property
     def new(self) -> list[int]:
         """The numbers of modes at the first row that are none for the values of the instance."""
@@ -164,3 +249,8 @@ class Track:
     def ends(self) -> tuple[Event, ...]:
         """The events at which a mode ends."""
         return tuple(event for event in self.events if not event.begins)
+
+
+def _finite(part: Array) -> Any:
+    """Return a part of a pose; None at infinity, where there is none."""
+    return part.tolist() if np.isfinite(part).all() else None

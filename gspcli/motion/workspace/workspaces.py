@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +15,9 @@ from gspcli.geometry.instance import Instance
 from gspcli.motion.workspace.box_sets import Levels
 from gspcli.motion.workspace.pose_boxes import PARAMETERS, Keys, PoseBoxes, places
 from gspcli.records import dataclass
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Array = NDArray[np.float64]
 
@@ -55,6 +59,39 @@ class Workspace:
     open_keys: Keys
     open_levels: Levels
     judged: int
+
+    def __repr__(self) -> str:
+        low, high = self.volume
+        kinds = self.instance.name or self.instance.type.id
+        return f"<Workspace of {kinds}: {low:.6g} to {high:.6g} {self.measure}>"
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return how far the set reaches in each parameter, as plain data."""
+        rows = []
+        for name, ends in zip(self.free, self.extents.tolist(), strict=True):
+            (low, high), (least, most) = (
+                [None if end != end else end for end in pair] for pair in ends
+            )
+            row = {"name": name, "least": least, "lowest": low, "highest": high, "most": most}
+            rows.append(row)
+        return rows
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return how far the set reaches in each parameter (pandas is imported now)."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows())
+
+    def to_json(self) -> dict[str, Any]:
+        """Return what `gsp workspace` has of the volume, as plain data."""
+        low, high = self.volume
+        return {
+            "volume": {"lower": low, "upper": high, "unit": self.measure, "gap": self.gap},
+            "extents": self.rows(),
+            "inner": len(self.inner_keys),
+            "open": len(self.open_keys),
+            "judged": self.judged,
+        }
 
     @property
     def instance(self) -> Instance:

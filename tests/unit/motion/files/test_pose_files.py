@@ -64,16 +64,19 @@ def test_all_mistakes_at_once_with_line_and_column():
 
 
 def test_decimal_commas_are_explained():
-    (line,) = mistakes("x;y;z;qw;qx;qy;qz\n1,5;0;0;1;0;0;0")
+    (line,) = mistakes("x;y;z;qw;qx;qy;qz\n1,5;0.5;0;1;0;0;0")
     assert line.endswith(
         "found '1,5', expected a finite number (decimals are written with a point)"
     )
 
 
 def test_a_misspelt_heading():
-    assert mistakes("x,y,z,qw,qx,qy,q_z\n0,0,0,1,0,0,0") == [
-        "p.csv:1:1: found the columns 'x y z qw qx qy q_z', expected qw qx qy qz, rx ry rz or "
-        "r11 r12 r13 r21 r22 r23 r31 r32 r33: qz is missing: did you mean q_z?"
+    assert mistakes("x,y,z,qw,qx,qy,pz\n0,0,0,1,0,0,0") == [
+        "p.csv:1:3: z: found the column 'pz' twice"
+    ]
+    assert mistakes("x,y,z,qw,qx,qy,q.z\n0,0,0,1,0,0,0") == [
+        "p.csv:1:1: found the columns 'x y z qw qx qy q.z', expected qw qx qy qz, rx ry rz or "
+        "r11 r12 r13 r21 r22 r23 r31 r32 r33: qz is missing: did you mean q.z?"
     ]
 
 

@@ -1,0 +1,271 @@
+"""What poses do to forces and errors: as plain data of each, and as numbers of all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.dynamics.arrays import make_read_only
+from gspcli.dynamics.drive_forces import inverse_dynamics
+from gspcli.errors import ArgumentError
+from gspcli.geometry.instance import Instance
+from gspcli.motion.files.requirements import Parts
+from gspcli.motion.statics.accuracy import Accuracy, accuracy
+from gspcli.motion.statics.geometry_errors import GeometryAccuracy, geometry_accuracy
+from gspcli.motion.statics.wrenches import Wrenches, wrenches
+from gspcli.records import dataclass
+from gspcli.wording import counted
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Analysis:
+    """All that is known of n poses; None is what was not asked for.
+
+    Attributes
+    ----------
+    given
+        The wrenches of the constraints.
+    reactions
+        Of a load, shape (n, 6).
+    stiffness, least_stiffness
+        The matrices, shape (n, 6, 6), and the least of the point, shape (n,).
+    errors, shape
+        From tolerances of the values, and from those of the geometry.
+    """
+
+    given: Wrenches
+    reactions: Array | None = None
+    stiffness: Array | None = None
+    least_stiffness: Array | None = None
+    errors: Accuracy | None = None
+    shape: GeometryAccuracy | None = None
+
+    def __post_init__(self) -> None:
+        for part in (self, self.given, self.errors, self.shape):
+            if part is not None:
+                make_read_only(part)
+
+    def __repr__(self) -> str:
+        instance, conditions = self.given.instance, self.given.conditions
+        worst = f", condition at most {conditions.max():.3g}" if len(conditions) else ""
+        kinds = instance.name or instance.type.id
+        return f"<Analysis of {kinds}: {counted(len(conditions), 'pose')}{worst}>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a row for each pose: its condition, and a column for all that was asked for.
+
+        Of forces there are columns ``1`` to ``6``; pandas is imported now.
+        """
+        import pandas as pd
+
+        given = self.given
+        columns = {"condition": given.conditions, "manipulability": given.manipulability}
+        if self.reactions is not None:
+            columns |= {str(k): column for k, column in enumerate(self.reactions.T, 1)}
+        if self.least_stiffness is not None:
+            columns["least_stiffness"] = self.least_stiffness
+        for part, names in (
+            (self.errors, ("worst_turn", "worst_shift", "bound_turn", "bound_shift")),
+            (self.shape, ("turn", "shift")),
+        ):
+            if part is not None:
+                prefix = "" if part is self.errors else "geometry_"
+                columns |= {prefix + name: getattr(part, name) for name in names}
+        return pd.DataFrame(columns)
+
+    def to_json(self, names: Sequence[Mapping[str, Any]] | None = None) -> dict[str, Any]:
+        """Return everything as plain data of schema ``gsp.analyze/1``.
+
+        Parameters
+        ----------
+        names
+            What each pose is called; without it they have no ``mode``.
+        """
+        count = len(self.given.T)
+        called = [{"mode": None}] * count if names is None else names
+        return {
+            "schema": "gsp.analyze/1",
+            **self.given.instance.to_json(),
+            "length": self.given.length,
+            "poses": [{**called[k], **self.entry(k)} for k in range(count)],
+        }
+
+    def quantities(self) -> dict[str, Array | Parts]:
+        """Return the numbers that may be required (`gspcli.motion.files.requirements`)."""
+        found: dict[str, Array | Parts] = {"condition": self.given.conditions}
+        if self.reactions is not None:
+            for name, chosen in (("force", ~self.given.angles), ("moment", self.given.angles)):
+                if chosen.any():
+                    found[name] = self._loads(chosen)
+        if self.least_stiffness is not None:
+            found["stiffness"] = self.least_stiffness
+        if self.errors is not None:
+            found["error"] = self.errors.bound_shift
+        return found
+
+    def _loads(self, chosen: NDArray[np.bool_]) -> Parts:
+        assert self.reactions is not None
+        names = [f"constraint {k + 1}" for k in np.flatnonzero(chosen)]
+        return Parts(np.abs(self.reactions[:, chosen]), names)
+
+    def entry(self, k: int) -> dict[str, Any]:
+        """Return all that is known of one pose, as plain data."""
+        given = self.given
+        constraint, direction, reaction = given.worst_force
+        entry: dict[str, Any] = {
+            "R": given.R[k].tolist(),
+            "T": given.T[k].tolist(),
+            "point": given.point[k].tolist(),
+            "condition": finite(given.conditions[k]),
+            "manipulability": float(given.manipulability[k]),
+            "singular_values": given.singular_values[k].tolist(),
+            "forces": given.forces[k].tolist(),
+            "moments": given.moments[k].tolist(),
+            "pitches": [finite(pitch) for pitch in given.pitches[k]],
+            "feet": [[finite(x) for x in foot] for foot in given.feet[k]],
+            "jacobian": given.jacobian[k].tolist(),
+            "inverse": [[finite(x) for x in row] for row in given.inverse[k]],
+            "worst_force": {
+                "constraint": int(constraint[k]) + 1,
+                "direction": [finite(x) for x in direction[k]],
+                "reaction": finite(reaction[k]),
+            },
+        }
+        return entry | self._asked(k)
+
+    def _asked(self, k: int) -> dict[str, Any]:
+        """Return what was asked for."""
+        entry: dict[str, Any] = {}
+        if self.reactions is not None:
+            entry["reactions"] = [finite(x) for x in self.reactions[k]]
+        if self.stiffness is not None and self.least_stiffness is not None:
+            entry["stiffness"] = self.stiffness[k].tolist()
+            entry["least_stiffness"] = finite(self.least_stiffness[k])
+        errors, shape = self.errors, self.shape
+        if errors is not None:
+            entry["accuracy"] = {
+                name: [finite(x) for x in getattr(errors, name)[k]]
+                for name in ("worst", "bound", "rms")
+            } | {
+                name: finite(getattr(errors, name)[k])
+                for name in ("worst_turn", "worst_shift", "bound_turn", "bound_shift")
+            }
+        if shape is not None:
+            entry["geometry"] = {
+                "worst": [finite(x) for x in shape.worst[k]],
+                "rms": [finite(x) for x in shape.rms[k]],
+                "turn": finite(shape.turn[k]),
+                "shift": finite(shape.shift[k]),
+            }
+        return entry
+
+
+def finite(value: Any) -> float | None:
+    """Return a number for JSON, which has none that is not finite."""
+    number = float(value)
+    return number if abs(number) < float("inf") else None
+
+
+def analyze(
+    instance: Instance,
+    R: ArrayLike,
+    T: ArrayLike,
+    *,
+    load: ArrayLike | None = None,
+    at: ArrayLike | None = None,
+    stiffness: ArrayLike | None = None,
+    tolerance: ArrayLike | None = None,
+    geometry_tolerance: ArrayLike | None = None,
+    point: ArrayLike | None = None,
+    length: float | None = None,
+) -> Analysis:
+    """Analyze poses: screws, Jacobian matrices, forces, stiffness and accuracy.
+
+    Parameters
+    ----------
+    instance
+        The platform; its weights count if it states masses, its tolerances unless others are given.
+    R, T
+        The poses, shapes (n, 3, 3) and (n, 3).
+    load
+        Force, or force and moment, on the platform, in the axes of the base, shape (3,) or (6,).
+    at
+        Where the load acts, shape (3,); by default at the point.
+    stiffness, tolerance
+        Of the constraints, and how far each value may be off: one number or six.
+    geometry_tolerance
+        How far each coordinate of each primitive may be off, or that and the turn of directions.
+    point
+        What twists and wrenches are about, shape (3,); by default the mean of the platform's
+        points at each pose.
+    length
+        What makes angles and lengths comparable; by default the typical length.
+
+    Raises
+    ------
+    ArgumentError
+        Naming what is wrong.
+    """
+    R, T = np.asarray(R, float), np.asarray(T, float)
+    given = wrenches(instance, R.reshape(-1, 3, 3), T.reshape(-1, 3), point=point, length=length)
+    constants = None if stiffness is None else _six(stiffness, "stiffness")
+    limits = _stated(instance) if tolerance is None else _six(tolerance, "tolerance")
+    return Analysis(
+        given,
+        _reactions(given, load, at),
+        None if constants is None else given.stiffness(constants),
+        None if constants is None else given.least_stiffness(constants),
+        None if limits is None else accuracy(given, limits),
+        None if geometry_tolerance is None else _shape(given, geometry_tolerance),
+    )
+
+
+def _numbers(given: ArrayLike, counts: Sequence[int], name: str) -> Array:
+    numbers = np.atleast_1d(np.asarray(given, float)).ravel()
+    if len(numbers) not in counts or not np.isfinite(numbers).all():
+        expected = " or ".join(map(str, counts))
+        message = f"found {numbers.tolist()}, expected {expected} finite numbers"
+        raise ArgumentError(message, name)
+    return numbers
+
+
+def _six(given: ArrayLike, name: str) -> list[float]:
+    numbers: list[float] = np.resize(_numbers(given, (1, 6), name), 6).tolist()
+    return numbers
+
+
+def _stated(instance: Instance) -> list[float] | None:
+    """Return the tolerances of an instance if it has any; those left out are zero."""
+    stated = [constraint.tolerance for constraint in instance.constraints]
+    if all(tolerance is None for tolerance in stated):
+        return None
+    return [0.0 if tolerance is None else tolerance.value for tolerance in stated]
+
+
+def _reactions(given: Wrenches, load: ArrayLike | None, at: ArrayLike | None) -> Array | None:
+    """Return what holds a load and the weights that are stated, shape (n, 6); None for neither."""
+    held = None
+    if load is not None:
+        numbers = np.resize(np.append(_numbers(load, (3, 6), "load"), np.zeros(3)), 6)
+        place = given.point if at is None else _numbers(at, (3,), "at")
+        held = given.reactions(numbers[:3], numbers[3:], place)
+    if given.instance.dynamics is None:
+        return held
+    weights = inverse_dynamics(given.instance, given.R, given.T).in_file_units
+    return weights if held is None else held + weights
+
+
+def _shape(given: Wrenches, tolerance: ArrayLike) -> GeometryAccuracy:
+    numbers = _numbers(tolerance, (1, 2), "geometry_tolerance")
+    if numbers.min() < 0:
+        message = f"found {numbers.min():g}, expected numbers of at least 0"
+        raise ArgumentError(message, "geometry_tolerance")
+    return geometry_accuracy(given, *numbers.tolist())

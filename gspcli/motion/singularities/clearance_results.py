@@ -1,0 +1,185 @@
+"""How far the values at poses, or the poses, may change: bounds of many poses with their table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.errors import ArgumentError
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.readings import readings_of
+from gspcli.motion.poses.inverse_kinematics import measure
+from gspcli.motion.singularities import clearances, pose_clearances
+from gspcli.motion.singularities.clearances import Clearance
+from gspcli.motion.singularities.pose_clearances import PoseClearance
+from gspcli.progress import Progress, silent
+from gspcli.records import dataclass
+from gspcli.wording import counted
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+
+#: What may change.
+KINDS = ("values", "pose")
+
+
+@dataclass(frozen=True, eq=False)
+class Clearances:
+    """Proved bounds of the clearances of n poses.
+
+    Attributes
+    ----------
+    instance
+        The platform.
+    of
+        What changes: one of `KINDS`.
+    bounds
+        Those of each pose.
+    """
+
+    instance: Instance
+    of: str
+    bounds: tuple[Clearance | PoseClearance, ...]
+
+    def __repr__(self) -> str:
+        kinds = self.instance.name or self.instance.type.id
+        least = f", at least {self.lower.min():.6g}" if len(self.bounds) else ""
+        return f"<Clearances of {kinds}: {counted(len(self.bounds), 'pose')}{least}>"
+
+    @cached_property
+    def lower(self) -> Array:
+        """Proved: nothing singular is nearer, shape (n,); read-only."""
+        return self._column("lower")
+
+    @cached_property
+    def upper(self) -> Array:
+        """Where something singular was found, infinite where nothing was, shape (n,); read-only."""
+        return self._column("upper")
+
+    def _column(self, name: str) -> Array:
+        column = np.array([getattr(one, name) for one in self.bounds], dtype=float)
+        column.setflags(write=False)
+        return column
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return what is known of each pose, as plain data."""
+        return [
+            _of_pose(self.instance, one)
+            if isinstance(one, PoseClearance)
+            else _of_values(self.instance, one)
+            for one in self.bounds
+        ]
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a row for each pose: lower, upper, ratio, by, constraint; imports pandas."""
+        import pandas as pd
+
+        columns = ["lower", "upper", "ratio", "by", "constraint"]
+        return pd.DataFrame(self.rows(), columns=columns)
+
+    def to_json(self, names: Sequence[Mapping[str, Any]] | None = None) -> dict[str, Any]:
+        """Return everything as plain data of schema ``gsp.clearance/1``.
+
+        Parameters
+        ----------
+        names
+            What each pose is called; without it they have no ``mode``.
+        """
+        called = [{"mode": None}] * len(self.bounds) if names is None else names
+        rows = [{**name, **row} for name, row in zip(called, self.rows(), strict=True)]
+        head = {"schema": "gsp.clearance/1", **self.instance.to_json()}
+        return {**head, "of": self.of, "modes": rows}
+
+
+def clearance(
+    instance: Instance,
+    R: ArrayLike,
+    T: ArrayLike,
+    *,
+    of: str = KINDS[0],
+    points: ArrayLike | None = None,
+    refine: bool = False,
+    progress: Progress = silent,
+) -> Clearances:
+    """Bound how far values, or the pose, may change before poses meet a singularity.
+
+    Parameters
+    ----------
+    instance
+        The platform. If each constraint has a range, changes count in halves of them.
+    R, T
+        The poses, shapes (n, 3, 3) and (n, 3).
+    of
+        ``values`` or ``pose``: what changes.
+    points
+        Of a pose: the points of the platform, in its frame, whose displacements count, shape
+        (m, 3); by default those of the distances.
+    refine
+        Whether to look for better bounds: a few seconds a pose.
+    progress
+        Told of each pose.
+
+    Raises
+    ------
+    ArgumentError
+        Naming what is wrong.
+    """
+    if of not in KINDS:
+        message = f"found {of!r}, expected {' or '.join(KINDS)}"
+        raise ArgumentError(message, "of")
+    if points is not None and of == KINDS[0]:
+        message = "points count for the clearance of a pose only"
+        raise ArgumentError(message, "points")
+    poses = list(zip(np.reshape(R, (-1, 3, 3)), np.reshape(T, (-1, 3)), strict=True))
+    weights = clearances.range_weights(instance)
+    found: list[Clearance | PoseClearance] = []
+    for turn, place in progress(poses, total=len(poses), label="poses"):
+        if of == KINDS[0]:
+            bounds = clearances.clearance(instance, turn, place, weights=weights, refine=refine)
+            found.append(bounds)
+        else:
+            reach = pose_clearances.pose_clearance(
+                instance, turn, place, points=points, refine=refine
+            )
+            found.append(reach)
+    return Clearances(instance, of, tuple(found))
+
+
+def _of_values(instance: Instance, found: Clearance) -> dict[str, Any]:
+    """Return what is known of how far the values of one mode may change."""
+    row = _bounds(found.lower, found.upper, found.ratio)
+    if found.values is None:
+        return row
+    readings = readings_of(instance, found.values).tolist()
+    row |= {"by": "fold" if found.end is None else "end of range", "values": readings}
+    if found.end is not None:
+        row["constraint"] = found.end + 1
+    if found.fold is not None:
+        row |= {"R": found.fold.R.tolist(), "T": found.fold.T.tolist()}
+    return row
+
+
+def _of_pose(instance: Instance, found: PoseClearance) -> dict[str, Any]:
+    """Return what is known of how far one pose may move."""
+    row = _bounds(found.lower, found.upper, found.ratio)
+    if found.R is None or found.T is None:
+        return row
+    values = measure(instance, found.R, found.T).tolist()
+    pose = {"R": found.R.tolist(), "T": found.T.tolist()}
+    return row | {"by": "singular pose", "values": values, **pose}
+
+
+def _bounds(lower: float, upper: float, ratio: float) -> dict[str, Any]:
+    """Return both bounds, and places for where the upper one is."""
+    return {
+        "lower": lower,
+        "upper": upper if upper < float("inf") else None,
+        "ratio": ratio if ratio < float("inf") else None,
+        **dict.fromkeys(("by", "constraint", "values", "R", "T")),
+    }

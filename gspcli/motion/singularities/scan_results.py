@@ -1,0 +1,225 @@
+"""The modes where values vary, and the folds between them, with their table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.defaults import SEED
+from gspcli.errors import ArgumentError
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.quaternions import quaternion_from_rotation
+from gspcli.geometry.ranges import wrong_value
+from gspcli.geometry.readings import factors, is_corrected, offsets, without_corrections
+from gspcli.motion.singularities.crossings import Boundary, Crossing, boundary
+from gspcli.motion.singularities.value_scans import MISSING, Axis, Scan
+from gspcli.motion.singularities.value_scans import scan as scan_values
+from gspcli.records import dataclass
+from gspcli.wording import counted
+from gspcli.workers import HERE, Workers
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+
+#: Columns of the pose at a fold.
+POSE = ("Tx", "Ty", "Tz", "qw", "qx", "qy", "qz")
+
+
+@dataclass(frozen=True, eq=False)
+class ScanResult:
+    """What was found where values vary.
+
+    Attributes
+    ----------
+    found
+        The modes at the nodes.
+    limits
+        The folds between nodes; empty if not asked for.
+    folds
+        Whether tables are of the folds instead of the nodes.
+    """
+
+    found: Scan
+    limits: Boundary
+    folds: bool = False
+
+    def __repr__(self) -> str:
+        known = self.found.modes[self.found.modes >= 0]
+        modes = f", {known.min()} to {known.max()} modes" if known.size else ""
+        folds = f", {counted(len(self.limits.crossings), 'fold')}" if self.folds else ""
+        instance = self.found.instance
+        size = counted(self.found.modes.size, "node")
+        return f"<ScanResult of {instance.name or instance.type.id}: {size}{modes}{folds}>"
+
+    @property
+    def names(self) -> list[str]:
+        """The numbers of the constraints that vary."""
+        return [str(axis.constraint + 1) for axis in self.found.axes]
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return the nodes that are known, or the folds, as plain data."""
+        return self._crossings() if self.folds else self._nodes()
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the nodes, or the folds, as a table (pandas is imported now)."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows())
+
+    def to_json(self) -> dict[str, Any]:
+        """Return everything as plain data of schema ``gsp.scan/1``."""
+        axes = zip(self.names, self.found.axes, strict=True)
+        document: dict[str, Any] = {
+            "schema": "gsp.scan/1",
+            **self.found.instance.to_json(),
+            "vary": {name: list(axis.values) for name, axis in axes},
+        }
+        if not self.folds:
+            return document | {"nodes": self.rows()}
+        curves = [
+            {
+                "closed": curve.closed,
+                "values": curve.values.tolist(),
+                "cusps": curve.cusps.tolist(),
+            }
+            for curve in self.limits.curves
+        ]
+        return document | {"folds": self.rows(), "curves": curves}
+
+    def _nodes(self) -> list[dict[str, Any]]:
+        found, rows = self.found, []
+        for node in np.ndindex(*found.modes.shape):
+            axes = zip(self.names, found.axes, node, strict=True)
+            row: dict[str, Any] = {name: axis.values[k] for name, axis, k in axes}
+            modes = int(found.modes[node])
+            if modes == MISSING:
+                continue
+            row |= {
+                "modes": None if modes < 0 else modes,
+                "condition": _finite(found.conditions[node]),
+            }
+            if found.clearances is not None:
+                row["clearance"] = _finite(found.clearances[node])
+            rows.append(row)
+        return rows
+
+    def _crossings(self) -> list[dict[str, Any]]:
+        return [
+            {
+                **dict(zip(self.names, one.values, strict=True)),
+                "change": one.change,
+                **dict(zip(POSE, _numbers(one), strict=True)),
+            }
+            for one in sorted(self.limits.crossings, key=lambda one: one.values)
+        ]
+
+
+def scan(
+    instance: Instance,
+    vary: Mapping[int, ArrayLike],
+    *,
+    folds: bool = False,
+    clearance: bool = False,
+    seed: int = SEED,
+    workers: Workers = HERE,
+) -> ScanResult:
+    """Count the real assembly modes where one or two values vary.
+
+    Parameters
+    ----------
+    instance
+        Geometry, units, sides, and the values that do not vary.
+    vary
+        Increasing values by the numbers of the constraints, from 1, in the units of the instance:
+        one or two, shapes (n1,) and (n2,).
+    folds
+        Whether to prove where between neighbouring nodes the number changes.
+    clearance
+        Whether to bound the clearance of each pose, too.
+    seed
+        As for `solve_values`; nothing depends on it.
+    workers
+        Who does the work.
+
+    Raises
+    ------
+    ArgumentError
+        If a constraint or a value cannot be.
+    """
+    for number in vary:
+        if number not in range(1, len(instance.constraints) + 1):
+            message = f"found constraint {number}, expected a number from 1 to 6"
+            raise ArgumentError(message, "vary")
+    axes = [Axis(k - 1, tuple(np.asarray(v, float).tolist())) for k, v in vary.items()]
+    asked = Scan.empty(instance, axes, clearance=clearance)
+    check_values(asked, "vary")
+    platform, moved = corrected(asked)
+    found = scan_values(platform, moved, clearance=clearance, seed=seed, workers=workers)
+    result = as_read(asked, found, boundary(found) if folds else Boundary(), folds=folds)
+    for array in (result.found.modes, result.found.conditions, result.found.clearances):
+        if array is not None:
+            array.setflags(write=False)
+    return result
+
+
+def corrected(asked: Scan) -> tuple[Instance, list[Axis]]:
+    """Return what to scan, with the offsets and scales of the instance in its values."""
+    if not is_corrected(asked.instance):
+        return asked.instance, list(asked.axes)
+    axes = [
+        replace(axis, values=tuple(value * factor + offset for value in axis.values))
+        for axis, factor, offset in zip(asked.axes, *_corrections(asked), strict=True)
+    ]
+    return without_corrections(asked.instance), axes
+
+
+def as_read(asked: Scan, found: Scan, limits: Boundary, *, folds: bool) -> ScanResult:
+    """Return what was found with values as they are read: offsets and scales taken away again."""
+    if not is_corrected(asked.instance):
+        return ScanResult(found, limits, folds)
+    scales, added = _corrections(asked)
+    limits.crossings = [
+        replace(one, values=tuple(((one.values - added) / scales).tolist()))
+        for one in limits.crossings
+    ]
+    limits.curves = [
+        replace(
+            curve,
+            values=(curve.values - added) / scales,
+            cusps=(curve.cusps - added) / scales,
+        )
+        for curve in limits.curves
+    ]
+    return ScanResult(replace(found, instance=asked.instance, axes=asked.axes), limits, folds)
+
+
+def check_values(found: Scan, name: str) -> None:
+    """Raise `ArgumentError` if a value is none that its constraint can have."""
+    for axis in found.axes:
+        kind = found.instance.constraints[axis.constraint].kind
+        for value in (axis.values[0], axis.values[-1]):
+            wrong = wrong_value(kind, Number.of(value), found.instance.units.angle)
+            if wrong and not kind.has_sides:
+                message = f"found {value:g} for constraint {axis.constraint + 1}, {wrong}"
+                raise ArgumentError(message, name)
+
+
+def _corrections(asked: Scan) -> tuple[Array, Array]:
+    """Return what the values of the axes are multiplied by, and what is added to them then."""
+    chosen = [axis.constraint for axis in asked.axes]
+    return factors(asked.instance)[chosen], offsets(asked.instance, signed=False)[chosen]
+
+
+def _numbers(one: Crossing) -> list[float]:
+    return [*one.T.tolist(), *quaternion_from_rotation(one.R).tolist()]
+
+
+def _finite(number: Any) -> float | None:
+    return float(number) if number < float("inf") else None
