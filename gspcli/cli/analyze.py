@@ -43,7 +43,7 @@ _ZERO = 1e-12
 @click.command()
 @click.argument("spec", metavar="SPEC")
 @click.argument("rows", metavar="[ROWS]", required=False)
-@mode_option("Only this mode of SPEC, in detail; also along a file of values.")
+@mode_option("only this one, in detail; also along a file of values.")
 @pose_value_option("instead of the modes of SPEC")
 @near_option("of a file of values only this one is followed")
 @value_options
@@ -122,7 +122,8 @@ def command(
     \b
     Examples:
       gsp analyze platform.yaml
-      gsp analyze platform.yaml --mode home --load 0,0,-100@0,0,250 --tolerance 0.01
+      gsp analyze platform.yaml --mode home --load 0,0,-100@0,0,250 \\
+        --tolerance 0.01
       gsp analyze platform.yaml --pose 0,0,1.5,1,0,0,0 --stiffness 2e6
       gsp analyze platform.yaml path.csv --load 0,0,-9 --require "force<=20"
     """

@@ -72,7 +72,7 @@ if TYPE_CHECKING:
     metavar="N",
     help="Which N poses to measure next, after those of DATA if it is given.",
 )
-@mode_option("With --plan: the real pose about which poses are planned.  [default: home]")
+@mode_option("about which poses are planned.  [default: home]")
 @seed_option(": of --plan")
 @pose_options
 @output_options(formats=(*FORMATS, "yaml", *DRAWINGS))

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("spec", metavar="SPEC")
 @click.argument("rows", metavar="[ROWS]", required=False)
-@mode_option("This mode of SPEC; also along a file of values.  [default: home]")
-@click.option("--all-modes", is_flag=True, help="All real poses.")
+@mode_option("only this one; also along a file of values.  [default: home]")
+@click.option("--all-modes", is_flag=True, help="All real poses: not home only.")
 @pose_value_option("instead of the modes of SPEC")
 @near_option("of a file of values only this one is followed")
 @value_options

@@ -54,7 +54,7 @@ _MOST_NAMED = 5
 @click.command()
 @click.argument("spec", metavar="SPEC")
 @click.argument("rows", metavar="[ROWS]", required=False)
-@mode_option("This mode of SPEC; also along a file of values.  [default: home, all without ROWS]")
+@mode_option("only this one; also along a file of values.  [default: home, all without ROWS]")
 @pose_value_option("instead of the modes of SPEC")
 @near_option("of a file of values only this one is followed")
 @value_options

@@ -37,10 +37,7 @@ _COORDINATES = ("study", "study-affine", "rt")
     help="For which.",
 )
 @value_options
-@mode_option(
-    f"For {listed(_POSES, 'and')}: the real pose to build, as `gsp solve` numbers them.  "
-    "[default: home]"
-)
+@mode_option(f"what is built for {listed(_POSES, 'and')}.  [default: home]")
 @click.option(
     "--coordinates",
     type=click.Choice(_COORDINATES),

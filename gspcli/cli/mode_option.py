@@ -43,7 +43,8 @@ class ModeNumber(Whole):
 
 def mode_option(what: str) -> Callable[[Function], Function]:
     """Add ``--mode K|home``, with what it is for."""
-    return click.option("--mode", type=ModeNumber(), metavar="K|home", help=what)
+    meaning = f"A real pose by its number of `gsp solve`, or home: {what}"
+    return click.option("--mode", type=ModeNumber(), metavar="K|home", help=meaning)
 
 
 def chosen(mode: Mode | None, home: HomeMode | None, count: int) -> int:

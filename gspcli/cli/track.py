@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("spec", metavar="SPEC")
 @click.argument("values", metavar="VALUES")
-@mode_option("Follow only this mode, as `gsp solve SPEC` numbers them.")
+@mode_option("only this one is followed.")
 @near_option("only this one is followed")
 @value_options
 @click.option(
@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 @click.option(
     "--all-modes",
     is_flag=True,
-    help="Of a file of poses: follow all modes, not only that of the poses.",
+    help="All real poses: of a file of poses follow them, not only that of the poses.",
 )
 @click.option(
     "--complete",

@@ -34,7 +34,7 @@ _PAGE = "html"
 @click.command()
 @click.argument("spec", metavar="SPEC")
 @value_options
-@mode_option("The mode that is shown first, as `gsp solve` numbers them.  [default: home]")
+@mode_option("what is shown first.  [default: home]")
 @click.option(
     "--track",
     "track",
@@ -45,7 +45,9 @@ _PAGE = "html"
 @pose_options
 @click.option("--open", "opened", is_flag=True, help="Open the page in the browser.")
 @click.option(
-    "--all-modes", is_flag=True, help="Of a drawing (svg, png, pdf): a panel for every mode."
+    "--all-modes",
+    is_flag=True,
+    help="All real poses: of a drawing (svg, png, pdf) a panel for each.",
 )
 @click.option(
     "--from",

@@ -44,7 +44,7 @@ _MOST_SHOWN = 2_000_000
 
 @click.command()
 @click.argument("spec", metavar="SPEC")
-@mode_option("Begin at this mode of SPEC.  [default: home]")
+@mode_option("where to begin.  [default: home]")
 @pose_value_option("home, instead of a mode of SPEC")
 @click.option(
     "--orientation",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from gspcli import __version__
 from gspcli.catalogue.types import GspType
 from gspcli.defaults import SEED
 from gspcli.reality.real_distribution import Sample, Tally
@@ -45,8 +46,6 @@ class SampleResult:
 
     def to_json(self) -> dict[str, Any]:
         """Return everything as plain data of schema ``gsp.sample/1``."""
-        from gspcli import __version__
-
         wanted, tally = self.wanted, self.tally
         return {
             "schema": "gsp.sample/1",

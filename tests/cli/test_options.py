@@ -15,8 +15,6 @@ from tools.build.samples import commands
 
 #: What differs by nature: the formats and tables that a command has.
 _CHOICES_OF_A_COMMAND = {"--format", "--part"}
-#: What is looked at without it differs.
-_BY_DEFAULT = {"--mode"}
 #: Spellings that were given up, each for the one that it is now.
 _GIVEN_UP = {
     "--count of enumerate": "--by-class",
@@ -69,8 +67,6 @@ def test_an_option_means_the_same_in_all_commands(spelling: str) -> None:
     uses = USES[spelling].values()
     assert len({option.metavar for option in uses}) == 1
     assert len({option.is_flag for option in uses}) == 1
-    if spelling in _BY_DEFAULT:
-        return
     assert len({_said(option) for option in uses}) == 1
     assert len({type(option.type) for option in uses}) == 1
     assert len({(option.multiple, option.nargs) for option in uses}) == 1

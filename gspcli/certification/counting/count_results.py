@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from gspcli import __version__
 from gspcli.certification.counting.exact_counts import ExactCount
 from gspcli.certification.counting.modular_platform import NotCountedError
 from gspcli.certification.counting.platform_counts import count_exactly, count_geometry
@@ -61,8 +62,6 @@ class PlatformCounts:
 
     def to_json(self) -> dict[str, Any]:
         """Return everything as plain data of schema ``gsp.count/1``."""
-        from gspcli import __version__
-
         exact, geometry = self.exact, self.geometry
         return {
             "schema": "gsp.count/1",
