@@ -21,13 +21,13 @@ ELSEWHERE = {"calibration.md", "mount.md"}
 #: What takes hours, a cluster, or a limit of time that it uses up: it is only read.
 ENDLESS = re.compile(
     r"gsp atlas (build|verify)|--time|--count 100000|=5:7:500"
-    r"|gsp maximize-real (6PP --target|platform)"
+    r"|gsp maximize-real (?!.*--show)"
 )
 #: What takes seconds.
 LONG = re.compile(
     r"table (all|errata) --check|--all-modes|gsp workspace platform|--of pose|--folds|gsp sample"
     r"|gsp calibrate|gsp clearance platform.yaml( --mode| path| *$|  )|--random 200|cranks"
-    r"|sensors platform"
+    r"|sensors platform|3DLL 3ALL|=-9:9:60|atlas summary --format"
 )
 #: Exit codes that are meant; 0 otherwise. What a machine of the reader's keeps is not known.
 CODES = {

@@ -121,7 +121,7 @@ def test_instances_can_be_written_and_read() -> None:
 
 
 def test_irrational_lengths_are_refused() -> None:
-    text = dumps(solved(CASES[2])[0])
+    text = dumps(solved(next(case for case in CASES if case.key == "6PH"))[0])
     crooked = loads(re.sub(r"normal: \[[^\]]*\]", "normal: [1, 1, 1]", text))
     with pytest.raises(ValueError, match=r"irrational: sqrt\(3\)"):
         stated_equations(crooked)
@@ -154,7 +154,7 @@ def test_an_exact_peer_lists_the_real_ones() -> None:
 STUB = """
 import numpy as np
 
-def solver66(X, x, L, realOnly):
+def {name}(X, x, L, realOnly):
     assert not X[0].any() and not x[0].any()
     found = np.load({file!r})
     legs = found[:, :, :3] @ x.T + found[:, :, 3:] - X.T
@@ -164,25 +164,32 @@ def solver66(X, x, L, realOnly):
 """
 
 
+@pytest.mark.parametrize(("key", "name"), [("6-6", "solver66"), ("planar 6-6", "solver6p6p")])
 def test_fksgp_is_asked_in_frames_that_begin_at_the_first_points(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    key: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A copy that knows our poses, in those frames, gives them back."""
-    instance, result, _ = solved(CASES[0])
+    """A copy that knows our poses, in those frames, gives them back; planar ones apart."""
+    instance, result, _ = solved(next(case for case in CASES if case.key == key))
     y, x = result.arrangement.y[0], result.arrangement.x[0]
     t = result.T - x + result.R @ y
     np.save(tmp_path / "poses.npy", np.concatenate((result.R, t[:, :, None]), axis=2))
     (tmp_path / "python").mkdir()
     assert fksgp.version(tmp_path) == fksgp.version(None) == ""
-    source = STUB.format(file=str(tmp_path / "poses.npy"))
-    (tmp_path / "python" / "solver66.py").write_text(source, encoding="utf-8")
+    source = STUB.format(file=str(tmp_path / "poses.npy"), name=name)
+    (tmp_path / "python" / "solver66.py").write_text("", encoding="utf-8")
+    (tmp_path / "python" / f"{name}.py").write_text(source, encoding="utf-8")
     assert fksgp.version(tmp_path).startswith("sha256 ")
-    for name in ("_fksgp", "_fksgp.solver66"):
-        monkeypatch.delitem(sys.modules, name, raising=False)
+    modules = ("_fksgp", f"_fksgp.{name}")
+    for module in modules:
+        monkeypatch.delitem(sys.modules, module, raising=False)
     assert compare(fksgp.solve(tmp_path, instance, SEED), result).clean
-    for name in ("_fksgp", "_fksgp.solver66"):
-        del sys.modules[name]
-    assert [case.key for case in SMALL if fksgp.can(case)] == ["6-6", "Dietmaier"]
+    for module in modules:
+        del sys.modules[module]
+    assert [case.key for case in SMALL if fksgp.can(case)] == [
+        "6-6",
+        "planar 6-6",
+        "Dietmaier",
+    ]
 
 
 @pytest.mark.parametrize("given", ["fksgp", "other=.", "fksgp=nowhere"])
