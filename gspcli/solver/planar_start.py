@@ -39,7 +39,7 @@ def planar_starts(arrangement: Arrangement, starts: SolvedStarts) -> list[StartS
         What is kept of solved platforms.
     """
     bodies = arrangement.y, arrangement.x
-    flat = tuple(bool(np.ptp(points[:, 2]) <= _FLAT) for points in bodies)
+    flat = (_is_flat(arrangement.y), _is_flat(arrangement.x))
     if set(arrangement.kinds) != {DPP} or not any(flat) or any(map(_shares_joints, bodies)):
         return []
     if not starts.is_second(flat):
@@ -48,6 +48,10 @@ def planar_starts(arrangement: Arrangement, starts: SolvedStarts) -> list[StartS
         starts.kept(Sort.REFERENCE, (flat, seed), partial(_solved, flat, seed)) for seed in _SEEDS
     )
     return [start for start in made if start is not None]
+
+
+def _is_flat(points: NDArray[np.float64]) -> bool:
+    return bool(np.ptp(points[:, 2]) <= _FLAT)
 
 
 def _shares_joints(points: NDArray[np.float64]) -> bool:
