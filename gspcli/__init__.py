@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.masses import Drives, Dynamics, Leg, LegBody, RigidBody
     from gspcli.geometry.numbers import Number
     from gspcli.geometry.primitives import Cone, Line, Plane, Point
-    from gspcli.motion import measure, track
+    from gspcli.motion import Follower, measure, track
     from gspcli.pictures.notebook import notebook_view
     from gspcli.sensing import fit_readings, sensors
     from gspcli.solver import solve, solve_batch, solve_values
@@ -49,6 +49,7 @@ _HOMES = {
     "Drives": "gspcli.geometry.masses",
     "Dynamics": "gspcli.geometry.masses",
     "Family": "gspcli.catalogue.types",
+    "Follower": "gspcli.motion",
     "GspError": "gspcli.errors",
     "GspType": "gspcli.catalogue.types",
     "Instance": "gspcli.geometry.instance",
@@ -105,6 +106,7 @@ __all__ = [
     "Drives",
     "Dynamics",
     "Family",
+    "Follower",
     "GspError",
     "GspType",
     "Instance",

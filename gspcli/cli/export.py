@@ -13,7 +13,7 @@ from gspcli.cli.output import Output, check_writable, write
 from gspcli.cli.progress_bars import working
 from gspcli.cli.streams import say
 from gspcli.errors import GspError
-from gspcli.export.format import PoseFormat, SystemFormat
+from gspcli.export.format import ControllerFormat, PoseFormat, SystemFormat
 from gspcli.export.formats import FORMATS
 from gspcli.wording import listed
 
@@ -21,8 +21,9 @@ if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
     from gspcli.solver import Solution
 
-#: What is given a pose, and what is given equations.
+#: What is given a pose, what is a program, and what is given equations.
 _POSES = {name: form for name, form in FORMATS.items() if isinstance(form, PoseFormat)}
+_PROGRAMS = {name: form for name, form in FORMATS.items() if isinstance(form, ControllerFormat)}
 _SYSTEMS = {name: form for name, form in FORMATS.items() if isinstance(form, SystemFormat)}
 _COORDINATES = ("study", "study-affine", "rt")
 
@@ -32,7 +33,7 @@ _COORDINATES = ("study", "study-affine", "rt")
 @click.option(
     "--to",
     "target",
-    type=click.Choice((*_POSES, *_SYSTEMS)),
+    type=click.Choice((*_POSES, *_PROGRAMS, *_SYSTEMS)),
     required=True,
     help="For which.",
 )
@@ -47,7 +48,8 @@ _COORDINATES = ("study", "study-affine", "rt")
     "--mode",
     type=Whole(1),
     metavar="K",
-    help=f"For {listed(_POSES, 'and')}: the real pose to build, in the order of `gsp solve`.  "
+    help=f"For {listed((*_POSES, *_PROGRAMS), 'and')}: the real pose to build, in the order of "
+    "`gsp solve`.  "
     "[default: 1]",
 )
 @click.option(
@@ -65,6 +67,18 @@ _COORDINATES = ("study", "study-affine", "rt")
     help="For systems: significant digits of irrational numbers.",
 )
 @click.option(
+    "--prefix",
+    metavar="NAME",
+    help="For c: what names begin with.  [default: the name of the file]",
+)
+@click.option(
+    "--tries",
+    type=click.IntRange(1, 1000),
+    default=48,
+    show_default=True,
+    help="For c: how many parts of a line of values a step tries: its time is bounded by them.",
+)
+@click.option(
     "-o", "--output", "path", metavar="FILE", help="Write to FILE instead of stdout, replacing it."
 )
 def command(
@@ -74,11 +88,15 @@ def command(
     mode: int | None,
     coordinates: str,
     digits: int,
+    prefix: str | None,
+    tries: int,
     path: str | None,
 ) -> None:
     """Write a platform as a file for another program.
 
     {poses}
+
+    {programs}
 
     The others are systems of polynomials for programs that solve them, with rational
     coefficients exactly as in SPEC: study are unit dual quaternions q, f (each pose twice),
@@ -92,6 +110,7 @@ def command(
     Examples:
       gsp export @rubin-m2 --to mjcf -o m2.xml
       gsp export platform.yaml --to mjcf --mode 3 > model.xml
+      gsp export @nano-hexapod --to c -o nano_hexapod.c
       gsp export @dietmaier --to msolve -o d.ms && msolve -f d.ms -o d.out
       gsp certify @dietmaier d.out
     """
@@ -101,6 +120,9 @@ def command(
     if file is not None:
         check_writable(file)
     instance = set_values(load_instance(spec), settings)
+    if target in _PROGRAMS:
+        _write_program(instance, _PROGRAMS[target], file, prefix, tries, mode)
+        return
     if target in _POSES:
         text = _POSES[target].write(instance, _pose(instance, mode or 1))
     else:
@@ -117,8 +139,41 @@ def _irrational() -> str:
 
 
 command.help = str(command.help).format(
-    poses="\n\n".join(form.what for form in _POSES.values()), irrational=_irrational()
+    poses="\n\n".join(form.what for form in _POSES.values()),
+    programs="\n\n".join(form.what for form in _PROGRAMS.values()),
+    irrational=_irrational(),
 )
+
+
+def _write_program(
+    instance: Instance,
+    form: ControllerFormat,
+    source: Path | None,
+    prefix: str | None,
+    tries: int,
+    mode: int | None,
+) -> None:
+    """Write the two files of a program."""
+    last, suffix = form.suffixes[0], form.suffixes[1]
+    if source is None or source.suffix != suffix:
+        message = f"two files are written: expected -o NAME{suffix}, NAME{last} is then beside it"
+        raise GspError(message)
+    header = source.with_suffix(last)
+    check_writable(header)
+    texts = form.write(instance, prefix or source.stem, tries, _home(instance, mode))
+    for path, text in zip((header, source), texts, strict=True):
+        write(Output(path.suffix[1:], path), text)
+
+
+def _home(instance: Instance, mode: int | None) -> Solution | None:
+    """Return the pose of a mode; without a number the first one, if there is any."""
+    from gspcli.solver import solve
+
+    if mode is not None:
+        return _pose(instance, mode)
+    with working("solving"):
+        real = solve(instance, certify=False).real_solutions
+    return real[0] if real else None
 
 
 def _pose(instance: Instance, number: int) -> Solution:

@@ -4,6 +4,7 @@ from gspcli.geometry.limits import out_of_range
 from gspcli.motion.files.pose_files import PoseFormat, PoseTable, read_pose, read_poses
 from gspcli.motion.files.value_files import ValueTable, read_values
 from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
+from gspcli.motion.following.follower import Follower, FollowerReport, FollowerStatus
 from gspcli.motion.following.tracks import Event, Track
 from gspcli.motion.following.trajectories import track
 from gspcli.motion.poses.cranks import crank_angles
@@ -15,6 +16,9 @@ from gspcli.motion.workspace.workspaces import Workspace
 __all__ = [
     "Event",
     "FollowOptions",
+    "Follower",
+    "FollowerReport",
+    "FollowerStatus",
     "MovingPlatform",
     "PoseFormat",
     "PoseTable",
