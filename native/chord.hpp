@@ -44,6 +44,7 @@ struct Along {
   Series value[kRows];
   D curvature[kRows];  // not below the second derivatives within kReach
   D value_error[kRows], gradient_error[kRows];
+  D bend_error[kRows];  // of the value between the ends only, where c(tau) is a parabola
 };
 
 // A vector-valued polynomial: of gradients.
@@ -69,7 +70,9 @@ INLINE void along(const RealQuadric& q, const D* z, const D* d, D (*g)[N], D* x)
   x[2] = 0.5 * dot(g[1], d);
 }
 
-// Coefficients of c(tau) between two values, and the largest deviation from them.
+// Coefficients of c(tau) between two values, and the largest deviation from them, which vanishes at
+// both ends but for rounding.
+constexpr double kCurve = 0x1p-50;
 INLINE D moving(const MovingEquation& q, const D& from, const D& to, D* c) {
   const D change = to - from, middle = 0.5 * (from + to);
   switch (q.law) {
@@ -94,7 +97,7 @@ INLINE D moving(const MovingEquation& q, const D& from, const D& to, D* c) {
   c[1] = last - first;
   c[2] = half;
   const D size = absolute(change);
-  return 0.0625 * size * size * size + 0x1p-50;
+  return 0.0625 * size * size * size + kCurve;
 }
 
 // The six equations along the chord z + tau d.
@@ -126,6 +129,7 @@ void expand(const MovingSystem& system, const D* from, const D* to, const D* z, 
     out.curvature[0] = splat(1.0);
     out.value_error[0] = kPlain * square;
     out.gradient_error[0] = kPlain * size;
+    out.bend_error[0] = D{};
   }
   for (int k = 0; k < kConstraints; ++k) {
     const MovingEquation& q = system.equation[k];
@@ -151,7 +155,8 @@ void expand(const MovingSystem& system, const D* from, const D* to, const D* z, 
                         0.25 * absolute(c[2]) * size_de + 2.0 * size * deviation;
       out.curvature[k + 1] = splat(q.spectral);
       const double moduli = q.a.moduli + 2.0 * q.largest;
-      out.value_error[k + 1] = square * (0.5 * kPlain * moduli + deviation);
+      out.value_error[k + 1] = square * (0.5 * kPlain * moduli + kCurve);
+      out.bend_error[k + 1] = square * deviation;
       out.gradient_error[k + 1] = size * (kPlain * moduli);
       continue;
     }
@@ -212,6 +217,7 @@ void expand(const MovingSystem& system, const D* from, const D* to, const D* z, 
     const double value = q.form == Form::kProduct ? of_a + q.largest + of_b * of_b
                                                   : of_a * of_a + q.largest * (1.0 + of_b * of_b);
     out.value_error[k + 1] = square * square * (kOthers * value);
+    out.bend_error[k + 1] = D{};
     out.gradient_error[k + 1] = square * size * (4.0 * kOthers * value);
   }
 }

@@ -565,28 +565,27 @@ static double linearize(const geometry *g, const frame *f, const double *c, doub
   return (sqrt(defect) + 0x1p-49 * sqrt(moduli)) * OUTWARD;
 }
 
-/* The largest |Y (F'(x(s)) - F'(0))| for s in [0, 1]: what it is at the end, by the derivative of
- * exp, 1 + w^x / 2 up to |w|^2 / 6 (and |d|^3 / 24 since d has twice the tangent of half the angle),
- * and the error of interpolation in between; what values add to it is at most `cross`, there and at
- * the end. */
-static double slanting(const geometry *g, const frame *f, const frame *next, const part *p,
+/* |Y (F'(x) - F'(0))| for x = (w, t) = d from a frame to another one, with what it may deviate from
+ * the chord in between: by the derivative of exp, 1 + w^x / 2 up to |w|^2 / 6 (and |d|^3 / 5, since d
+ * may have the tangent of the angle), and the error of interpolation; what values add to it is at most
+ * `cross`, there and at the end. */
+static double slanting(const geometry *g, double (*J0)[6], const frame *end, const double *values,
                        const double *d, const bounds *b, double (*inverse)[6]) {
-  double F[6], J0[6][6], J1[6][6], rest[6], sum = 0.0, size = p->size;
+  double F[6], J[6][6], rest[6], sum = 0.0, size = length6(d) * OUTWARD;
   int i, j, k;
-  equations(g, f, p->from, F, J0);
-  equations(g, next, p->to, F, J1);
+  equations(g, end, values, F, J);
   for (k = 0; k < 6; ++k) {
     double turned[3];
-    cross(J1[k], d, turned);
-    for (j = 0; j < 6; ++j) J1[k][j] -= J0[k][j];
-    add(J1[k], 0.5, turned);
-    rest[k] = (1.0 + 0.25 * size) * size * size / 6.0 * b->first[k] + 0.125 * b->rest[k] +
+    cross(J[k], d, turned);
+    for (j = 0; j < 6; ++j) J[k][j] -= J0[k][j];
+    add(J[k], 0.5, turned);
+    rest[k] = (1.0 + 1.25 * size) * size * size / 6.0 * b->first[k] + 0.125 * b->rest[k] +
               2.0 * b->cross[k] + 3.0 * b->slant[k];
   }
   for (i = 0; i < 6; ++i)
     for (j = 0; j < 6; ++j) {
       double s = 0.0;
-      for (k = 0; k < 6; ++k) s += inverse[i][k] * J1[k][j];
+      for (k = 0; k < 6; ++k) s += inverse[i][k] * J[k][j];
       sum += s * s;
     }
   return sqrt(sum) + spread(inverse, rest);
@@ -596,43 +595,52 @@ typedef struct {
   double measure, error, alone; /* measure below one: proved */
 } proof;
 
-/* The rotation and the translation from one frame to another, and the frame in the middle; the angle
- * is at most twice the tangent of its half, which is the length of the rotation. Zero if it is 120
- * degrees or more. */
-static int chord(const frame *f, const frame *next, double *d, frame *middle) {
+/* A part of the line that is to be proved: its ends and its middle. */
+typedef struct {
+  const frame *start, *end;
+  const double *from, *to;
+  frame middle;
+  double half[6], d[6]; /* the values in the middle; the twist from the start to the middle, twice */
+} segment;
+
+/* Finds d and the middle; the angle is at most twice the tangent of its half, which is the length of
+ * the rotation. Zero if it is 120 degrees or more. */
+static int span(segment *p) {
+  const frame *f = p->start, *next = p->end;
   double v[3], real = f->q[0] * next->q[0] + dot(f->q + 1, next->q + 1), sign = real < 0.0 ? -1.0 : 1.0;
   int i;
   if (!(fabs(real) > 0.5)) return 0;
-  for (i = 0; i < 4; ++i) middle->q[i] = f->q[i] + sign * next->q[i];
-  rotate(middle);
+  for (i = 0; i < 4; ++i) p->middle.q[i] = f->q[i] + sign * next->q[i];
+  rotate(&p->middle);
   cross(f->q + 1, next->q + 1, v);
   for (i = 0; i < 3; ++i) {
-    middle->T[i] = 0.5 * (f->T[i] + next->T[i]);
-    d[i] = 2.0 / real * (f->q[0] * next->q[i + 1] - next->q[0] * f->q[i + 1] + v[i]);
-    d[i + 3] = next->T[i] - f->T[i];
+    p->middle.T[i] = 0.5 * (f->T[i] + next->T[i]);
+    p->d[i] = 2.0 / real * (f->q[0] * next->q[i + 1] - next->q[0] * f->q[i + 1] + v[i]);
+    p->d[i + 3] = next->T[i] - f->T[i];
   }
+  for (i = 0; i < 6; ++i) p->half[i] = 0.5 * (p->from[i] + p->to[i]);
   return 1;
 }
 
-static proof prove(const geometry *g, const frame *f, const frame *next, const double *from,
-                   const double *to, double (*inverse)[6], double defect) {
-  frame middle;
+/* The theorem for a segment, with charts about its start (Y there, which is at hand) or, dearer and
+ * sharper, about its middle. */
+static proof prove(const geometry *g, const segment *p, int central, double (*inverse)[6],
+                   double defect) {
   bounds b;
-  part p;
-  proof result = {8.0, 0.0, 0.0};
-  double d[6], F0[6], F1[6], bend[6], c[6], waste[6], shake, tube, q, beta, kappa, end;
+  part tubular;
+  proof result;
+  double F0[6], F1[6], bend[6], waste[6], size = length6(p->d) * OUTWARD + 0x1p-45, shake, tube, q, beta,
+         kappa, end;
+  const frame *centre = central ? &p->middle : p->start;
   int k;
-  if (!chord(f, next, d, &middle)) return result;
-  p.from = from, p.to = to;
-  p.size = length6(d) * OUTWARD + 0x1p-45;
-  tube = 0.5 * p.size + TUBE;
-  p.radius = p.size + tube;
-  bound(g, f, &p, &b);
-
-  equations(g, f, from, F0, 0);
-  equations(g, next, to, F1, 0);
-  for (k = 0; k < 6; ++k) c[k] = 0.5 * (from[k] + to[k]);
-  equations(g, &middle, c, bend, 0);
+  tube = 0.5 * size + TUBE;
+  tubular.from = p->from, tubular.to = p->to;
+  tubular.size = size;
+  tubular.radius = (central ? 0.5 * size : size) + tube;
+  bound(g, centre, &tubular, &b);
+  equations(g, p->start, p->from, F0, 0);
+  equations(g, p->end, p->to, F1, 0);
+  equations(g, &p->middle, p->half, bend, 0);
   for (k = 0; k < 6; ++k) bend[k] -= 0.5 * (F0[k] + F1[k]);
   shake = spread(inverse, b.error);
   end = correction(inverse, F1, waste) + shake;
@@ -640,19 +648,35 @@ static proof prove(const geometry *g, const frame *f, const frame *next, const d
          0.00802 * spread(inverse, b.third);
   beta *= OUTWARD;
   kappa = spread(inverse, b.second) * OUTWARD;
-  q = (defect + kappa * p.size + spread(inverse, b.cross) + spread(inverse, b.slant)) * OUTWARD;
+  if (central) {
+    double J[6][6], back[6], on[6], quarter = 0.25;
+    equations(g, centre, p->half, waste, J);
+    for (k = 0; k < 6; ++k) on[k] = 0.5 * p->d[k], back[k] = -on[k], b.rest[k] *= quarter;
+    q = larger(slanting(g, J, p->end, p->to, on, &b, inverse),
+               slanting(g, J, p->start, p->from, back, &b, inverse));
+  } else
+    q = kappa * size + spread(inverse, b.cross) + spread(inverse, b.slant);
+  q = (defect + q) * OUTWARD;
   result.measure = (q + sqrt(2.0 * kappa * beta)) * OUTWARD;
-  if (result.measure >= 1.0 && result.measure < 8.0) { /* dearer and sharper */
-    double sharp = (defect + slanting(g, f, next, &p, d, &b, inverse)) * OUTWARD;
-    if (sharp < q) q = sharp;
-    result.measure = (q + sqrt(2.0 * kappa * beta)) * OUTWARD;
-  }
   result.alone = (1.0 - q) / kappa;
   if (!(result.alone < tube)) result.alone = tube;
   result.error = 2.0 * end / (1.0 - q) * OUTWARD;
-  if (!(q < 1.0 && p.size < LONGEST + 0.25 && 2.0 * beta / (1.0 - q) < tube))
+  if (!(q < 1.0 && size < LONGEST + 0.25 && 2.0 * beta / (1.0 - q) < tube))
     result.measure = larger(result.measure, 2.0);
   return result;
+}
+
+/* The better of both proofs. */
+static proof attempt(const geometry *g, segment *p, double (*inverse)[6], double defect) {
+  double fresh[6][6];
+  proof found = {8.0, 0.0, 0.0};
+  if (!span(p)) return found;
+  found = prove(g, p, 0, inverse, defect);
+  if (found.measure >= 1.0 && found.measure < 16.0) {
+    double central = linearize(g, &p->middle, p->half, fresh);
+    if (central < 0.5) found = prove(g, p, 1, fresh, central);
+  }
+  return found;
 }
 
 /* Newton's method from a frame to the pose of some values; zero if it does not converge at once. */
@@ -758,7 +782,10 @@ static int follow(const geometry *g, const double *values, platform_state *state
     next = at;
     good = converge(g, to, inverse, &next);
     if (good) {
-      found = prove(g, &at, &next, from, to, inverse, defect);
+      segment whole;
+      whole.start = &at, whole.end = &next;
+      whole.from = from, whole.to = to;
+      found = attempt(g, &whole, inverse, defect);
       measure = found.measure;
       good = measure < 1.0 && 2.0 * error + 0x1p-44 < found.alone;
     }
