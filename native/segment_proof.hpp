@@ -118,8 +118,7 @@ Proof prove(const MovingSystem& system, const D* from, const D* to, D* z0, D* z1
     g0[c] = f[2] + 0.25 * g2;
     const D r1 = f[1] + 0.25 * g1[c], r0 = f[0] + 0.25 * g0[c];
     end += norm[c] * (absolute(r0) + 0.5 * absolute(r1) + chord.value_error[c]);
-    bent += norm[c] * (0.015625 * absolute(g2) + 0.00582 * absolute(g3) + 0.00232 * absolute(g4) +
-                       chord.bend_error[c]);
+    bent += norm[c] * (0.015625 * absolute(g2) + 0.00582 * absolute(g3) + 0.00232 * absolute(g4));
     kappa += norm[c] * chord.curvature[c];
     q += norm[c] * (chord.rest[c] + chord.gradient_error[c]);
   }

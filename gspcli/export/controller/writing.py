@@ -101,9 +101,7 @@ def _resolved(template: str, have: set[str]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _words(
-    instance: Instance, numbers: PlatformNumbers, home: Solution | None
-) -> dict[str, str]:
+def _words(instance: Instance, numbers: PlatformNumbers, home: Solution | None) -> dict[str, str]:
     """Return what stands for the words in the templates."""
     cranked = any(kind.endswith("CRANK") for kind in numbers.kinds)
     sided = any(row.kind.has_sides for row in instance.constraints)
@@ -135,7 +133,10 @@ def _values(instance: Instance, numbers: PlatformNumbers) -> str:
     """Return what the values are, for a comment."""
     parts = []
     for k, (row, kind) in enumerate(zip(instance.constraints, numbers.kinds, strict=True)):
-        what = {"BASE_CRANK": f"crank {row.base_name}", "PLATFORM_CRANK": f"crank {row.platform_name}"}
+        what = {
+            "BASE_CRANK": f"crank {row.base_name}",
+            "PLATFORM_CRANK": f"crank {row.platform_name}",
+        }
         names = "-".join(name for name in (row.platform_name, row.base_name) if name)
         parts.append(_comment(f"{k + 1} {what.get(kind, kind)} {names}".strip()))
     lines, line = [], ""
@@ -157,7 +158,9 @@ def _home(home: Solution | None) -> str:
 
 def _data(numbers: PlatformNumbers, source: str) -> str:
     """Return the definition of the numbers that the struct in a source has."""
-    struct = source.partition("typedef struct {\n  unsigned char kind")[2].partition("} geometry;")[0]
+    struct = source.partition("typedef struct {\n  unsigned char kind")[2].partition("} geometry;")[
+        0
+    ]
     names = set(re.findall(r"\b(\w+)(?=(?:\[\d\])*[,;])", "unsigned char kind" + struct))
     lines = ["static const geometry data = {"]
     for name in PlatformNumbers.__annotations__:

@@ -95,12 +95,12 @@ def platform_numbers(instance: Instance) -> PlatformNumbers:
     )
     turned = [kind.endswith("CRANK") for kind in kinds]
     angles = [turns or kind[0] == "A" for turns, kind in zip(turned, kinds, strict=True)]
-    levers = [
-        _lever(row, p.size, b.size) for row, p, b in zip(rows, platform, base, strict=True)
-    ]
+    levers = [_lever(row, p.size, b.size) for row, p, b in zip(rows, platform, base, strict=True)]
     lever = sum(levers) / max(sum(row.kind.is_distance for row in rows), 1)
     reach = 2.0 ** round(math.log2(lever)) if lever > 0 else 1.0
-    arms = [p if k == "PLATFORM_CRANK" else b for p, b, k in zip(platform, base, kinds, strict=True)]
+    arms = [
+        p if k == "PLATFORM_CRANK" else b for p, b, k in zip(platform, base, kinds, strict=True)
+    ]
     cranks = np.array([arm.radius for arm in arms]) / reach
     on_platform = np.array([kind == "PLATFORM_CRANK" for kind in kinds])
     Y, X = (np.array([place.nearest for place in body]) / reach for body in (platform, base))

@@ -116,7 +116,9 @@ class CompiledController:
         converted = [
             ctypes.c_void_p(x.ctypes.data)
             if isinstance(x, np.ndarray)
-            else ctypes.c_long(x) if isinstance(x, int) else x
+            else ctypes.c_long(x)
+            if isinstance(x, int)
+            else x
             for x in arguments
         ]
         getattr(self._library, name)(*converted)

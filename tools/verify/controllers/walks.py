@@ -101,15 +101,19 @@ def names() -> list[str]:
     return machines + [str(1 + k * (count - 1) // (TYPES - 1)) for k in range(TYPES)]
 
 
+def platform(name: str, rng: np.random.Generator) -> tuple[Instance, tuple[Array, Array]]:
+    """Return the platform of a name and a pose of it."""
+    if name.isdigit():
+        return random_instance(type_by_number(int(name)), rng)
+    instance = gspcli.load(PLATFORMS / f"{name}.yaml")
+    real = gspcli.solve(instance).real_solutions
+    return instance, (real[0].R.real, real[0].T.real)
+
+
 def examine(steps: int, name: str) -> Row:
     """Walk with the platform of a name."""
     rng = np.random.default_rng((SEED, *name.encode()))
-    if name.isdigit():
-        instance, (R, T) = random_instance(type_by_number(int(name)), rng)
-    else:
-        instance = gspcli.load(PLATFORMS / f"{name}.yaml")
-        real = gspcli.solve(instance).real_solutions
-        R, T = real[0].R.real, real[0].T.real
+    instance, (R, T) = platform(name, rng)
     kinds = " ".join(row.kind.name for row in instance.constraints)
     row = Row(name, kinds)
     with tempfile.TemporaryDirectory() as folder:
@@ -139,7 +143,9 @@ def _values(
     rng: np.random.Generator,
 ) -> tuple[Array, Array]:
     """Return the values of walks, shape (n, r, 6), and the poses where they begin, shape (n, 7)."""
-    size = max(float(np.abs(row.value.value)) for row in instance.constraints if row.kind.is_distance)
+    size = max(
+        float(np.abs(row.value.value)) for row in instance.constraints if row.kind.is_distance
+    )
     size = max(size, float(np.linalg.norm(T)))
     weights = rng.normal(size=(walks, 3, 6)) / 2
     s = np.arange(ROWS) * STEP / FAR
