@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -160,7 +161,8 @@ def _write_program(
         raise GspError(message)
     header = source.with_suffix(last)
     check_writable(header)
-    texts = form.write(instance, prefix or source.stem, tries, _home(instance, mode))
+    name = re.sub(r"\W", "_", source.stem, flags=re.ASCII) if prefix is None else prefix
+    texts = form.write(instance, name, tries, source.stem, _home(instance, mode))
     for path, text in zip((header, source), texts, strict=True):
         write(Output(path.suffix[1:], path), text)
 

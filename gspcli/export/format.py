@@ -62,13 +62,13 @@ class ControllerFormat:
     ----------
     write
         Their texts for an instance, what names begin with, how many parts of a line of values are
-        tried, and a pose that the header is to have, if any.
+        tried, the name of the files, and a pose that the header is to have, if any.
     suffixes
         What the names of the two files end with.
     what
         What that is, for the help.
     """
 
-    write: Callable[[Instance, str, int, Solution | None], tuple[str, str]]
+    write: Callable[[Instance, str, int, str, Solution | None], tuple[str, str]]
     suffixes: tuple[str, str]
     what: str

@@ -1,4 +1,4 @@
-"""The examples of docs/controller.md, compiled and run; each is skipped where its tools are absent."""
+"""The examples of docs/controller.md, compiled and run, where their tools are."""
 
 from __future__ import annotations
 

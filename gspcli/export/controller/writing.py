@@ -42,7 +42,12 @@ def checked_prefix(prefix: str) -> str:
 
 
 def controller(
-    instance: Instance, prefix: str, *, tries: int = TRIES, home: Solution | None = None
+    instance: Instance,
+    prefix: str,
+    *,
+    tries: int = TRIES,
+    name: str = "",
+    home: Solution | None = None,
 ) -> tuple[str, str]:
     """Return the header and the source for a platform.
 
@@ -54,6 +59,8 @@ def controller(
         What all public names begin with.
     tries
         How many parts of a line of values are tried before it is refused.
+    name
+        The name of the files without suffix; the prefix if it is empty.
     home
         A pose that the header is to have as a constant, or None.
 
@@ -67,13 +74,13 @@ def controller(
     words = _words(instance, numbers, home)
     have = {*numbers.kinds, "DATA"} | ({"HOME"} if home is not None else set())
     texts = []
-    for name in ("platform.h", "platform.c"):
-        template = resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
+    for part in ("platform.h", "platform.c"):
+        template = resources.files(__package__).joinpath(part).read_text(encoding="utf-8")
         text = _resolved(template, have)
         words["DATA"] = _data(numbers, text)
         text = _WORD.sub(lambda match: words[match[1]], text)
         text = text.replace("PLATFORM_TRIES 48", f"PLATFORM_TRIES {tries}")
-        text = text.replace("platform.h", f"{prefix}.h")
+        text = text.replace("platform.h", f"{name or prefix}.h")
         text = re.sub(r"\bplatform_(?=\w)", f"{prefix}_", text)
         texts.append(re.sub(r"\bPLATFORM_(?!CRANK)", f"{prefix.upper()}_", text))
     return texts[0], texts[1]

@@ -11,11 +11,13 @@ if TYPE_CHECKING:
     from gspcli.solver import Solution
 
 
-def write(instance: Instance, prefix: str, tries: int, home: Solution | None) -> tuple[str, str]:
+def write(
+    instance: Instance, prefix: str, tries: int, name: str, home: Solution | None
+) -> tuple[str, str]:
     """Return the header and the source."""
     from gspcli.export.controller.writing import controller
 
-    return controller(instance, prefix, tries=tries, home=home)
+    return controller(instance, prefix, tries=tries, name=name, home=home)
 
 
 FORMAT = ControllerFormat(

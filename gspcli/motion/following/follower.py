@@ -76,7 +76,8 @@ class Follower:
     Raises
     ------
     ArgumentError
-        If the pose is none, a crank does not reach, or a crank is not at the end of exactly one leg.
+        If the pose is none or a crank does not reach it, or a crank is not at the end of exactly
+        one leg.
 
     Examples
     --------

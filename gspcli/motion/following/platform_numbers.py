@@ -221,7 +221,7 @@ def _less(a: Exact, b: Exact) -> Exact:
 
 def _along(a: Exact, direction: Exact) -> Exact:
     """Return the part of a vector along a direction."""
-    share = sum(x * y for x, y in zip(a, direction, strict=True))
+    share = Fraction(sum(x * y for x, y in zip(a, direction, strict=True)))
     share /= sum(x * x for x in direction)
     return [share * x for x in direction]
 

@@ -96,9 +96,9 @@ void d_newton(long n, long rows, const double *values, double *poses, int *statu
     for (long r = 1; r < rows; ++r) {
       const long at = rows * i + r;
       status[at] = newton_pose(&data, values + 6 * at, &p, (int)most, tolerance);
-      if (status[at]) break;
       for (int k = 0; k < 3; ++k) poses[7 * at + k] = p.position[k];
       for (int k = 0; k < 4; ++k) poses[7 * at + 3 + k] = p.rotation[k];
+      if (status[at]) break;
     }
   }
 }

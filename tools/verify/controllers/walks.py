@@ -1,20 +1,23 @@
 """Verify that a controller's step never changes the branch in silence, and record it.
 
-    python -m tools.verify.controllers.walks [--steps 20000] [--jobs 2] [--work FOLDER]
+    python -m tools.verify.controllers.walks [--steps 60000] [--jobs 2] [--work FOLDER]
         [--check [--sample N]]
 
-The programs that `gsp export --to c` writes for the machines of ``data/platforms`` and for one random
-platform each of `TYPES` types, all kinds among them, are compiled and walk: half of the walks through
-the values of poses that move smoothly about a home pose, half straight away in a random direction of
-values, where most branches end in a fold. A step counts if the program says PROVED. What must hold:
+The programs that `gsp export --to c` writes for the machines of ``data/platforms`` and for one
+random platform each of `TYPES` types, all kinds among them, are compiled and walk: half of the
+walks through the values of poses that move smoothly about a pose, half straight away in a random
+direction of values, where most branches end in a fold. A step counts if the program says PROVED.
+What must hold:
 
-- the branch that the kernel follows with proof along the same rows (as `gsp track` does; of machines
-  with cranks as it follows moving coordinates, on fewer walks) has the same pose at each row;
+- the branch that the kernel follows with proof along the same rows (as `gsp track` does; of
+  machines with cranks as it follows moving coordinates, on fewer walks) has the same pose at each
+  row;
 - at the last proved row of some walks the pose is one of all real poses that `gsp solve` finds.
 
 ``different`` and ``unsolved`` count what does not hold, and the exit code is then 1. ``beyond`` are
-proved steps that the judge did not reach. ``refused`` are the steps that the program refused although
-the judge followed the branch to their end. The record is ``data/verification/controllers.csv``.
+proved steps that the judge did not reach. ``refused`` are the steps that the program refused
+although the judge followed the branch to their end. The record is
+``data/verification/controllers.csv``.
 """
 
 from __future__ import annotations
@@ -101,11 +104,15 @@ def names() -> list[str]:
     return machines + [str(1 + k * (count - 1) // (TYPES - 1)) for k in range(TYPES)]
 
 
-def platform(name: str, rng: np.random.Generator) -> tuple[Instance, tuple[Array, Array]]:
-    """Return the platform of a name and a pose of it."""
+def platform(
+    name: str, rng: np.random.Generator, home: float | None = None
+) -> tuple[Instance, tuple[Array, Array]]:
+    """Return the platform of a name and a pose of it, parallel at a height if one is given."""
     if name.isdigit():
         return random_instance(type_by_number(int(name)), rng)
     instance = gspcli.load(PLATFORMS / f"{name}.yaml")
+    if home is not None:
+        return instance, (np.eye(3), np.array([0.0, 0.0, home]))
     real = gspcli.solve(instance).real_solutions
     return instance, (real[0].R.real, real[0].T.real)
 
@@ -119,7 +126,7 @@ def examine(steps: int, name: str) -> Row:
     with tempfile.TemporaryDirectory() as folder:
         program = CompiledController(instance, Path(folder))
     walks = max(2, steps // (ROWS - 1))
-    values, start = _values(instance, program, R, T, walks, rng)
+    values, start = walk_values(instance, program, R, T, walks, rng)
     found = program.follow(start, values)
     _count(row, found)
     if _cranks(instance):
@@ -134,7 +141,7 @@ def _cranks(instance: Instance) -> list[str]:
     return [one.name for one in coordinates(instance) if one.vector == "crank"]
 
 
-def _values(
+def walk_values(
     instance: Instance,
     program: CompiledController,
     R: Array,
@@ -248,7 +255,7 @@ def _solve(row: Row, instance: Instance, values: Array, found: Walks) -> None:
 def main() -> int:
     """Write the record, or check it."""
     line = options(__doc__)
-    line.add_argument("--steps", type=int, default=20000, help="about so many for each platform")
+    line.add_argument("--steps", type=int, default=60000, help="about so many for each platform")
     arguments = line.parse_args()
     chosen = sampled(names(), arguments.sample) if arguments.check else names()
     rows = results(
