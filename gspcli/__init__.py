@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.masses import Drives, Dynamics, Leg, LegBody, RigidBody
     from gspcli.geometry.numbers import Number
     from gspcli.geometry.primitives import Cone, Line, Plane, Point
-    from gspcli.motion import track
+    from gspcli.motion import Follower, track
     from gspcli.motion.poses.measured_values import measure
     from gspcli.motion.singularities.clearance_results import clearance
     from gspcli.motion.singularities.scan_results import scan
@@ -58,6 +58,7 @@ _HOMES = {
     "Drives": "gspcli.geometry.masses",
     "Dynamics": "gspcli.geometry.masses",
     "Family": "gspcli.catalogue.types",
+    "Follower": "gspcli.motion",
     "GspError": "gspcli.errors",
     "GspType": "gspcli.catalogue.types",
     "HomePose": "gspcli.geometry.home_pose",
@@ -122,6 +123,7 @@ __all__ = [
     "Drives",
     "Dynamics",
     "Family",
+    "Follower",
     "GspError",
     "GspType",
     "HomePose",

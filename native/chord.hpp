@@ -97,6 +97,21 @@ INLINE D moving(const MovingEquation& q, const D& from, const D& to, D* c) {
   return 0.0625 * size * size * size + 0x1p-50;
 }
 
+// Rounding of A^2 - c (N^2 - B^2): where the lines are near each other A and c are small, and the
+// error of A^2 is 2 A times that of A, not that of the square of its moduli.
+INLINE void lines_errors(const MovingEquation& q, const D& square, const D& size, const D* a,
+                         const D (*ga)[N], const D& c, D& value, D& gradient) {
+  const double of_b = 0.5 * q.b.moduli;
+  const D error_a = square * (0.5 * kPlain * q.a.moduli);
+  const D error_g = size * (kPlain * q.a.moduli);
+  const D size_a = absolute(a[0]) + 0.5 * absolute(a[1]) + 0.25 * absolute(a[2]);
+  const D size_g = length(ga[0]) + 0.5 * length(ga[1]);
+  const D gap = c * square * (kOthers * (1.0 + of_b * of_b));
+  value = (2.0 * size_a + error_a) * error_a + kPlain * size_a * size_a + gap * square;
+  gradient = 2.0 * ((size_a + error_a) * error_g + size_g * error_a + kPlain * size_a * size_g) +
+             4.0 * gap * size;
+}
+
 // The six equations along the chord z + tau d.
 void expand(const MovingSystem& system, const D* from, const D* to, const D* z, const D* d,
             Along& out) {
@@ -194,10 +209,14 @@ void expand(const MovingSystem& system, const D* from, const D* to, const D* z, 
       add_product(g, c, 2, gg.x, 3, -1.0);
       const D first_a = length(ga[0]) + q.a.spectral * reach;
       const D size_a = absolute(a[0]) + (length(ga[0]) + 0.5 * q.a.spectral * reach) * reach;
+      // Of c here, not of all that occur: it may be small, with A^2.
+      const D largest = (absolute(c[0]) + 0.5 * absolute(c[1]) + 0.25 * absolute(c[2])) * kOutward;
       out.curvature[k + 1] =
           2.0 * (size_a * q.a.spectral + first_a * first_a) +
-          q.largest * (4.0 * size_n + 2.0 * first_n * first_n +
-                       2.0 * (size_b * q.b.spectral + first_b * first_b));
+          largest * (4.0 * size_n + 2.0 * first_n * first_n +
+                     2.0 * (size_b * q.b.spectral + first_b * first_b));
+      lines_errors(q, square, size, a, ga, largest, out.value_error[k + 1],
+                   out.gradient_error[k + 1]);
     }
     for (int i = 0; i < N; ++i) {
       constant[i] = g.x[0][i];
@@ -207,10 +226,9 @@ void expand(const MovingSystem& system, const D* from, const D* to, const D* z, 
     double part = 0.25;
     for (int j = 2; j < kDegree; ++j, part *= 0.5) rest += part * length(g.x[j]);
     out.rest[k + 1] = rest;
+    if (q.form == Form::kLines) continue;
     // Of the moduli, at norm one; a gradient of degree four is at most four times that.
-    const double of_a = 0.5 * q.a.moduli, of_b = 0.5 * q.b.moduli;
-    const double value = q.form == Form::kProduct ? of_a + q.largest + of_b * of_b
-                                                  : of_a * of_a + q.largest * (1.0 + of_b * of_b);
+    const double of_b = 0.5 * q.b.moduli, value = 0.5 * q.a.moduli + q.largest + of_b * of_b;
     out.value_error[k + 1] = square * square * (kOthers * value);
     out.gradient_error[k + 1] = square * size * (4.0 * kOthers * value);
   }

@@ -20,6 +20,7 @@
 #include "bodies_module.hpp"
 #include "closed_form_module.hpp"
 #include "conjugates.hpp"
+#include "controller_module.hpp"
 #include "counting.hpp"
 #include "ends_module.hpp"
 #include "far_module.hpp"
@@ -325,6 +326,7 @@ NB_MODULE(_kernel, m) {
   gsp::bind_closed_form(m, [](const std::string& name) { return gsp::build_named(name).intersect; });
   gsp::bind_ordering(m);
   gsp::bind_reach(m);
+  gsp::bind_controller(m);
   gsp::bind_branches(m, [](const std::string& name) { return gsp::build_named(name).follow; });
   gsp::bind_ends(m, [](const std::string& name) { return gsp::build_named(name).decide; });
   gsp::bind_far_poses(m, [](const std::string& name) { return gsp::build_named(name).decide_far; });

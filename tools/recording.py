@@ -158,6 +158,6 @@ def sources_sha256(places: Iterable[str]) -> str:
     digest = hashlib.sha256()
     for place in places:
         for path in sorted((ROOT / place).rglob("*")):
-            if path.is_file() and path.suffix in {".py", ".cpp", ".hpp", ".npy"}:
+            if path.is_file() and path.suffix in {".py", ".c", ".h", ".cpp", ".hpp", ".npy"}:
                 digest.update(path.relative_to(ROOT).as_posix().encode() + path.read_bytes())
     return digest.hexdigest()

@@ -52,3 +52,23 @@ class PoseFormat:
 
     write: Callable[[Instance, Solution], str]
     what: str
+
+
+@dataclass(frozen=True)
+class ControllerFormat:
+    """A program for the controller of one platform: a header and a source.
+
+    Attributes
+    ----------
+    write
+        Their texts for an instance, what names begin with, how many parts of a line of values are
+        tried, the name of the files, and a pose that the header is to have, if any.
+    suffixes
+        What the names of the two files end with.
+    what
+        What that is, for the help.
+    """
+
+    write: Callable[[Instance, str, int, str, Solution | None], tuple[str, str]]
+    suffixes: tuple[str, str]
+    what: str

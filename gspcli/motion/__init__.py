@@ -14,6 +14,7 @@ from gspcli.motion.workspace.workspaces import Workspace
 
 if TYPE_CHECKING:
     from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
+    from gspcli.motion.following.follower import Follower, FollowerReport, FollowerStatus
     from gspcli.motion.following.tracks import Event, Track
     from gspcli.motion.following.trajectories import track
 
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
 _HOMES = {
     "Event": "tracks",
     "FollowOptions": "branch_follower",
+    "Follower": "follower",
+    "FollowerReport": "follower",
+    "FollowerStatus": "follower",
     "MovingPlatform": "branch_follower",
     "Track": "tracks",
     "track": "trajectories",
@@ -30,6 +34,9 @@ _HOMES = {
 __all__ = [
     "Event",
     "FollowOptions",
+    "Follower",
+    "FollowerReport",
+    "FollowerStatus",
     "MovingPlatform",
     "PoseFormat",
     "PoseTable",

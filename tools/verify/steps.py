@@ -178,6 +178,18 @@ STEPS = (
         "tools.verify.sensors --check --jobs {jobs}",
         sample="--sample 3",
     ),
+    Step(
+        "controllers",
+        ("data/verification/controllers.csv",),
+        "tools.verify.controllers.walks --check --jobs {jobs} --work {work}",
+        sample="--sample 3",
+    ),
+    Step(
+        "controller-rounding",
+        ("data/verification/controller-rounding.csv",),
+        "tools.verify.controllers.rounding --check --jobs {jobs} --work {work}",
+        sample="--sample 6",
+    ),
     Step("view", ("data/view/*",), "tools.build.view --check"),
     Step(
         "distribution",

@@ -1,0 +1,1 @@
+"""The next pose of a platform, proved, in C: a program for the controller of one machine."""

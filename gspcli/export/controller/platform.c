@@ -1,0 +1,974 @@
+/* @NAME@: see platform.h. Written by gsp export --to c.
+ *
+ * Theorem (Newton-Kantorovich). Poses near the start are exp(w) R, T + t, x = (w, t) in R^6; lengths
+ * in units of `reach`, T the place of the middle of the platform. F are the six equations, c(s) the
+ * line of values, x(s) = s d the chord to the new pose, Y an approximate inverse of F'(0). If for s
+ * in [0, 1]   |Y F(x(s), c(s))| <= beta,   |1 - Y F'(x(s), c(s))| <= q,
+ * |Y F''| <= kappa within `tube` of the chord,   q + sqrt(2 kappa beta) < 1,
+ * then for each s exactly one pose is within min(tube, (1 - q) / kappa) of x(s), and it is simple.
+ *
+ * Derivatives of exp(w) y by w of any order have norms of at most |y|; those of products follow by
+ * the rule of products (jets: bounds of the orders 0 to 3 by a unit twist). F on the chord: by
+ * quadratic interpolation, whose error is at most sqrt(3)/216 of the third derivative.
+ *
+ * Rounding: no term goes through more than 100 roundings, those of the data included; so EPS =
+ * 2^-46 times the moduli of all terms bounds it, with fused multiplications or without. cos, sin and
+ * sqrt are taken to err by at most two units in the last place. */
+#include "platform.h"
+
+#include <math.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "the proofs need IEEE arithmetic: compile without -ffast-math"
+#endif
+
+#define EPS 0x1p-46
+#define OUTWARD (1.0 + 0x1p-40)
+#define LONGEST 0.5 /* of the first correction */
+#define CORRECTIONS 5 /* with the same Y */
+#define CONVERGED 0x1p-42
+#define SHORTEST 0x1p-10 /* part of the line */
+#define TUBE 0x1p-10
+#define NEVER 1e30 /* a bound that proves nothing */
+
+enum { DPP, DPL, DLP, DPH, DHP, DLL, ALL, ALH, AHL, AHH, BASE_CRANK, PLATFORM_CRANK };
+
+/* Points are in frames whose origins are the middles of the bodies, in units of reach. */
+typedef struct {
+  unsigned char kind[6];
+  double Y[6][3], X[6][3]; /* of the platform and of the base: nearest to the middles */
+#if HAS_DLP || HAS_DHP || HAS_DLL || HAS_ALL || HAS_ALH || HAS_AHL || HAS_AHH
+  double U[6][3]; /* unit directions and normals of the platform */
+#endif
+#if HAS_DPL || HAS_DPH || HAS_DLL || HAS_ALL || HAS_ALH || HAS_AHL || HAS_AHH
+  double V[6][3]; /* and of the base */
+#endif
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+  double A[6][3], B[6][3]; /* points on circles: X (or Y) + A cos + B sin */
+  double crank[6], rod[6]; /* the radii, and the lengths of the rods */
+#endif
+  double norm_y[6];          /* not below |Y|, with the crank */
+  double moduli[6];          /* not below the sum of the moduli of all that Y, X and T are sums of */
+  double middle[3], origin[3]; /* the middles of platform and base, in length units */
+  double reach, shift;       /* a length; a bound of the moduli of the middles by it */
+  double unit[6], offset[6]; /* an equation has (value + offset) unit */
+  double least[6], most[6];  /* of value + offset, */
+#if HAS_DPH || HAS_DHP
+  unsigned char either[6];   /* or of its modulus */
+#endif
+} geometry;
+
+#if HAS_DATA
+@DATA@
+#endif
+typedef struct {
+  double q[4], R[3][3], T[3];
+} frame;
+
+static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static double length(const double *a) { return sqrt(dot(a, a)); }
+static double larger(double a, double b) { return a > b ? a : b; }
+static double length6(const double *a) { return sqrt(dot(a, a) + dot(a + 3, a + 3)); }
+static void cross(const double *a, const double *b, double *out) {
+  out[0] = a[1] * b[2] - a[2] * b[1];
+  out[1] = a[2] * b[0] - a[0] * b[2];
+  out[2] = a[0] * b[1] - a[1] * b[0];
+}
+static void add(double *a, double factor, const double *b) {
+  int i;
+  for (i = 0; i < 3; ++i) a[i] += factor * b[i];
+}
+static void turn(const frame *f, const double *a, double *out) {
+  int i;
+  for (i = 0; i < 3; ++i) out[i] = dot(f->R[i], a);
+}
+
+/* R of the quaternion, whose norm becomes one. */
+static void rotate(frame *f) {
+  double *q = f->q, s = 1.0 / sqrt(q[0] * q[0] + dot(q + 1, q + 1));
+  double w = q[0] *= s, x = q[1] *= s, y = q[2] *= s, z = q[3] *= s;
+  f->R[0][0] = w * w + x * x - y * y - z * z;
+  f->R[1][1] = w * w - x * x + y * y - z * z;
+  f->R[2][2] = w * w - x * x - y * y + z * z;
+  f->R[0][1] = 2.0 * (x * y - w * z);
+  f->R[1][0] = 2.0 * (x * y + w * z);
+  f->R[0][2] = 2.0 * (x * z + w * y);
+  f->R[2][0] = 2.0 * (x * z - w * y);
+  f->R[1][2] = 2.0 * (y * z - w * x);
+  f->R[2][1] = 2.0 * (y * z + w * x);
+}
+
+/* The frame of a pose; zero if there is none. */
+static int load(const geometry *g, const platform_pose *pose, frame *f) {
+  double shift[3], norm = 0.0, most = 0.0;
+  int i;
+  for (i = 0; i < 4; ++i) most = larger(most, fabs(f->q[i] = pose->rotation[i]));
+  if (!(most > 0.0)) return 0;
+  for (i = 0; i < 4; ++i) {
+    f->q[i] /= most;
+    norm += f->q[i] * f->q[i];
+  }
+  if (!(norm <= 4.0)) return 0;
+  rotate(f);
+  turn(f, g->middle, shift);
+  for (i = 0; i < 3; ++i) {
+    f->T[i] = (pose->position[i] + shift[i] - g->origin[i]) * (1.0 / g->reach);
+    if (!(fabs(f->T[i]) < 1e6)) return 0;
+  }
+  return 1;
+}
+
+static void unload(const geometry *g, const frame *f, platform_pose *pose) {
+  double shift[3];
+  int i;
+  for (i = 0; i < 4; ++i) pose->rotation[i] = f->q[i];
+  turn(f, g->middle, shift);
+  for (i = 0; i < 3; ++i) pose->position[i] = f->T[i] * g->reach - shift[i] + g->origin[i];
+}
+
+/* Moves a pose by a small twist. */
+static void move(frame *f, const double *d) {
+  double q[4], w[3] = {0.5 * d[0], 0.5 * d[1], 0.5 * d[2]};
+  int i;
+  for (i = 0; i < 4; ++i) q[i] = f->q[i];
+  cross(w, q + 1, f->q + 1);
+  f->q[0] = q[0] - dot(w, q + 1);
+  for (i = 0; i < 3; ++i) {
+    f->q[i + 1] += q[i + 1] + q[0] * w[i];
+    f->T[i] += d[i + 3];
+  }
+  rotate(f);
+}
+
+/* A constraint at a pose: r from the base's point to the platform's, arm = R y, w = R u. */
+typedef struct {
+  double arm[3], r[3];
+#if HAS_DLP || HAS_DHP || HAS_DLL || HAS_ALL || HAS_ALH || HAS_AHL || HAS_AHH
+  double w[3];
+#endif
+} placed;
+
+static void place(const geometry *g, const frame *f, int k, const double *c, placed *p) {
+  int i;
+  (void)c; /* only cranks need it */
+  turn(f, g->Y[k], p->arm);
+#if HAS_PLATFORM_CRANK
+  if (g->kind[k] == PLATFORM_CRANK) {
+    double y[3] = {g->Y[k][0], g->Y[k][1], g->Y[k][2]};
+    add(y, cos(c[k]), g->A[k]);
+    add(y, sin(c[k]), g->B[k]);
+    turn(f, y, p->arm);
+  }
+#endif
+  for (i = 0; i < 3; ++i) p->r[i] = p->arm[i] + f->T[i] - g->X[k][i];
+#if HAS_BASE_CRANK
+  if (g->kind[k] == BASE_CRANK) {
+    add(p->r, -cos(c[k]), g->A[k]);
+    add(p->r, -sin(c[k]), g->B[k]);
+  }
+#endif
+#if HAS_DLP || HAS_DHP || HAS_DLL || HAS_ALL || HAS_ALH || HAS_AHL || HAS_AHH
+  turn(f, g->U[k], p->w);
+#endif
+#if HAS_DPL
+  if (g->kind[k] == DPL) add(p->r, -dot(p->r, g->V[k]), g->V[k]);
+#endif
+#if HAS_DLP
+  if (g->kind[k] == DLP) { /* the point of the line that is nearest */
+    double s = dot(p->r, p->w);
+    add(p->r, -s, p->w);
+    add(p->arm, -s, p->w);
+  }
+#endif
+}
+
+/* F, and the rows of F' by a twist if J is not null. Distances of lines have signs here. */
+static void equations(const geometry *g, const frame *f, const double *c, double *F, double (*J)[6]) {
+  int k;
+  for (k = 0; k < 6; ++k) {
+    placed p;
+    double force[3] = {0.0, 0.0, 0.0}, moment[3] = {0.0, 0.0, 0.0};
+    place(g, f, k, c, &p);
+    switch (g->kind[k]) {
+#if HAS_DPP || HAS_DPL || HAS_DLP || HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+      default: {
+        double d = c[k];
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+        if (g->kind[k] >= BASE_CRANK) d = g->rod[k];
+#endif
+        F[k] = dot(p.r, p.r) - d * d;
+        add(force, 2.0, p.r);
+        break;
+      }
+#endif
+#if HAS_DPH
+      case DPH:
+        F[k] = dot(p.r, g->V[k]) - c[k];
+        add(force, 1.0, g->V[k]);
+        break;
+#endif
+#if HAS_DHP
+      case DHP:
+        F[k] = -dot(p.r, p.w) - c[k];
+        add(force, -1.0, p.w);
+        add(p.arm, -1.0, p.r);
+        break;
+#endif
+#if HAS_DLL
+      case DLL: { /* the moment of the lines, r.n, less distance times sine */
+        double n[3], vr[3], wvr[3], sine;
+        cross(p.w, g->V[k], n);
+        cross(g->V[k], p.r, vr);
+        cross(p.w, vr, wvr);
+        sine = length(n);
+        F[k] = dot(p.r, n) - c[k] * sine;
+        add(force, 1.0, n);
+        add(moment, 1.0, wvr);
+        add(moment, c[k] * dot(p.w, g->V[k]) / sine, n);
+        break;
+      }
+#endif
+#if HAS_ALL || HAS_ALH || HAS_AHL || HAS_AHH
+      case ALL:
+      case ALH:
+      case AHL:
+      case AHH: {
+        double sign = g->kind[k] == AHH ? -1.0 : 1.0, n[3];
+        int cosine = g->kind[k] == ALL || g->kind[k] == AHH;
+        F[k] = sign * dot(p.w, g->V[k]) - (cosine ? cos(c[k]) : sin(c[k]));
+        cross(p.w, g->V[k], n);
+        add(moment, sign, n);
+        break;
+      }
+#endif
+    }
+    if (J) {
+      double turned[3];
+      int i;
+      cross(p.arm, force, turned);
+      for (i = 0; i < 3; ++i) {
+        J[k][i] = moment[i] + turned[i];
+        J[k][i + 3] = force[i];
+      }
+    }
+  }
+}
+
+/* The derivative of an equation by its value. */
+static double slope(const geometry *g, const frame *f, int k, const double *c) {
+  placed p;
+  place(g, f, k, c, &p);
+  switch (g->kind[k]) {
+#if HAS_BASE_CRANK
+    case BASE_CRANK:
+      return 2.0 * (sin(c[k]) * dot(p.r, g->A[k]) - cos(c[k]) * dot(p.r, g->B[k]));
+#endif
+#if HAS_PLATFORM_CRANK
+    case PLATFORM_CRANK: {
+      double a[3], b[3];
+      turn(f, g->A[k], a);
+      turn(f, g->B[k], b);
+      return 2.0 * (cos(c[k]) * dot(p.r, b) - sin(c[k]) * dot(p.r, a));
+    }
+#endif
+#if HAS_DPH || HAS_DHP
+    case DPH:
+    case DHP:
+      return -1.0;
+#endif
+#if HAS_DLL
+    case DLL: {
+      double n[3];
+      cross(p.w, g->V[k], n);
+      return -length(n);
+    }
+#endif
+#if HAS_ALL || HAS_AHH
+    case ALL:
+    case AHH:
+      return sin(c[k]);
+#endif
+#if HAS_ALH || HAS_AHL
+    case ALH:
+    case AHL:
+      return -cos(c[k]);
+#endif
+    default:
+      return -2.0 * c[k];
+  }
+}
+
+/* What the theorem needs to know of each equation. */
+typedef struct {
+  double first[6];  /* of |F'| */
+  double second[6]; /* of |F''| */
+  double rest[6];   /* of |F'''(d, d, .)|, the values being kept */
+  double third[6];  /* of the third derivative of F along the chord */
+  double cross[6];  /* of the change of F' by c alone */
+  double error[6];  /* of F by rounding */
+  double slant[6];  /* of F' by rounding */
+} bounds;
+
+/* A part of the line of values, and the tube about its chord. */
+typedef struct {
+  const double *from, *to;
+  double size, radius; /* of the chord, and of all that is within the tube */
+} part;
+
+#if HAS_DPP || HAS_DPL || HAS_DLP || HAS_DLL || HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+/* The jet of a product. */
+static void times(const double *a, const double *b, double *out) {
+  out[0] = a[0] * b[0];
+  out[1] = a[0] * b[1] + a[1] * b[0];
+  out[2] = a[0] * b[2] + 2.0 * a[1] * b[1] + a[2] * b[0];
+  out[3] = a[0] * b[3] + 3.0 * (a[1] * b[2] + a[2] * b[1]) + a[3] * b[0];
+}
+#endif
+
+/* Orders 1 to 3 of r, or of its part across a line of the base, or of its height above a plane:
+ * of exp(w) y + t. */
+static void moved(double y, double *e) {
+  e[1] = sqrt(1.0 + y * y);
+  e[2] = e[3] = y;
+}
+
+#if HAS_DLP || HAS_DHP
+/* The same as the platform sees it: of exp(-w) (x - t), x from the middle to the base's point. */
+static void seen(const geometry *g, const frame *f, int k, double radius, double *e) {
+  double x[3] = {f->T[0] - g->X[k][0], f->T[1] - g->X[k][1], f->T[2] - g->X[k][2]};
+  double far = length(x) + radius;
+  e[1] = sqrt(1.0 + far * far);
+  e[2] = far + 1.0;
+  e[3] = far + 1.1547005383792517;
+}
+#endif
+
+#if HAS_DPP || HAS_DPL || HAS_DLP || HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+/* Of |r|^2, with the orders e of r by a unit twist. */
+static void bound_square(const geometry *g, int k, const placed *p, const part *b, double *e,
+                         double moduli, bounds *out) {
+  double size = b->size, x = 0.0, d[4], along[4], d_along[4], constant = larger(fabs(b->from[k]), fabs(b->to[k]));
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+  double change = 0.0, both = 0.0;
+  if (g->kind[k] >= BASE_CRANK) {
+    change = fabs(b->to[k] - b->from[k]);
+    x = g->crank[k] * change;
+    constant = g->rod[k];
+  }
+#endif
+  (void)g;
+  e[0] = length(p->r) + e[1] * b->radius + x;
+  along[0] = e[0];
+  along[1] = e[1] * size + x;
+  along[2] = e[2] * size * size;
+  along[3] = e[3] * size * size * size;
+  out->cross[k] = 2.0 * x * e[1];
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+  along[2] += x * change;
+  along[3] += x * change * change;
+#endif
+#if HAS_PLATFORM_CRANK
+  if (g->kind[k] == PLATFORM_CRANK) { /* the arm turns with the platform */
+    both = x * size;
+    along[2] += 2.0 * both;
+    along[3] += 3.0 * both * (size + change);
+    out->cross[k] += 2.0 * e[0] * x;
+  }
+#endif
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+  (void)both;
+#endif
+  times(e, e, d);
+  times(along, along, d_along);
+  out->first[k] = d[1];
+  out->second[k] = d[2];
+  out->rest[k] = d[3] * size * size;
+  out->third[k] = d_along[3];
+  out->error[k] = EPS * (3.0 * moduli * moduli + 3.0 * constant * constant);
+  out->slant[k] = EPS * 4.0 * moduli * (1.0 + moduli);
+}
+#endif
+
+#if HAS_DLL
+/* Of r.n - c |n|, n = w x v. The moment is the same for all points of both lines: for the foot of the
+ * common perpendicular on the platform's (or what is nearer to the middle, if they are nearly
+ * parallel), and the point of the base's that is nearest to that. */
+static void bound_lines(const geometry *g, int k, const placed *p, const part *b, double moduli,
+                        bounds *out) {
+  const double *v = g->V[k];
+  double arm[3], r[3], n[3], nv[3], e[4], ne[4], m[4], h[4], size = b->size, s, lowest, cosine, sine;
+  double c = larger(fabs(b->from[k]), fabs(b->to[k])), change = fabs(b->to[k] - b->from[k]);
+  int i;
+  cross(p->w, v, n);
+  sine = length(n);
+  cross(v, n, nv); /* w less its part along v */
+  s = -dot(p->r, nv) / (sine * sine);
+  if (!(fabs(s) < 8.0)) s = s > 0.0 ? 8.0 : -8.0;
+  for (i = 0; i < 3; ++i) arm[i] = p->arm[i], r[i] = p->r[i];
+  add(arm, s, p->w);
+  add(r, s, p->w);
+  add(r, -dot(r, v), v);
+  moved(length(arm), e);
+  e[0] = length(r) + e[1] * b->radius;
+  ne[0] = sine + b->radius;
+  ne[1] = ne[2] = ne[3] = 1.0;
+  times(e, ne, m);
+  /* |n| is the sine of an angle that changes by at most the length of a twist. */
+  lowest = sine - b->radius;
+  if (!(lowest > 0.0)) lowest = 1.0 / NEVER;
+  cosine = sqrt(larger(0.0, 1.0 - lowest * lowest));
+  h[1] = cosine;
+  h[2] = (1.0 + cosine) / lowest;
+  h[3] = (3.0 + 3.0 * cosine) / (lowest * lowest) + cosine / lowest;
+  out->first[k] = m[1] + c * h[1];
+  out->second[k] = m[2] + c * h[2];
+  out->rest[k] = (m[3] + c * h[3]) * size * size;
+  out->third[k] = size * size * ((m[3] + c * h[3]) * size + 3.0 * change * h[2]);
+  out->cross[k] = change * h[1];
+  out->error[k] = EPS * (3.0 * moduli + 2.0 * c);
+  out->slant[k] = EPS * (8.0 * (1.0 + moduli) + 8.0 * c / lowest);
+}
+#endif
+
+static void bound(const geometry *g, const frame *f, const part *b, bounds *out) {
+  double place_size = length(f->T);
+  int k;
+  for (k = 0; k < 6; ++k) {
+    placed p;
+    double e[4], moduli = (g->moduli[k] + place_size) * OUTWARD + b->radius;
+    place(g, f, k, b->from, &p);
+    moved(g->norm_y[k], e);
+    switch (g->kind[k]) {
+#if HAS_DLP
+      case DLP:
+        seen(g, f, k, b->radius, e);
+        bound_square(g, k, &p, b, e, moduli, out);
+        break;
+#endif
+#if HAS_DPP || HAS_DPL || HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+      default:
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+        if (g->kind[k] >= BASE_CRANK) moduli += g->crank[k] * larger(fabs(b->from[k]), fabs(b->to[k]));
+#endif
+        bound_square(g, k, &p, b, e, moduli, out);
+        break;
+#endif
+#if HAS_DPH || HAS_DHP
+      case DPH:
+      case DHP:
+#if HAS_DHP
+        if (g->kind[k] == DHP) seen(g, f, k, b->radius, e);
+#endif
+        out->first[k] = e[1];
+        out->second[k] = e[2];
+        out->rest[k] = e[3] * b->size * b->size;
+        out->third[k] = out->rest[k] * b->size;
+        out->cross[k] = 0.0;
+        out->error[k] = EPS * (moduli + fabs(b->from[k]) + fabs(b->to[k]));
+        out->slant[k] = EPS * (1.0 + moduli);
+        break;
+#endif
+#if HAS_DLL
+      case DLL:
+        bound_lines(g, k, &p, b, moduli, out);
+        break;
+#endif
+#if HAS_ALL || HAS_ALH || HAS_AHL || HAS_AHH
+      case ALL:
+      case ALH:
+      case AHL:
+      case AHH: {
+        double change = fabs(b->to[k] - b->from[k]);
+        out->first[k] = out->second[k] = 1.0;
+        out->rest[k] = b->size * b->size;
+        out->third[k] = out->rest[k] * b->size + change * change * change;
+        out->cross[k] = 0.0;
+        out->error[k] = EPS * (2.0 + fabs(b->from[k]) + fabs(b->to[k]));
+        out->slant[k] = EPS * 2.0;
+        break;
+      }
+#endif
+    }
+    out->error[k] += EPS * 2.0 * fabs(g->offset[k]) * g->unit[k] * (1.0 + moduli) * (1.0 + moduli);
+  }
+}
+
+/* The inverse of a matrix, which is destroyed. */
+static int invert(double (*a)[6], double (*out)[6]) {
+  int i, j, k;
+  for (i = 0; i < 6; ++i)
+    for (j = 0; j < 6; ++j) out[i][j] = i == j ? 1.0 : 0.0;
+  for (j = 0; j < 6; ++j) {
+    int pivot = j;
+    double scale;
+    for (i = j + 1; i < 6; ++i)
+      if (fabs(a[i][j]) > fabs(a[pivot][j])) pivot = i;
+    if (!(fabs(a[pivot][j]) > 1e-12)) return 0;
+    scale = 1.0 / a[pivot][j];
+    for (k = 0; k < 6; ++k) {
+      double x = a[pivot][k], z = out[pivot][k];
+      a[pivot][k] = a[j][k];
+      out[pivot][k] = out[j][k];
+      a[j][k] = x * scale;
+      out[j][k] = z * scale;
+    }
+    for (i = 0; i < 6; ++i) {
+      double factor = a[i][j];
+      if (i == j) continue;
+      for (k = j; k < 6; ++k) a[i][k] -= factor * a[j][k];
+      for (k = 0; k < 6; ++k) out[i][k] -= factor * out[j][k];
+    }
+  }
+  return 1;
+}
+
+/* |Y F|, and -Y F. */
+static double correction(double (*inverse)[6], const double *F, double *d) {
+  int i, k;
+  for (i = 0; i < 6; ++i) {
+    d[i] = 0.0;
+    for (k = 0; k < 6; ++k) d[i] -= inverse[i][k] * F[k];
+  }
+  return length6(d);
+}
+
+/* The largest |Y x| of all x with |x_k| <= b_k. */
+static double spread(double (*inverse)[6], const double *b) {
+  double rows[6];
+  int i, k;
+  for (i = 0; i < 6; ++i) {
+    rows[i] = 0.0;
+    for (k = 0; k < 6; ++k) rows[i] += fabs(inverse[i][k]) * b[k];
+  }
+  return length6(rows);
+}
+
+/* Y at a pose; returns |1 - Y F'| with its rounding, or a number above one. */
+static double linearize(const geometry *g, const frame *f, const double *c, double (*inverse)[6]) {
+  double F[6], J[6][6], work[6][6], defect = 0.0, moduli = 0.0;
+  int i, j, k;
+  equations(g, f, c, F, J);
+  for (i = 0; i < 6; ++i)
+    for (j = 0; j < 6; ++j) work[i][j] = J[i][j];
+  if (!invert(work, inverse)) return 2.0;
+  for (i = 0; i < 6; ++i)
+    for (j = 0; j < 6; ++j) {
+      double s = i == j ? -1.0 : 0.0, m = 1.0;
+      for (k = 0; k < 6; ++k) {
+        double x = inverse[i][k] * J[k][j];
+        s += x;
+        m += fabs(x);
+      }
+      defect += s * s;
+      moduli += m * m;
+    }
+  return (sqrt(defect) + 0x1p-49 * sqrt(moduli)) * OUTWARD;
+}
+
+/* |Y (F'(x) - F'(0))| for x = (w, t) = d from a frame to another one, with what it may deviate from
+ * the chord in between: by the derivative of exp, 1 + w^x / 2 up to |w|^2 / 6 (and |d|^3 / 5, since d
+ * may have the tangent of the angle), and the error of interpolation; what values add to it is at most
+ * `cross`, there and at the end. */
+static double slanting(const geometry *g, double (*J0)[6], const frame *end, const double *values,
+                       const double *d, const bounds *b, double (*inverse)[6]) {
+  double F[6], J[6][6], rest[6], sum = 0.0, size = length6(d) * OUTWARD;
+  int i, j, k;
+  equations(g, end, values, F, J);
+  for (k = 0; k < 6; ++k) {
+    double turned[3];
+    cross(J[k], d, turned);
+    for (j = 0; j < 6; ++j) J[k][j] -= J0[k][j];
+    add(J[k], 0.5, turned);
+    rest[k] = (1.0 + 1.25 * size) * size * size / 6.0 * b->first[k] + 0.125 * b->rest[k] +
+              2.0 * b->cross[k] + 3.0 * b->slant[k];
+  }
+  for (i = 0; i < 6; ++i)
+    for (j = 0; j < 6; ++j) {
+      double s = 0.0;
+      for (k = 0; k < 6; ++k) s += inverse[i][k] * J[k][j];
+      sum += s * s;
+    }
+  return sqrt(sum) + spread(inverse, rest);
+}
+
+typedef struct {
+  double measure, error, alone; /* measure below one: proved */
+} proof;
+
+/* A part of the line that is to be proved: its ends and its middle. */
+typedef struct {
+  const frame *start, *end;
+  const double *from, *to;
+  frame middle;
+  double half[6], d[6]; /* the values in the middle; the twist from the start to the middle, twice */
+} segment;
+
+/* Finds d and the middle; the angle is at most twice the tangent of its half, which is the length of
+ * the rotation. Zero if it is 120 degrees or more. */
+static int span(segment *p) {
+  const frame *f = p->start, *next = p->end;
+  double v[3], real = f->q[0] * next->q[0] + dot(f->q + 1, next->q + 1), sign = real < 0.0 ? -1.0 : 1.0;
+  int i;
+  if (!(fabs(real) > 0.5)) return 0;
+  for (i = 0; i < 4; ++i) p->middle.q[i] = f->q[i] + sign * next->q[i];
+  rotate(&p->middle);
+  cross(f->q + 1, next->q + 1, v);
+  for (i = 0; i < 3; ++i) {
+    p->middle.T[i] = 0.5 * (f->T[i] + next->T[i]);
+    p->d[i] = 2.0 / real * (f->q[0] * next->q[i + 1] - next->q[0] * f->q[i + 1] + v[i]);
+    p->d[i + 3] = next->T[i] - f->T[i];
+  }
+  for (i = 0; i < 6; ++i) p->half[i] = 0.5 * (p->from[i] + p->to[i]);
+  return 1;
+}
+
+/* The theorem for a segment, with charts about its start (Y there, which is at hand) or, dearer and
+ * sharper, about its middle. */
+static proof prove(const geometry *g, const segment *p, int central, double (*inverse)[6],
+                   double defect) {
+  bounds b;
+  part tubular;
+  proof result;
+  double F0[6], F1[6], bend[6], waste[6], size = length6(p->d) * OUTWARD + 0x1p-45, shake, tube, q, beta,
+         kappa, end;
+  const frame *centre = central ? &p->middle : p->start;
+  int k;
+  tube = 0.5 * size + TUBE;
+  tubular.from = p->from, tubular.to = p->to;
+  tubular.size = size;
+  tubular.radius = (central ? 0.5 * size : size) + tube;
+  bound(g, centre, &tubular, &b);
+  equations(g, p->start, p->from, F0, 0);
+  equations(g, p->end, p->to, F1, 0);
+  equations(g, &p->middle, p->half, bend, 0);
+  for (k = 0; k < 6; ++k) bend[k] -= 0.5 * (F0[k] + F1[k]);
+  shake = spread(inverse, b.error);
+  end = correction(inverse, F1, waste) + shake;
+  beta = larger(end, correction(inverse, F0, waste) + shake) + correction(inverse, bend, waste) + shake +
+         0.00802 * spread(inverse, b.third);
+  beta *= OUTWARD;
+  kappa = spread(inverse, b.second) * OUTWARD;
+  if (central) {
+    double J[6][6], back[6], on[6], quarter = 0.25;
+    equations(g, centre, p->half, waste, J);
+    for (k = 0; k < 6; ++k) on[k] = 0.5 * p->d[k], back[k] = -on[k], b.rest[k] *= quarter;
+    q = larger(slanting(g, J, p->end, p->to, on, &b, inverse),
+               slanting(g, J, p->start, p->from, back, &b, inverse));
+  } else
+    q = kappa * size + spread(inverse, b.cross) + spread(inverse, b.slant);
+  q = (defect + q) * OUTWARD;
+  result.measure = (q + sqrt(2.0 * kappa * beta)) * OUTWARD;
+  result.alone = (1.0 - q) / kappa;
+  if (!(result.alone < tube)) result.alone = tube;
+  result.error = 2.0 * end / (1.0 - q) * OUTWARD;
+  if (!(q < 1.0 && size < LONGEST + 0.25 && 2.0 * beta / (1.0 - q) < tube))
+    result.measure = larger(result.measure, 2.0);
+  return result;
+}
+
+/* The better of both proofs. */
+static proof attempt(const geometry *g, segment *p, double (*inverse)[6], double defect) {
+  double fresh[6][6];
+  proof found = {8.0, 0.0, 0.0};
+  if (!span(p)) return found;
+  found = prove(g, p, 0, inverse, defect);
+  if (found.measure >= 1.0 && found.measure < 16.0) {
+    double central = linearize(g, &p->middle, p->half, fresh);
+    if (central < 0.5) found = prove(g, p, 1, fresh, central);
+  }
+  return found;
+}
+
+/* Newton's method from a frame to the pose of some values; zero if it does not converge at once. */
+static int converge(const geometry *g, const double *to, double (*inverse)[6], frame *next) {
+  double F[6], d[6], fresh[6][6], (*used)[6] = inverse, before, now;
+  int i;
+  equations(g, next, to, F, 0);
+  before = correction(inverse, F, d);
+  if (!(before < LONGEST)) return 0;
+  for (i = 0; i < 2 * CORRECTIONS && before > CONVERGED; ++i) {
+    move(next, d);
+    if (i == CORRECTIONS) { /* slow: Y of where it is now */
+      if (!(linearize(g, next, to, fresh) < 0.5)) return 0;
+      used = fresh;
+    }
+    equations(g, next, to, F, 0);
+    now = correction(used, F, d);
+    if (!(now < 0.6 * before || now < CONVERGED)) return 0;
+    before = now;
+  }
+  return before <= CONVERGED;
+}
+
+/* Values as the equations have them. */
+static int in_units(const geometry *g, const double *values, double *c) {
+  int k;
+  for (k = 0; k < 6; ++k) {
+    double value = values[k] + g->offset[k];
+    if (!(value - value == 0.0)) return PLATFORM_NOT_FINITE;
+    c[k] = value * g->unit[k];
+#if HAS_DPH || HAS_DHP
+    if (g->either[k]) value = fabs(value);
+#endif
+    if (value < g->least[k] || value > g->most[k]) return PLATFORM_RANGE;
+  }
+  return PLATFORM_PROVED;
+}
+
+#if HAS_DLL
+/* Gives distances of lines the sign that they have at the pose; zero if one is not certain. */
+static int orient(const geometry *g, const frame *f, double error, double *from, double *to) {
+  int k, certain = 1;
+  for (k = 0; k < 6; ++k) {
+    placed p;
+    double n[3], moment, doubt;
+    if (g->kind[k] != DLL || (from[k] == 0.0 && to[k] == 0.0)) continue;
+    place(g, f, k, from, &p);
+    cross(p.w, g->V[k], n);
+    moment = dot(p.r, n);
+    doubt = (error + 0x1p-40) * 4.0 * (1.0 + g->moduli[k] + length(f->T));
+    if (!(fabs(moment) > doubt))
+      certain = 0;
+    else if (moment < 0.0)
+      from[k] = -from[k], to[k] = -to[k];
+  }
+  return certain;
+}
+#endif
+
+static void tell(const geometry *g, const frame *f, const double *c, double (*inverse)[6],
+                 platform_report *report) {
+  double sum = 0.0;
+  int i, k;
+  for (k = 0; k < 6; ++k) {
+    double s = slope(g, f, k, c);
+    for (i = 0; i < 6; ++i) sum += inverse[i][k] * inverse[i][k] * s * s;
+  }
+  report->sigma = 1.0 / sqrt(sum);
+}
+
+static int follow(const geometry *g, const double *values, platform_state *state,
+                  platform_report *report) {
+  frame at, next;
+  double first[6], last[6], from[6], to[6], inverse[6][6];
+  double done = 0.0, step = 1.0, defect, error = state->error / g->reach, alone = 0.0;
+  int k, status, tries = 0, steps = 0;
+  if (report) report->fraction = report->sigma = report->alone = 0.0, report->steps = report->tries = 0;
+  status = in_units(g, values, last);
+  if (!load(g, &state->pose, &at) || !(error >= 0.0)) status = PLATFORM_NOT_FINITE;
+  for (k = 0; k < 6; ++k) {
+    first[k] = (state->values[k] + g->offset[k]) * g->unit[k];
+    if (!(first[k] - first[k] == 0.0)) status = PLATFORM_NOT_FINITE;
+  }
+  if (status) return status;
+#if HAS_DLL
+  if (!orient(g, &at, error, first, last)) return PLATFORM_SINGULAR;
+#endif
+  for (k = 0; k < 6; ++k) from[k] = first[k];
+  status = PLATFORM_TRIES_SPENT;
+  defect = linearize(g, &at, from, inverse);
+  while (tries < PLATFORM_TRIES) {
+    double rest = 1.0 - done, measure = 8.0;
+    proof found;
+    int good;
+    if (!(defect < 0.5) || step < SHORTEST) {
+      status = PLATFORM_SINGULAR;
+      break;
+    }
+    ++tries;
+    if (step > 0.75 * rest) step = step < rest ? 0.5 * rest : rest;
+    for (k = 0; k < 6; ++k)
+      to[k] = step == rest ? last[k] : first[k] + (done + step) * (last[k] - first[k]);
+    next = at;
+    good = converge(g, to, inverse, &next);
+    if (good) {
+      segment whole;
+      whole.start = &at, whole.end = &next;
+      whole.from = from, whole.to = to;
+      found = attempt(g, &whole, inverse, defect);
+      measure = found.measure;
+      good = measure < 1.0 && 2.0 * error + 0x1p-44 < found.alone;
+    }
+    if (!good) {
+      step *= measure > 1.0 && measure < 4.0 ? 0.8 / measure : 0.2;
+      continue;
+    }
+    ++steps;
+    at = next;
+    error = found.error;
+    alone = found.alone;
+    for (k = 0; k < 6; ++k) from[k] = to[k];
+    if (step == rest) {
+      status = PLATFORM_PROVED;
+      done = 1.0;
+      break;
+    }
+    done += step;
+    step *= measure < 0.4 ? 2.0 : 0.8 / measure;
+    defect = linearize(g, &at, from, inverse);
+  }
+  if (status == PLATFORM_PROVED) {
+    unload(g, &at, &state->pose);
+    for (k = 0; k < 6; ++k) state->values[k] = values[k];
+    state->error = g->reach * (error + EPS * (1.0 + length(at.T) + g->shift));
+  }
+  if (report) {
+    report->fraction = done;
+    report->alone = alone * g->reach;
+    report->steps = steps;
+    report->tries = tries;
+    tell(g, &at, from, inverse, report);
+  }
+  return status;
+}
+
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+/* The angle at which a rod reaches its crank, the nearer one to c: |r - A cos - B sin| = rod with r
+ * from the centre; zero if there is none. */
+static int crank_angle(const geometry *g, const frame *f, int k, double *c) {
+  const double turn_size = 6.283185307179586;
+  double r[3], apart[3], y[3], a, b, h, right, half, sum;
+  int i;
+  turn(f, g->Y[k], y);
+  for (i = 0; i < 3; ++i) apart[i] = g->X[k][i] - f->T[i] - y[i];
+  for (i = 0; i < 3; ++i) /* in the axes of the crank's body, towards the other end */
+    r[i] = g->kind[k] == BASE_CRANK ? -apart[i]
+                                    : f->R[0][i] * apart[0] + f->R[1][i] * apart[1] + f->R[2][i] * apart[2];
+  a = dot(r, g->A[k]), b = dot(r, g->B[k]), h = sqrt(a * a + b * b);
+  right = 0.5 * (dot(r, r) + dot(g->A[k], g->A[k]) - g->rod[k] * g->rod[k]);
+  if (!(fabs(right) <= h)) return 0;
+  half = atan2(sqrt((h - right) * (h + right)), right);
+  sum = atan2(b, a) - *c;
+  a = sum - half, b = sum + half;
+  a -= floor(a / turn_size + 0.5) * turn_size;
+  b -= floor(b / turn_size + 0.5) * turn_size;
+  *c += fabs(a) < fabs(b) ? a : b;
+  return 1;
+}
+#endif
+
+static int measure(const geometry *g, const platform_pose *pose, double *values) {
+  frame f;
+  int k;
+  if (!load(g, pose, &f)) return PLATFORM_NOT_FINITE;
+  for (k = 0; k < 6; ++k) {
+    placed p;
+    double c[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+#if HAS_DLL || HAS_ALL || HAS_ALH || HAS_AHL || HAS_AHH
+    double n[3] = {0.0, 0.0, 0.0};
+#endif
+    place(g, &f, k, c, &p);
+#if HAS_DLL || HAS_ALL || HAS_ALH || HAS_AHL || HAS_AHH
+    if (g->kind[k] >= DLL) cross(p.w, g->V[k], n);
+#endif
+    switch (g->kind[k]) {
+#if HAS_DPP || HAS_DPL || HAS_DLP
+      default:
+        c[k] = length(p.r);
+        break;
+#endif
+#if HAS_BASE_CRANK || HAS_PLATFORM_CRANK
+      case BASE_CRANK:
+      case PLATFORM_CRANK:
+        c[k] = (values[k] + g->offset[k]) * g->unit[k];
+        if (!(c[k] - c[k] == 0.0)) c[k] = 0.0;
+        if (!crank_angle(g, &f, k, c + k)) return PLATFORM_RANGE;
+        break;
+#endif
+#if HAS_DPH
+      case DPH:
+        c[k] = dot(p.r, g->V[k]);
+        break;
+#endif
+#if HAS_DHP
+      case DHP:
+        c[k] = -dot(p.r, p.w);
+        break;
+#endif
+#if HAS_DLL
+      case DLL:
+        c[k] = fabs(dot(p.r, n)) / length(n);
+        if (!(c[k] - c[k] == 0.0)) return PLATFORM_SINGULAR; /* parallel lines */
+        break;
+#endif
+#if HAS_ALL || HAS_AHH
+      case ALL:
+      case AHH:
+        c[k] = atan2(length(n), g->kind[k] == AHH ? -dot(p.w, g->V[k]) : dot(p.w, g->V[k]));
+        break;
+#endif
+#if HAS_ALH || HAS_AHL
+      case ALH:
+      case AHL:
+        c[k] = atan2(dot(p.w, g->V[k]), length(n));
+        break;
+#endif
+    }
+    values[k] = c[k] / g->unit[k] - g->offset[k];
+  }
+  return PLATFORM_PROVED;
+}
+
+static int differentiate(const geometry *g, const platform_pose *pose, const double *values,
+                         double (*J)[6]) {
+  frame f;
+  double c[6], F[6], shift[3];
+  int i, k;
+  if (!load(g, pose, &f)) return PLATFORM_NOT_FINITE;
+  for (k = 0; k < 6; ++k) {
+    double value = values[k] + g->offset[k];
+    if (!(value - value == 0.0)) return PLATFORM_NOT_FINITE;
+    c[k] = value * g->unit[k];
+  }
+#if HAS_DLL
+  {
+    double same[6];
+    for (k = 0; k < 6; ++k) same[k] = c[k];
+    (void)orient(g, &f, 0.0, c, same);
+  }
+#endif
+  equations(g, &f, c, F, J);
+  turn(&f, g->middle, shift);
+  for (k = 0; k < 6; ++k) {
+    double moment[3], scale = slope(g, &f, k, c) * g->unit[k];
+#if HAS_DLL
+    if (c[k] < 0.0 && g->kind[k] == DLL) scale = -scale;
+#endif
+    if (!(fabs(scale) > 1e-12 * g->unit[k])) return PLATFORM_SINGULAR; /* a distance or sine of zero */
+    scale = -1.0 / scale;
+    cross(shift, J[k] + 3, moment);
+    for (i = 0; i < 3; ++i) {
+      J[k][i] = scale * (J[k][i] + moment[i] * (1.0 / g->reach));
+      J[k][i + 3] *= scale * (1.0 / g->reach);
+    }
+  }
+  return PLATFORM_PROVED;
+}
+
+static int begin(const geometry *g, const platform_pose *pose, platform_state *state) {
+  double values[6];
+  int k, status;
+  for (k = 0; k < 6; ++k) values[k] = -g->offset[k];
+  status = measure(g, pose, values);
+  if (status) return status;
+  state->pose = *pose;
+  state->error = 0.0;
+  for (k = 0; k < 6; ++k) state->values[k] = values[k];
+  return status;
+}
+
+#if HAS_DATA
+int platform_inverse(const platform_pose *pose, double values[6]) { return measure(&data, pose, values); }
+
+int platform_jacobian(const platform_pose *pose, const double values[6], double J[6][6]) {
+  return differentiate(&data, pose, values, J);
+}
+
+int platform_start(const platform_pose *pose, platform_state *state) {
+  return begin(&data, pose, state);
+}
+
+int platform_forward(const double values[6], platform_state *state, platform_report *report) {
+  return follow(&data, values, state, report);
+}
+#endif

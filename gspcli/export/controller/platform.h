@@ -1,0 +1,72 @@
+/* @NAME@: kinematics of one platform; written by gsp export --to c.
+ *
+ * A pose is x_base = R x_platform + position, R of the quaternion (w, x, y, z) of any length.
+ * Lengths are in @LENGTH@, angles of values in @ANGLE@, twists in radians.
+ * Values: @VALUES@.@SIGNED@@CRANKED@
+ *
+ * No allocation, no state but what is passed, no recursion; of the C library only math.h.
+ * Data: @DIGEST@ */
+#ifndef PLATFORM_H
+#define PLATFORM_H
+
+#define PLATFORM_API 1 /* grows when a signature or a struct changes */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct {
+  double position[3];
+  double rotation[4];
+} platform_pose;
+
+/* Where the platform is: what the next call of forward starts from. */
+typedef struct {
+  platform_pose pose;
+  double values[6];
+  double error; /* the exact pose of the values is so near: lengths, or radians times PLATFORM_REACH */
+} platform_state;
+
+typedef struct {
+  double fraction; /* how much of the line of values was proved; 1 if all */
+  double sigma;    /* where the last part began: not above the least singular value of the Jacobian
+                      matrix with lengths divided by PLATFORM_REACH, at most sqrt(6) below it */
+  double alone;    /* no other pose with these values is nearer than this, as for `error` */
+  int steps;       /* proved parts of the line */
+  int tries;       /* parts tried, at most PLATFORM_TRIES */
+} platform_report;
+
+#define PLATFORM_REACH @REACH@ /* rotations by a radian count as this length */
+#define PLATFORM_TRIES 48
+#if HAS_HOME
+
+/* A pose of the values in the file. */
+#define PLATFORM_HOME @HOME@
+#endif
+
+enum {
+  PLATFORM_PROVED = 0,     /* the pose is the continuation along the line of values */
+  PLATFORM_NOT_FINITE = 1, /* an argument is not finite, or a quaternion is zero */
+  PLATFORM_RANGE = 2,      /* a value is outside its range, or a crank does not reach */
+  PLATFORM_SINGULAR = 3,   /* refused: too near to a singular pose, here or ahead */
+  PLATFORM_TRIES_SPENT = 4 /* refused: not proved in PLATFORM_TRIES tries: the line is too long */
+};
+
+/* Values of a pose@HINT@. */
+int platform_inverse(const platform_pose *pose, double values[6]);
+
+/* Derivatives of the values by (omega, velocity of `position`) in the axes of the base. */
+int platform_jacobian(const platform_pose *pose, const double values[6], double J[6][6]);
+
+/* A state from a pose@ZERO@. */
+int platform_start(const platform_pose *pose, platform_state *state);
+
+/* Moves the state to these values. PROVED: for every value on the straight line between, exactly
+ * one pose is near, it is not singular, and the new pose is its end. Otherwise the state is as
+ * before. `report` may be null. */
+int platform_forward(const double values[6], platform_state *state, platform_report *report);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

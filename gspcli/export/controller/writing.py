@@ -1,0 +1,193 @@
+"""C99 for one platform: ``platform.h`` and ``platform.c`` with its numbers in them.
+
+What the kinds of the platform do not need is left out; the same source, with everything, is
+compiled into the kernel (native/follower_module.cpp) for `gspcli.Follower`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from importlib import resources
+
+import numpy as np
+
+from gspcli.errors import ArgumentError
+from gspcli.geometry.instance import Instance
+from gspcli.motion.following.platform_numbers import PlatformNumbers, platform_numbers
+from gspcli.solver import Solution
+from gspcli.spec import dumps
+from gspcli.wording import shown
+
+#: How many parts of a line of values are tried before it is refused.
+TRIES = 48
+_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,40}")
+_CONDITION = re.compile(r"#if (HAS_\w+(?: \|\| HAS_\w+)*)$")
+_WORD = re.compile(r"@(\w+)@")
+_WIDTH = 100
+
+
+def checked_prefix(prefix: str) -> str:
+    """Return a prefix if names in C can begin with it.
+
+    Raises
+    ------
+    ArgumentError
+        If they cannot.
+    """
+    if not _IDENTIFIER.fullmatch(prefix):
+        message = f"found {shown(prefix)}, expected a name in C: letters, digits and _"
+        raise ArgumentError(message, "prefix")
+    return prefix
+
+
+def controller(
+    instance: Instance,
+    prefix: str,
+    *,
+    tries: int = TRIES,
+    name: str = "",
+    home: Solution | None = None,
+) -> tuple[str, str]:
+    """Return the header and the source for a platform.
+
+    Parameters
+    ----------
+    instance
+        The platform; its values are used for the rods of cranks only.
+    prefix
+        What all public names begin with.
+    tries
+        How many parts of a line of values are tried before it is refused.
+    name
+        The name of the files without suffix; the prefix if it is empty.
+    home
+        A pose that the header is to have as a constant, or None.
+
+    Raises
+    ------
+    ArgumentError
+        If the prefix is no name in C, or a crank is not at the end of exactly one leg.
+    """
+    checked_prefix(prefix)
+    numbers = platform_numbers(instance)
+    words = _words(instance, numbers, home)
+    have = {*numbers.kinds, "DATA"} | ({"HOME"} if home is not None else set())
+    texts = []
+    for part in ("platform.h", "platform.c"):
+        template = resources.files(__package__).joinpath(part).read_text(encoding="utf-8")
+        text = _resolved(template, have)
+        words["DATA"] = _data(numbers, text)
+        text = _WORD.sub(lambda match: words[match[1]], text)
+        text = text.replace("PLATFORM_TRIES 48", f"PLATFORM_TRIES {tries}")
+        text = text.replace("platform.h", f"{name or prefix}.h")
+        text = re.sub(r"\bplatform_(?=\w)", f"{prefix}_", text)
+        texts.append(re.sub(r"\bPLATFORM_(?!CRANK)", f"{prefix.upper()}_", text))
+    return texts[0], texts[1]
+
+
+def _resolved(template: str, have: set[str]) -> str:
+    """Return a template without the parts that what it has does not need."""
+    lines: list[str] = []
+    kept = [True]
+    conditional: list[bool] = []
+    for line in template.splitlines():
+        condition = _CONDITION.fullmatch(line)
+        if condition:
+            names = {name.removeprefix("HAS_") for name in condition[1].split(" || ")}
+            kept.append(kept[-1] and bool(names & have))
+            conditional.append(True)
+            continue
+        if line.startswith("#if"):
+            conditional.append(False)
+        elif line == "#endif" and conditional.pop():
+            kept.pop()
+            continue
+        if kept[-1]:
+            lines.append(line)
+    return "\n".join(lines) + "\n"
+
+
+def _words(instance: Instance, numbers: PlatformNumbers, home: Solution | None) -> dict[str, str]:
+    """Return what stands for the words in the templates."""
+    cranked = any(kind.endswith("CRANK") for kind in numbers.kinds)
+    sided = any(row.kind.has_sides for row in instance.constraints)
+    return {
+        "NAME": _comment(instance.name or instance.type.id),
+        "LENGTH": _comment(instance.units.length),
+        "ANGLE": instance.units.angle.value,
+        "VALUES": _values(instance, numbers),
+        "SIGNED": "\n * Distances to planes are signed." if sided else "",
+        "CRANKED": "\n * The value of a crank is its angle from where the file states its joint."
+        if cranked
+        else "",
+        "DIGEST": "sha256 " + hashlib.sha256(dumps(instance).encode()).hexdigest()[:16],
+        "REACH": _number(numbers.reach),
+        "HOME": _home(home),
+        "HINT": "; of the two angles of a crank the one nearer to what `values` holds"
+        if cranked
+        else "",
+        "ZERO": "; of the two angles of a crank the one nearer to zero" if cranked else "",
+    }
+
+
+def _comment(text: str) -> str:
+    """Return a text that ends no comment."""
+    return " ".join(text.replace("*/", "* /").split())
+
+
+def _values(instance: Instance, numbers: PlatformNumbers) -> str:
+    """Return what the values are, for a comment."""
+    parts = []
+    for k, (row, kind) in enumerate(zip(instance.constraints, numbers.kinds, strict=True)):
+        what = {
+            "BASE_CRANK": f"crank {row.base_name}",
+            "PLATFORM_CRANK": f"crank {row.platform_name}",
+        }
+        names = "-".join(name for name in (row.platform_name, row.base_name) if name)
+        parts.append(_comment(f"{k + 1} {what.get(kind, kind)} {names}".strip()))
+    lines, line = [], ""
+    for part in parts:
+        if line and len(line) + len(part) > _WIDTH - 14:
+            lines.append(line)
+            line = ""
+        line += ("; " if line else "") + part
+    return ";\n *   ".join((*lines, line))
+
+
+def _home(home: Solution | None) -> str:
+    if home is None:
+        return ""
+    position = ", ".join(_number(x) for x in home.T.real)
+    rotation = ", ".join(_number(x) for x in home.quaternion.real)
+    return f"{{{{{position}}}, {{{rotation}}}}}"
+
+
+def _data(numbers: PlatformNumbers, source: str) -> str:
+    """Return the definition of the numbers that the struct in a source has."""
+    struct = source.partition("typedef struct {\n  unsigned char kind")[2].partition("} geometry;")[
+        0
+    ]
+    names = set(re.findall(r"\b(\w+)(?=(?:\[\d\])*[,;])", "unsigned char kind" + struct))
+    lines = ["static const geometry data = {"]
+    for name in PlatformNumbers.__annotations__:
+        if name in names:
+            lines += _entry(name, numbers)
+    return "\n".join([*lines, "};", ""])
+
+
+def _entry(name: str, numbers: PlatformNumbers) -> list[str]:
+    value = getattr(numbers, name)
+    if name == "kind":
+        return [f"    .kind = {{{', '.join(numbers.kinds)}}},"]
+    if np.ndim(value) == 0:
+        return [f"    .{name} = {_number(value)},"]
+    if np.ndim(value) == 1:
+        return [f"    .{name} = {{{', '.join(_number(x) for x in value)}}},"]
+    rows = [", ".join(_number(x) for x in row) for row in value]
+    return [f"    .{name} = {{", *(f"        {{{row}}}," for row in rows), "    },"]
+
+
+def _number(x: float | np.generic) -> str:
+    """Return the shortest literal that is read back as this number."""
+    return str(int(x)) if isinstance(x, np.uint8) else repr(float(x))

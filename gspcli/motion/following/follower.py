@@ -1,0 +1,170 @@
+"""The next pose, proved: the step of a controller (`gsp export --to c`) in Python."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli import _kernel
+from gspcli.errors import ArgumentError
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_quaternion
+from gspcli.motion.following.platform_numbers import platform_numbers
+from gspcli.motion.poses.inverse_kinematics import checked_poses
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+
+
+class FollowerStatus(IntEnum):
+    """What a step says; the numbers are those of the header that `gsp export --to c` writes."""
+
+    PROVED = 0
+    """The pose is the continuation along the straight line of values, and simple."""
+    NOT_FINITE = 1
+    """A value is not a finite number."""
+    RANGE = 2
+    """A value is outside the range of its constraint."""
+    SINGULAR = 3
+    """Refused: too near to a singular pose, here or ahead."""
+    TRIES_SPENT = 4
+    """Refused: the line is too long for the tries that a step has."""
+
+
+@dataclass(frozen=True)
+class FollowerReport:
+    """How the last step went.
+
+    Attributes
+    ----------
+    fraction
+        How much of the line of values was proved; 1 if all.
+    sigma
+        Where the last part began: not above the least singular value of the Jacobian matrix of the
+        values, lengths divided by the size of the platform; at most sqrt(6) below it.
+    alone
+        No other pose with these values is nearer than this: a length, or radians times the size.
+    steps, tries
+        How many parts of the line were proved, and tried.
+    """
+
+    fraction: float
+    sigma: float
+    alone: float
+    steps: int
+    tries: int
+
+
+_STATUSES = tuple(FollowerStatus)
+
+
+class Follower:
+    """A platform that follows its values, each step proved: 1 to 5 µs.
+
+    The program is the one that `gsp export --to c` writes, with the numbers of this platform.
+
+    Parameters
+    ----------
+    instance
+        The platform. Its values are used for the rods of cranks only.
+    R, T
+        Its pose, shapes (3, 3) and (3,), ``x_base = R x_platform + T``; its values are those that
+        it measures, angles of cranks near zero.
+
+    Raises
+    ------
+    ArgumentError
+        If the pose is none or a crank does not reach it, or a crank is not at the end of exactly
+        one leg.
+
+    Examples
+    --------
+    >>> import gspcli
+    >>> from gspcli.resources import instance_files
+    >>> platform = gspcli.load(instance_files()["nano-hexapod"])
+    >>> pose = gspcli.solve(platform).real_solutions[0]
+    >>> follower = gspcli.Follower(platform, pose.R.real, pose.T.real)
+    >>> follower.forward(follower.values + 1e-5).name
+    'PROVED'
+    """
+
+    def __init__(self, instance: Instance, R: ArrayLike, T: ArrayLike) -> None:
+        rotation, translation = checked_poses(R, T)
+        if translation.shape != (3,):
+            message = f"found the shape {translation.shape}, expected one pose: (3,)"
+            raise ArgumentError(message, "T")
+        self.instance = instance
+        numbers = platform_numbers(instance)
+        self._controller = _kernel.Controller(numbers.kind, numbers.either, numbers.doubles)
+        quaternion = quaternion_from_rotation(rotation)
+        status = self._controller.start(np.concatenate((translation, quaternion)))
+        if status:
+            message = {
+                FollowerStatus.RANGE: "a crank does not reach this pose",
+                FollowerStatus.SINGULAR: "lines are parallel there",
+            }.get(FollowerStatus(status), "found no pose: a rotation and a translation")
+            raise ArgumentError(message)
+
+    def forward(self, values: ArrayLike) -> FollowerStatus:
+        """Move to the pose of other values, if it is proved to be the continuation of this one.
+
+        Parameters
+        ----------
+        values
+            Shape (6,), in the units of the instance, planes signed, of cranks their angles.
+
+        Returns
+        -------
+        FollowerStatus
+            PROVED: for every value on the straight line between, exactly one pose is near, it is
+            not singular, and the new pose is its end. With any other one nothing has moved.
+        """
+        array = np.ascontiguousarray(values, np.float64)
+        if array.shape != (6,):
+            message = f"found the shape {array.shape}, expected (6,)"
+            raise ArgumentError(message, "values")
+        return _STATUSES[self._controller.forward(array)]
+
+    @property
+    def T(self) -> Array:
+        """The translation, shape (3,)."""
+        return self._controller.position()
+
+    @property
+    def quaternion(self) -> Array:
+        """The unit quaternion of the rotation, scalar first, shape (4,)."""
+        return self._controller.rotation()
+
+    @property
+    def R(self) -> Array:
+        """The rotation, shape (3, 3)."""
+        return rotation_from_quaternion(self.quaternion)
+
+    @property
+    def values(self) -> Array:
+        """The values of the pose, shape (6,)."""
+        return self._controller.values()
+
+    @property
+    def jacobian(self) -> Array:
+        """The derivatives of the values by a twist, shape (6, 6); NaN where one has none.
+
+        In the units of the instance, by radians and length units (`geometry.measurement`).
+        """
+        found = self._controller.jacobian()
+        return np.full((6, 6), np.nan) if found is None else found
+
+    @property
+    def error(self) -> float:
+        """The exact pose of the values is so near: a length, or radians times the size."""
+        return self._controller.error()
+
+    @property
+    def report(self) -> FollowerReport:
+        """How the last step went."""
+        return FollowerReport(*self._controller.report())
+
+    def __repr__(self) -> str:
+        return f"<Follower of {self.instance!r} at {self.T.tolist()}>"

@@ -1,0 +1,268 @@
+"""A platform as the step of a controller knows it: its numbers in units of its size."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.catalogue.kinds import DPP, Primitive
+from gspcli.errors import ArgumentError
+from gspcli.geometry.instance import Constraint, Instance, Side
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.offsets import offsets
+from gspcli.geometry.primitives import Crank, Geometry, Line, Point
+from gspcli.geometry.ranges import value_range
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+Exact = list[Fraction]
+
+#: The kinds of ``platform.c``, in its order: a leg whose joint a crank turns is one of its own,
+#: because its value is the angle of the crank.
+CONTROLLER_KINDS = (
+    *("DPP", "DPL", "DLP", "DPH", "DHP", "DLL", "ALL", "ALH", "AHL", "AHH"),
+    *("BASE_CRANK", "PLATFORM_CRANK"),
+)
+BODIES = ("platform", "base")
+#: Norms are rounded up.
+_UP = 1 + 2.0**-40
+#: What is beyond a limit is so by more than this, relatively, as `geometry.limits` has it.
+_ROUNDING = 1e-12
+#: No value is larger, in units of the size or radians.
+_LARGEST = 1e9
+#: Directions in which the primitives leave the middle open as much as this are left alone.
+_LOOSE = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class PlatformNumbers:
+    """What the step of a controller knows of a platform.
+
+    The fields are those of the struct ``geometry`` in ``gspcli/export/controller/platform.c``, in
+    its order and with its meanings.
+    """
+
+    kind: NDArray[np.uint8]
+    Y: Array
+    X: Array
+    U: Array
+    V: Array
+    A: Array
+    B: Array
+    crank: Array
+    rod: Array
+    norm_y: Array
+    moduli: Array
+    middle: Array
+    origin: Array
+    reach: float
+    shift: float
+    unit: Array
+    offset: Array
+    least: Array
+    most: Array
+    either: NDArray[np.uint8]
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The names of the kinds."""
+        return tuple(CONTROLLER_KINDS[k] for k in self.kind)
+
+    @property
+    def doubles(self) -> Array:
+        """All fields that are doubles, one after the other."""
+        names = [name for name in self.__annotations__ if name not in ("kind", "either")]
+        return np.concatenate([np.ravel(getattr(self, name)) for name in names])
+
+
+def platform_numbers(instance: Instance) -> PlatformNumbers:
+    """Return the numbers of an instance.
+
+    Raises
+    ------
+    ArgumentError
+        If a crank is not at the end of exactly one leg, or a leg has two.
+    """
+    rows = instance.constraints
+    kinds = [_kind(instance, row) for row in rows]
+    middles = [_middle(instance, body) for body in BODIES]
+    platform, base = (
+        [_Place(getattr(row, body), row.kind.is_distance, middle) for row in rows]
+        for body, middle in zip(BODIES, middles, strict=True)
+    )
+    turned = [kind.endswith("CRANK") for kind in kinds]
+    angles = [turns or kind[0] == "A" for turns, kind in zip(turned, kinds, strict=True)]
+    levers = [_lever(row, p.size, b.size) for row, p, b in zip(rows, platform, base, strict=True)]
+    lever = sum(levers) / max(sum(row.kind.is_distance for row in rows), 1)
+    reach = 2.0 ** round(math.log2(lever)) if lever > 0 else 1.0
+    arms = [
+        p if k == "PLATFORM_CRANK" else b for p, b, k in zip(platform, base, kinds, strict=True)
+    ]
+    cranks = np.array([arm.radius for arm in arms]) / reach
+    on_platform = np.array([kind == "PLATFORM_CRANK" for kind in kinds])
+    Y, X = (np.array([place.nearest for place in body]) / reach for body in (platform, base))
+    shift = 2 * sum(math.hypot(*map(float, middle)) for middle in middles) / reach
+    moduli = np.array([p.moduli + b.moduli for p, b in zip(platform, base, strict=True)]) / reach
+    unit = np.where(angles, instance.units.angle.in_radians, 1 / reach)
+    least, most = _limits(instance, kinds, _LARGEST / unit)
+    sided = [row.kind.has_sides and row.side is Side.BOTH and bool(row.limits) for row in rows]
+    return PlatformNumbers(
+        kind=np.array([CONTROLLER_KINDS.index(kind) for kind in kinds], np.uint8),
+        Y=Y,
+        X=X,
+        U=np.array([place.direction for place in platform]),
+        V=np.array([place.direction for place in base]),
+        A=np.array([arm.A for arm in arms]) / reach,
+        B=np.array([arm.B for arm in arms]) / reach,
+        crank=cranks * _UP,
+        rod=np.where(turned, [row.value.value for row in rows], 0.0) / reach,
+        norm_y=(np.linalg.norm(Y, axis=1) + np.where(on_platform, cranks, 0)) * _UP,
+        moduli=(moduli + shift) * _UP,
+        middle=np.array([float(x) for x in middles[0]]),
+        origin=np.array([float(x) for x in middles[1]]),
+        reach=reach,
+        shift=shift,
+        unit=unit,
+        offset=np.where(turned, 0.0, offsets(instance)),
+        least=least,
+        most=most,
+        either=np.array(sided, np.uint8),
+    )
+
+
+def _kind(instance: Instance, row: Constraint) -> str:
+    """Return the kind of a constraint as the step names it."""
+    cranked = [body for body in BODIES if getattr(getattr(row, body), "crank", None) is not None]
+    if not cranked:
+        return row.kind.name
+    if len(cranked) == 2:
+        message = f"a leg has cranks at both ends ({row.platform_name} and {row.base_name})"
+        raise ArgumentError(f"{message}, expected one: its angle is the value")
+    body = cranked[0]
+    name = getattr(row, f"{body}_name")
+    legs = [other for other in instance.constraints if getattr(other, f"{body}_name") == name]
+    if (len(legs) != 1 and name) or row.kind is not DPP:
+        found = ", ".join(leg.kind.name for leg in legs)
+        message = f"the constraints of its point are {found}, expected one DPP"
+        raise ArgumentError(message, f"crank.{name}")
+    return f"{body.upper()}_CRANK"
+
+
+def _lever(row: Constraint, platform: float, base: float) -> float:
+    """Return the length that a rotation is worth for a constraint, about: 0 for an angle.
+
+    With it as the unit of length the second derivatives by rotations are as large as those by
+    translations. A row is refused least often so: with half of it twice as many lines are.
+
+    Parameters
+    ----------
+    row
+        The constraint.
+    platform, base
+        How far its primitives are from the middles of their bodies.
+    """
+    value = abs(row.value.value)
+    if not row.kind.is_distance:
+        return 0.0
+    if row.kind.platform is not Primitive.POINT:
+        return platform + base + value
+    if row.kind.has_sides:
+        return platform
+    return math.sqrt(platform * (platform + value))
+
+
+class _Place:
+    """Where a primitive is, seen from the middle of its body, in length units."""
+
+    def __init__(self, geometry: Geometry, is_distance: bool, middle: Exact) -> None:
+        crank = geometry.crank if isinstance(geometry, Point) else None
+        self.direction = np.zeros(3) if isinstance(geometry, Point) else geometry.unit
+        self.A, self.B, self.nearest = np.zeros((3, 3))
+        self.radius = self.size = self.moduli = 0.0
+        if not is_distance:
+            return
+        place = _less(_exact(geometry.position), middle)
+        if isinstance(geometry, Point):
+            if crank is not None:
+                place = self._turn(crank, _exact(geometry.position), place)
+        else:
+            height = _along(place, _exact(geometry.vector))
+            place = _less(place, height) if isinstance(geometry, Line) else height
+        self.nearest = np.array([float(x) for x in place])
+        self.size = float(np.linalg.norm(self.nearest)) + self.radius
+        self.moduli = self.size
+        if any(x.fraction is None for x in geometry.position):
+            # The difference is then one of rounded numbers.
+            self.moduli += 2 * float(np.linalg.norm(geometry.point))
+
+    def _turn(self, crank: Crank, point: Exact, place: Exact) -> Exact:
+        """Note the circle of a crank; return its centre."""
+        axis = _exact(crank.axis)
+        arm = _less(point, _exact(crank.centre))
+        arm = _less(arm, _along(arm, axis))
+        self.A = np.array([float(x) for x in arm])
+        unit = np.array([float(x) for x in axis])
+        self.B = np.cross(unit / np.linalg.norm(unit), self.A)
+        self.radius = float(np.linalg.norm(self.A))
+        return _less(place, arm)
+
+
+def _exact(numbers: tuple[Number, ...]) -> Exact:
+    """Return numbers as fractions, irrational ones as those of the nearest doubles."""
+    return [Fraction(x.value) if x.fraction is None else x.fraction for x in numbers]
+
+
+def _less(a: Exact, b: Exact) -> Exact:
+    return [x - y for x, y in zip(a, b, strict=True)]
+
+
+def _along(a: Exact, direction: Exact) -> Exact:
+    """Return the part of a vector along a direction."""
+    share = Fraction(sum(x * y for x, y in zip(a, direction, strict=True)))
+    share /= sum(x * x for x in direction)
+    return [share * x for x in direction]
+
+
+def _middle(instance: Instance, body: str) -> Exact:
+    """Return the point of a body that is nearest to its primitives: least squares, few digits.
+
+    So that what is subtracted is nearly exact, and twists about it move the primitives little.
+    """
+    bodies = [getattr(row, body) for row in instance.constraints if row.kind.is_distance]
+    if not bodies:
+        return [Fraction(0)] * 3
+    points = np.array([one.point for one in bodies])
+    centre = points.mean(axis=0)
+    normal, right = np.zeros((3, 3)), np.zeros(3)
+    for one, point in zip(bodies, points, strict=True):
+        across = np.eye(3)
+        if not isinstance(one, Point):
+            along = np.outer(one.unit, one.unit)
+            across = across - along if isinstance(one, Line) else along
+        normal += across
+        right += across @ (point - centre)
+    centre = centre + np.linalg.pinv(normal, rcond=_LOOSE, hermitian=True) @ right
+    grid = 2.0 ** (math.frexp(float(np.abs(points - centre).max()) or 1.0)[1] - 12)
+    return [Fraction(float(x)) for x in np.round(centre / grid) * grid]
+
+
+def _limits(instance: Instance, kinds: list[str], largest: Array) -> tuple[Array, Array]:
+    """Return the least and the greatest value of each constraint, planes signed unless either."""
+    least, most = np.zeros((2, 6))
+    for k, (row, kind) in enumerate(zip(instance.constraints, kinds, strict=True)):
+        low, high = value_range(row.kind, instance.units.angle)
+        if kind.endswith("CRANK"):
+            low, high = -math.inf, math.inf
+        elif row.limits is not None:
+            low, high = (limit.value for limit in row.limits)
+            if row.side is Side.NEGATIVE:
+                low, high = -high, -low
+        room = _ROUNDING * max(abs(x) for x in (low, high) if math.isfinite(x) or x == low)
+        room = room if math.isfinite(room) else 0.0
+        floor = 0.0 if row.kind.is_distance and not row.kind.has_sides and low >= 0 else -math.inf
+        least[k] = max(low - room, floor, -largest[k])
+        most[k] = min(high + room, largest[k])
+    return least, most

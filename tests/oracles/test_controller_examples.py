@@ -1,0 +1,183 @@
+"""The examples of docs/controller.md, compiled and run, where their tools are."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import gspcli
+from gspcli.export.controller.writing import controller
+from gspcli.resources import instance_files
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "docs" / "controller"
+SUPPORT = ROOT / "tests" / "support"
+STRICT = ["-O2", "-Wall", "-Wextra", "-Werror"]
+HOMES = {"nano-hexapod": [0, 0, 0.09], "linuxcnc-hexapod": [0, 0, 20]}
+
+
+def needs(*programs):
+    absent = [name for name in programs if not shutil.which(name)]
+    return pytest.mark.skipif(bool(absent), reason=f"no {', '.join(absent)}")
+
+
+def export(name, prefix, folder):
+    """The program of a machine, from the pose at which it is in its file."""
+    instance = gspcli.load(instance_files()[name])
+    home = min(
+        gspcli.solve(instance).real_solutions,
+        key=lambda pose: (
+            abs(pose.T.real - HOMES[name]).max()
+            + abs(pose.R.real - [[1, 0, 0], [0, 1, 0], [0, 0, 1]]).max()
+        ),
+    )
+    for suffix, text in zip("hc", controller(instance, prefix, home=home), strict=True):
+        (folder / f"{prefix}.{suffix}").write_text(text)
+
+
+def run(*command, cwd):
+    subprocess.run([str(word) for word in command], check=True, cwd=cwd)
+
+
+def said(*command, cwd):
+    done = subprocess.run(
+        [str(word) for word in command],
+        check=True,
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    return done.stdout
+
+
+@needs("gcc")
+def test_loop(tmp_path):
+    export("nano-hexapod", "nano_hexapod", tmp_path)
+    run(
+        "gcc",
+        "-std=c99",
+        *STRICT,
+        f"-I{tmp_path}",
+        EXAMPLES / "loop.c",
+        "nano_hexapod.c",
+        "-lm",
+        "-o",
+        "loop",
+        cwd=tmp_path,
+    )
+    assert said("./loop", cwd=tmp_path).startswith("lifted to z = 0.091000 m, exact within ")
+
+
+@needs("gcc")
+def test_linuxcnc_module(tmp_path):
+    export("linuxcnc-hexapod", "hexapod", tmp_path)
+    linuxcnc = SUPPORT / "linuxcnc"
+    run(
+        "gcc",
+        "-std=gnu99",
+        *STRICT,
+        f"-I{linuxcnc}",
+        f"-I{tmp_path}",
+        EXAMPLES / "provedkins.c",
+        linuxcnc / "main.c",
+        "-lm",
+        "-o",
+        "module",
+        cwd=tmp_path,
+    )
+    # Poses came back, and a fold was refused with -1.
+    assert said("./module", cwd=tmp_path).split() == ["1", "-1"]
+
+
+@needs("gcc", "ar", "rustc")
+def test_rust(tmp_path):
+    export("nano-hexapod", "nano_hexapod", tmp_path)
+    run("gcc", "-std=c99", *STRICT, "-c", "nano_hexapod.c", cwd=tmp_path)
+    run("ar", "rcs", "libnano_hexapod.a", "nano_hexapod.o", cwd=tmp_path)
+    run(
+        "rustc",
+        "--edition",
+        "2021",
+        "-O",
+        EXAMPLES / "follow.rs",
+        "-L",
+        ".",
+        "-l",
+        "static=nano_hexapod",
+        "-l",
+        "m",
+        cwd=tmp_path,
+    )
+    assert said("./follow", cwd=tmp_path).startswith("lifted to z = 0.091000 m, exact within ")
+
+
+@needs("arm-none-eabi-gcc", "qemu-system-arm")
+def test_teensy_sketch_on_an_emulated_cortex_m7(tmp_path):
+    export("nano-hexapod", "nano_hexapod", tmp_path)
+    board = SUPPORT / "cortex_m"
+    cpu = [
+        "-mcpu=cortex-m7",
+        "-mthumb",
+        "-mfpu=fpv5-d16",
+        "-mfloat-abi=hard",
+        "-O2",
+        "-Wall",
+        "-Wextra",
+    ]
+    run("arm-none-eabi-gcc", *cpu, "-std=c99", "-Werror", "-c", "nano_hexapod.c", cwd=tmp_path)
+    run("arm-none-eabi-gcc", *cpu, "-c", board / "board.c", "-o", "board.o", cwd=tmp_path)
+    run(
+        "arm-none-eabi-gcc",
+        *cpu,
+        "-std=c++11",
+        "-fno-exceptions",
+        "-fno-rtti",
+        f"-I{EXAMPLES}",
+        f"-I{tmp_path}",
+        "-x",
+        "c++",
+        "-c",
+        board / "sketch.cpp",
+        "-o",
+        "sketch.o",
+        cwd=tmp_path,
+    )
+    run(
+        "arm-none-eabi-gcc",
+        *cpu,
+        "-nostartfiles",
+        f"-T{board / 'link.ld'}",
+        "board.o",
+        "sketch.o",
+        "nano_hexapod.o",
+        "-lm",
+        "-o",
+        "sketch.elf",
+        cwd=tmp_path,
+    )
+    qemu = [
+        "qemu-system-arm",
+        "-machine",
+        "mps2-an500",
+        "-icount",
+        "shift=0",
+        "-nographic",
+        "-monitor",
+        "none",
+        "-serial",
+        "none",
+    ]
+    board_says = ["-semihosting-config", "enable=on,target=native", "-kernel", "sketch.elf"]
+    done = subprocess.run(
+        [*qemu, *board_says], check=True, cwd=tmp_path, capture_output=True, text=True, timeout=60
+    )
+    lines = (done.stdout + done.stderr).split()
+    assert lines[0] == "91000"
+    one, refused, tries = map(int, lines[1:])
+    # Instructions: bounded, whatever the values; docs/controller.md says how many.
+    assert 1000 < one < 20000
+    assert one < refused < (tries + 1) * 40000

@@ -1,0 +1,196 @@
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import gspcli
+from gspcli.export.controller.writing import TRIES, controller
+from gspcli.geometry.quaternions import rotation_from_quaternion
+from gspcli.motion import FollowerStatus
+from gspcli.motion.following import platform_numbers as numbers_module
+from gspcli.motion.following.platform_numbers import platform_numbers
+from gspcli.resources import instance_files
+from gspcli.solver.generate import random_instance
+from tools.verify.controllers.compiled import CompiledController, poses_of
+from tools.verify.controllers.rounding import ExactEquations
+
+STRICT = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow"]
+STRICT += ["-Wdouble-promotion", "-Wstrict-prototypes", "-Werror"]
+FUZZ = Path(__file__).parents[2] / "support" / "controller_fuzz.c"
+#: Together all kinds, and each group of them alone.
+SORTS = ["6PP", "6PL", "6DLP", "6PH", "6HP", "6DLL", "3DPP ALL ALH AHH", "DPL DLP DPH DHP DLL AHL"]
+COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
+
+
+def platform(kinds, seed=0):
+    if kinds.startswith("@"):
+        instance = gspcli.load(instance_files()[kinds[1:]])
+        pose = gspcli.solve(instance).real_solutions[0]
+        return instance, (pose.R.real, pose.T.real)
+    return random_instance(gspcli.parse_type(kinds), np.random.default_rng(seed))
+
+
+def written(instance, folder, prefix="machine", **options):
+    for suffix, text in zip("hc", controller(instance, prefix, **options), strict=True):
+        (folder / f"{prefix}.{suffix}").write_text(text)
+    return folder / f"{prefix}.c"
+
+
+@pytest.mark.skipif(not COMPILERS, reason="no C compiler")
+@pytest.mark.parametrize("kinds", [*SORTS, "@reachy-mini-head"])
+def test_compilers_have_nothing_to_say(kinds, tmp_path):
+    source = written(platform(kinds)[0], tmp_path)
+    for compiler in COMPILERS:
+        subprocess.run([compiler, *STRICT, "-c", source, "-o", tmp_path / "o"], check=True)
+
+
+@pytest.mark.skipif("gcc" not in COMPILERS, reason="no gcc")
+def test_symbols_sizes_and_what_it_needs_of_the_library(tmp_path):
+    source = written(platform("6PP")[0], tmp_path, prefix="hexapod")
+    subprocess.run(["gcc", "-std=c99", "-O2", "-c", source, "-o", tmp_path / "o"], check=True)
+    symbols = subprocess.run(["nm", tmp_path / "o"], check=True, capture_output=True, text=True)
+    names = {(line.split()[-2], line.split()[-1]) for line in symbols.stdout.splitlines()}
+    public = {name for sort, name in names if sort == "T"}
+    assert public == {f"hexapod_{x}" for x in ("inverse", "jacobian", "start", "forward")}
+    # Nothing that is written to, and of the library nothing but mathematics.
+    assert not [name for sort, name in names if sort in "BbDdC"]
+    needed = {name for sort, name in names if sort == "U"}
+    assert needed <= {"sqrt", "memcpy", "memset", "_GLOBAL_OFFSET_TABLE_", "__stack_chk_fail"}
+
+
+@pytest.mark.skipif(not shutil.which("g++"), reason="no g++")
+def test_the_header_is_clean_in_cpp(tmp_path):
+    written(platform("6PP")[0], tmp_path)
+    (tmp_path / "user.cpp").write_text(
+        '#include "machine.h"\nint main() { machine_state s{}; return int(s.error); }\n'
+    )
+    command = ["g++", "-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only"]
+    subprocess.run([*command, tmp_path / "user.cpp"], check=True)
+
+
+@pytest.mark.skipif(not COMPILERS, reason="no C compiler")
+def test_fast_math_is_refused(tmp_path):
+    source = written(platform("6PP")[0], tmp_path)
+    for compiler in COMPILERS:
+        command = [compiler, "-std=c99", "-ffast-math", "-c", source, "-o", tmp_path / "o"]
+        done = subprocess.run(command, check=False, capture_output=True, text=True)
+        assert done.returncode
+        assert "compile without -ffast-math" in done.stderr
+
+
+@pytest.mark.skipif("gcc" not in COMPILERS, reason="no gcc")
+@pytest.mark.parametrize("kinds", ["6PP", "DPL DLP DPH DHP DLL AHL", "@reachy-mini-head"])
+def test_sanitizers_find_nothing(kinds, tmp_path):
+    source = written(platform(kinds)[0], tmp_path)
+    command = ["gcc", "-std=gnu99", "-O1", "-g", "-fsanitize=address,undefined"]
+    command += ["-fno-sanitize-recover=all", "-DPREFIX=machine", f'-DSOURCE="{source}"', FUZZ]
+    subprocess.run([*command, "-o", tmp_path / "fuzz", "-lm"], check=True)
+    done = subprocess.run([tmp_path / "fuzz"], check=True, capture_output=True, text=True)
+    counts = [int(word) for word in done.stdout.split()]
+    assert counts[0] > 100
+    assert counts[1] > 100
+
+
+@pytest.mark.skipif("gcc" not in COMPILERS, reason="no gcc")
+@pytest.mark.parametrize("kinds", ["6PP", "DPL DLP DPH DHP DLL AHL", "@reachy-mini-head"])
+def test_the_program_and_the_follower_are_one(kinds, tmp_path):
+    instance, (R, T) = platform(kinds)
+    program = CompiledController(instance, tmp_path)
+    follower = gspcli.Follower(instance, R, T)
+    rng = np.random.default_rng(1)
+    steps = np.abs(follower.values).max() * 2e-4 * rng.normal(size=(40, 6))
+    values = follower.values + np.concatenate((np.zeros((1, 6)), steps.cumsum(axis=0)))
+    start = np.concatenate((follower.T, follower.quaternion))
+    walk = program.follow(start[None], values[None])
+    for row, status, pose in zip(values[1:], walk.status[0, 1:], walk.poses[0, 1:], strict=True):
+        found = follower.forward(row)
+        assert found == status
+        if found is not FollowerStatus.PROVED:
+            break
+        here = np.concatenate((follower.T, follower.quaternion))
+        assert np.allclose(here, pose, rtol=0, atol=1e-13 * max(1, np.abs(here).max()))
+
+
+@pytest.mark.skipif("gcc" not in COMPILERS, reason="no gcc")
+@pytest.mark.parametrize("kinds", SORTS)
+def test_rounding_is_within_its_bounds_and_not_nothing(kinds, tmp_path):
+    flint = pytest.importorskip("flint")
+    instance, (_, T) = platform(kinds)
+    rng = np.random.default_rng(2)
+    poses = np.concatenate((T + rng.normal(size=(20, 3)), rng.normal(size=(20, 4))), axis=1)
+    program = CompiledController(instance, tmp_path)
+    values, _ = program.inverse(poses)
+    values *= rng.uniform(0, 2, size=values.shape)
+    found = program.rounding(poses, values)
+    with flint.ctx.workprec(128):
+        exact = ExactEquations(instance, platform_numbers(instance))
+        for pose, row, F, J, error, slant in zip(poses, values, *found, strict=True):
+            true_F, true_J = exact.at(pose, row)
+            off = [abs(float(flint.arb(a) - b)) for a, b in zip(F.tolist(), true_F, strict=True)]
+            assert (off < error / 4).all()
+            assert np.max(off / error) > 0
+            for a, b, bound in zip(J.tolist(), true_J, slant, strict=True):
+                turned = [float(flint.arb(x) - y) for x, y in zip(a, b, strict=True)]
+                assert np.linalg.norm(turned) < bound / 4
+
+
+def test_the_header_says_what_it_is_of():
+    instance, _ = platform("@nano-hexapod")
+    home = gspcli.solve(instance).real_solutions[1]
+    header, source = controller(instance, "nano", tries=7, home=home)
+    assert "#define NANO_API 1 " in header
+    assert "#define NANO_TRIES 7\n" in header
+    assert re.search(r"Data: sha256 [0-9a-f]{16} ", header)
+    assert "Lengths are in m, angles of values in deg" in header
+    assert "1 DPP P1-B1; 2 DPP P2-B2" in header
+    numbers = re.search(r"#define NANO_HOME \{\{(.*)\}, \{(.*)\}\}", header)
+    assert [float(x) for x in numbers[1].split(",")] == home.T.real.tolist()
+    quaternion = np.array([float(x) for x in numbers[2].split(",")])
+    assert np.allclose(rotation_from_quaternion(quaternion), home.R.real, atol=1e-15)
+    for text in (header, source):
+        assert not re.search(r"@|HAS_|[Pp]latform_|PLATFORM_(?!CRANK)", text)
+    other = gspcli.set_values(instance, ["1=0.1"])
+    assert "Data: sha256" in controller(other, "nano")[0]
+    assert controller(other, "nano")[0] != header
+    assert controller(instance, "nano") == controller(instance, "nano")
+
+
+def test_only_what_the_kinds_need_is_in_the_source():
+    hexapod = controller(platform("6PP")[0], "m")[1]
+    assert not re.search(r"\b(cos|sin|atan2|floor)\(", hexapod)
+    assert "DLL: {" not in hexapod
+    lines = controller(platform("6DLL")[0], "m")[1]
+    assert "bound_lines" in lines
+    assert "bound_square" not in lines
+
+
+@pytest.mark.parametrize("prefix", ["1st", "a-b", "", "x y", "é"])
+def test_prefixes_are_names_in_c(prefix):
+    with pytest.raises(gspcli.ArgumentError, match="expected a name in C"):
+        controller(platform("@nano-hexapod")[0], prefix)
+
+
+def test_the_template_is_what_the_numbers_are_for():
+    folder = Path(numbers_module.__file__).parents[2] / "export" / "controller"
+    source = (folder / "platform.c").read_text()
+    kinds = re.search(r"enum \{ (.*) \};", source)[1].split(", ")
+    assert tuple(kinds) == numbers_module.CONTROLLER_KINDS
+    struct = source.partition("unsigned char kind[6];")[2].partition("} geometry;")[0]
+    struct = re.sub(r"/\*.*?\*/|#[^\n]*", "", struct, flags=re.S)
+    names = re.findall(r"(\w+)(?:\[\d\])*[,;]", struct)
+    fields = list(numbers_module.PlatformNumbers.__annotations__)
+    assert ["kind", *names] == fields
+    assert f"#define PLATFORM_TRIES {TRIES}\n" in (folder / "platform.h").read_text()
+
+
+def test_far_lines_and_planes_are_as_good_as_near_ones():
+    instance, (R, T) = platform("DPL DLP DPH DHP DLL AHL")
+    numbers = platform_numbers(instance)
+    assert (np.linalg.norm(numbers.Y, axis=1) <= numbers.norm_y).all()
+    assert numbers.reach == 2.0 ** round(np.log2(numbers.reach))
+    assert (poses_of(R, T)[:3] == T).all()

@@ -1,0 +1,1 @@
+"""Exported controllers compiled and called: what verification, benchmarks and tests measure."""

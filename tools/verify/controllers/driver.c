@@ -1,0 +1,146 @@
+/* Calls of an exported controller on arrays: -DPREFIX=name -DSOURCE='"name.c"'. Includes the source, so
+ * that what is static in it can be measured, too. */
+#include SOURCE
+#include <time.h>
+
+#define CAT2(a, b) a##b
+#define CAT(a, b) CAT2(a, b)
+#define PUBLIC(name) CAT(PREFIX, name)
+#define CYCLES 20
+
+typedef PUBLIC(_pose) pose_t;
+typedef PUBLIC(_state) state_t;
+typedef PUBLIC(_report) report_t;
+
+static double now(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+static pose_t pose_of(const double *p) {
+  pose_t s = {{p[0], p[1], p[2]}, {p[3], p[4], p[5], p[6]}};
+  return s;
+}
+
+void d_inverse(long n, const double *poses, double *values, int *status) {
+  for (long i = 0; i < n; ++i) {
+    pose_t p = pose_of(poses + 7 * i);
+    status[i] = PUBLIC(_inverse)(&p, values + 6 * i);
+  }
+}
+
+void d_jacobian(long n, const double *poses, const double *values, double *J, int *status) {
+  for (long i = 0; i < n; ++i) {
+    pose_t p = pose_of(poses + 7 * i);
+    status[i] = PUBLIC(_jacobian)(&p, values + 6 * i, (double(*)[6])(J + 36 * i));
+  }
+}
+
+/* Walks of `rows` values each from the pose in their first row; each ends at its first refusal, what
+ * comes after has the status -1. */
+void d_follow(long n, long rows, const double *values, double *poses, int *status, double *reports,
+              double *seconds) {
+  for (long i = 0; i < n; ++i) {
+    state_t s;
+    s.pose = pose_of(poses + 7 * rows * i);
+    s.error = 0.0;
+    for (int k = 0; k < 6; ++k) s.values[k] = values[6 * rows * i + k];
+    status[rows * i] = 0;
+    for (long r = 1; r < rows; ++r) status[rows * i + r] = -1;
+    for (long r = 1; r < rows; ++r) {
+      const long at = rows * i + r;
+      report_t q;
+      const double t = now();
+      const int e = PUBLIC(_forward)(values + 6 * at, &s, &q);
+      seconds[at] = now() - t;
+      status[at] = e;
+      double *o = reports + 6 * at;
+      o[0] = q.fraction, o[1] = q.sigma, o[2] = q.alone, o[3] = q.steps, o[4] = q.tries, o[5] = s.error;
+      if (e) break;
+      for (int k = 0; k < 3; ++k) poses[7 * at + k] = s.pose.position[k];
+      for (int k = 0; k < 4; ++k) poses[7 * at + 3 + k] = s.pose.rotation[k];
+    }
+  }
+}
+
+/* Newton's method as controllers run it, until a correction is below `tolerance`; 1: it was not. */
+static int newton(const geometry *g, frame *f, const double *c, int most, double tolerance) {
+  for (int i = 0; i < most; ++i) {
+    double F[6], J[6][6], Y[6][6], d[6];
+    equations(g, f, c, F, J);
+    if (!invert(J, Y)) return 1;
+    const double size = correction(Y, F, d);
+    if (!(size < 1e6)) return 1;
+    move(f, d);
+    if (size < tolerance) return 0;
+  }
+  return 1;
+}
+
+static int newton_pose(const geometry *g, const double *values, pose_t *p, int most, double tolerance) {
+  frame f;
+  double c[6];
+  if (!load(g, p, &f)) return 1;
+  for (int k = 0; k < 6; ++k) c[k] = (values[k] + g->offset[k]) * g->unit[k];
+  const int e = newton(g, &f, c, most, tolerance);
+  unload(g, &f, p);
+  return e;
+}
+
+void d_newton(long n, long rows, const double *values, double *poses, int *status, long most,
+              double tolerance) {
+  for (long i = 0; i < n; ++i) {
+    pose_t p = pose_of(poses + 7 * rows * i);
+    status[rows * i] = 0;
+    for (long r = 1; r < rows; ++r) status[rows * i + r] = -1;
+    for (long r = 1; r < rows; ++r) {
+      const long at = rows * i + r;
+      status[at] = newton_pose(&data, values + 6 * at, &p, (int)most, tolerance);
+      for (int k = 0; k < 3; ++k) poses[7 * at + k] = p.position[k];
+      for (int k = 0; k < 4; ++k) poses[7 * at + 3 + k] = p.rotation[k];
+      if (status[at]) break;
+    }
+  }
+}
+
+/* Seconds a call of Newton's method and of forward, in turns, from poses and values to values. */
+void d_time(long n, const double *poses, const double *from, const double *to, double *seconds) {
+  volatile double sink = 0.0;
+  seconds[0] = seconds[1] = 0.0;
+  for (int turn = 0; turn < CYCLES; ++turn) {
+    double t = now();
+    for (long i = 0; i < n; ++i) {
+      pose_t p = pose_of(poses + 7 * i);
+      newton_pose(&data, to + 6 * i, &p, 20, 1e-10);
+      sink += p.position[0];
+    }
+    seconds[0] += (now() - t) / ((double)n * CYCLES);
+    t = now();
+    for (long i = 0; i < n; ++i) {
+      state_t s;
+      s.pose = pose_of(poses + 7 * i);
+      s.error = 0.0;
+      for (int k = 0; k < 6; ++k) s.values[k] = from[6 * i + k];
+      sink += PUBLIC(_forward)(to + 6 * i, &s, 0);
+    }
+    seconds[1] += (now() - t) / ((double)n * CYCLES);
+  }
+}
+
+/* What is computed at poses, with the bounds of its rounding: F, F', error, slant; shapes (n, 6),
+ * (n, 6, 6), (n, 6), (n, 6). */
+void d_rounding(long n, const double *poses, const double *values, double *F, double *J, double *error,
+                double *slant) {
+  for (long i = 0; i < n; ++i) {
+    pose_t p = pose_of(poses + 7 * i);
+    frame f;
+    bounds b;
+    double c[6];
+    part whole = {c, c, 0.0, 0.0};
+    load(&data, &p, &f);
+    for (int k = 0; k < 6; ++k) c[k] = (values[6 * i + k] + data.offset[k]) * data.unit[k];
+    equations(&data, &f, c, F + 6 * i, (double(*)[6])(J + 36 * i));
+    bound(&data, &f, &whole, &b);
+    for (int k = 0; k < 6; ++k) error[6 * i + k] = b.error[k], slant[6 * i + k] = b.slant[k];
+  }
+}

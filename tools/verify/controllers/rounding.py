@@ -1,0 +1,251 @@
+"""Audit the bounds of rounding of a controller's step in ball arithmetic, and record it.
+
+    python -m tools.verify.controllers.rounding [--each 1000] [--jobs 2] [--work FOLDER]
+        [--check [--sample N]]
+
+A proof of a step needs to know by how much the equations and their derivatives in doubles differ
+from the exact ones (``error`` and ``slant`` in ``platform.c``). Here the exact ones are computed
+with 128 bits and python-flint, from the numbers of the file as they stand and the definitions of
+the constraints, without the frames, units and rounded numbers of the program; at poses in doubles
+that are turned and moved arbitrarily, with values up to twice those of the pose. Recorded is for
+each platform the largest part of its bound that an error takes: below 1 it holds. The platforms are
+those of `walks`. The record is ``data/verification/controller-rounding.csv``.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import flint
+import numpy as np
+from flint import arb
+from numpy.typing import NDArray
+
+from gspcli.certification.numbers.balls import ball, cross, dot
+from gspcli.defaults import SEED
+from gspcli.errors import INTERRUPTED
+from gspcli.geometry.instance import AngleUnit, Instance
+from gspcli.motion.following.platform_numbers import PlatformNumbers, platform_numbers
+from tools.recording import ROOT, csv_text, sampled
+from tools.verify.campaigns import conclude, options, results
+from tools.verify.controllers.compiled import CompiledController
+from tools.verify.controllers.walks import names, platform
+
+Array = NDArray[np.float64]
+Vector = list[arb]
+RECORD = ROOT / "data" / "verification" / "controller-rounding.csv"
+BITS = 128
+#: Digits of the recorded parts: the last ones depend on the C library.
+DIGITS = 1
+
+
+@dataclass
+class Row:
+    """The largest parts of the bounds that errors of one platform take."""
+
+    name: str
+    evaluations: int
+    value: float
+    derivative: float
+
+    @property
+    def task(self) -> str:
+        """The name of the platform, or the number of its type."""
+        return self.name
+
+    @classmethod
+    def of_entry(cls, entry: Mapping[str, Any]) -> Row:
+        """Return what a line of the work file stands for."""
+        return cls(**entry)
+
+
+class ExactEquations:
+    """The equations of an instance as its file states them, in the unit of a controller."""
+
+    def __init__(self, instance: Instance, numbers: PlatformNumbers) -> None:
+        self._kinds = numbers.kinds
+        self._reach = arb(float(numbers.reach))
+        self._middle = [arb(float(x)) for x in numbers.middle]
+        radian = arb.pi() / 180 if instance.units.angle is AngleUnit.DEGREE else arb(1)
+        self._rows = []
+        for row, kind in zip(instance.constraints, numbers.kinds, strict=True):
+            bodies = [_Body(body) for body in (row.platform, row.base)]
+            is_angle = kind[0] == "A" or kind.endswith("CRANK")
+            offset = arb(0) if row.offset is None else ball(row.offset)
+            unit = radian if is_angle else 1 / self._reach
+            rod = ball(row.value) / self._reach
+            self._rows.append((kind, *bodies, unit, offset, rod))
+
+    def at(self, pose: Array, values: Array) -> tuple[list[arb], list[Vector]]:
+        """Return the six equations and their derivatives by a twist about the middle."""
+        q = [arb(float(x)) for x in pose[3:]]
+        R, T = _rotation(q), [arb(float(x)) for x in pose[:3]]
+        F, J = [], []
+        for (kind, one, other, unit, offset, rod), value in zip(self._rows, values, strict=True):
+            c = arb(float(value))
+            c = c * unit if kind.endswith("CRANK") else (c + offset) * unit
+            y, x = one.at(c, kind == "PLATFORM_CRANK"), other.at(c, kind == "BASE_CRANK")
+            arm = [z / self._reach for z in _times(R, _minus(y, self._middle))]
+            r = [(a + t - b) / self._reach for a, t, b in zip(_times(R, y), T, x, strict=True)]
+            w = _times(R, one.direction) if one.direction else []
+            f, row = _equation(kind, r, arm, w, other.direction, rod if "CRANK" in kind else c)
+            F.append(f)
+            J.append(row)
+        return F, J
+
+
+class _Body:
+    """A primitive in balls: a point, a unit direction, and the circle of a crank."""
+
+    def __init__(self, geometry: Any) -> None:
+        self.place = [ball(x) for x in geometry.position]
+        vector = getattr(geometry, "vector", None)
+        self.direction = _unit([ball(x) for x in vector]) if vector is not None else []
+        crank = getattr(geometry, "crank", None)
+        self._axis = _unit([ball(x) for x in crank.axis]) if crank else []
+        self._centre = [ball(x) for x in crank.centre] if crank else []
+
+    def at(self, angle: arb, turned: bool) -> Vector:
+        """Return the point, turned by its crank."""
+        if not turned:
+            return self.place
+        arm = _minus(self.place, self._centre)
+        along = [dot(arm, self._axis) * x for x in self._axis]
+        across, flat = cross(self._axis, arm), _minus(arm, along)
+        return [
+            c + h + angle.cos() * a + angle.sin() * b
+            for c, h, a, b in zip(self._centre, along, flat, across, strict=True)
+        ]
+
+
+def _equation(
+    kind: str, r: Vector, arm: Vector, w: Vector, v: Vector, c: arb
+) -> tuple[arb, Vector]:
+    """Return the equation of a constraint and its derivative by a twist, six numbers."""
+    zero = [arb(0)] * 3
+    if kind[0] == "A":
+        sign = -1 if kind == "AHH" else 1
+        n = cross(w, v)
+        cosine = c.cos() if kind in ("ALL", "AHH") else c.sin()
+        return sign * dot(w, v) - cosine, [*(sign * x for x in n), *zero]
+    if kind == "DPH":
+        return dot(r, v) - c, [*cross(arm, v), *v]
+    if kind == "DHP":
+        down = [-x for x in w]
+        return dot(r, down) - c, [*cross(_minus(arm, r), down), *down]
+    if kind == "DLL":
+        n = cross(w, v)
+        sine = dot(n, n).sqrt()
+        turned = cross(w, cross(v, r))
+        rise = c * dot(w, v) / sine
+        moment = [a + b + rise * z for a, b, z in zip(cross(arm, n), turned, n, strict=True)]
+        return dot(r, n) - c * sine, [*moment, *n]
+    line = w if kind == "DLP" else v if kind == "DPL" else []
+    if line:
+        along = dot(r, line)
+        r = [x - along * z for x, z in zip(r, line, strict=True)]
+        if kind == "DLP":
+            arm = [x - along * z for x, z in zip(arm, line, strict=True)]
+    force = [2 * x for x in r]
+    return dot(r, r) - c * c, [*cross(arm, force), *force]
+
+
+def _minus(a: Vector, b: Vector) -> Vector:
+    return [x - y for x, y in zip(a, b, strict=True)]
+
+
+def _times(R: list[Vector], a: Vector) -> Vector:
+    return [dot(row, a) for row in R]
+
+
+def _unit(a: Vector) -> Vector:
+    length = dot(a, a).sqrt()
+    return [x / length for x in a]
+
+
+def _rotation(q: list[arb]) -> list[Vector]:
+    w, x, y, z = q
+    n = w * w + x * x + y * y + z * z
+    rows = (
+        (w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        (2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)),
+        (2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z),
+    )
+    return [[entry / n for entry in row] for row in rows]
+
+
+def examine(each: int, name: str) -> Row:
+    """Compare at random poses of a platform."""
+    rng = np.random.default_rng((SEED, *name.encode()))
+    instance, (_, T) = platform(name, rng)
+    numbers = platform_numbers(instance)
+    size = float(numbers.reach)
+    positions = T + size * rng.normal(size=(each, 3))
+    poses = np.concatenate((positions, rng.normal(size=(each, 4))), axis=1)
+    with tempfile.TemporaryDirectory() as folder:
+        program = CompiledController(instance, Path(folder))
+    values, status = program.inverse(poses)
+    # Where a crank does not reach, any angle will do: nothing is asked of the pose.
+    lost = status != 0
+    values[lost] = rng.uniform(0, 90, size=(int(lost.sum()), 6))
+    values *= rng.uniform(0, 2, size=values.shape)
+    computed = program.rounding(poses, values)
+    worst = np.zeros(2)
+    with flint.ctx.workprec(BITS):
+        exact = ExactEquations(instance, numbers)
+        for pose, row, F, J, error, slant in zip(poses, values, *computed, strict=True):
+            worst = np.maximum(worst, _parts(exact, pose, row, F, J, error, slant))
+    return Row(name, len(poses), *(float(f"{x:.{DIGITS}g}") for x in worst))
+
+
+def _parts(
+    exact: ExactEquations,
+    pose: Array,
+    values: Array,
+    F: Array,
+    J: Array,
+    error: Array,
+    slant: Array,
+) -> tuple[float, float]:
+    """Return the largest parts of both bounds at one pose."""
+    true_F, true_J = exact.at(pose, values)
+    off = [abs(float((arb(float(a)) - b).abs_upper())) for a, b in zip(F, true_F, strict=True)]
+    slanted = [
+        np.linalg.norm([float((arb(float(x)) - y).abs_upper()) for x, y in zip(a, b, strict=True)])
+        for a, b in zip(J, true_J, strict=True)
+    ]
+    return float(np.max(off / error)), float(np.max(slanted / slant))
+
+
+def main() -> int:
+    """Write the record, or check it."""
+    line = options(__doc__)
+    line.add_argument("--each", type=int, default=1000, help="poses of each platform")
+    arguments = line.parse_args()
+    chosen = sampled(names(), arguments.sample) if arguments.check else names()
+    rows = results(
+        chosen,
+        partial(examine, arguments.each),
+        Row.of_entry,
+        arguments,
+        name=f"controller-rounding-{arguments.each}",
+        label="poses",
+    )
+    wrong = [f"{row.name}: beyond its bound" for row in rows if max(row.value, row.derivative) >= 1]
+    text = csv_text([asdict(row) for row in rows])
+    count = sum(row.evaluations for row in rows)
+    summary = f"{count} evaluations of {len(rows)} platforms within their bounds"
+    return conclude(RECORD, text, wrong, summary, check=arguments.check)
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        sys.exit(INTERRUPTED)
