@@ -12,9 +12,9 @@ from gspcli.catalogue.kinds import DPP, Primitive
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.offsets import offsets
 from gspcli.geometry.primitives import Crank, Geometry, Line, Point
 from gspcli.geometry.ranges import value_range
+from gspcli.geometry.readings import factors, offsets
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -107,7 +107,9 @@ def platform_numbers(instance: Instance) -> PlatformNumbers:
     shift = 2 * sum(math.hypot(*map(float, middle)) for middle in middles) / reach
     moduli = np.array([p.moduli + b.moduli for p, b in zip(platform, base, strict=True)]) / reach
     unit = np.where(angles, instance.units.angle.in_radians, 1 / reach)
-    least, most = _limits(instance, kinds, _LARGEST / unit)
+    # The value of a reading x is x scale + offset = (x + offset / scale) scale.
+    scale = np.where(turned, 1.0, factors(instance))
+    least, most = (limit / scale for limit in _limits(instance, kinds, _LARGEST / unit))
     sided = [row.kind.has_sides and row.side is Side.BOTH and bool(row.limits) for row in rows]
     return PlatformNumbers(
         kind=np.array([CONTROLLER_KINDS.index(kind) for kind in kinds], np.uint8),
@@ -125,8 +127,8 @@ def platform_numbers(instance: Instance) -> PlatformNumbers:
         origin=np.array([float(x) for x in middles[1]]),
         reach=reach,
         shift=shift,
-        unit=unit,
-        offset=np.where(turned, 0.0, offsets(instance)),
+        unit=unit * scale,
+        offset=np.where(turned, 0.0, offsets(instance) / scale),
         least=least,
         most=most,
         either=np.array(sided, np.uint8),
