@@ -23,7 +23,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, vector
-from gspcli.geometry.residuals import sides_of
+from gspcli.geometry.residuals import residuals, sides_of
 from gspcli.motion import track
 from gspcli.resources import data_path
 from gspcli.solver import all_poses, solve, solve_batch, solve_values
@@ -237,6 +237,31 @@ def test_whether_far_poses_are_kept(name: str, spread: float) -> None:
         assert said(kept) == said(batch[k].in_order(length))
         assert said(kept) == said(solve(other, starts=SolvedStarts()).poses)
         assert kept.proof is not None
+
+
+def test_rows_of_a_batch_are_as_precise_as_one_alone() -> None:
+    """Planes of both bodies only, values far from those that were solved first."""
+    instance = platform("6D 3PH 3HP")
+    own = np.array([row.value.value for row in instance.constraints])
+    rows = own * np.random.default_rng(6).uniform(0.7, 1.3, (200, 6))
+    batch = solve_batch(instance, rows, starts=SolvedStarts())
+    arrangement = Arrangement.of(instance)
+    for k, number in enumerate(batch.number.tolist()):
+        R, T = batch.R[k, :number], batch.T[k, :number]
+        assert batch.certified[k, :number].all()
+        errors = residuals(arrangement.with_values(rows[k]), R, T).max(axis=1)
+        # Heights are sums of products of two numbers of a pose, which may be complex and large.
+        sizes = 1 + np.abs(R).max(axis=(1, 2)) * np.abs(T).max(axis=1)
+        assert (errors < 1e-14 * arrangement.length * sizes).all()
+    for k in range(0, 200, 25):
+        numbers = {i: Number.of(Fraction(x)) for i, x in enumerate(rows[k].tolist())}
+        alone = solve(instance.with_values(numbers), starts=SolvedStarts()).poses
+        assert in_any_order(batch.R[k], batch.T[k]) == in_any_order(alone.R, alone.T)
+
+
+def in_any_order(R: np.ndarray, T: np.ndarray) -> list[bytes]:
+    poses = np.concatenate((R.reshape(-1, 9), T), axis=1).astype(complex)
+    return sorted(pose.tobytes() for pose in poses)
 
 
 @pytest.mark.parametrize("name", NAMES)
