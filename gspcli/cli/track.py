@@ -181,9 +181,8 @@ def command(
     rows = result.rows(more)
     verdicts, columns = judged_track(result, limits, requirements, rows)
     shown = track_table(result, rows, limits, columns, track_lines(verdicts, rows, steps))
-    document = result.to_json(rows) | {"limits": [plain_limit(one) for one in limits]}
-    document |= track_entries(verdicts, rows, steps)
-    emit(output, shown, document=document)
+    told = {"limits": [*map(plain_limit, limits)], **track_entries(verdicts, rows, steps)}
+    emit(output, shown, document=result.to_json(rows) | told)
     _tell(result, limits, output)
     _refuse_losses(result, allowed=allow_loss)
     refuse(verdicts)
