@@ -12,9 +12,9 @@ from gspcli.catalogue.kinds import DPP, Primitive
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.offsets import offsets
 from gspcli.geometry.primitives import Crank, Geometry, Line, Point
 from gspcli.geometry.ranges import value_range
+from gspcli.geometry.readings import offsets
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]

@@ -31,7 +31,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from gspcli.geometry.offsets import values_of
 from numpy.typing import NDArray
 
 import gspcli
@@ -41,6 +40,7 @@ from gspcli.errors import INTERRUPTED
 from gspcli.geometry.coordinates import coordinates
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
+from gspcli.geometry.readings import values_of
 from gspcli.motion import MovingPlatform
 from gspcli.motion.following.trajectories import at_values
 from gspcli.solver.generate import random_instance
