@@ -16,7 +16,7 @@ from statistics import median
 import numpy as np
 
 from bench.cases import random_instances
-from bench.report import duration, number, table
+from bench.markdown import duration, number, table
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import jacobian, measured

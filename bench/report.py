@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import platform
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from datetime import date
 from math import log10
@@ -16,6 +16,7 @@ import numpy as np
 
 from bench.cases import CASES, Case
 from bench.machines import MachineResult
+from bench.markdown import duration, number, table
 from bench.own import Shell, Throughput
 from bench.peers import Comparison
 from bench.sweep import Cost
@@ -216,25 +217,6 @@ class Report:
             paths=slowest.expected,
             memory=self.sweep_memory,
         )
-
-
-def table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a Markdown table, all columns but the first aligned to the right."""
-    rule = ["---", *["---:"] * (len(heading) - 1)]
-    return "".join(f"| {' | '.join(row)} |\n" for row in (heading, rule, *rows))
-
-
-def number(value: float) -> str:
-    """Return a number with two digits that count, or all before the point."""
-    return f"{value:.0f}" if value >= 9.95 else f"{value:.2g}"
-
-
-def duration(seconds: float) -> str:
-    """Return a time in the unit that suits it."""
-    for scale, unit in ((1.0, "s"), (1e3, "ms")):
-        if seconds * scale >= 1:
-            return f"{number(seconds * scale)} {unit}"
-    return f"{number(seconds * 1e6)} µs"
 
 
 def _own(result: CaseResult) -> list[str]:

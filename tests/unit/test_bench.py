@@ -26,8 +26,9 @@ from bench.homotopy import (
     stated_equations,
     written_product,
 )
+from bench.markdown import duration, table
 from bench.peers import Answer, compare
-from bench.report import Bar, CaseResult, PeerResult, Report, duration, table
+from bench.report import Bar, CaseResult, PeerResult, Report
 from bench.sweep import Cost, plot
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import study_from_pose

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 import sys
 
-from bench.report import number
+from bench.markdown import number
 from tools.recording import ROOT, parser, save, with_section
 
 README = ROOT / "README.md"

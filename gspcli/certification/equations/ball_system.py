@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import Law
 from gspcli.certification.equations import study
+from gspcli.certification.equations.likelier_sides import likelier
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.equations.pose_balls import PoseBall
 from gspcli.certification.equations.quadratic_forms import (
@@ -53,8 +54,6 @@ def _hessians() -> fmpz_mat:
     return fmpz_mat(study.COUNT, 64, [int(entry) for entry in entries])
 
 
-#: Of two sides the nearer is the one if the distances differ by this part of their sum.
-_CLEAR = 0.9
 _SIGNS = {Side.POSITIVE: (1,), Side.NEGATIVE: (-1,), Side.BOTH: (1, -1)}
 
 
@@ -331,15 +330,7 @@ def _nearer(
         (float(values[first.main].abs_upper()), float(values[second.main].abs_upper()))
         for values in places
     ]
-    a, b = max(pairs, key=_contrast)
-    order = (0, 1) if a <= b else (1, 0)
-    if _contrast((a, b)) > _CLEAR:
-        return order[:1]
-    return {1: (0, 1), -1: (1, 0)}.get(said, order)
-
-
-def _contrast(pair: tuple[float, float]) -> float:
-    return abs(pair[0] - pair[1]) / (sum(pair) or 1.0)
+    return likelier(pairs, said)
 
 
 def _value(equation: BallEquation, quadrics: Sequence[acb]) -> acb:
