@@ -46,8 +46,8 @@ _COLUMNS = (
     show_default=True,
     type=Positive(),
     metavar="D",
-    help="Largest difference of a pose from its solution, lengths by that of the least body or "
-    "distance; relative for numbers above one.",
+    help="Largest difference of a pose from its solution, lengths by the smaller body; "
+    "relative for numbers above one.",
 )
 @click.option(
     "--max-precision",
@@ -133,7 +133,7 @@ def _nearness(proved: Certificates, unit: str) -> list[str]:
     """Return how near to their solutions all poses are that are certified, if any is."""
     if not proved.certified:
         return []
-    turned, moved = proved.deviation, proved.deviation * proved.least_length
+    turned, moved = proved.deviations
     return [
         f"certified poses are within {turned:.1e} of their solutions in R, "
         f"within {moved:.1e} {unit} in T"

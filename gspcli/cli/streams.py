@@ -126,9 +126,32 @@ def say(message: str) -> None:
     try:
         # Named: the console script is `gsp` whatever path it was started by.
         click.secho(label, fg="red", bold=True, nl=False, err=True, color=coloured(sys.stderr))
-        click.echo(printable(rest), err=True)
+        click.echo(_wrapped(printable(rest), len(label)), err=True)
     except OSError:
         discard(sys.stderr)
+
+
+def _wrapped(text: str, begun: int) -> str:
+    """Return lines that a terminal shows without cutting words, after a first one that is begun."""
+    if not sys.stderr.isatty():
+        return text
+    import shutil
+    import textwrap
+
+    width = shutil.get_terminal_size().columns
+    lines = text.split("\n")
+    for i, line in enumerate(lines):
+        if len(line) + (0 if i else begun) > width:
+            first = " " * (0 if i else begun)
+            parts = textwrap.wrap(
+                line,
+                width,
+                initial_indent=first,
+                break_long_words=False,
+                break_on_hyphens=False,
+            )
+            lines[i] = "\n".join(parts)[len(first) :]
+    return "\n".join(lines)
 
 
 def discard(stream: TextIO) -> None:

@@ -91,7 +91,8 @@ def test_no_number_is_cut_at_any_width(shown: Shown, call: list[str], tmp_path: 
     run = words(call[0], shlex.join(call[1:]), tmp_path)
     (*pages, whole, _), code = shown(*run, widths=[*WIDTHS, _UNLIMITED])
     assert code in (0, 4)
-    full = set(_NUMBER.findall(whole))
+    # Home is said once, with the first page.
+    full = set(_NUMBER.findall(whole + pages[0].partition("home is mode")[2][:4]))
     rounded = sorted(map(float, full))
     for width, page in zip(WIDTHS, pages, strict=True):
         assert page.count("…") <= whole.count("…")

@@ -57,7 +57,7 @@ def test_a_pose_that_one_path_missed_is_found_by_following_paths(
     def eliminated(*_: object) -> None:
         raise AssertionError
 
-    monkeypatch.setattr("gspcli.solver.strategies.elimination._eliminate", eliminated)
+    monkeypatch.setattr("gspcli.solver.strategies.elimination._eliminated", eliminated)
     made = load_tool("special.platforms")
     group = name.partition("/")[0]
     [platform] = [x for x in made.platforms([group]) if x.id == name]

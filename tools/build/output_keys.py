@@ -240,7 +240,7 @@ KEYS: dict[str, str] = {
     # Proofs
     "tolerance": "largest difference of a pose from its solution that was allowed",
     "scale": "unit of length in which the proof works",
-    "least_length": "unit of length of the deviations of T: that of the least body or distance",
+    "least_length": "unit of length of the deviations of T: that of the smaller body",
     "poses": "poses, in order",
     "certify.poses": "poses given",
     "distinct": "certified ones that are proved pairwise different",

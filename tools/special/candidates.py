@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli import dumps
-from gspcli.certification.equations.local_frames import LocalFrames
+from gspcli.certification.equations.local_frames import FAR, LocalFrames
 from gspcli.cli.main import run
 from gspcli.defaults import TOLERANCE
 from gspcli.errors import IncompleteError
@@ -84,12 +84,12 @@ class Candidate:
 class _Poses:
     """All poses of a platform, with distances as `certify` has them."""
 
-    def __init__(self, solved: SolveResult, scale: float) -> None:
+    def __init__(self, solved: SolveResult, scale: float, least: float) -> None:
         self.R, self.T = solved.R, solved.T
         origin = LocalFrames.of(solved.instance)
         self.platform = np.array([float(x) for x in origin.platform])
         self.base = np.array([float(x) for x in origin.base])
-        self.scale = scale
+        self.scale, self.least = scale, least
 
     def distances(self, pose: Candidate) -> tuple[NDArray[np.float64], float]:
         """Return how far a candidate is from each pose, and the tolerance there."""
@@ -97,7 +97,8 @@ class _Poses:
         moved = (moved + turned @ self.platform) / self.scale
         entries = (pose.T + pose.R @ self.platform - self.base) / self.scale
         size = max(1.0, float(np.abs(pose.R).max()), float(np.abs(entries).max()))
-        far = np.maximum(np.abs(turned).max(axis=(1, 2)), np.abs(moved).max(axis=1))
+        length = 1.0 if np.abs(entries).max() > FAR else self.least / self.scale
+        far = np.maximum(np.abs(turned).max(axis=(1, 2)), np.abs(moved).max(axis=1) / length)
         return far, TOLERANCE * size
 
 
@@ -134,7 +135,7 @@ def _attacked(instance: Instance, draws: Draws) -> list[tuple[str, str, str]]:
         printed["solutions"] = [printed["solutions"][k] for k in simple]
         code, answer = certified(spec, json.dumps(printed))
         remarks = list(_all_right(code, answer, solved, simple.tolist()))
-        poses = _Poses(solved, answer["scale"])
+        poses = _Poses(solved, answer["scale"], answer["least_length"])
         changed = draws.sample(simple.tolist(), min(len(simple), _CHANGED))
         for name, candidates in _lists(solved, changed, answer["scale"], draws).items():
             text = json.dumps({"solutions": [c.to_json() for c in candidates]})

@@ -63,15 +63,14 @@ def length_scales(instance: Instance, distances: Array) -> Array:
 
 
 def least_length(instance: Instance) -> float:
-    """Return a power of two next below the least size of a body or distance, zeros apart.
+    """Return a power of two next below the size of the smaller body, points apart.
 
-    That is what a pose can be off before it is another one: a distance of 1e-3 between bodies of
-    1e3 has poses 2e-3 apart. Not below 2^-20 of the scale, about as well as doubles know the poses
-    of such a platform when multiplied by a tolerance of 1e-6.
+    By so much a body of a millimetre in a hall of a kilometre may be off before it is elsewhere. Not
+    below 2^-20 of the scale, about as well as doubles know the poses of such a platform when
+    multiplied by a tolerance of 1e-6.
     """
     rows = instance.constraints
-    sizes = [abs(c.value.value) for c in rows if c.kind.is_distance]
-    sizes += [max(high - low for low, high in _ranges(rows, body)) for body in _BODIES]
+    sizes = [max(high - low for low, high in _ranges(rows, body)) for body in _BODIES]
     scale = length_scale(instance)
     least = min((size for size in sizes if size > 0), default=scale)
     return max(2.0 ** (math.frexp(least)[1] - 1), _LEAST * scale) if least < math.inf else scale

@@ -59,7 +59,10 @@ class Certificate:
         same sides.
     deviation
         Proved bound of the difference between the candidate and the solution in any entry of R
-        and of T, the latter divided by `Certificates.least_length`.
+        and of T, the latter divided by `length`.
+    length
+        What deviations of T are divided by: `Certificates.least_length`; where T is larger than
+        eight scales, so that it is only known relatively, the scale.
     residual_bound
         For real solutions: proved bound of the difference between what is measured on the
         candidate, with the real numbers exactly as they were given, and what the constraints
@@ -94,6 +97,7 @@ class Certificate:
     unresolved: tuple[int, ...] = ()
     isolation: Isolation | None = field(default=None, repr=False)
     equivalent: Instance | None = field(default=None, repr=False)
+    length: float | None = None
 
     @property
     def certified(self) -> bool:
@@ -129,8 +133,9 @@ class Certificates(Sequence[Certificate]):
     scale
         The length, a power of two, by which translations are divided in errors.
     least_length
-        The length, a power of two, by which translations are divided in deviations: next below
-        the least of the sizes of both bodies and of the distances, zeros apart; at least 2^-20
+        The length, a power of two, by which translations that are not far are divided in
+        deviations: next below
+        the size of the smaller body that is no point; at least 2^-20
         of the scale.
     """
 
@@ -139,9 +144,15 @@ class Certificates(Sequence[Certificate]):
     least_length: float
 
     @property
-    def deviation(self) -> float:
-        """Proved bound of the deviations of all that are certified, 0 if there are none."""
-        return max((item.deviation or 0.0 for item in self.items if item.certified), default=0.0)
+    def deviations(self) -> tuple[float, float]:
+        """Proved bounds for all that are certified: of R, and of T in the unit of the instance."""
+        bounds = [
+            (item.deviation, item.deviation * item.length)
+            for item in self.items
+            if item.certified and item.deviation is not None and item.length is not None
+        ]
+        turned, moved = zip(*bounds, strict=True) if bounds else ((0.0,), (0.0,))
+        return max(turned), max(moved)
 
     @overload
     def __getitem__(self, index: int) -> Certificate: ...

@@ -53,7 +53,7 @@ def certify(
         a plane; where the pose itself tells the side this is not believed.
     tolerance
         Largest difference of a candidate from its solution in any entry of R, and of T divided by
-        `Certificates.least_length`; relative to the largest of them if that exceeds one. If the
+        `Certificate.length`; relative to the largest of them if that exceeds one. If the
         coordinates of a body are far from its origin, T is that of frames near the bodies
         (`LocalFrames`): the tolerance does not grow with the offset.
     max_precision

@@ -12,7 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.certification.equations import study
 from gspcli.certification.equations.ball_system import BallSystem
-from gspcli.certification.equations.local_frames import LocalFrames, least_length, length_scale
+from gspcli.certification.equations.local_frames import (
+    FAR,
+    LocalFrames,
+    least_length,
+    length_scale,
+)
 from gspcli.certification.equations.measures import (
     Measurement,
     measure,
@@ -56,8 +61,9 @@ class _Candidate:
         self.said = said
         #: How far a point is moved by writing its pose in doubles, about, in Study coordinates.
         self.rounding = rounding
-        #: What translations may deviate is relative to this, in units of the scale.
-        self.length = length
+        #: What translations may deviate is relative to this, in units of the scale: far away, where
+        #: they are only known relatively, the scale itself.
+        self.length = 1.0 if float_above(largest(given.translation)) > FAR else length
         # Entries of complex rotations may be large, and are then only known relatively.
         self.size = max(1.0, float_above(largest(given.entries)))
         self.sides: list[tuple[int, ...]] = []
@@ -146,7 +152,12 @@ class _Candidate:
         if isolation is None:
             return Certificate(self.outcome, self.precision)
         if self.outcome is not Outcome.CERTIFIED:
-            return Certificate(self.outcome, self.precision, deviation=self.deviation)
+            return Certificate(
+                self.outcome,
+                self.precision,
+                deviation=self.deviation,
+                length=self.length * system.scale,
+            )
         real = isolation.real
         stated = real and bool(self.measurements)
         return Certificate(
@@ -159,6 +170,7 @@ class _Candidate:
             float_above(residual(measure(system, self.given))) if stated else None,
             self._proved_sides(system, isolation),
             isolation=isolation,
+            length=self.length * system.scale,
             **relations,
         )
 
