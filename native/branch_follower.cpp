@@ -1,11 +1,9 @@
 // Follows real branches of solutions in lanes, and has each segment proved (segment_proof.hpp).
-#include "branch_follower.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "segment_proof.hpp"
+#include "branch_cursor.hpp"
 
 namespace gsp {
 namespace {
@@ -15,51 +13,10 @@ constexpr double kProved = 0.98;
 constexpr double kConverged = 1e-8;
 constexpr double kDiverged = 0.5;
 constexpr int kNewtonSteps = 6;
-// Segments that are followed before they are proved.
-constexpr int kBlock = 8;
 // A step is doubled when all segments of a block have a measure below this,
 constexpr double kEasy = 0.35;
 // or after so many blocks without failure: rounding may keep the measure up whatever the step.
 constexpr int kPatience = 4;
-// Points before the last one that predict the next: on a parabola through two of them, or on the
-// quartic through all, whichever predicted the last point better. Values have corners at rows.
-constexpr int kBefore = 4;
-
-// Where a branch is: at `row` and `part` of 2^`level` steps to the next row.
-struct Cursor {
-  Branch* branch = nullptr;
-  int row = 0, level = 0;
-  std::int64_t part = 0;
-  double z[N];
-  double end = 0.0;    // how near the proved zero is
-  double alone = 0.0;  // and how near no other one
-  // The points before at the same step, the last one first.
-  double before[kBefore][N];
-  int known = 0;
-  bool bent = false;  // whether the quartic predicts better
-  int successes = 0;  // blocks in a row that were kept whole
-  // The block that is being tried.
-  int count = 0;
-  double point[kBlock][N], from[kBlock][kConstraints], to[kBlock][kConstraints];
-  double measure[kBlock], ends[kBlock], uniqueness[kBlock];
-};
-
-INLINE void value_at(const Branch& b, int row, std::int64_t part, int level, double* out) {
-  const double* v = b.values + std::ptrdiff_t{row} * kConstraints;
-  if (part == 0) {
-    std::copy(v, v + kConstraints, out);
-    return;
-  }
-  const double t = std::ldexp(static_cast<double>(part), -level);
-  for (int k = 0; k < kConstraints; ++k) out[k] = v[k] + t * (v[k + kConstraints] - v[k]);
-}
-
-INLINE void advance(int& row, std::int64_t& part, int level) {
-  if (++part == std::int64_t{1} << level) {
-    part = 0;
-    ++row;
-  }
-}
 
 class Follower {
  public:

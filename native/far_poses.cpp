@@ -1,6 +1,4 @@
-#include "far_poses.hpp"
-
-#include "inverse.hpp"
+#include "far_equations.hpp"
 
 namespace gsp {
 namespace {
@@ -16,77 +14,6 @@ constexpr double kShrinking = 0.5, kArrived = 1e-7, kNear = 1e-3;
 constexpr double kLeastPart = 0x1p-6;
 constexpr int kEntries = 12, kNumbers = 16;
 constexpr double kNothing = 5e-10;  // rounds to zero to nine digits
-
-// The numbers of as many poses as there are lanes: number k of lane l stands at k W + l.
-struct Block {
-  double *re, *im, *low_re, *low_im;
-  double doubt[W], real[W];
-
-  INLINE C number(int k) const {
-    C z;
-    __builtin_memcpy(&z.re, re + k * W, sizeof z.re);
-    __builtin_memcpy(&z.im, im + k * W, sizeof z.im);
-    return z;
-  }
-  FineNumbers numbers() const { return {{re, im}, {low_re, low_im}}; }
-};
-
-Block packed(const FarGeometry& g, int first, double* work) {
-  constexpr int size = kFarNumbers * W;
-  Block b{work, work + size, work + 2 * size, work + 3 * size, {}, {}};
-  for (int l = 0; l < W; ++l) {
-    // Lanes that are left over repeat the first pose.
-    const int p = first + l < g.count ? first + l : first;
-    b.doubt[l] = g.error[p], b.real[l] = g.real[p];
-    for (int k = 0; k < kFarNumbers; ++k) {
-      const Complex &x = g.number[p * kFarNumbers + k], &y = g.low[p * kFarNumbers + k];
-      b.re[k * W + l] = x.re, b.im[k * W + l] = x.im;
-      b.low_re[k * W + l] = y.re, b.low_im[k * W + l] = y.im;
-    }
-  }
-  return b;
-}
-
-struct Linear {
-  C value[kRows], jacobian[kRows][kRows], inverse[kRows][kRows];
-};
-
-// A form and its gradient.
-INLINE void differentiate(const Block& b, int form, const C* s, C& value, C* gradient) {
-  int at = form * kLocalMonomials;
-  value = b.number(at++);
-  for (int i = 0; i < kRows; ++i, ++at) {
-    gradient[i] = b.number(at);
-    add_product(value, gradient[i], s[i]);
-  }
-  for (int i = 0; i < kRows; ++i)
-    for (int j = i; j < kRows; ++j, ++at) {
-      const C q = b.number(at), by = q * s[j];
-      add_product(value, by, s[i]);
-      gradient[i] = gradient[i] + by;
-      add_product(gradient[j], q, s[i]);
-    }
-}
-
-void linearize(const Block& b, const double* shift, const C* s, Linear& at) {
-  C norm, slope[kRows];
-  differentiate(b, kOfNorm, s, norm, slope);
-  for (int r = 0; r < kRows; ++r) {
-    differentiate(b, r, s, at.value[r], at.jacobian[r]);
-    if (r == 0) continue;
-    const V by = splat(shift[r - 1]);
-    at.value[r] = at.value[r] - by * norm;
-    for (int k = 0; k < kRows; ++k) at.jacobian[r][k] = at.jacobian[r][k] - by * slope[k];
-  }
-  invert(at.jacobian, at.inverse);
-}
-
-INLINE void newton_step(const Linear& at, C* change) {
-  for (int i = 0; i < kRows; ++i) {
-    change[i] = C{};
-    for (int j = 0; j < kRows; ++j) add_product(change[i], at.inverse[i][j], at.value[j]);
-  }
-}
 
 // Sums of the moduli of the terms of a form, of its derivatives, and of all second derivatives.
 struct Sizes {
