@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import time
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -32,7 +33,7 @@ def view(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
     folder = tmp_path_factory.mktemp("pages")
 
     def write(name: str, track: str | None = None) -> Path:
-        path = folder / f"{name}{'-track' if track else ''}.html"
+        path = folder / f"{name}-{zlib.crc32((track or '').encode())}.html"
         if not path.exists():
             tracks = read_tracks(track, "track.csv", PoseFormat()) if track else []
             scene = scene_of(solve(load(instance_files()[name]), certify=False), tracks)

@@ -65,8 +65,8 @@ def length_scales(instance: Instance, distances: Array) -> Array:
 def least_length(instance: Instance) -> float:
     """Return a power of two next below the size of the smaller body, points apart.
 
-    By so much a body of a millimetre in a hall of a kilometre may be off before it is elsewhere. Not
-    below 2^-20 of the scale, about as well as doubles know the poses of such a platform when
+    By so much a body of a millimetre in a hall of a kilometre may be off before it is elsewhere.
+    Not below 2^-20 of the scale, about as well as doubles know the poses of such a platform when
     multiplied by a tolerance of 1e-6.
     """
     rows = instance.constraints
