@@ -30,7 +30,7 @@ demo: $(STAMP) ## the paper's tables checked, its platform and Dietmaier's solve
 	$(BIN)/gsp view data/examples/example-6.8.yaml -o build/example-6.8.html
 	@echo "look at it: open $(CURDIR)/build/example-6.8.html in a browser"
 
-test: $(STAMP) ## the test suite (under five minutes on two cores)
+test: $(STAMP) ## the test suite (some minutes on two cores)
 	$(BIN)/python -m pytest -q -n auto -m 'not slow'
 
 lint: $(STAMP) ## style of the code

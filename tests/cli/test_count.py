@@ -84,7 +84,7 @@ def test_wrong_usage(gsp: Run) -> None:
 
 
 def test_a_generic_geometry_too_large_to_count_has_the_generic_count(gsp):
-    outcome = gsp("count", "--type", "6DLL", "--format", "json")
+    outcome = gsp("count", "--type", "6DLL", "--effort", "1", "--format", "json")
     assert outcome.code == 0
     (row,) = json.loads(outcome.out)["geometries"]
     assert row == {
