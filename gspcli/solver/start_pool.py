@@ -104,8 +104,10 @@ class StartPool:
 
 def _all_different(ends: ReducedEnds) -> NDArray[np.bool_]:
     """Return to which targets (b,) all paths lead, to different solutions."""
-    points = ends.study / np.linalg.norm(ends.study, axis=-1, keepdims=True)
-    overlaps = np.abs(points.conj() @ points.swapaxes(1, 2))
+    # Paths that fail may leave no numbers: these are different from none.
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        points = ends.study / np.linalg.norm(ends.study, axis=-1, keepdims=True)
+        overlaps = np.abs(points.conj() @ points.swapaxes(1, 2))
     overlaps[:, np.eye(points.shape[1], dtype=bool)] = 0
     regular = (ends.status == PathStatus.REGULAR).all(axis=1)
     return np.asarray(regular & (overlaps < 1 - _SAME).all(axis=(1, 2)))
