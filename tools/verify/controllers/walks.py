@@ -5,7 +5,7 @@
 
 The programs that `gsp export --to c` writes for the machines of ``data/platforms`` and for one
 random platform each of `TYPES` types, all kinds among them, are compiled and walk: half of the
-walks through the values of poses that move smoothly about a pose, half straight away in a random
+walks through the values of poses that move smoothly about home, half straight away in a random
 direction of values, where most branches end in a fold. A step counts if the program says PROVED.
 What must hold:
 
@@ -37,6 +37,7 @@ import gspcli
 from gspcli.catalogue.types import all_types, type_by_number
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import coordinates
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
@@ -113,8 +114,9 @@ def platform(
     instance = gspcli.load(PLATFORMS / f"{name}.yaml")
     if home is not None:
         return instance, (np.eye(3), np.array([0.0, 0.0, home]))
-    real = gspcli.solve(instance).real_solutions
-    return instance, (real[0].R.real, real[0].T.real)
+    mode = gspcli.solve(instance).home
+    assert mode is not None
+    return instance, (mode.R, mode.T)
 
 
 def examine(steps: int, name: str) -> Row:
@@ -127,6 +129,9 @@ def examine(steps: int, name: str) -> Row:
         program = CompiledController(instance, Path(folder))
     walks = max(2, steps // (ROWS - 1))
     values, start = walk_values(instance, program, R, T, walks, rng)
+    if not np.ptp(values, axis=1).any():
+        # A coupling of struts that are all of one length.
+        return row
     found = program.follow(start, values)
     _count(row, found)
     if _cranks(instance):
@@ -174,7 +179,29 @@ def walk_values(
     direction = rng.normal(size=(len(values[away]), 1, 6))
     direction *= pace / np.linalg.norm(direction, axis=2, keepdims=True)
     values[away] = values[away, :1] + np.arange(ROWS)[:, None] * direction
-    return values, poses[:, 0]
+    return _in_ranges(instance, values), poses[:, 0]
+
+
+def _in_ranges(instance: Instance, values: Array) -> Array:
+    """Return walks that go at most twice as far as ranges; struts of one length keep it.
+
+    Values of cranks are angles, which have none.
+    """
+    if _cranks(instance):
+        return values
+    changes = values - values[:, :1]
+    for k, row in enumerate(instance.constraints):
+        if row.limits is None:
+            continue
+        low, high = (limit.value for limit in row.limits)
+        if low == high:
+            changes[..., k] = 0
+            continue
+        far = np.abs(changes[..., k]).max(axis=1)
+        room = np.maximum(high - values[:, 0, k], values[:, 0, k] - low)
+        part = np.minimum(1, 2 * room / np.where(far > 0, far, 1))
+        changes *= np.where(far > 0, part, 1)[:, None, None]
+    return values[:, :1] + changes
 
 
 def _count(row: Row, found: Walks) -> None:
@@ -189,7 +216,7 @@ def _count(row: Row, found: Walks) -> None:
 
 def _judge(row: Row, instance: Instance, values: Array, found: Walks) -> None:
     """Compare with the branches that the kernel follows with proof along the same rows."""
-    platform = MovingPlatform(instance)
+    platform, size = MovingPlatform(instance), Arrangement.of(instance).length
     R = rotation_from_quaternion(found.poses[:, 0, 3:])
     starts = platform.points(R, found.poses[:, 0, :3])
     branches = platform.follow(platform.internal(values), np.arange(len(values)), starts)
@@ -197,16 +224,16 @@ def _judge(row: Row, instance: Instance, values: Array, found: Walks) -> None:
     for walk, reached in enumerate(branches.reached):
         proved = int((found.status[walk, 1:] == 0).sum())
         both = min(proved, int(reached))
-        _compare(row, found.poses[walk, 1 : both + 1], R[walk, 1 : both + 1], T[walk, 1 : both + 1])
+        here = slice(1, both + 1)
+        _compare(row, size, found.poses[walk, here], R[walk, here], T[walk, here])
         row.beyond += proved - both
         refused = proved + 1 < ROWS and found.status[walk, proved + 1] in (3, 4)
         row.refused += int(refused and reached > proved)
 
 
-def _compare(row: Row, poses: Array, R: Array, T: Array) -> None:
+def _compare(row: Row, size: float, poses: Array, R: Array, T: Array) -> None:
     turned = np.abs(rotation_from_quaternion(poses[:, 3:]) - R).max(axis=(1, 2), initial=0)
     moved = np.linalg.norm(poses[:, :3] - T, axis=1)
-    size = max(1e-300, float(np.linalg.norm(T, axis=1).max(initial=0)))
     row.judged += len(poses)
     row.different += int(((turned > SAME) | (moved > SAME * size)).sum())
 
@@ -226,6 +253,7 @@ def _judge_cranks(row: Row, instance: Instance, values: Array, found: Walks) -> 
         reached = int((~np.isnan(track.T[0, 1:, 0])).sum())
         _compare(
             row,
+            Arrangement.of(instance).length,
             found.poses[walk, 1 : reached + 1],
             track.R[0, 1 : reached + 1],
             track.T[0, 1 : reached + 1],
@@ -242,7 +270,7 @@ def _solve(row: Row, instance: Instance, values: Array, found: Walks) -> None:
         if result.verdict != "complete":
             continue
         pose = found.poses[walk, proved]
-        R, size = rotation_from_quaternion(pose[3:]), np.linalg.norm(pose[:3])
+        R, size = rotation_from_quaternion(pose[3:]), Arrangement.of(instance).length
         near = [
             np.abs(one.R.real - R).max() < SAME
             and np.linalg.norm(one.T.real - pose[:3]) < SAME * size
