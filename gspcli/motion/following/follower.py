@@ -14,6 +14,7 @@ from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_
 from gspcli.motion.following.platform_numbers import platform_numbers
 from gspcli.motion.poses.inverse_kinematics import checked_poses
 from gspcli.records import dataclass
+from gspcli.wording import shortened
 
 Array = NDArray[np.float64]
 
@@ -121,7 +122,11 @@ class Follower:
             PROVED: for every value on the straight line between, exactly one pose is near, it is
             not singular, and the new pose is its end. With any other one nothing has moved.
         """
-        array = np.ascontiguousarray(values, np.float64)
+        try:
+            array = np.ascontiguousarray(values, np.float64)
+        except (TypeError, ValueError) as error:
+            message = f"found {shortened(repr(values))}, expected six numbers"
+            raise ArgumentError(message, "values") from error
         if array.shape != (6,):
             message = f"found the shape {array.shape}, expected (6,)"
             raise ArgumentError(message, "values")

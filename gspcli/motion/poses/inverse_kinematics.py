@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 
 #: Poses measured at a time: their intermediate arrays stay in the cache of a core.
 _CHUNK = 2000
+#: R R^T is that of a rotation whose entries have three decimals, or of none.
+_ROTATION = 4e-3
 #: Lines nearer than this part of the typical length meet but for rounding.
 _MEETING = 1e-12
 
@@ -100,7 +102,7 @@ def checked_poses(R: ArrayLike, T: ArrayLike) -> tuple[Array, Array]:
     Raises
     ------
     ArgumentError
-        If they have other shapes or numbers that are not finite.
+        If they have other shapes or numbers that are not finite, or R is no rotation.
     """
     R, T = np.asarray(R, float), np.asarray(T, float)
     if R.shape[-2:] != (3, 3) or T.shape[-1:] != (3,) or R.shape[:-2] != T.shape[:-1]:
@@ -114,4 +116,9 @@ def checked_poses(R: ArrayLike, T: ArrayLike) -> tuple[Array, Array]:
             index = tuple(np.argwhere(~np.isfinite(part))[0].tolist())
             message = f"found {part[index]}, expected a finite number"
             raise ArgumentError(message, f"{name}{list(index)}")
+    off = np.abs(R @ R.swapaxes(-1, -2) - np.eye(3)).max(axis=(-1, -2))
+    wrong = np.argwhere((off > _ROTATION) | (np.linalg.det(R) < 0))
+    if len(wrong):
+        place = wrong[0].tolist()
+        raise ArgumentError("found a matrix that is no rotation", f"R{place if place else ''}")
     return R, T

@@ -102,6 +102,10 @@ def test_statuses_of_what_is_no_step():
     assert (follower.values == values).all()
     with pytest.raises(gspcli.ArgumentError, match=r"expected \(6,\)"):
         follower.forward([1.0])
+    with pytest.raises(gspcli.ArgumentError, match="found 'six', expected six numbers"):
+        follower.forward("six")
+    with pytest.raises(gspcli.ArgumentError, match="no rotation"):
+        gspcli.Follower(follower.instance, 2 * np.eye(3), np.zeros(3))
 
 
 @pytest.mark.parametrize("turned", [False, True])

@@ -45,6 +45,8 @@ def test_example_has_its_values():
         (np.eye(4), np.zeros(3), "expected"),
         (np.eye(3), [0, np.nan, 0], r"T\[1\]: found nan, expected a finite number"),
         (np.full((1, 3, 3), np.inf), np.zeros((1, 3)), r"R\[0, 0, 0\]: found inf"),
+        (2 * np.eye(3), np.zeros(3), "R: found a matrix that is no rotation"),
+        ([np.eye(3), np.diag([1, 1, -1])], np.zeros((2, 3)), r"R\[1\]: found a matrix that is no"),
     ],
 )
 def test_mistakes_are_named(R, T, message):
