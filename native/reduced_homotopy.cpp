@@ -12,10 +12,12 @@ void GSP_TRACK_VALUES(const ReducedGeometry& geometry, const ReducedOptions& opt
     };
     if (!paths.line)
       with.template operator()<MovingValues>();
+#if !defined(GSP_VALUES_ALONE)
     else if (paths.line->real)
       with.template operator()<MovingPlatform<M>>();
     else
       with.template operator()<MovingGeometry<M>>();
+#endif
   };
   switch (2 * geometry.scalars + geometry.has_h) {
     case 0: return run.template operator()<0, false>();

@@ -3,6 +3,8 @@
 // Included by each build of reduced_homotopy.cpp: all in an anonymous namespace.
 #pragma once
 
+#include <cstddef>
+
 #include "factorization.hpp"
 #include "forms.hpp"
 #include "reduced_moving.hpp"

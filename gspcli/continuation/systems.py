@@ -22,8 +22,8 @@ from gspcli.records import dataclass
 
 EQUATIONS = 6
 # The degree in f of each coefficient, and which coefficients have the degree 0, 1, 2.
-_DEGREE_IN_F = np.repeat([0, 1, 2], [10, 16, 1])
-_OF_DEGREE = np.eye(3)[_DEGREE_IN_F]
+DEGREE_IN_F = np.repeat([0, 1, 2], [10, 16, 1])
+_OF_DEGREE = np.eye(3)[DEGREE_IN_F]
 
 
 @dataclass(frozen=True, order=True)
@@ -123,7 +123,7 @@ class Coefficients(NamedTuple):
 
     def in_units(self, scale: FloatArray) -> Coefficients:
         """Return the equations in e and f / scale, for scales of shape (...)."""
-        powers = scale[..., None, None] ** _DEGREE_IN_F
+        powers = scale[..., None, None] ** DEGREE_IN_F
         return Coefficients(self.g * powers, self.h * powers, self.tau)
 
     def scaled(self, g: ComplexArray, h: ComplexArray) -> Coefficients:

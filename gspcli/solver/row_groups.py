@@ -90,10 +90,8 @@ def solve_rows(
         equations = proofs(rows[members])
         if equations is None:
             break
-        geometry = (
-            kept(rows[members], False)
-            or geometry_among(arrangement, rows[members], count, seed, jobs, starts)
-            or kept(rows[members], True)
+        geometry = geometry_of_rows(
+            arrangement, rows[members], count=count, seed=seed, jobs=jobs, starts=starts, kept=kept
         )
         if geometry is not None:
             geometries[key] = geometry, equations
@@ -106,6 +104,27 @@ def solve_rows(
             part = slice(first, min(first + length, end))
             yield part.stop - first, _solved(alike, sizes[part], rows[part], jobs)
         begin = end
+
+
+def geometry_of_rows(
+    arrangement: Arrangement,
+    rows: Array,
+    *,
+    count: Callable[[], ExactCount | None],
+    seed: int,
+    jobs: int = 1,
+    starts: SolvedStarts = STARTS,
+    kept: Callable[[Array, bool], Geometry | None] = lambda *_: None,
+) -> Geometry | None:
+    """Return the geometry with a start for alike sets of values; None if none is safe.
+
+    Parameters are those of `solve_rows`.
+    """
+    return (
+        kept(rows, False)
+        or geometry_among(arrangement, rows, count, seed, jobs, starts)
+        or kept(rows, True)
+    )
 
 
 def _sizes(arrangement: Arrangement, rows: Array) -> NDArray[np.int64]:

@@ -51,13 +51,13 @@ def length_scale(instance: Instance, distances: Iterable[float] | None = None) -
     """
     if distances is None:
         distances = (c.value.value for c in instance.constraints if c.kind.is_distance)
-    size = max([_reach(instance), *map(abs, distances)])
+    size = max([reach(instance), *map(abs, distances)])
     return 2.0 ** math.frexp(size)[1] if 0 < size < math.inf else 1.0
 
 
 def length_scales(instance: Instance, distances: Array) -> Array:
     """Return `length_scale` for each of many sets of distances (b, k), shape (b,)."""
-    sizes = np.maximum(_reach(instance), np.abs(distances).max(axis=1, initial=0))
+    sizes = np.maximum(reach(instance), np.abs(distances).max(axis=1, initial=0))
     known = (sizes > 0) & (sizes < math.inf)
     return np.asarray(np.where(known, np.exp2(np.frexp(np.where(known, sizes, 1.0))[1]), 1.0))
 
@@ -83,7 +83,7 @@ def _ranges(rows: Sequence[Constraint], body: str) -> list[tuple[float, float]]:
     return [(min(column), max(column)) for column in columns]
 
 
-def _reach(instance: Instance) -> float:
+def reach(instance: Instance) -> float:
     """Return the largest coordinate of a point, without its sign."""
     coordinates = instance.coordinates
     return max(max(coordinates), -min(coordinates))
@@ -118,7 +118,7 @@ class LocalFrames:
         """
         if distances is None:
             distances = [abs(c.value.value) for c in instance.constraints if c.kind.is_distance]
-        if _reach(instance) <= FAR * max(distances):
+        if reach(instance) <= FAR * max(distances):
             return _OF_THE_INSTANCE
         middles, extents = [], []
         for body in _BODIES:

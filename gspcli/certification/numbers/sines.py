@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from math import factorial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,24 @@ _QUARTER = {True: (90.0, 0.0), False: _pair(_PI / 2)}
 _TERMS = [_pair(Fraction((-1) ** k, factorial(2 * k + 1))) for k in range(17)]
 #: From this term on doubles do.
 _SMALL = 10
+
+
+class SineNumbers(NamedTuple):
+    """The numbers that sines are computed from, for programs that compute the same elsewhere."""
+
+    quarter: tuple[float, float]
+    """A quarter turn, as all of these the sum of two doubles."""
+    unit: tuple[float, float]
+    """What angles in degrees are multiplied by."""
+    terms: list[tuple[float, float]]
+    """Coefficients of the series."""
+    small: int
+    """From this term on doubles do."""
+
+    @classmethod
+    def of(cls, *, degrees: bool) -> SineNumbers:
+        """Return those for a unit of angles."""
+        return cls(_QUARTER[degrees], _UNIT, _TERMS, _SMALL)
 
 
 def sines(angles: Array, complements: NDArray[np.bool_], *, degrees: bool) -> Pair:

@@ -55,7 +55,7 @@ Index = NDArray[np.intp]
 _RELATIONS = {DPP: 0, DPH: 1, DHP: 2, DPL: 3, DLP: 4, DLL: 5, **dict.fromkeys(ANGLE_KINDS, 6)}
 _MEETING_LINES = 7
 #: A cosine errs by at most `SINE_ERROR`, which is this part of the unit of `converted`.
-_COSINE_ERROR = SINE_ERROR / CONVERSION
+COSINE_ERROR = SINE_ERROR / CONVERSION
 #: What the bits of the kernel say.
 _BITS = np.arange(2 * max(ISOLATED, REAL, COMPLEX, ROUNDED))
 _CERTIFIED = ((_BITS & ISOLATED) > 0) & ((_BITS & (REAL | COMPLEX)) > 0)
@@ -136,6 +136,12 @@ class ValueProofs:
         """Return the equations; None if the frames are too far from the platform for doubles."""
         return cls(instance, rows) if LocalFrames.of(instance).is_none else None
 
+    @property
+    def numbers(self) -> tuple[Any, ...]:
+        """What the kernel has of the geometry, in the order of native/ends.hpp."""
+        found = self._hessians, self._lows, self._moduli, self._table, self._weights, self._turned
+        return len(self._hessians), *found
+
     def _cosines(self, rows: Array) -> tuple[Array, Array]:
         """Return the values of ``R u . v`` that angles ask for (`Statement.cosine`), (2, b, k)."""
         laws = [self.kinds[i].law for i in self._angles]
@@ -159,7 +165,7 @@ class ValueProofs:
         if self._angles:
             k = self._angles
             values[..., k], lows[..., k] = (x[:, None] for x in self._cosines(rows))
-            bounds[..., k] = np.abs(values[..., k]) + _COSINE_ERROR
+            bounds[..., k] = np.abs(values[..., k]) + COSINE_ERROR
             gaps[..., k] = SINE_ERROR
         distances = np.broadcast_to(np.abs(rows)[:, None] / self.scale, values.shape)
         return np.stack((values, bounds, distances, lows, gaps, np.zeros_like(gaps)), axis=2)

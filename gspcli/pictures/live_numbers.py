@@ -1,0 +1,272 @@
+"""The numbers from which a page finds all poses again when values move.
+
+What the kernel of the page (tools/view/module/) needs of a geometry: how values enter equations,
+solved systems with complex values from which paths lead, equations of proofs, poses far away, and
+the numbers of the step of a controller. It is written once; the page has no other mathematics.
+"""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.catalogue.kinds import DLL
+from gspcli.certification.equations.local_frames import reach
+from gspcli.certification.numbers.rounding import OUTWARD, ROUNDING
+from gspcli.certification.numbers.sines import SINE_ERROR, SineNumbers
+from gspcli.certification.poses.many_values import COSINE_ERROR, ValueProofs
+from gspcli.continuation.systems import DEGREE_IN_F
+from gspcli.continuation.tracker_options import CAREFUL, SHORT, SHORT_STEPS, VALUE_STEPS
+from gspcli.continuation.tracker_options import TrackerOptions
+from gspcli.defaults import SEED, TOLERANCE
+from gspcli.errors import GspError
+from gspcli.geometry.instance import AngleUnit, Instance
+from gspcli.geometry.primitives import Line, Point
+from gspcli.geometry.ranges import value_range
+from gspcli.geometry.readings import factors, offsets, readings_of
+from gspcli.motion.following.platform_numbers import platform_numbers
+from gspcli.solver.one_geometry import Geometry
+from gspcli.solver.problem import Problem
+from gspcli.solver.study_systems import coefficients_of
+
+if TYPE_CHECKING:
+    from gspcli.solver.result import SolveResult
+    from gspcli.solver.start_pool import StartPool
+
+Array = NDArray[np.float64]
+
+#: So many sets of values within the ranges are what starts are made for.
+_ROWS = 1024
+#: Where a value has no range: this part of it to either side, of angles of the way to their ends.
+_PART = 0.3
+#: A page that says more needs a moment for each set of values.
+_QUICK = 100
+
+
+class _Numbers:
+    """Doubles, one after the other."""
+
+    def __init__(self) -> None:
+        self._parts: list[Array] = []
+
+    def put(self, *numbers: ArrayLike) -> None:
+        """Append numbers; complex ones as two each."""
+        for each in numbers:
+            array = np.ascontiguousarray(each)
+            if array.dtype.kind == "c":
+                array = array.astype(np.complex128).view(np.float64)
+            self._parts.append(array.astype(np.float64).ravel())
+
+    def text(self) -> str:
+        """Return them in base64, least significant bytes first."""
+        return base64.b64encode(np.concatenate(self._parts).astype("<f8").tobytes()).decode()
+
+
+def live_numbers(result: SolveResult) -> dict[str, Any]:
+    """Return what a page needs to solve a platform again for other values.
+
+    Parameters
+    ----------
+    result
+        The platform, solved.
+
+    Returns
+    -------
+    dict
+        ``values`` of the file and the ``ranges`` of sliders (readings, distances to planes without
+        sign unless a side is asked for), ``kinds``, ``units``, the index of the ``home`` mode or
+        None, ``signed`` (whether a value has a side), ``quick``, the ``proof`` of the count in words
+        or None, and the ``numbers``, doubles in base64.
+
+    Raises
+    ------
+    GspError
+        If there is no start from which all poses for other values are found.
+    """
+    instance = _without_cranks(result.instance)
+    rows, ranges = _rows(instance)
+    problem = Problem(instance, seed=SEED)
+    corrected = rows * factors(instance) + offsets(instance, signed=False)
+    if not problem.local_frames.is_none:
+        raise _cannot("its frames are far away from its bodies")
+    proofs = ValueProofs.of(instance, corrected)
+    geometry = _geometry(problem, corrected)
+    if proofs is None or geometry is None:
+        raise _cannot("no start was found that leads to all its poses, or they are not countable")
+    numbers = _Numbers()
+    _put_values(numbers, instance, geometry)
+    _put_pools(numbers, geometry)
+    _put_whole(numbers, geometry)
+    _put_proofs(numbers, instance, proofs, geometry)
+    _put_far(numbers, geometry)
+    controller = platform_numbers(instance)
+    numbers.put(controller.kind, controller.either, controller.doubles)
+    given = problem.arrangement
+    numbers.put(geometry.found, given.platform_centre, given.extent)
+    written = instance.constraints
+    return {
+        "values": readings_of(instance, _values(instance), signed=False).tolist(),
+        "ranges": ranges,
+        "kinds": [row.kind.name for row in written],
+        "units": [
+            instance.units.length if row.kind.is_distance else instance.units.angle.value
+            for row in written
+        ],
+        "signed": [row.kind.has_sides and len(geometry.choices) == 1 for row in written],
+        "home": None if result.home is None else result.home.number - 1,
+        "quick": geometry.found <= _QUICK,
+        "proof": geometry.proof and geometry.proof.to_json(),
+        "numbers": numbers.text(),
+    }
+
+
+def _cannot(why: str) -> GspError:
+    return GspError(f"--live: this platform cannot be solved in a page: {why}")
+
+
+def _without_cranks(instance: Instance) -> Instance:
+    """Return the platform with cranks that stand still and rods that change."""
+    given = instance.constraints
+    rows = [
+        replace(row, limits=None, **{name: replace(getattr(row, name), crank=None) for name in turned})
+        if (
+            turned := [
+                name
+                for name in ("platform", "base")
+                if isinstance(getattr(row, name), Point) and getattr(row, name).crank is not None
+            ]
+        )
+        else row
+        for row in given
+    ]
+    return instance if rows == list(given) else replace(instance, constraints=tuple(rows))
+
+
+def _values(instance: Instance) -> Array:
+    return np.array([row.value.value for row in instance.constraints])
+
+
+def _rows(instance: Instance) -> tuple[Array, list[list[float]]]:
+    """Return sets of readings within the ranges, the file's among them, and the ranges."""
+    values = readings_of(instance, _values(instance), signed=False)
+    ranges = [_range(instance, i, x) for i, x in enumerate(values.tolist())]
+    low, high = np.array(ranges).T
+    rng = np.random.default_rng(SEED)
+    rows = low + (high - low) * rng.random((_ROWS, len(values)))
+    rows[0] = values
+    return rows, ranges
+
+
+def _range(instance: Instance, i: int, value: float) -> list[float]:
+    """Return between which readings a slider goes; a value of zero stays."""
+    row = instance.constraints[i]
+    if value == 0:
+        return [0.0, 0.0]
+    if row.limits is not None:
+        low, high = sorted(limit.value for limit in row.limits)
+        if row.kind.has_sides and low < 0:
+            low, high = _PART * abs(value), max(-low, high, abs(value))
+        return [min(low, value), max(high, value)]
+    if row.kind.is_distance:
+        return [value * (1 - _PART), value * (1 + _PART)]
+    least, most = value_range(row.kind, instance.units.angle)
+    return [value + _PART * (least - value), value + _PART * (most - value)]
+
+
+def _geometry(problem: Problem, rows: Array) -> Geometry | None:
+    from gspcli.solver.all_poses import all_poses
+    from gspcli.solver.kept_geometry import kept_among
+    from gspcli.solver.row_groups import geometry_of_rows
+
+    return geometry_of_rows(
+        problem.arrangement,
+        rows,
+        count=problem.count_geometry,
+        seed=problem.seed,
+        starts=problem.starts,
+        kept=lambda *given: kept_among(problem, all_poses, *given),
+    )
+
+
+def _put_values(numbers: _Numbers, instance: Instance, geometry: Geometry) -> None:
+    scale, shift = factors(instance), offsets(instance, signed=False)
+    for i, row in enumerate(instance.constraints):
+        kind = row.kind
+        square = kind.is_distance and not kind.has_sides
+        height = kind.is_distance and kind.has_sides
+        law = kind.law
+        numbers.put(kind.is_distance, square, height, law.is_cosine, law.sign, scale[i], shift[i])
+    numbers.put(len(geometry.choices), geometry.choices, geometry.length)
+    degrees = instance.units.angle is AngleUnit.DEGREE
+    sine = SineNumbers.of(degrees=degrees)
+    numbers.put(degrees, sine.quarter, sine.unit, len(sine.terms), sine.small, sine.terms)
+    numbers.put(COSINE_ERROR, SINE_ERROR)
+
+
+def _put_pools(numbers: _Numbers, geometry: Geometry) -> None:
+    pool = geometry.pool
+    first = geometry.start.pool
+    if pool is None or first is None:
+        numbers.put(0)
+        return
+    homotopy = pool.homotopy
+    stages: list[tuple[StartPool, TrackerOptions]] = [(pool, VALUE_STEPS), (first, SHORT_STEPS)]
+    has_h = len(homotopy.pivots) + len(homotopy.free) == 7
+    numbers.put(len(stages), len(homotopy.free), has_h, homotopy.pivots, homotopy.free)
+    numbers.put(homotopy.forms, homotopy.slopes, homotopy.combinations)
+    numbers.put(pool.points.shape[1], geometry.length)
+    for each, options in stages:
+        numbers.put(len(each.parameters), each.parameters, each.unit, each.points)
+        numbers.put(options.predictor_tolerance, options.contraction, options.radius_fraction)
+        numbers.put(options.min_step, options.max_steps)
+
+
+def _put_whole(numbers: _Numbers, geometry: Geometry) -> None:
+    inner, start = geometry.inner, geometry.start
+    signs = np.where(geometry.given.values == 0, 0.0, 1.0)
+    given = inner.kinds, inner.y, inner.x, inner.u, inner.v
+    # Coefficients are polynomials of second degree in the value.
+    structure, found = coefficients_of(*given, np.outer((1.0, 2.0, 3.0), signs))
+    order = list(structure.order)
+    systems = [x[:, order] for x in found]
+    systems[:2] = [x * start.scale ** DEGREE_IN_F for x in systems[:2]]
+    one, two, three = np.concatenate([x.reshape(3, -1) for x in systems], axis=1)
+    square = (one - 2 * two + three) / 2
+    slope = two - one - 3 * square
+    system = start.system
+    numbers.put(system.structure.is_product, order, *system.coefficients)
+    numbers.put(len(start.points), start.points, one - slope - square, slope, square)
+    numbers.put(geometry.length * float(start.scale))
+    for options in (SHORT, CAREFUL):
+        numbers.put(options.predictor_tolerance, options.contraction, options.arrival)
+        numbers.put(options.radius_fraction, options.min_step, options.waypoint, options.nearest)
+        numbers.put(options.max_steps, options.late_steps)
+
+
+def _put_proofs(
+    numbers: _Numbers, instance: Instance, proofs: ValueProofs, geometry: Geometry
+) -> None:
+    given = geometry.given
+    numbers.put(*proofs.numbers, given.base_centre, given.platform_centre)
+    numbers.put(proofs.scale, TOLERANCE, reach(instance))
+    lines = [
+        np.outer(row.base.unit, row.platform.unit)
+        for row in instance.constraints
+        if row.kind is DLL and isinstance(row.platform, Line) and isinstance(row.base, Line)
+    ]
+    numbers.put(len(lines), *lines, ROUNDING, OUTWARD)
+
+
+def _put_far(numbers: _Numbers, geometry: Geometry) -> None:
+    far = geometry.far
+    if far is None:
+        numbers.put(0)
+        return
+    given = geometry.given
+    numbers.put(len(far.real), far.numbers, far.errors, far.real, far.values, far.powers)
+    numbers.put(far.scale, TOLERANCE, far.approached, far.centres, far.slopes)
+    numbers.put(given.base_centre, given.platform_centre)

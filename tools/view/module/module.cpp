@@ -1,0 +1,197 @@
+// What the page calls: all poses of a platform for other values, what poses measure, proved steps.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+
+#include "../../../native/controller.hpp"
+#include "proofs.hpp"
+
+#define EXPORTED extern "C" __attribute__((used, visibility("default")))
+
+namespace gsp::live {
+namespace {
+
+class Platform {
+ public:
+  explicit Platform(Numbers numbers)
+      : values_(numbers), pool_(numbers), whole_(numbers), proofs_(numbers), far_(numbers),
+        controller_(controller(numbers)) {
+    expected_ = numbers.integer();
+    centre_ = numbers.doubles(3);
+    extent_ = numbers.number();
+  }
+
+  int expected() const { return expected_; }
+  Controller& controller() { return *controller_; }
+
+  // By long steps, by short ones, by all equations, until all poses are proved.
+  Found solve(const double* readings) const {
+    double values[kEquations];
+    values_.correct(readings, values);
+    Found best(0);
+    const int ways = pool_.stages() + 2;
+    for (int way = pool_.stages() > 0 ? 0 : pool_.stages(); way < ways; ++way) {
+      const bool reduced = way < pool_.stages(), careful = way == ways - 1;
+      if (!reduced && !careful && pool_.stages() > 0) continue;
+      const Ends ends = reduced ? pool_.follow(values_, values, way) : whole_.follow(values_, values, careful);
+      Found found = decide(values, ends);
+      if (found.complete) return found;
+      if (proved(found) >= proved(best)) best = std::move(found);
+    }
+    return best;
+  }
+
+  static int proved(const Found& found) {
+    return static_cast<int>(std::count_if(found.proved.begin(), found.proved.end(), [](auto bits) {
+      return (bits & kIsolated) && (bits & (kReal | kComplex));
+    }));
+  }
+
+  // As `condition_numbers`: of the controller's pose.
+  double condition() const;
+
+ private:
+  static std::unique_ptr<Controller> controller(Numbers& numbers) {
+    const auto kind = numbers.integers<unsigned char>(kEquations);
+    const auto either = numbers.integers<unsigned char>(kEquations);
+    return std::make_unique<Controller>(kind.data(), either.data(),
+                                        numbers.doubles(static_cast<int>(Controller::kNumbers)));
+  }
+
+  Found decide(const double* values, const Ends& ends) const {
+    Found near = proofs_.decide(values_, values, ends, far_.approached());
+    if (far_.poses() == 0) return near;
+    double given[kOfValue * kEquations];
+    values_.proved(values, 0, proofs_.scale(), given);
+    const Complex* const last = ends.study.data() + ends.study.size() - far_.approached() * kVariables;
+    const double largest = values_.largest(values);
+    return far_.beside(std::move(near), given, last, ends.unit, proofs_.unit(largest), proofs_.scale(),
+                       largest);
+  }
+
+  Values values_;
+  PoolPaths pool_;
+  WholePaths whole_;
+  Proofs proofs_;
+  FarPart far_;
+  std::unique_ptr<Controller> controller_;
+  int expected_;
+  const double* centre_;
+  double extent_;
+};
+
+// The least and the largest singular value (one-sided rotations of M. R. Hestenes, Inversion of matrices
+// by biorthogonalization and related results, 1958).
+void singular_values(double (&a)[6][6], double& least, double& largest) {
+  for (int sweep = 0; sweep < 30; ++sweep) {
+    bool turned = false;
+    for (int i = 0; i < 6; ++i)
+      for (int j = i + 1; j < 6; ++j) {
+        double p = 0.0, x = 0.0, y = 0.0;
+        for (int k = 0; k < 6; ++k) p += a[i][k] * a[j][k], x += a[i][k] * a[i][k], y += a[j][k] * a[j][k];
+        if (std::abs(p) <= 1e-16 * std::sqrt(x * y)) continue;
+        turned = true;
+        const double zeta = (y - x) / (2.0 * p);
+        const double t = std::copysign(1.0, zeta) / (std::abs(zeta) + std::sqrt(1.0 + zeta * zeta));
+        const double c = 1.0 / std::sqrt(1.0 + t * t), s = c * t;
+        for (int k = 0; k < 6; ++k) {
+          const double u = a[i][k], v = a[j][k];
+          a[i][k] = c * u - s * v, a[j][k] = s * u + c * v;
+        }
+      }
+    if (!turned) break;
+  }
+  least = INFINITY, largest = 0.0;
+  for (const auto& row : a) {
+    double size = 0.0;
+    for (const double x : row) size += x * x;
+    least = std::min(least, std::sqrt(size)), largest = std::max(largest, std::sqrt(size));
+  }
+}
+
+double Platform::condition() const {
+  double J[6][6], corrected[6];
+  if (controller_->jacobian(&J[0][0]) != 0) return INFINITY;
+  values_.correct(controller_->values(), corrected);
+  const double length = std::max(extent_, values_.largest(corrected));
+  const double* const q = controller_->rotation();
+  double c[3];
+  {
+    const double w = q[0], x = q[1], y = q[2], z = q[3], n = w * w + x * x + y * y + z * z;
+    const double R[3][3] = {{w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)},
+                            {2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)},
+                            {2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z}};
+    for (int i = 0; i < 3; ++i)
+      c[i] = (R[i][0] * centre_[0] + R[i][1] * centre_[1] + R[i][2] * centre_[2]) / n;
+  }
+  for (auto& row : J) {
+    const double *f = row + 3;
+    const double across[3] = {c[1] * f[2] - c[2] * f[1], c[2] * f[0] - c[0] * f[2], c[0] * f[1] - c[1] * f[0]};
+    double size = 0.0;
+    for (int i = 0; i < 3; ++i) row[i] = (row[i] - across[i]) / (length > 0.0 ? length : 1.0);
+    for (const double x : row) size += x * x;
+    size = std::sqrt(size);
+    if (!(size > 0.0 && std::isfinite(size))) return INFINITY;
+    for (double& x : row) x /= size;
+  }
+  double least, largest;
+  singular_values(J, least, largest);
+  return least > 1e-14 * largest ? largest / least : INFINITY;
+}
+
+std::unique_ptr<double[]> numbers;
+std::unique_ptr<Platform> platform;
+// What the page writes arguments to and reads answers from.
+double exchange[64];
+std::vector<double> poses;
+
+}  // namespace
+}  // namespace gsp::live
+
+using namespace gsp::live;
+
+// Room for the numbers of a platform.
+EXPORTED double* gsp_room(int count) {
+  platform.reset();
+  numbers = std::make_unique<double[]>(count);
+  return numbers.get();
+}
+EXPORTED void gsp_open() { platform = std::make_unique<Platform>(Numbers(numbers.get())); }
+EXPORTED double* gsp_exchange() { return exchange; }
+EXPORTED int gsp_expected() { return platform->expected(); }
+
+// All poses for the values in `exchange`. Returns how many real ones there are; behind `gsp_poses` are R by
+// rows and T of each. `exchange` then has how many poses are proved, and whether they are all there are.
+EXPORTED int gsp_solve() {
+  double values[6];
+  std::copy(exchange, exchange + 6, values);
+  const Found found = platform->solve(values);
+  poses.clear();
+  for (int k = 0; k < found.count(); ++k) {
+    if (!((found.proved[k] & gsp::kIsolated) && (found.proved[k] & gsp::kReal))) continue;
+    for (int i = 0; i < 9; ++i) poses.push_back(found.rotation[9 * k + i].re);
+    for (int i = 0; i < 3; ++i) poses.push_back(found.translation[3 * k + i].re);
+  }
+  const int proved = Platform::proved(found);
+  exchange[0] = proved;
+  exchange[1] = found.complete && proved == platform->expected();
+  return static_cast<int>(poses.size()) / 12;
+}
+EXPORTED double* gsp_poses() { return poses.data(); }
+
+// Starts from the pose in `exchange` (position, quaternion); its values are there then.
+EXPORTED int gsp_start() {
+  const int status = platform->controller().start(exchange);
+  std::copy_n(platform->controller().values(), 6, exchange);
+  return status;
+}
+EXPORTED double gsp_condition() { return platform->condition(); }
+
+// A proved step to the values in `exchange`, where position and quaternion are then.
+EXPORTED int gsp_forward() {
+  const int status = platform->controller().forward(exchange);
+  std::copy_n(platform->controller().position(), 3, exchange);
+  std::copy_n(platform->controller().rotation(), 4, exchange + 3);
+  return status;
+}

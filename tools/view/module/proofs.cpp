@@ -1,0 +1,222 @@
+#include "proofs.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gsp::live {
+namespace {
+
+constexpr std::uint8_t kPose = kIsolated | kReal | kComplex;
+
+double distance(const Complex& a, const Complex& b) { return std::hypot(a.re - b.re, a.im - b.im); }
+
+// Whether balls of poses `a` and `b` are apart (gspcli.certification.poses.distinct).
+bool are_apart(const Found& found, int a, int b, double scale, double outward) {
+  double gap = 0.0;
+  for (int k = 0; k < 9; ++k) gap = std::max(gap, distance(found.rotation[9 * a + k], found.rotation[9 * b + k]));
+  for (int k = 0; k < 3; ++k)
+    gap = std::max(gap, distance(found.translation[3 * a + k], found.translation[3 * b + k]) / scale);
+  return gap > (found.deviation[a] + found.deviation[b]) * outward;
+}
+
+}  // namespace
+
+Proofs::Proofs(Numbers& numbers) {
+  quadrics_ = numbers.integer();
+  const int size = quadrics_ * kVariables * kVariables;
+  hessian_ = numbers.doubles(size);
+  low_ = numbers.doubles(size);
+  moduli_ = numbers.doubles(size);
+  for (ProofEquation& e : equation_) e = {numbers.integer(), {numbers.integer(), numbers.integer()}};
+  weights_ = numbers.doubles(4 * kEquations);
+  turned_ = numbers.integers<std::int32_t>(kEquations);
+  base_ = numbers.doubles(3);
+  platform_ = numbers.doubles(3);
+  scale_ = numbers.number();
+  tolerance_ = numbers.number();
+  reach_ = numbers.number();
+  lines_ = numbers.integer();
+  line_ = numbers.doubles(9 * lines_);
+  rounding_ = numbers.number();
+  outward_ = numbers.number();
+}
+
+double Proofs::unit(double largest) const {
+  const double size = std::max(reach_, largest);
+  int exponent = 0;
+  std::frexp(size > 0.0 ? size : 0.5, &exponent);
+  return std::exp2(exponent) / scale_;
+}
+
+// As gspcli.certification.equations.skew_lines says.
+bool Proofs::are_skew(const Complex* rotation, double deviation) const {
+  for (int l = 0; l < lines_; ++l) {
+    const double* const w = line_ + 9 * l;
+    std::complex<double> cosine = 0.0;
+    double size = 0.0, reach = 0.0;
+    for (int k = 0; k < 9; ++k) {
+      const std::complex<double> r(rotation[k].re, rotation[k].im);
+      cosine += w[k] * r;
+      size += std::abs(w[k]) * std::abs(r);
+      reach += std::abs(w[k]);
+    }
+    const double error = outward_ * (deviation * reach + rounding_ * size), modulus = std::abs(cosine);
+    const double rounding = rounding_ * (1.0 + modulus * modulus);
+    const double enough = outward_ * ((2.0 * modulus + error) * error + rounding);
+    if (!(std::abs(1.0 - cosine * cosine) > enough)) return false;
+  }
+  return true;
+}
+
+Found Proofs::decide(const Values& given, const double* values, const Ends& ends, int less) const {
+  const int choices = given.choices(), paths = static_cast<int>(ends.study.size()) / (choices * kVariables);
+  const int count = paths - less;
+  Found found(choices * count);
+  if (count == 0) return found;
+  const OpenGeometry open{{quadrics_, hessian_, moduli_, equation_},
+                          weights_,
+                          weights_ + kEquations,
+                          weights_ + 2 * kEquations,
+                          turned_.data(),
+                          ends.unit / scale_,
+                          {base_[0] / scale_, base_[1] / scale_, base_[2] / scale_},
+                          {platform_[0] / scale_, platform_[1] / scale_, platform_[2] / scale_},
+                          scale_,
+                          tolerance_,
+                          low_,
+                          weights_ + 3 * kEquations};
+  constexpr int kMonomials = 36;
+  std::vector<double> room(2 * quadrics_ * (kVariables * kVariables + kMonomials) + 3 * count);
+  bool complete = true;
+  for (int c = 0; c < choices; ++c) {
+    double v[kOfValue * kEquations];
+    given.proved(values, c, scale_, v);
+    std::uint8_t different = 0;
+    const int first = c * count;
+    decide_portable(open,
+                    {v, v + 6, v + 12, v + 18, v + 24, v + 30, unit(given.largest(values))}, count,
+                    ends.study.data() + c * paths * kVariables, room.data(), found.at(first, &different));
+    bool whole = true, apart = true;
+    for (int k = first; k < first + count; ++k) {
+      const bool pose = (found.proved[k] & kIsolated) && (found.proved[k] & (kReal | kComplex));
+      if (!pose || !are_skew(&found.rotation[9 * k], found.deviation[k])) found.proved[k] = 0;
+      whole = whole && (found.proved[k] & kPose) && (found.proved[k] & kRounded);
+    }
+    // One linear form may not tell them apart.
+    for (int a = first; whole && !different && a < first + count; ++a)
+      for (int b = a + 1; b < first + count; ++b) apart = apart && are_apart(found, a, b, scale_, outward_);
+    complete = complete && whole && apart;
+  }
+  found.complete = complete;
+  return found;
+}
+
+FarPart::FarPart(Numbers& numbers) {
+  count_ = numbers.integer();
+  if (count_ == 0) {
+    approached_ = 0;
+    return;
+  }
+  number_ = numbers.complexes(count_ * kFarNumbers);
+  low_ = numbers.complexes(count_ * kFarNumbers);
+  error_ = numbers.doubles(count_);
+  real_ = numbers.integers<std::uint8_t>(count_);
+  real_count_ = static_cast<int>(std::count(real_.begin(), real_.end(), 1));
+  values_ = numbers.doubles(kOfValue * kEquations);
+  powers_ = numbers.doubles(kEquations);
+  scale_ = numbers.number();
+  tolerance_ = numbers.number();
+  approached_ = numbers.integer();
+  centre_ = numbers.complexes(count_ * kVariables);
+  slope_ = numbers.complexes(count_ * kLocal * kVariables);
+  base_ = numbers.doubles(3);
+  platform_ = numbers.doubles(3);
+}
+
+std::vector<Complex> FarPart::local(const Complex* study, double length) const {
+  using Number = std::complex<double>;
+  std::vector<Complex> found(count_ * kLocal, Complex{0.0, 0.0});
+  const double *b = base_, *p = platform_;
+  for (int k = count_ - approached_; k < count_; ++k, study += kVariables) {
+    Number z[kVariables];
+    for (int i = 0; i < kVariables; ++i) z[i] = {study[i].re, study[i].im};
+    const Number* const e = z;
+    // base e - e platform, of quaternions.
+    const Number across[4] = {
+        -(b[0] * e[1] + b[1] * e[2] + b[2] * e[3]) + (e[1] * p[0] + e[2] * p[1] + e[3] * p[2]),
+        b[0] * e[0] + b[1] * e[3] - b[2] * e[2] - (e[0] * p[0] + e[2] * p[2] - e[3] * p[1]),
+        b[1] * e[0] + b[2] * e[1] - b[0] * e[3] - (e[0] * p[1] + e[3] * p[0] - e[1] * p[2]),
+        b[2] * e[0] + b[0] * e[2] - b[1] * e[1] - (e[0] * p[2] + e[1] * p[1] - e[2] * p[0])};
+    for (int i = 0; i < 4; ++i) z[4 + i] = (length * z[4 + i] + 0.5 * across[i]) / scale_;
+    const Complex* const centre = centre_ + k * kVariables;
+    int patch = 0;
+    for (int i = 1; i < 4; ++i)
+      if (std::hypot(centre[i].re, centre[i].im) > std::hypot(centre[patch].re, centre[patch].im)) patch = i;
+    const Number unit = z[patch];
+    for (int j = 0; j < kLocal; ++j) {
+      Number sum = 0.0;
+      for (int i = 0; i < kVariables; ++i) {
+        const Complex& s = slope_[(k * kLocal + j) * kVariables + i];
+        sum += Number(s.re, s.im) * (z[i] / unit - Number(centre[i].re, centre[i].im));
+      }
+      found[k * kLocal + j] = {sum.real(), sum.imag()};
+    }
+  }
+  return found;
+}
+
+// By how much values are greater than those of the platform that is known, (3, 6).
+void FarPart::shift(const double* proved, double ratio, double* out) const {
+  constexpr double kDifference = 0x1p-100, kOutward = 1.0 + 0x1p-40;
+  for (int i = 0; i < kEquations; ++i) {
+    const double factor = std::pow(ratio, powers_[i]);  // exact: a power of two
+    const auto given = [&](int row) { return proved[row * kEquations + i] * factor; };
+    const auto own = [&](int row) { return values_[row * kEquations + i]; };
+    const double high = given(0), minus = -own(0), s = high + minus, v = s - high;
+    const double rest = (high - (s - v)) + (minus - v);
+    out[i] = s;
+    out[kEquations + i] = rest + (given(3) - own(3));
+    out[2 * kEquations + i] =
+        kOutward * (given(4) + own(4) + kDifference * (std::abs(high) + std::abs(own(0))));
+  }
+}
+
+Found FarPart::beside(Found near, const double* proved_values, const Complex* study, double length,
+                      double unit, double scale, double) const {
+  constexpr double kOutward = 1.0 + 0x1p-40;
+  double shifts[3 * kEquations];
+  shift(proved_values, scale / scale_, shifts);
+  const std::vector<Complex> approximations = local(study, length);
+  const double units = unit * (scale / scale_);
+  std::vector<double> room(kFarRoom);
+  Found far(poses());
+  std::uint8_t complete = 0;
+  decide_far_portable({count_, number_, low_, error_, real_.data(), scale_, tolerance_},
+                      {1, shifts, approximations.data(), &units}, room.data(), far.at(0, &complete));
+  const auto size = [&](const Found& f, int k) {
+    double largest = 0.0;
+    const auto see = [&](const Complex& x, double by) {
+      largest = std::max({largest, std::abs(x.re) / by, std::abs(x.im) / by});
+    };
+    for (int i = 0; i < 9; ++i) see(f.rotation[9 * k + i], 1.0);
+    for (int i = 0; i < 3; ++i) see(f.translation[3 * k + i], scale);
+    return largest;
+  };
+  // What is larger is another pose.
+  double least = INFINITY, largest = 0.0;
+  for (int k = 0; k < far.count(); ++k) {
+    far.deviation[k] *= std::max(scale_ / scale, 1.0);
+    least = std::min(least, size(far, k) - far.deviation[k]);
+  }
+  for (int k = 0; k < near.count(); ++k) largest = std::max(largest, size(near, k) + near.deviation[k]);
+  const bool whole = near.complete && complete && largest * kOutward < least;
+  const auto join = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  join(near.rotation, far.rotation);
+  join(near.translation, far.translation);
+  join(near.deviation, far.deviation);
+  join(near.proved, far.proved);
+  near.complete = whole;
+  return near;
+}
+
+}  // namespace gsp::live

@@ -1,0 +1,75 @@
+// Which ends of paths are poses, proved (gspcli.certification.poses.many_values and far_poses).
+#pragma once
+
+#include <vector>
+
+#include "../../../native/far_poses.hpp"
+#include "paths.hpp"
+
+namespace gsp::live {
+
+// What is proved of poses.
+struct Found {
+  explicit Found(int count)
+      : rotation(9 * count), translation(3 * count), quaternion(4 * count), deviation(count), proved(count) {}
+  int count() const { return static_cast<int>(proved.size()); }
+  Poses at(int first, std::uint8_t* complete) {
+    return {rotation.data() + 9 * first, translation.data() + 3 * first, quaternion.data() + 4 * first,
+            deviation.data() + first, proved.data() + first, complete};
+  }
+
+  std::vector<Complex> rotation, translation, quaternion;
+  std::vector<double> deviation;
+  std::vector<std::uint8_t> proved;
+  bool complete = false;  // all are proved, rounded and different
+};
+
+// Poses to which no paths lead.
+class FarPart {
+ public:
+  explicit FarPart(Numbers& numbers);
+  int approached() const { return approached_; }
+  int poses() const { return count_ == 0 ? 0 : 2 * count_ - real_count_; }
+  // Besides the poses that are near, from approximations (approached, 8) of the last ones in some frames.
+  Found beside(Found near, const double* proved_values, const Complex* study, double length, double unit,
+               double scale, double largest) const;
+
+ private:
+  std::vector<Complex> local(const Complex* study, double length) const;
+  void shift(const double* proved_values, double ratio, double* out) const;
+
+  int count_, real_count_ = 0, approached_;
+  const Complex *number_, *low_;
+  const double* error_;
+  std::vector<std::uint8_t> real_;
+  const double *values_, *powers_;
+  double scale_, tolerance_;
+  const Complex *centre_, *slope_;  // (count, 8), (count, 7, 8)
+  const double *base_, *platform_;
+};
+
+class Proofs {
+ public:
+  explicit Proofs(Numbers& numbers);
+  double scale() const { return scale_; }
+  // Of digits of translations, in lengths of the equations.
+  double unit(double largest) const;
+  // Decides about ends (choices, paths, 8), of which the last `less` of each choice are left out.
+  Found decide(const Values& given, const double* values, const Ends& ends, int less) const;
+  double deviation_factor(double far_scale) const;
+
+ private:
+  bool are_skew(const Complex* rotation, double deviation) const;
+
+  int quadrics_;
+  const double *hessian_, *low_, *moduli_, *weights_;
+  ProofEquation equation_[kEquations];
+  std::vector<std::int32_t> turned_;
+  const double *base_, *platform_;
+  double scale_, tolerance_, reach_;
+  int lines_;
+  const double* line_;  // (lines, 9): the cosine of two lines is this times the rotation
+  double rounding_, outward_;
+};
+
+}  // namespace gsp::live

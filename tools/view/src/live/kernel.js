@@ -1,0 +1,114 @@
+// The kernel in WebAssembly (tools/view/module/): all poses of a platform for other values, what poses
+// measure, proved steps. The same in the page, in its worker and in Node.
+
+/** Instances from base64, compressed. */
+export async function unpacked(text) {
+  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+function doubles(text) {
+  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  return new Float64Array(bytes.buffer);
+}
+
+/** A unit quaternion, scalar first, of a rotation by rows. */
+export function quaternion(R) {
+  const squares = [
+    1 + R[0] + R[4] + R[8],
+    1 + R[0] - R[4] - R[8],
+    1 - R[0] + R[4] - R[8],
+    1 - R[0] - R[4] + R[8],
+  ];
+  const k = squares.indexOf(Math.max(...squares));
+  const rows = [
+    [squares[0], R[7] - R[5], R[2] - R[6], R[3] - R[1]],
+    [R[7] - R[5], squares[1], R[1] + R[3], R[2] + R[6]],
+    [R[2] - R[6], R[1] + R[3], squares[2], R[5] + R[7]],
+    [R[3] - R[1], R[2] + R[6], R[5] + R[7], squares[3]],
+  ];
+  const size = Math.hypot(...rows[k]);
+  return rows[k].map((x) => x / size);
+}
+
+/** A rotation by rows of a quaternion. */
+export function rotation([w, x, y, z]) {
+  return Float64Array.of(
+    w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y),
+    2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x),
+    2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z,
+  );
+}
+
+class Kernel {
+  constructor(exports, live) {
+    this.exports = exports;
+    this.signed = live.signed;
+    this.slow = !live.quick;
+    this.isProof = live.proof !== null;
+    const numbers = doubles(live.numbers);
+    const at = exports.gsp_room(numbers.length);
+    new Float64Array(exports.memory.buffer, at, numbers.length).set(numbers);
+    exports.gsp_open();
+    this.expected = exports.gsp_expected();
+    this.at = exports.gsp_exchange();
+  }
+
+  // Memory may have grown: views are made when they are needed.
+  exchange() {
+    return new Float64Array(this.exports.memory.buffer, this.at, 64);
+  }
+
+  start(R, T) {
+    this.exchange().set([...T, ...quaternion(R)]);
+    return this.exports.gsp_start();
+  }
+
+  /** All real poses for six values. */
+  solve(values) {
+    this.exchange().set(values);
+    const real = this.exports.gsp_solve();
+    const [proved, complete] = this.exchange();
+    const at = this.exports.gsp_poses();
+    const numbers = new Float64Array(this.exports.memory.buffer, at, 12 * real).slice();
+    const poses = Array.from({ length: real }, (_, k) => ({
+      R: numbers.subarray(12 * k, 12 * k + 9),
+      T: numbers.subarray(12 * k + 9, 12 * k + 12),
+      proved: true,
+    }));
+    return { complete: complete > 0 && this.isProof, expected: this.expected, proved, poses };
+  }
+
+  /** The values of a pose. */
+  measure(R, T) {
+    this.start(R, T);
+    return this.exchange().slice(0, 6).map((x, i) => (this.signed[i] ? x : Math.abs(x)));
+  }
+
+  /** Largest by smallest singular value of the Jacobian matrix, as gsp solve has it. */
+  condition(R, T) {
+    return this.start(R, T) ? Infinity : this.exports.gsp_condition();
+  }
+
+  /** Where a pose is for other values, if that is proved (status 0). */
+  follow(R, T, from, to) {
+    if (this.start(R, T)) return { status: 3, R, T };
+    // Distances to planes keep their side.
+    const here = this.exchange().slice(0, 6);
+    this.exchange().set(to.map((x, i) => (this.signed[i] || here[i] >= 0 ? x : -x)));
+    const status = this.exports.gsp_forward();
+    const found = this.exchange();
+    return { status, R: rotation(found.slice(3, 7)), T: found.slice(0, 3) };
+  }
+}
+
+/** The kernel for the platform of a page. */
+export async function openKernel(module, live) {
+  const { instance } = await WebAssembly.instantiate(module, {
+    wasi_snapshot_preview1: { proc_exit() {} },
+    env: { emscripten_notify_memory_growth() {} },
+  });
+  instance.exports._initialize?.();
+  return new Kernel(instance.exports, live);
+}
