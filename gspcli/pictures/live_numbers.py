@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.certification.equations.local_frames import reach
-from gspcli.certification.numbers.rounding import OUTWARD, ROUNDING
+from gspcli.certification.numbers.rounding import ROUNDING
 from gspcli.certification.numbers.sines import SINE_ERROR, SineNumbers
 from gspcli.certification.poses.many_values import COSINE_ERROR, ValueProofs
 from gspcli.continuation.systems import DEGREE_IN_F
@@ -29,8 +29,10 @@ from gspcli.geometry.primitives import Line, Point
 from gspcli.geometry.ranges import value_range
 from gspcli.geometry.readings import factors, offsets, readings_of
 from gspcli.motion.following.platform_numbers import platform_numbers
+from gspcli.resources import data_path
 from gspcli.solver.one_geometry import Geometry
 from gspcli.solver.problem import Problem
+from gspcli.solver.solved_starts import SolvedStarts
 from gspcli.solver.study_systems import coefficients_of
 
 if TYPE_CHECKING:
@@ -79,7 +81,7 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
     dict
         ``values`` of the file and the ``ranges`` of sliders (readings, distances to planes without
         sign unless a side is asked for), ``kinds``, ``units``, the index of the ``home`` mode or
-        None, ``signed`` (whether a value has a side), ``quick``, the ``proof`` of the count in words
+        None, the ``sides`` of values (1, -1, 0 for both; None without sides), ``quick``, the ``proof`` of the count in words
         or None, and the ``numbers``, doubles in base64.
 
     Raises
@@ -87,9 +89,10 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
     GspError
         If there is no start from which all poses for other values are found.
     """
-    instance = _without_cranks(result.instance)
+    instance = standing(result.instance)
     rows, ranges = _rows(instance)
-    problem = Problem(instance, seed=SEED)
+    # Cranks are no part of this geometry.
+    problem = Problem(instance, seed=SEED, starts=SolvedStarts())
     corrected = rows * factors(instance) + offsets(instance, signed=False)
     if not problem.local_frames.is_none:
         raise _cannot("its frames are far away from its bodies")
@@ -107,7 +110,7 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
     numbers.put(controller.kind, controller.either, controller.doubles)
     given = problem.arrangement
     numbers.put(geometry.found, given.platform_centre, given.extent)
-    written = instance.constraints
+    written, sides = instance.constraints, zip(given.kinds, given.signs, strict=True)
     return {
         "values": readings_of(instance, _values(instance), signed=False).tolist(),
         "ranges": ranges,
@@ -116,7 +119,7 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
             instance.units.length if row.kind.is_distance else instance.units.angle.value
             for row in written
         ],
-        "signed": [row.kind.has_sides and len(geometry.choices) == 1 for row in written],
+        "sides": [side.item() if kind.has_sides else None for kind, side in sides],
         "home": None if result.home is None else result.home.number - 1,
         "quick": geometry.found <= _QUICK,
         "proof": geometry.proof and geometry.proof.to_json(),
@@ -124,12 +127,17 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
     }
 
 
+def live_module() -> str:
+    """Return the kernel of the page, compressed, in base64."""
+    return base64.b64encode(data_path("live", "kernel.wasm.gz").read_bytes()).decode()
+
+
 def _cannot(why: str) -> GspError:
     return GspError(f"--live: this platform cannot be solved in a page: {why}")
 
 
-def _without_cranks(instance: Instance) -> Instance:
-    """Return the platform with cranks that stand still and rods that change."""
+def standing(instance: Instance) -> Instance:
+    """Return the platform of a live page: cranks stand still, and rods change."""
     given = instance.constraints
     rows = [
         replace(row, limits=None, **{name: replace(getattr(row, name), crank=None) for name in turned})
@@ -258,7 +266,7 @@ def _put_proofs(
         for row in instance.constraints
         if row.kind is DLL and isinstance(row.platform, Line) and isinstance(row.base, Line)
     ]
-    numbers.put(len(lines), *lines, ROUNDING, OUTWARD)
+    numbers.put(len(lines), *lines, ROUNDING)
 
 
 def _put_far(numbers: _Numbers, geometry: Geometry) -> None:

@@ -191,6 +191,7 @@ STEPS = (
         sample="--sample 6",
     ),
     Step("view", ("data/view/*",), "tools.build.view --check"),
+    Step("live-module", ("data/live/*",), "tools.build.live_module --check --jobs {jobs}"),
     Step(
         "distribution",
         ("docs/real-counts.md", "docs/images/real-6-6.svg"),

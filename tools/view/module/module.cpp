@@ -36,16 +36,14 @@ class Platform {
       if (!reduced && !careful && pool_.stages() > 0) continue;
       const Ends ends = reduced ? pool_.follow(values_, values, way) : whole_.follow(values_, values, careful);
       Found found = decide(values, ends);
-      if (found.complete) return found;
-      if (proved(found) >= proved(best)) best = std::move(found);
+      if (is_complete(found)) return found;
+      if (found.poses() >= best.poses()) best = std::move(found);
     }
     return best;
   }
 
-  static int proved(const Found& found) {
-    return static_cast<int>(std::count_if(found.proved.begin(), found.proved.end(), [](auto bits) {
-      return (bits & kIsolated) && (bits & (kReal | kComplex));
-    }));
+  bool is_complete(const Found& found) const {
+    return found.poses() == expected_ && found.count() == expected_ && found.are_different(proofs_.scale());
   }
 
   // As `condition_numbers`: of the controller's pose.
@@ -65,9 +63,8 @@ class Platform {
     double given[kOfValue * kEquations];
     values_.proved(values, 0, proofs_.scale(), given);
     const Complex* const last = ends.study.data() + ends.study.size() - far_.approached() * kVariables;
-    const double largest = values_.largest(values);
-    return far_.beside(std::move(near), given, last, ends.unit, proofs_.unit(largest), proofs_.scale(),
-                       largest);
+    return far_.beside(std::move(near), given, last, ends.unit, proofs_.unit(values_.largest(values)),
+                       proofs_.scale());
   }
 
   Values values_;
@@ -169,13 +166,12 @@ EXPORTED int gsp_solve() {
   const Found found = platform->solve(values);
   poses.clear();
   for (int k = 0; k < found.count(); ++k) {
-    if (!((found.proved[k] & gsp::kIsolated) && (found.proved[k] & gsp::kReal))) continue;
+    if (!is_pose(found.proved[k]) || !(found.proved[k] & gsp::kReal)) continue;
     for (int i = 0; i < 9; ++i) poses.push_back(found.rotation[9 * k + i].re);
     for (int i = 0; i < 3; ++i) poses.push_back(found.translation[3 * k + i].re);
   }
-  const int proved = Platform::proved(found);
-  exchange[0] = proved;
-  exchange[1] = found.complete && proved == platform->expected();
+  exchange[0] = found.poses();
+  exchange[1] = platform->is_complete(found);
   return static_cast<int>(poses.size()) / 12;
 }
 EXPORTED double* gsp_poses() { return poses.data(); }

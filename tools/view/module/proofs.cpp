@@ -6,20 +6,31 @@
 namespace gsp::live {
 namespace {
 
-constexpr std::uint8_t kPose = kIsolated | kReal | kComplex;
+constexpr double kOutward = 1.0 + 0x1p-40;
 
 double distance(const Complex& a, const Complex& b) { return std::hypot(a.re - b.re, a.im - b.im); }
 
-// Whether balls of poses `a` and `b` are apart (gspcli.certification.poses.distinct).
-bool are_apart(const Found& found, int a, int b, double scale, double outward) {
+// Whether the balls of two poses have no common point (gspcli.certification.poses.distinct).
+bool are_apart(const Found& found, int a, int b, double scale) {
   double gap = 0.0;
   for (int k = 0; k < 9; ++k) gap = std::max(gap, distance(found.rotation[9 * a + k], found.rotation[9 * b + k]));
   for (int k = 0; k < 3; ++k)
     gap = std::max(gap, distance(found.translation[3 * a + k], found.translation[3 * b + k]) / scale);
-  return gap > (found.deviation[a] + found.deviation[b]) * outward;
+  return gap > (found.deviation[a] + found.deviation[b]) * kOutward;
 }
 
 }  // namespace
+
+bool is_pose(std::uint8_t bits) { return (bits & kIsolated) && (bits & (kReal | kComplex)); }
+
+int Found::poses() const { return static_cast<int>(std::count_if(proved.begin(), proved.end(), is_pose)); }
+
+bool Found::are_different(double scale) const {
+  for (int a = 0; a < count(); ++a)
+    for (int b = a + 1; b < count(); ++b)
+      if (!are_apart(*this, a, b, scale)) return false;
+  return true;
+}
 
 Proofs::Proofs(Numbers& numbers) {
   quadrics_ = numbers.integer();
@@ -38,7 +49,6 @@ Proofs::Proofs(Numbers& numbers) {
   lines_ = numbers.integer();
   line_ = numbers.doubles(9 * lines_);
   rounding_ = numbers.number();
-  outward_ = numbers.number();
 }
 
 double Proofs::unit(double largest) const {
@@ -60,9 +70,9 @@ bool Proofs::are_skew(const Complex* rotation, double deviation) const {
       size += std::abs(w[k]) * std::abs(r);
       reach += std::abs(w[k]);
     }
-    const double error = outward_ * (deviation * reach + rounding_ * size), modulus = std::abs(cosine);
+    const double error = kOutward * (deviation * reach + rounding_ * size), modulus = std::abs(cosine);
     const double rounding = rounding_ * (1.0 + modulus * modulus);
-    const double enough = outward_ * ((2.0 * modulus + error) * error + rounding);
+    const double enough = kOutward * ((2.0 * modulus + error) * error + rounding);
     if (!(std::abs(1.0 - cosine * cosine) > enough)) return false;
   }
   return true;
@@ -87,27 +97,17 @@ Found Proofs::decide(const Values& given, const double* values, const Ends& ends
                           weights_ + 3 * kEquations};
   constexpr int kMonomials = 36;
   std::vector<double> room(2 * quadrics_ * (kVariables * kVariables + kMonomials) + 3 * count);
-  bool complete = true;
   for (int c = 0; c < choices; ++c) {
     double v[kOfValue * kEquations];
     given.proved(values, c, scale_, v);
-    std::uint8_t different = 0;
+    std::uint8_t complete = 0;
     const int first = c * count;
     decide_portable(open,
                     {v, v + 6, v + 12, v + 18, v + 24, v + 30, unit(given.largest(values))}, count,
-                    ends.study.data() + c * paths * kVariables, room.data(), found.at(first, &different));
-    bool whole = true, apart = true;
-    for (int k = first; k < first + count; ++k) {
-      const bool pose = (found.proved[k] & kIsolated) && (found.proved[k] & (kReal | kComplex));
-      if (!pose || !are_skew(&found.rotation[9 * k], found.deviation[k])) found.proved[k] = 0;
-      whole = whole && (found.proved[k] & kPose) && (found.proved[k] & kRounded);
-    }
-    // One linear form may not tell them apart.
-    for (int a = first; whole && !different && a < first + count; ++a)
-      for (int b = a + 1; b < first + count; ++b) apart = apart && are_apart(found, a, b, scale_, outward_);
-    complete = complete && whole && apart;
+                    ends.study.data() + c * paths * kVariables, room.data(), found.at(first, &complete));
+    for (int k = first; k < first + count; ++k)
+      if (!are_skew(&found.rotation[9 * k], found.deviation[k])) found.proved[k] = 0;
   }
-  found.complete = complete;
   return found;
 }
 
@@ -167,7 +167,7 @@ std::vector<Complex> FarPart::local(const Complex* study, double length) const {
 
 // By how much values are greater than those of the platform that is known, (3, 6).
 void FarPart::shift(const double* proved, double ratio, double* out) const {
-  constexpr double kDifference = 0x1p-100, kOutward = 1.0 + 0x1p-40;
+  constexpr double kDifference = 0x1p-100;
   for (int i = 0; i < kEquations; ++i) {
     const double factor = std::pow(ratio, powers_[i]);  // exact: a power of two
     const auto given = [&](int row) { return proved[row * kEquations + i] * factor; };
@@ -182,8 +182,7 @@ void FarPart::shift(const double* proved, double ratio, double* out) const {
 }
 
 Found FarPart::beside(Found near, const double* proved_values, const Complex* study, double length,
-                      double unit, double scale, double) const {
-  constexpr double kOutward = 1.0 + 0x1p-40;
+                      double unit, double scale) const {
   double shifts[3 * kEquations];
   shift(proved_values, scale / scale_, shifts);
   const std::vector<Complex> approximations = local(study, length);
@@ -193,29 +192,13 @@ Found FarPart::beside(Found near, const double* proved_values, const Complex* st
   std::uint8_t complete = 0;
   decide_far_portable({count_, number_, low_, error_, real_.data(), scale_, tolerance_},
                       {1, shifts, approximations.data(), &units}, room.data(), far.at(0, &complete));
-  const auto size = [&](const Found& f, int k) {
-    double largest = 0.0;
-    const auto see = [&](const Complex& x, double by) {
-      largest = std::max({largest, std::abs(x.re) / by, std::abs(x.im) / by});
-    };
-    for (int i = 0; i < 9; ++i) see(f.rotation[9 * k + i], 1.0);
-    for (int i = 0; i < 3; ++i) see(f.translation[3 * k + i], scale);
-    return largest;
-  };
-  // What is larger is another pose.
-  double least = INFINITY, largest = 0.0;
-  for (int k = 0; k < far.count(); ++k) {
-    far.deviation[k] *= std::max(scale_ / scale, 1.0);
-    least = std::min(least, size(far, k) - far.deviation[k]);
-  }
-  for (int k = 0; k < near.count(); ++k) largest = std::max(largest, size(near, k) + near.deviation[k]);
-  const bool whole = near.complete && complete && largest * kOutward < least;
+  // In units of the other equations.
+  for (double& deviation : far.deviation) deviation *= std::max(scale_ / scale, 1.0);
   const auto join = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
   join(near.rotation, far.rotation);
   join(near.translation, far.translation);
   join(near.deviation, far.deviation);
   join(near.proved, far.proved);
-  near.complete = whole;
   return near;
 }
 

@@ -8,10 +8,15 @@
 
 namespace gsp::live {
 
-// What is proved of poses.
+bool is_pose(std::uint8_t bits);
+
+// What is proved of points.
 struct Found {
   explicit Found(int count)
       : rotation(9 * count), translation(3 * count), quaternion(4 * count), deviation(count), proved(count) {}
+  // How many are proved to be poses; whether they are proved to be different, lengths in a scale.
+  int poses() const;
+  bool are_different(double scale) const;
   int count() const { return static_cast<int>(proved.size()); }
   Poses at(int first, std::uint8_t* complete) {
     return {rotation.data() + 9 * first, translation.data() + 3 * first, quaternion.data() + 4 * first,
@@ -21,7 +26,6 @@ struct Found {
   std::vector<Complex> rotation, translation, quaternion;
   std::vector<double> deviation;
   std::vector<std::uint8_t> proved;
-  bool complete = false;  // all are proved, rounded and different
 };
 
 // Poses to which no paths lead.
@@ -30,9 +34,9 @@ class FarPart {
   explicit FarPart(Numbers& numbers);
   int approached() const { return approached_; }
   int poses() const { return count_ == 0 ? 0 : 2 * count_ - real_count_; }
-  // Besides the poses that are near, from approximations (approached, 8) of the last ones in some frames.
+  // These besides the poses that are near, from approximations (approached, 8) of the last ones in some frames.
   Found beside(Found near, const double* proved_values, const Complex* study, double length, double unit,
-               double scale, double largest) const;
+               double scale) const;
 
  private:
   std::vector<Complex> local(const Complex* study, double length) const;
@@ -56,7 +60,6 @@ class Proofs {
   double unit(double largest) const;
   // Decides about ends (choices, paths, 8), of which the last `less` of each choice are left out.
   Found decide(const Values& given, const double* values, const Ends& ends, int less) const;
-  double deviation_factor(double far_scale) const;
 
  private:
   bool are_skew(const Complex* rotation, double deviation) const;
@@ -69,7 +72,7 @@ class Proofs {
   double scale_, tolerance_, reach_;
   int lines_;
   const double* line_;  // (lines, 9): the cosine of two lines is this times the rotation
-  double rounding_, outward_;
+  double rounding_;
 };
 
 }  // namespace gsp::live

@@ -41,10 +41,16 @@ export function rotation([w, x, y, z]) {
   );
 }
 
+// A value of the file from that of a pose, or the other way; of both sides of a plane the present one.
+function onSide(value, side, present) {
+  if (side === null) return value;
+  return side === 0 ? value * (Math.sign(present) || 1) : value * side;
+}
+
 class Kernel {
   constructor(exports, live) {
     this.exports = exports;
-    this.signed = live.signed;
+    this.sides = live.sides;
     this.slow = !live.quick;
     this.isProof = live.proof !== null;
     const numbers = doubles(live.numbers);
@@ -83,7 +89,7 @@ class Kernel {
   /** The values of a pose. */
   measure(R, T) {
     this.start(R, T);
-    return this.exchange().slice(0, 6).map((x, i) => (this.signed[i] ? x : Math.abs(x)));
+    return this.exchange().slice(0, 6).map((x, i) => onSide(x, this.sides[i], x));
   }
 
   /** Largest by smallest singular value of the Jacobian matrix, as gsp solve has it. */
@@ -96,7 +102,7 @@ class Kernel {
     if (this.start(R, T)) return { status: 3, R, T };
     // Distances to planes keep their side.
     const here = this.exchange().slice(0, 6);
-    this.exchange().set(to.map((x, i) => (this.signed[i] || here[i] >= 0 ? x : -x)));
+    this.exchange().set(to.map((x, i) => onSide(x, this.sides[i], here[i])));
     const status = this.exports.gsp_forward();
     const found = this.exchange();
     return { status, R: rotation(found.slice(3, 7)), T: found.slice(0, 3) };

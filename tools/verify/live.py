@@ -1,0 +1,184 @@
+"""Verify that live pages find what `gsp solve` finds, and record it.
+
+    python -m tools.verify.live [--states 1000] [--jobs 2] [--check [--sample N]]
+
+Each machine of ``data/platforms`` is dragged: its values move a little at a time within their
+ranges, now and then to any place in them. At each state the kernel of live pages (in Node) and
+`gspcli.solve_batch` must agree: in the verdict, in the number of real poses, and in the poses.
+Condition numbers must be those of `gsp solve`, and the poses must measure the values. What differs
+is counted, and the exit code is then 1. The record is ``data/verification/live.csv``.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import gspcli
+from gspcli.defaults import SEED
+from gspcli.errors import GspError
+from gspcli.geometry.instance import Instance
+from gspcli.pictures.live_numbers import live_module, live_numbers, standing
+from tools.recording import ROOT, UNABLE, csv_text, sampled
+from tools.verify.campaigns import conclude, options, results
+
+Array = NDArray[np.float64]
+RECORD = ROOT / "data" / "verification" / "live.csv"
+PLATFORMS = ROOT / "data" / "platforms"
+PROGRAM = ROOT / "tools" / "view" / "states.mjs"
+#: A drag moves values by this part of their ranges; one state in so many is anywhere in them.
+STEP, JUMP = 0.02, 10
+#: Poses are the same if they differ by less, as R and as T by the size; so do measured values.
+SAME = 1e-10
+#: Condition numbers, which grow as rounding errors do, by less of themselves times the number.
+CONDITION = 1e-11
+
+
+@dataclass(frozen=True)
+class Row:
+    """What came out of one machine.
+
+    Attributes
+    ----------
+    platform
+        Its name.
+    states, complete
+        Sets of values, and at how many the page says that it has all poses, proved.
+    real
+        Real poses at all of them.
+    verdicts, numbers, poses, conditions
+        At how many states the verdict differs, the number of real poses, a pose, and a condition
+        number or a measured value.
+    refused
+        Why the page is not live, if it is not.
+    """
+
+    platform: str
+    states: int = 0
+    complete: int = 0
+    real: int = 0
+    verdicts: int = 0
+    numbers: int = 0
+    poses: int = 0
+    conditions: int = 0
+    refused: str = ""
+
+    @property
+    def done(self) -> bool:
+        """Whether there is an answer."""
+        return True
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the row as plain data."""
+        return asdict(self)
+
+
+def dragged(ranges: Array, values: Array, states: int) -> Array:
+    """Return sets of values as somebody drags them, shape (states, 6)."""
+    rng = np.random.default_rng(SEED)
+    low, high = ranges.T
+    rows = np.empty((states, 6))
+    here = values
+    for k in range(states):
+        if k % JUMP == JUMP - 1:
+            here = low + (high - low) * rng.random(6)
+        else:
+            here = here + STEP * (high - low) * rng.uniform(-1, 1, 6) * (rng.random(6) < 0.5)
+        rows[k] = here = np.clip(here, low, high)
+    rows[0] = values
+    return rows
+
+
+def solved_in_page(live: Mapping[str, Any], rows: Array) -> dict[str, Any]:
+    """Return what the kernel of live pages finds for sets of values."""
+    given = {"module": live_module(), "live": live, "states": rows.tolist()}
+    run = subprocess.run(
+        ["node", str(PROGRAM)], input=json.dumps(given), capture_output=True, text=True, check=True
+    )
+    found: dict[str, Any] = json.loads(run.stdout)
+    return found
+
+
+def compared(name: str, instance: Instance, states: int) -> Row:
+    """Return what came out of one platform."""
+    try:
+        live = live_numbers(gspcli.solve(instance))
+    except GspError as error:
+        return Row(name, refused=str(error))
+    rows = dragged(np.array(live["ranges"]), np.array(live["values"]), states)
+    page = solved_in_page(live, rows)
+    batch = gspcli.solve_batch(standing(instance), rows)
+    counts = dict.fromkeys(("complete", "real", "verdicts", "numbers", "poses", "conditions"), 0)
+    conditions = batch.conditions
+    for k, found in enumerate(page["found"]):
+        chosen = batch.real[k]
+        R, T = batch.R[k][chosen].real, batch.T[k][chosen].real
+        here = np.array(found["poses"], float).reshape(-1, 12)
+        counts["complete"] += found["complete"]
+        counts["real"] += len(R)
+        counts["verdicts"] += bool(found["complete"]) != bool(batch.proved[k])
+        if len(here) != len(R):
+            counts["numbers"] += 1
+        if len(here) != len(R) or not len(R):
+            continue
+        length = batch.arrangement.length
+        there = np.concatenate((R.reshape(-1, 9), T / length), axis=1)
+        here[:, 9:] /= length
+        order = np.abs(here[:, None] - there).max(axis=2).argmin(axis=1)
+        off = np.abs(here - there[order]).max(initial=0)
+        counts["poses"] += bool(off > SAME) or len({*order.tolist()}) < len(order)
+        measured = np.array(page["measured"][k]).reshape(-1, 7)
+        expected = np.minimum(conditions[k][chosen][order], 1e300)
+        wrong = np.abs(measured[:, 6] - expected) > CONDITION * expected**2
+        wrong |= np.abs(measured[:, :6] - rows[k]).max(axis=1, initial=0) > SAME * np.abs(rows).max()
+        counts["conditions"] += bool(wrong.any())
+    return Row(name, len(rows), **counts)
+
+
+def examine(name: str, states: int) -> Row:
+    """Return what came out of one machine."""
+    return compared(name, gspcli.load(PLATFORMS / f"{name}.yaml"), states)
+
+
+def main() -> int:
+    """Record or compare; return the exit code."""
+    parser = options(__doc__)
+    parser.add_argument("--states", type=int, default=1000, help="of each machine")
+    arguments = parser.parse_args()
+    if shutil.which("node") is None:
+        print("the kernel of live pages cannot be run without node")
+        return UNABLE
+    every = sorted(path.stem for path in PLATFORMS.glob("*.yaml"))
+    names = sampled(every, arguments.sample if arguments.check else None)
+    rows = results(
+        names,
+        partial(examine, states=arguments.states),
+        lambda data: Row(**data),
+        arguments,
+        name=f"live-{arguments.states}",
+        label="machines",
+        sources=("native", "gspcli", "data/start-systems", "data/live", "tools/view"),
+    )
+    wrong = [
+        f"{row.platform}: {count} states have other {what}"
+        for row in rows
+        for what in ("verdicts", "numbers", "poses", "conditions")
+        if (count := getattr(row, what))
+    ]
+    text = csv_text([asdict(row) for row in rows])
+    summary = f"{len(rows)} machines, {sum(row.states for row in rows)} states"
+    return conclude(RECORD, text, wrong, summary, check=arguments.check)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
