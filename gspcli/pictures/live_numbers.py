@@ -20,8 +20,13 @@ from gspcli.certification.numbers.rounding import ROUNDING
 from gspcli.certification.numbers.sines import SINE_ERROR, SineNumbers
 from gspcli.certification.poses.many_values import COSINE_ERROR, ValueProofs
 from gspcli.continuation.systems import DEGREE_IN_F
-from gspcli.continuation.tracker_options import CAREFUL, SHORT, SHORT_STEPS, VALUE_STEPS
-from gspcli.continuation.tracker_options import TrackerOptions
+from gspcli.continuation.tracker_options import (
+    CAREFUL,
+    SHORT,
+    SHORT_STEPS,
+    VALUE_STEPS,
+    TrackerOptions,
+)
 from gspcli.defaults import SEED, TOLERANCE
 from gspcli.errors import GspError
 from gspcli.geometry.instance import AngleUnit, Instance
@@ -80,9 +85,9 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
     -------
     dict
         ``values`` of the file and the ``ranges`` of sliders (readings, distances to planes without
-        sign unless a side is asked for), ``kinds``, ``units``, the index of the ``home`` mode or
-        None, the ``sides`` of values (1, -1, 0 for both; None without sides), ``quick``, the ``proof`` of the count in words
-        or None, and the ``numbers``, doubles in base64.
+        sign), ``kinds``, ``units``, the index of the ``home`` mode or None, the ``sides`` of values
+        (1, -1, 0 for both; None without sides), whether a solve is ``quick``, the ``proof`` of the
+        count or None, and the ``numbers``, doubles in base64.
 
     Raises
     ------
@@ -140,7 +145,9 @@ def standing(instance: Instance) -> Instance:
     """Return the platform of a live page: cranks stand still, and rods change."""
     given = instance.constraints
     rows = [
-        replace(row, limits=None, **{name: replace(getattr(row, name), crank=None) for name in turned})
+        replace(
+            row, limits=None, **{name: replace(getattr(row, name), crank=None) for name in turned}
+        )
         if (
             turned := [
                 name
@@ -241,7 +248,7 @@ def _put_whole(numbers: _Numbers, geometry: Geometry) -> None:
     structure, found = coefficients_of(*given, np.outer((1.0, 2.0, 3.0), signs))
     order = list(structure.order)
     systems = [x[:, order] for x in found]
-    systems[:2] = [x * start.scale ** DEGREE_IN_F for x in systems[:2]]
+    systems[:2] = [x * start.scale**DEGREE_IN_F for x in systems[:2]]
     one, two, three = np.concatenate([x.reshape(3, -1) for x in systems], axis=1)
     square = (one - 2 * two + three) / 2
     slope = two - one - 3 * square

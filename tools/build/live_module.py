@@ -18,6 +18,7 @@ import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 from tools.recording import ROOT, UNABLE, parser, save, sha256
 
@@ -38,13 +39,19 @@ LINKED = [
 _FUSED, _EXACT = "-ffp-contract=fast", "-ffp-contract=off"
 #: What is compiled of native/: the source, and its options.
 PARTS: list[tuple[str, list[str]]] = [
-    ("reduced_homotopy", [_FUSED, "-DGSP_TRACK_VALUES=track_values_portable", "-DGSP_VALUES_ALONE"]),
+    (
+        "reduced_homotopy",
+        [_FUSED, "-DGSP_TRACK_VALUES=track_values_portable", "-DGSP_VALUES_ALONE"],
+    ),
     ("tracker", [_FUSED, "-DGSP_TRACK=track_portable"]),
     ("tracker", [_FUSED, "-DGSP_TRACK=track_portable_short", "-DGSP_ORDER=4"]),
     ("tracker", [_FUSED, "-DGSP_TRACK=track_portable_real", "-DGSP_ORDER=4", "-DGSP_REAL"]),
     ("ends", [_FUSED, "-DGSP_DECIDE=decide_portable", "-DGSP_FINE=fine_portable"]),
     ("fine_points", [_EXACT, "-DGSP_FINE=fine_portable", "-DGSP_PARTS=2"]),
-    ("far_poses", [_FUSED, "-DGSP_DECIDE_FAR=decide_far_portable", "-DGSP_FINE_FAR=fine_far_portable"]),
+    (
+        "far_poses",
+        [_FUSED, "-DGSP_DECIDE_FAR=decide_far_portable", "-DGSP_FINE_FAR=fine_far_portable"],
+    ),
     ("fine_far_poses", [_EXACT, "-DGSP_FINE_FAR=fine_far_portable", "-DGSP_PARTS=2"]),
     ("homotopy", [_EXACT]),
     ("controller", [_EXACT]),
@@ -54,7 +61,10 @@ _INCLUDED = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
 
 def sources() -> list[Path]:
     """Return all files that the module is made of, those that others include among them."""
-    open_, found = [NATIVE / f"{name}.cpp" for name, _ in PARTS] + sorted(CALLED.glob("*.cpp")), set()
+    open_, found = (
+        [NATIVE / f"{name}.cpp" for name, _ in PARTS] + sorted(CALLED.glob("*.cpp")),
+        set(),
+    )
     while open_:
         path = open_.pop().resolve()
         if path not in found:
@@ -92,23 +102,31 @@ def _run(command: list[str]) -> None:
     subprocess.run(command, check=True, capture_output=True, text=True)
 
 
+def compiler() -> str:
+    """Return the version of the compiler."""
+    run = subprocess.run([COMPILER, "--version"], check=True, capture_output=True, text=True)
+    return re.sub(r".*?(\d+\.\d+\.\d+).*", r"Emscripten \1", run.stdout.splitlines()[0])
+
+
+def kept() -> Any:
+    """Return the manifest of the module that is kept."""
+    return json.loads((TARGET / "manifest.json").read_text(encoding="utf-8"))
+
+
 def compressed(content: bytes) -> bytes:
     """Return the module compressed: as it is kept if that is the same, since compressors differ."""
-    kept = KEPT.read_bytes() if KEPT.exists() else b""
-    if kept and gzip.decompress(kept) == content:
-        return kept
+    before = KEPT.read_bytes() if KEPT.exists() else b""
+    if before and gzip.decompress(before) == content:
+        return before
     return gzip.compress(content, 9, mtime=0)
 
 
 def manifest(content: bytes) -> str:
     """Return what the module was made of."""
-    version = subprocess.run(
-        [COMPILER, "--version"], check=True, capture_output=True, text=True
-    ).stdout.splitlines()[0]
     record = {
         "manifest": {
             "command": COMMAND,
-            "compiler": re.sub(r".*?(\d+\.\d+\.\d+).*", r"Emscripten \1", version),
+            "compiler": compiler(),
             "sources": {"files": len(sources()), "sha256": digest()},
         },
         "module": {"bytes": len(content), "sha256": sha256(content)},

@@ -15,10 +15,9 @@ import json
 import shutil
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -109,14 +108,19 @@ def solved_in_page(live: Mapping[str, Any], rows: Array) -> dict[str, Any]:
     return found
 
 
-def compared(name: str, instance: Instance, states: int) -> Row:
-    """Return what came out of one platform."""
+def compared(
+    name: str,
+    instance: Instance,
+    states: int,
+    run: Callable[[Mapping[str, Any], Array], dict[str, Any]] = solved_in_page,
+) -> Row:
+    """Return what came out of one platform, with one way to run the kernel."""
     try:
         live = live_numbers(gspcli.solve(instance))
     except GspError as error:
         return Row(name, refused=str(error))
     rows = dragged(np.array(live["ranges"]), np.array(live["values"]), states)
-    page = solved_in_page(live, rows)
+    page = run(live, rows)
     batch = gspcli.solve_batch(standing(instance), rows)
     counts = dict.fromkeys(("complete", "real", "verdicts", "numbers", "poses", "conditions"), 0)
     conditions = batch.conditions
@@ -140,7 +144,9 @@ def compared(name: str, instance: Instance, states: int) -> Row:
         measured = np.array(page["measured"][k]).reshape(-1, 7)
         expected = np.minimum(conditions[k][chosen][order], 1e300)
         wrong = np.abs(measured[:, 6] - expected) > CONDITION * expected**2
-        wrong |= np.abs(measured[:, :6] - rows[k]).max(axis=1, initial=0) > SAME * np.abs(rows).max()
+        wrong |= (
+            np.abs(measured[:, :6] - rows[k]).max(axis=1, initial=0) > SAME * np.abs(rows).max()
+        )
         counts["conditions"] += bool(wrong.any())
     return Row(name, len(rows), **counts)
 

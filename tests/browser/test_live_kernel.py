@@ -1,0 +1,81 @@
+"""The kernel of live pages in a real browser: all poses that `gsp solve` finds, and no others."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from gspcli.pictures.live_numbers import live_module
+from gspcli.resources import instance_files
+from gspcli.solver.generate import random_instance
+from gspcli.spec import load
+from tools.recording import ROOT
+from tools.verify.live import compared
+
+if TYPE_CHECKING:
+    from conftest import Browser
+
+STATES = 12
+#: Planar plates, poses far away, cranks, planes with sides, three angles, lines, products.
+NAMES = (
+    "rubin-m2",
+    "t-top-head",
+    "rubin-camera",
+    "modified-paradex",
+    "hexagons-equal-legs",
+    "surfaces-ppp",
+    "parallel-lines",
+    "example-6.8",
+    "point-on-line",
+)
+RUN = """
+(async () => {
+  const kernel = await openKernel(await unpacked(%s), %s);
+  const found = %s.map((values) => {
+    const { complete, proved, poses } = kernel.solve(values);
+    return { complete, proved, poses: poses.map(({ R, T }) => [...R, ...T]) };
+  });
+  const measured = found.map(({ poses }) => poses.map((x) => [
+    ...kernel.measure(x.slice(0, 9), x.slice(9)),
+    Math.min(kernel.condition(x.slice(0, 9), x.slice(9)), 1e300),
+  ]));
+  return JSON.stringify({ found, measured });
+})()
+"""
+
+
+@pytest.fixture(scope="module")
+def kernel(chromium: Browser) -> Any:
+    script = (ROOT / "tools/view/src/live/kernel.js").read_text(encoding="utf-8")
+    chromium.call("Page.navigate", url="about:blank")
+    chromium.run(script.replace("export ", "") + "\n0")
+
+    def run(live: Any, rows: Any) -> dict[str, Any]:
+        given = (json.dumps(x) for x in (live_module(), live, rows.tolist()))
+        found: dict[str, Any] = json.loads(chromium.run(RUN % tuple(given)))
+        return found
+
+    return run
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_poses_are_those_of_solve(kernel: Any, name: str) -> None:
+    row = compared(name, load(instance_files()[name]), STATES, kernel)
+    special = name == "point-on-line"  # its own values are: they have an exact count
+    assert (row.states, row.verdicts, row.numbers, row.poses, row.conditions) == (
+        *(STATES, int(special)),
+        *(0, 0, 0),
+    )
+    assert row.complete == STATES - special
+
+
+@pytest.mark.parametrize("number", [40, 1000, 2500, 3700])
+def test_of_random_types(kernel: Any, number: int) -> None:
+    from gspcli.catalogue.types import type_by_number
+
+    instance = random_instance(type_by_number(number), np.random.default_rng(number))[0]
+    row = compared(str(number), instance, 4, kernel)
+    assert row.refused or (row.verdicts, row.numbers, row.poses, row.conditions) == (0, 0, 0, 0)
