@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gspcli.catalogue.kinds import DLL
+from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP
 from gspcli.certification.equations.local_frames import reach
 from gspcli.certification.numbers.rounding import ROUNDING
 from gspcli.certification.numbers.sines import SINE_ERROR, SineNumbers
@@ -28,12 +28,13 @@ from gspcli.continuation.tracker_options import (
     TrackerOptions,
 )
 from gspcli.defaults import SEED, TOLERANCE
-from gspcli.errors import GspError
+from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.instance import AngleUnit, Instance
 from gspcli.geometry.primitives import Line, Point
 from gspcli.geometry.ranges import value_range
 from gspcli.geometry.readings import factors, offsets, readings_of
 from gspcli.motion.following.platform_numbers import platform_numbers
+from gspcli.motion.singularities.displacements import Displacements
 from gspcli.resources import data_path
 from gspcli.solver.one_geometry import Geometry
 from gspcli.solver.problem import Problem
@@ -115,6 +116,7 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
     numbers.put(controller.kind, controller.either, controller.doubles)
     given = problem.arrangement
     numbers.put(geometry.found, given.platform_centre, given.extent)
+    _put_clearance(numbers, instance)
     written, sides = instance.constraints, zip(given.kinds, given.signs, strict=True)
     return {
         "values": readings_of(instance, _values(instance), signed=False).tolist(),
@@ -285,3 +287,17 @@ def _put_far(numbers: _Numbers, geometry: Geometry) -> None:
     numbers.put(len(far.real), far.numbers, far.errors, far.real, far.values, far.powers)
     numbers.put(far.scale, TOLERANCE, far.approached, far.centres, far.slopes)
     numbers.put(given.base_centre, given.platform_centre)
+
+
+def _put_clearance(numbers: _Numbers, instance: Instance) -> None:
+    try:
+        home = Displacements(instance, np.eye(3)[None], np.zeros((1, 3)))
+    except ArgumentError:
+        # Its points lie on a line.
+        numbers.put(0)
+        return
+    given = home.arrangement
+    order = (DPP, DPL, DLP, DPH, DHP, DLL)
+    kinds = [order.index(kind) if kind in order else len(order) for kind in given.kinds]
+    numbers.put(1, kinds, given.y, given.x, given.u, given.v)
+    numbers.put(home.centre, home.axes[0], home.radii)

@@ -41,6 +41,7 @@ RUN = """
   const measured = found.map(({ poses }) => poses.map((x) => [
     ...kernel.measure(x.slice(0, 9), x.slice(9)),
     Math.min(kernel.condition(x.slice(0, 9), x.slice(9)), 1e300),
+    kernel.clearance(x.slice(0, 9), x.slice(9)),
   ]));
   return JSON.stringify({ found, measured });
 })()

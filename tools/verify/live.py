@@ -5,7 +5,7 @@
 Each machine of ``data/platforms`` is dragged: its values move a little at a time within their
 ranges, now and then to any place in them. At each state the kernel of live pages (in Node) and
 `gspcli.solve_batch` must agree: in the verdict, in the number of real poses, and in the poses.
-Condition numbers must be those of `gsp solve`, and the poses must measure the values. What differs
+Condition numbers and clearances must be those of gsp, and the poses must measure the values. What differs
 is counted, and the exit code is then 1. The record is ``data/verification/live.csv``.
 """
 
@@ -25,8 +25,9 @@ from numpy.typing import NDArray
 
 import gspcli
 from gspcli.defaults import SEED
-from gspcli.errors import GspError
+from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.instance import Instance
+from gspcli.motion.singularities.pose_clearances import pose_clearances
 from gspcli.pictures.live_numbers import live_module, live_numbers, standing
 from tools.recording import ROOT, UNABLE, csv_text, sampled
 from tools.verify.campaigns import conclude, options, results
@@ -41,6 +42,8 @@ STEP, JUMP = 0.02, 10
 SAME = 1e-10
 #: Condition numbers, which grow as rounding errors do, by less of themselves times the number.
 CONDITION = 1e-11
+#: Clearances are sought until they are known to a hundredth, those of some poses better.
+NEAR = 0.02
 
 
 @dataclass(frozen=True)
@@ -57,7 +60,7 @@ class Row:
         Real poses at all of them.
     verdicts, numbers, poses, conditions
         At how many states the verdict differs, the number of real poses, a pose, and a condition
-        number or a measured value.
+        number, a clearance or a measured value.
     refused
         Why the page is not live, if it is not.
     """
@@ -121,7 +124,8 @@ def compared(
         return Row(name, refused=str(error))
     rows = dragged(np.array(live["ranges"]), np.array(live["values"]), states)
     page = run(live, rows)
-    batch = gspcli.solve_batch(standing(instance), rows)
+    still = standing(instance)
+    batch = gspcli.solve_batch(still, rows)
     counts = dict.fromkeys(("complete", "real", "verdicts", "numbers", "poses", "conditions"), 0)
     conditions = batch.conditions
     for k, found in enumerate(page["found"]):
@@ -141,14 +145,24 @@ def compared(
         order = np.abs(here[:, None] - there).max(axis=2).argmin(axis=1)
         off = np.abs(here - there[order]).max(initial=0)
         counts["poses"] += bool(off > SAME) or len({*order.tolist()}) < len(order)
-        measured = np.array(page["measured"][k]).reshape(-1, 7)
+        measured = np.array(page["measured"][k]).reshape(-1, 8)
         expected = np.minimum(conditions[k][chosen][order], 1e300)
         wrong = np.abs(measured[:, 6] - expected) > CONDITION * expected**2
         wrong |= (
             np.abs(measured[:, :6] - rows[k]).max(axis=1, initial=0) > SAME * np.abs(rows).max()
         )
+        free = _clearances(still, R[order], T[order])
+        wrong |= np.abs(measured[:, 7] - free) > NEAR * free
         counts["conditions"] += bool(wrong.any())
     return Row(name, len(rows), **counts)
+
+
+def _clearances(instance: Instance, R: Array, T: Array) -> Array:
+    """Return what pages show: zero where the points of the platform lie on a line."""
+    try:
+        return pose_clearances(instance, R, T)
+    except ArgumentError:
+        return np.zeros(len(R))
 
 
 def examine(name: str, states: int) -> Row:

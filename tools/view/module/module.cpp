@@ -5,6 +5,8 @@
 #include <memory>
 
 #include "../../../native/controller.hpp"
+#include "clearance.hpp"
+#include "matrices.hpp"
 #include "proofs.hpp"
 
 #define EXPORTED extern "C" __attribute__((used, visibility("default")))
@@ -20,6 +22,7 @@ class Platform {
     expected_ = numbers.integer();
     centre_ = numbers.doubles(3);
     extent_ = numbers.number();
+    if (numbers.integer()) clearance_ = std::make_unique<Clearance>(numbers);
   }
 
   int expected() const { return expected_; }
@@ -48,6 +51,8 @@ class Platform {
 
   // As `condition_numbers`: of the controller's pose.
   double condition() const;
+  // Of the same pose, zero if nothing is proved.
+  double clearance() const;
 
  private:
   static std::unique_ptr<Controller> controller(Numbers& numbers) {
@@ -76,65 +81,47 @@ class Platform {
   int expected_;
   const double* centre_;
   double extent_;
+  std::unique_ptr<Clearance> clearance_;  // none if the points of the platform lie on a line
 };
 
-// The least and the largest singular value (one-sided rotations of M. R. Hestenes, Inversion of matrices
-// by biorthogonalization and related results, 1958).
-void singular_values(double (&a)[6][6], double& least, double& largest) {
-  for (int sweep = 0; sweep < 30; ++sweep) {
-    bool turned = false;
-    for (int i = 0; i < 6; ++i)
-      for (int j = i + 1; j < 6; ++j) {
-        double p = 0.0, x = 0.0, y = 0.0;
-        for (int k = 0; k < 6; ++k) p += a[i][k] * a[j][k], x += a[i][k] * a[i][k], y += a[j][k] * a[j][k];
-        if (std::abs(p) <= 1e-16 * std::sqrt(x * y)) continue;
-        turned = true;
-        const double zeta = (y - x) / (2.0 * p);
-        const double t = std::copysign(1.0, zeta) / (std::abs(zeta) + std::sqrt(1.0 + zeta * zeta));
-        const double c = 1.0 / std::sqrt(1.0 + t * t), s = c * t;
-        for (int k = 0; k < 6; ++k) {
-          const double u = a[i][k], v = a[j][k];
-          a[i][k] = c * u - s * v, a[j][k] = s * u + c * v;
-        }
-      }
-    if (!turned) break;
-  }
-  least = INFINITY, largest = 0.0;
-  for (const auto& row : a) {
-    double size = 0.0;
-    for (const double x : row) size += x * x;
-    least = std::min(least, std::sqrt(size)), largest = std::max(largest, std::sqrt(size));
-  }
+// The rotation of a quaternion of any length.
+void rotation(const double* q, double (&R)[3][3]) {
+  const double w = q[0], x = q[1], y = q[2], z = q[3], n = w * w + x * x + y * y + z * z;
+  const double rows[3][3] = {{w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)},
+                             {2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)},
+                             {2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z}};
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) R[i][k] = rows[i][k] / n;
 }
 
 double Platform::condition() const {
   double J[6][6], corrected[6];
   if (controller_->jacobian(&J[0][0]) != 0) return INFINITY;
   values_.correct(controller_->values(), corrected);
-  const double length = std::max(extent_, values_.largest(corrected));
-  const double* const q = controller_->rotation();
-  double c[3];
-  {
-    const double w = q[0], x = q[1], y = q[2], z = q[3], n = w * w + x * x + y * y + z * z;
-    const double R[3][3] = {{w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)},
-                            {2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)},
-                            {2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z}};
-    for (int i = 0; i < 3; ++i)
-      c[i] = (R[i][0] * centre_[0] + R[i][1] * centre_[1] + R[i][2] * centre_[2]) / n;
-  }
+  const double unit = std::max(extent_, values_.largest(corrected));
+  double R[3][3], c[3];
+  rotation(controller_->rotation(), R);
+  for (int i = 0; i < 3; ++i) c[i] = R[i][0] * centre_[0] + R[i][1] * centre_[1] + R[i][2] * centre_[2];
   for (auto& row : J) {
     const double *f = row + 3;
     const double across[3] = {c[1] * f[2] - c[2] * f[1], c[2] * f[0] - c[0] * f[2], c[0] * f[1] - c[1] * f[0]};
-    double size = 0.0;
-    for (int i = 0; i < 3; ++i) row[i] = (row[i] - across[i]) / (length > 0.0 ? length : 1.0);
-    for (const double x : row) size += x * x;
-    size = std::sqrt(size);
+    for (int i = 0; i < 3; ++i) row[i] = (row[i] - across[i]) / (unit > 0.0 ? unit : 1.0);
+    const double size = length(row);
     if (!(size > 0.0 && std::isfinite(size))) return INFINITY;
     for (double& x : row) x /= size;
   }
-  double least, largest;
-  singular_values(J, least, largest);
+  Matrix turns{};
+  decompose(J, turns);
+  double least = INFINITY, largest = 0.0;
+  for (const auto& row : J) least = std::min(least, length(row)), largest = std::max(largest, length(row));
   return least > 1e-14 * largest ? largest / least : INFINITY;
+}
+
+double Platform::clearance() const {
+  if (!clearance_) return 0.0;
+  double R[3][3];
+  rotation(controller_->rotation(), R);
+  return (*clearance_)(R, controller_->position());
 }
 
 std::unique_ptr<double[]> numbers;
@@ -183,6 +170,7 @@ EXPORTED int gsp_start() {
   return status;
 }
 EXPORTED double gsp_condition() { return platform->condition(); }
+EXPORTED double gsp_clearance() { return platform->clearance(); }
 
 // A proved step to the values in `exchange`, where position and quaternion are then.
 EXPORTED int gsp_forward() {

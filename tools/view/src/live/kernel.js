@@ -97,6 +97,11 @@ class Kernel {
     return this.start(R, T) ? Infinity : this.exports.gsp_condition();
   }
 
+  /** So far the nearest singular pose is at least, as gsp clearance measures it; 0 if unknown. */
+  clearance(R, T) {
+    return this.start(R, T) ? 0 : this.exports.gsp_clearance();
+  }
+
   /** Where a pose is for other values, if that is proved (status 0). */
   follow(R, T, from, to) {
     if (this.start(R, T)) return { status: 3, R, T };

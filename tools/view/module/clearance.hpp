@@ -1,0 +1,25 @@
+// How far a pose may move before its six screws become dependent: a proved lower bound.
+//
+// The theorem and the numbers are those of gspcli.motion.singularities.screw_forms, for balls about a
+// pose (gspcli.motion.singularities.pose_clearances).
+#pragma once
+
+#include <vector>
+
+#include "numbers.hpp"
+
+namespace gsp::live {
+
+class Clearance {
+ public:
+  explicit Clearance(Numbers& numbers);
+  // Of the pose with rotation R and translation T; in lengths, zero if nothing is proved.
+  double operator()(const double (&R)[3][3], const double* T) const;
+
+ private:
+  std::vector<int> kind_;
+  const double *y_, *x_, *u_, *v_;       // (6, 3)
+  const double *centre_, *axes_, *radii_;  // of the points of the platform: (3), (3, 3), (3)
+};
+
+}  // namespace gsp::live
