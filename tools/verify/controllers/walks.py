@@ -1,6 +1,6 @@
 """Verify that a controller's step never changes the branch in silence, and record it.
 
-    python -m tools.verify.controllers.walks [--steps 60000] [--jobs 2] [--work FOLDER]
+    python -m tools.verify.controllers.walks [--steps 400000] [--jobs 2] [--work FOLDER]
         [--check [--sample N]]
 
 The programs that `gsp export --to c` writes for the machines of ``data/platforms`` and for one
@@ -283,7 +283,7 @@ def _solve(row: Row, instance: Instance, values: Array, found: Walks) -> None:
 def main() -> int:
     """Write the record, or check it."""
     line = options(__doc__)
-    line.add_argument("--steps", type=int, default=60000, help="about so many for each platform")
+    line.add_argument("--steps", type=int, default=400_000, help="about so many for each platform")
     arguments = line.parse_args()
     chosen = sampled(names(), arguments.sample) if arguments.check else names()
     rows = results(
