@@ -105,7 +105,10 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
     proofs = ValueProofs.of(instance, corrected)
     geometry = _geometry(problem, corrected)
     if proofs is None or geometry is None:
-        raise _cannot("no start was found that leads to all its poses, or they are not countable")
+        count = problem.count_geometry()
+        if count is not None and not count.solutions:
+            raise _cannot("its geometry has poses for special values alone")
+        raise _cannot("no start was found that leads to all its poses")
     numbers = _Numbers()
     _put_values(numbers, instance, geometry)
     _put_pools(numbers, geometry)
