@@ -77,6 +77,11 @@ class Row:
     refused: str = ""
 
     @property
+    def task(self) -> str:
+        """What was done."""
+        return self.platform
+
+    @property
     def done(self) -> bool:
         """Whether there is an answer."""
         return True
