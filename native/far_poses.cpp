@@ -3,7 +3,7 @@
 namespace gsp {
 namespace {
 
-constexpr double kValueRounding = 0x1p-92;  // of `FineFarPoses.values`
+constexpr double kValueRounding = 0x1p-97;  // of `FineFarPoses.values`
 constexpr double kStepRounding = 0x1p-48;   // of a step of Newton's method where nothing cancels
 // Newton's method takes at most so many steps, each at most such a part of the one before; after so short a
 // one, as a part of the coordinates, values of 32 digits tell more than those of 16.

@@ -53,7 +53,7 @@ constexpr int kFarRoom = 4 * kFarNumbers * 8;  // for 8 lanes
 
 // The same with 32 digits, for as many poses as there are lanes.
 struct FineFarPoses {
-  // The equations at local coordinates (7): they err by less than 2^-92 times the sum of the moduli of
+  // The equations at local coordinates (7): they err by less than 2^-97 times the sum of the moduli of
   // their terms.
   void (*values)(const FineNumbers& number, const FineNumbers& local, const double* shift,
                  const double* shift_low, const LaneNumbers& value);

@@ -6,21 +6,26 @@
 namespace gsp {
 namespace {
 
-// Of sums of products with coefficients that err by 2^-104.
-constexpr double kForm = 0x1p-92;
+// Of a form, as a part of the moduli of its terms: products of local coordinates err by 2^-99, coefficients
+// by 2^-104. In a group of seven terms what doubles leave, 2^-51 of each and 2^-53 of each sum, is added up in
+// doubles: they err by 7 7 / 2 2^-106 and 2^-102. The sums of the groups err by 2^-102.5 each.
+constexpr double kForm = 0x1p-97;
+constexpr int kGroup = kLocal;
+// Of a derivative in doubles.
+constexpr double kSlope = 0x1p-46;
 
 INLINE D modulus(const C& z) { return (z.re.hi < 0.0 ? -z.re.hi : z.re.hi) + (z.im.hi < 0.0 ? -z.im.hi : z.im.hi); }
 
 // A sum of products of complex numbers.
 struct ComplexTotal {
-  Total same, other, mixed;
+  Total same, other, mixed, crossed;
   INLINE void add(const C& a, const C& b) {
     same.add(a.re.hi, a.re.lo, b.re);
     other.add(a.im.hi, a.im.lo, b.im);
     mixed.add(a.re.hi, a.re.lo, b.im);
-    mixed.add(a.im.hi, a.im.lo, b.re);
+    crossed.add(a.im.hi, a.im.lo, b.re);
   }
-  INLINE C total() const { return {minus(same.total(), other.total()), mixed.total()}; }
+  INLINE C total() const { return {minus(same.total(), other.total()), plus(mixed.total(), crossed.total())}; }
 };
 
 struct Local {
@@ -34,10 +39,16 @@ INLINE void multiply_out(Local& at) {
 
 // A form at local coordinates, from its first coefficient on.
 C form_at(const FineNumbers& number, int first, const Local& at) {
-  ComplexTotal sum;
-  for (int i = 0; i < kLocal; ++i) sum.add(load(number, first + 1 + i), at.s[i]);
-  for (int k = 0; k < kSquares; ++k) sum.add(load(number, first + 1 + kLocal + k), at.square[k]);
-  return plus(load(number, first), sum.total());
+  C sum = load(number, first++);
+  const auto add = [&](const C* x) {
+    ComplexTotal group;
+    for (int i = 0; i < kGroup; ++i) group.add(load(number, first++), x[i]);
+    sum = plus(sum, group.total());
+  };
+  add(at.s);
+  static_assert(kSquares % kGroup == 0);
+  for (int k = 0; k < kSquares; k += kGroup) add(at.square + k);
+  return sum;
 }
 
 void values(const FineNumbers& number, const FineNumbers& local, const double* shift, const double* shift_low,
@@ -56,19 +67,37 @@ void values(const FineNumbers& number, const FineNumbers& local, const double* s
   }
 }
 
-// Bounds of how far a form with so many monomials errs where local coordinates err by `error`.
-D error_of(const FineNumbers& number, int first, bool is_linear, const D* size, const D& error, const D& doubt) {
-  D terms = modulus(load(number, first)), slope = D{}, total = D{} + 1.0;
+// In doubles.
+struct Rough {
+  D re, im;
+  void add(const C& a, const C& b) {
+    re += a.re.hi * b.re.hi - a.im.hi * b.im.hi;
+    im += a.re.hi * b.im.hi + a.im.hi * b.re.hi;
+  }
+};
+
+// Bounds of how far a form errs at local coordinates that err by `error`: it changes by its derivative there
+// times that, and by its second one times the square.
+D error_of(const FineNumbers& number, int first, bool is_linear, const Local& at, const D* size, const D& error,
+           const D& doubt) {
+  D terms = modulus(load(number, first)), slope = D{}, rounding = D{}, curvature = D{}, total = D{} + 1.0;
+  Rough derivative[kLocal];
   for (int i = 0; i < kLocal; ++i) {
-    const D a = modulus(load(number, first + 1 + i));
-    terms += a * size[i], slope += a, total += size[i] + error;
+    const C x = load(number, first + 1 + i);
+    derivative[i] = {x.re.hi, x.im.hi};
+    const D a = modulus(x);
+    terms += a * size[i], rounding += a, total += size[i] + error;
   }
   if (!is_linear)
     for (int i = 0, k = first + 1 + kLocal; i < kLocal; ++i)
       for (int j = i; j < kLocal; ++j, ++k) {
-        const D a = modulus(load(number, k));
-        terms += a * size[i] * size[j], slope += a * (size[i] + size[j] + error);
+        const C x = load(number, k);
+        derivative[i].add(x, at.s[j]), derivative[j].add(x, at.s[i]);
+        const D a = modulus(x);
+        terms += a * size[i] * size[j], rounding += a * (size[i] + size[j]), curvature += a;
       }
+  for (const Rough& x : derivative) slope += (x.re < 0.0 ? -x.re : x.re) + (x.im < 0.0 ? -x.im : x.im);
+  slope += kSlope * rounding + curvature * error;
   return kOutward * (kForm * terms + slope * error + doubt * total * total);
 }
 
@@ -87,7 +116,7 @@ void poses(const FineNumbers& number, const FineNumbers& local, const LaneNumber
   multiply_out(at);
   constexpr int first = kOfNorm * kLocalMonomials, last = kFarForms * kLocalMonomials;
   const C norm = form_at(number, first, at), factor = inverse(norm), part = inverse(complex_root(norm));
-  const D norm_off = error_of(number, first, false, size, off, in_numbers);
+  const D norm_off = error_of(number, first, false, at, size, off, in_numbers);
   const D norm_size = root(norm.re.hi * norm.re.hi + norm.im.hi * norm.im.hi);
   const D least_norm = (1.0 - 0x1p-40) * norm_size - kOutward * norm_off;
   const D least = least_norm > 0.0 ? kOutward / least_norm : D{} + __builtin_inf();
@@ -96,14 +125,14 @@ void poses(const FineNumbers& number, const FineNumbers& local, const LaneNumber
     if (i < kOfPose) {
       const int begin = first + (1 + i) * kLocalMonomials;
       entry[i] = times(factor, form_at(number, begin, at));
-      own = least * error_of(number, begin, false, size, off, in_numbers);
+      own = least * error_of(number, begin, false, at, size, off, in_numbers);
     } else {
       const int begin = last + (i - kOfPose) * (1 + kLocal);
       ComplexTotal sum;
       for (int k = 0; k < kLocal; ++k) sum.add(load(number, begin + 1 + k), at.s[k]);
       entry[i] = times(part, plus(load(number, begin), sum.total()));
       // |sqrt(N') - sqrt(N)| <= |N' - N| / |sqrt(N)|.
-      own = kOutward * root(least) * error_of(number, begin, true, size, off, in_numbers);
+      own = kOutward * root(least) * error_of(number, begin, true, at, size, off, in_numbers);
     }
     errors[i] = kOutward * (own + least * bound(entry[i]) * (norm_off + kRounding * norm_size));
   }
