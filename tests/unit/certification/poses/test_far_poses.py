@@ -8,6 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+import gspcli
 from gspcli import _kernel
 from gspcli.certification.poses.far_poses import FarPoses
 from gspcli.certification.poses.locator import Located
@@ -142,3 +143,13 @@ def test_a_pose_without_its_conjugate_is_no_start():
     problem = Problem(instance, starts=SolvedStarts())
     equations = problem.locator, problem.proofs, problem.choices[0], problem.sides[0]
     assert FarPoses.of(*equations, far.R[:-1], far.T[:-1]) is None
+
+
+def test_poses_not_that_far_are_rounded_for_nearly_all_values():
+    # 5000 lengths away the coordinates are bent: bounds of moduli alone leave four of ten rows open.
+    instance = load(data_path("platforms", "rubin-camera.yaml"))
+    own = np.array([row.value.value for row in instance.constraints])
+    rows = own * (1 + 0.03 * np.random.default_rng(1).uniform(-1, 1, (200, 6)))
+    batch = gspcli.solve_batch(instance, rows)
+    assert batch.proved.all()
+    assert len(batch.others) < 20
