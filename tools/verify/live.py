@@ -4,9 +4,10 @@
 
 Each machine of ``data/platforms`` is dragged: its values move a little at a time within their
 ranges, now and then to any place in them. At each state the kernel of live pages (in Node) and
-`gspcli.solve_batch` must agree: in the verdict, in the number of real poses, and in the poses.
-Condition numbers and clearances must be those of gsp, and the poses must measure the values. What
-differs is counted, and the exit code is then 1. The record is ``data/verification/live.csv``.
+`gspcli.solve_batch` must agree in the number of real poses and in the poses, and what the page calls
+complete must be so. Condition numbers and clearances must be those of gsp, and the poses must
+measure the values. What differs is counted, and the exit code is then 1. The record is
+``data/verification/live.csv``.
 """
 
 from __future__ import annotations
@@ -55,13 +56,15 @@ class Row:
     ----------
     platform
         Its name.
-    states, complete
-        Sets of values, and at how many the page says that it has all poses, proved.
+    states, complete, missed
+        Sets of values, at how many the page says that it has all poses, proved, and at how many it
+        says that some are missing although `gsp solve` proves them.
     real
         Real poses at all of them.
     verdicts, numbers, poses, conditions
-        At how many states the verdict differs, the number of real poses, a pose, and a condition
-        number, a clearance or a measured value.
+        At how many states the page wrongly says that it has all poses, and at how many there
+        differs the number of real poses, a pose, and a condition number, a clearance or a measured
+        value.
     refused
         Why the page is not live, if it is not.
     """
@@ -69,6 +72,7 @@ class Row:
     platform: str
     states: int = 0
     complete: int = 0
+    missed: int = 0
     real: int = 0
     verdicts: int = 0
     numbers: int = 0
@@ -132,7 +136,8 @@ def compared(
     page = run(live, rows)
     still = standing(instance)
     batch = gspcli.solve_batch(still, rows)
-    counts = dict.fromkeys(("complete", "real", "verdicts", "numbers", "poses", "conditions"), 0)
+    names = ("complete", "missed", "real", "verdicts", "numbers", "poses", "conditions")
+    counts = dict.fromkeys(names, 0)
     conditions = batch.conditions
     for k, found in enumerate(page["found"]):
         chosen = batch.real[k]
@@ -140,7 +145,8 @@ def compared(
         here = np.array(found["poses"], float).reshape(-1, 12)
         counts["complete"] += found["complete"]
         counts["real"] += len(R)
-        counts["verdicts"] += bool(found["complete"]) != bool(batch.proved[k])
+        counts["verdicts"] += bool(found["complete"]) and not batch.proved[k]
+        counts["missed"] += bool(batch.proved[k]) and not found["complete"]
         if len(here) != len(R):
             counts["numbers"] += 1
         if len(here) != len(R) or not len(R):

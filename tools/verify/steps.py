@@ -191,6 +191,12 @@ STEPS = (
         sample="--sample 6",
     ),
     Step("view", ("data/view/*",), "tools.build.view --check"),
+    Step(
+        "live",
+        ("data/verification/live.csv",),
+        "tools.verify.live --check --jobs {jobs} --work {work}",
+        sample="--sample 3",
+    ),
     Step("live-module", ("data/live/*",), "tools.build.live_module --check --jobs {jobs}"),
     Step(
         "distribution",

@@ -146,7 +146,7 @@ def test_a_pose_without_its_conjugate_is_no_start():
 
 
 def test_poses_not_that_far_are_rounded_for_nearly_all_values():
-    # 5000 lengths away the coordinates are bent: bounds of moduli alone leave four of ten rows open.
+    # 5000 lengths away coordinates are bent: bounds of moduli alone leave four of ten rows open.
     instance = load(data_path("platforms", "rubin-camera.yaml"))
     own = np.array([row.value.value for row in instance.constraints])
     rows = own * (1 + 0.03 * np.random.default_rng(1).uniform(-1, 1, (200, 6)))
