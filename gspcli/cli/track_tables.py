@@ -43,8 +43,9 @@ def track_table(
     columns += more
     names = [one.name for one in result.coordinates]
     columns += [Column(name, align="right", minor=1) for name in names]
-    at = {t: dict(zip(names, place, strict=True)) for t, place in _places(result)}
-    rows = [{**row, **at[row["t"]]} for row in rows]
+    if names:
+        at = {t: dict(zip(names, place, strict=True)) for t, place in _places(result)}
+        rows = [{**row, **at[row["t"]]} for row in rows]
     instance = result.instance
     title = instance.title
     kept = len(result.modes) - len(result.events)

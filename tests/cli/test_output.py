@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import math
 import os
 import subprocess
 import sys
@@ -94,6 +95,19 @@ SEVERAL = [
     Table([Column("a")], [{"a": 1}], part="first", summary=["one row"]),
     Table([Column("b")], [{"b": 2}], part="second"),
 ]
+
+
+def test_csv_of_numbers_alone_is_that_of_the_writer(capsys: pytest.CaptureFixture[str]) -> None:
+    numbers = [[1, 0.1, 1e-300], [-2, math.nan, math.inf], [3, -0.0, 123456789012345680.0]]
+    columns = [Column(key) for key in ("a", 'b,"c"', "d")]
+    keys = [column.key for column in columns]
+    rows = [dict(zip(keys, row, strict=True)) for row in numbers]
+    buffer = io.StringIO()
+    csv.writer(buffer, lineterminator="\n").writerows([keys, *numbers])
+    emit(Output("csv", None), Table(columns, rows))
+    assert capsys.readouterr().out == buffer.getvalue()
+    emit(Output("csv", None), Table(columns, [*rows, dict.fromkeys(keys)]))
+    assert capsys.readouterr().out == buffer.getvalue() + ",,\n"
 
 
 def test_one_table_a_csv(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

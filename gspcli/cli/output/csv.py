@@ -7,8 +7,10 @@ import io
 
 from gspcli.cli.output.tables import Table
 
-#: What the writer itself writes as `_cell` does; floats with all their digits.
-_PLAIN = {float, int, str}
+#: What is written as `repr` has it, and never needs quotation marks; floats with all their digits.
+_NUMBERS = {float, int}
+#: What the writer itself writes as `_cell` does.
+_PLAIN = _NUMBERS | {str}
 
 
 def render(table: Table) -> str:
@@ -17,10 +19,16 @@ def render(table: Table) -> str:
     writer = csv.writer(buffer, lineterminator="\n")
     keys = [column.key for column in table.columns]
     writer.writerow(keys)
-    writer.writerows(
-        [cell if type(cell) in _PLAIN else _cell(cell) for cell in map(row.get, keys)]
-        for row in table.rows
-    )
+    columns = [[row.get(key) for row in table.rows] for key in keys]
+    if all(_NUMBERS.issuperset(map(type, column)) for column in columns):
+        # Long tables are of numbers alone; joined, they take two thirds of the writer's time.
+        texts = [map(repr, column) for column in columns]
+        buffer.writelines(f"{','.join(cells)}\n" for cells in zip(*texts, strict=True))
+    else:
+        writer.writerows(
+            [cell if type(cell) in _PLAIN else _cell(cell) for cell in cells]
+            for cells in zip(*columns, strict=True)
+        )
     return buffer.getvalue()
 
 

@@ -110,14 +110,16 @@ def read_values(
         found = [name for name in numbers if name in table.heading]
         if not found and not moving:
             table.choose(numbers)
-        t = table.numbers(["t"])[:, 0] if "t" in table.heading else None
-        given = table.numbers(found)
+        timed = ["t"] if "t" in table.heading else []
+        times, given, places = np.split(
+            table.numbers([*timed, *found, *moving]), np.cumsum([len(timed), len(found)]), axis=1
+        )
+        t = times[:, 0] if timed else None
         base = nominal_values(instance)
         values = np.tile(base, (len(table), 1))
         columns = [int(name) - 1 for name in found]
         values[:, columns] = given + (base[columns] if delta else 0)
         _check_meaning(table, instance, values, columns)
-        places = table.numbers(list(moving))
         if delta and len(moving):
             places += nominal_coordinates(instance, list(moving.values()))
         coordinates = {

@@ -90,6 +90,19 @@ def test_condition_of_a_singular_pose_is_infinite(arrangement_of_all_kinds, rand
     assert condition_numbers(repeated, *random_pose(rng)) == np.inf
 
 
+def test_many_conditions_are_those_of_each_pose(arrangement_of_all_kinds, random_pose):
+    rng = np.random.default_rng(9)
+    arrangement = six_of(arrangement_of_all_kinds(rng))
+    poses = [random_pose(rng) for _ in range(1030)]
+    R, T = (np.array(part) for part in zip(*poses, strict=True))
+    lengths = rng.uniform(1, 2, len(R))
+    for length in (None, lengths):
+        found = condition_numbers(arrangement, R, T, length)
+        for k in (0, 1023, 1024, 1029):
+            alone = None if length is None else length[k]
+            assert found[k] == condition_numbers(arrangement, R[k], T[k], alone)
+
+
 def test_normalized_arrangement_has_the_same_poses(arrangement_of_all_kinds, random_pose):
     rng = np.random.default_rng(8)
     arrangement = six_of(arrangement_of_all_kinds(rng))
