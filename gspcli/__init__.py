@@ -17,10 +17,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from gspcli.atlas.count_summary import atlas_summary
     from gspcli.calibration import calibrate
     from gspcli.catalogue.bounds import family_bounds, type_bounds
     from gspcli.catalogue.coincidence import coincident_types
     from gspcli.catalogue.constraints import constraint_facts
+    from gspcli.catalogue.known_facts import bound, show
     from gspcli.catalogue.listing import TypeList
     from gspcli.catalogue.mechanism import mechanism
     from gspcli.catalogue.names import parse_class, parse_kind, parse_kind_set, parse_type
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
     from gspcli.dynamics import forward_dynamics, inverse_dynamics, natural_modes, simulate
     from gspcli.dynamics.analyses import analyze
     from gspcli.errors import ArgumentError, GspError, SpecError
+    from gspcli.export.exported import exported
     from gspcli.geometry.building import angle, distance, hexapod, instance
     from gspcli.geometry.home_pose import HomePose
     from gspcli.geometry.instance import Constraint, Instance, Units
@@ -40,13 +43,19 @@ if TYPE_CHECKING:
     from gspcli.motion.singularities.clearance_results import clearance
     from gspcli.motion.singularities.scan_results import scan
     from gspcli.motion.workspace.box_division import workspace
+    from gspcli.paper.comparison import table
     from gspcli.pictures.notebook import notebook_view
+    from gspcli.pictures.whole_views import view
+    from gspcli.reality.real_search import maximize_real
     from gspcli.reality.sample_results import sample
     from gspcli.sensing import fit_readings, sensors
     from gspcli.solver import solve, solve_batch, solve_values
     from gspcli.solver.new_instance import new
     from gspcli.solver.parallel_certificates import certify
     from gspcli.spec import dump, dumps, load, loads, read, set_values
+    from gspcli.spec.checks import check
+    from gspcli.spec.shipped import example
+    from gspcli.symbolic.derivation import derive
 
 __version__ = "1.0.0"
 
@@ -76,15 +85,21 @@ _HOMES = {
     "all_types": "gspcli.catalogue.types",
     "analyze": "gspcli.dynamics.analyses",
     "angle": "gspcli.geometry.building",
+    "atlas_summary": "gspcli.atlas.count_summary",
+    "bound": "gspcli.catalogue.known_facts",
     "calibrate": "gspcli.calibration",
     "certify": "gspcli.solver.parallel_certificates",
+    "check": "gspcli.spec.checks",
     "clearance": "gspcli.motion.singularities.clearance_results",
     "coincident_types": "gspcli.catalogue.coincidence",
     "constraint_facts": "gspcli.catalogue.constraints",
     "count": "gspcli.certification.counting.count_results",
+    "derive": "gspcli.symbolic.derivation",
     "distance": "gspcli.geometry.building",
     "dump": "gspcli.spec",
     "dumps": "gspcli.spec",
+    "example": "gspcli.spec.shipped",
+    "exported": "gspcli.export.exported",
     "family_bounds": "gspcli.catalogue.bounds",
     "fit_readings": "gspcli.sensing",
     "forward_dynamics": "gspcli.dynamics",
@@ -93,6 +108,7 @@ _HOMES = {
     "inverse_dynamics": "gspcli.dynamics",
     "load": "gspcli.spec",
     "loads": "gspcli.spec",
+    "maximize_real": "gspcli.reality.real_search",
     "measure": "gspcli.motion.poses.measured_values",
     "mechanism": "gspcli.catalogue.mechanism",
     "natural_modes": "gspcli.dynamics",
@@ -107,12 +123,15 @@ _HOMES = {
     "scan": "gspcli.motion.singularities.scan_results",
     "sensors": "gspcli.sensing",
     "set_values": "gspcli.spec",
+    "show": "gspcli.catalogue.known_facts",
     "simulate": "gspcli.dynamics",
     "solve": "gspcli.solver",
     "solve_batch": "gspcli.solver",
     "solve_values": "gspcli.solver",
+    "table": "gspcli.paper.comparison",
     "track": "gspcli.motion",
     "type_bounds": "gspcli.catalogue.bounds",
+    "view": "gspcli.pictures.whole_views",
     "workspace": "gspcli.motion.workspace.box_division",
 }
 
@@ -142,15 +161,21 @@ __all__ = [
     "all_types",
     "analyze",
     "angle",
+    "atlas_summary",
+    "bound",
     "calibrate",
     "certify",
+    "check",
     "clearance",
     "coincident_types",
     "constraint_facts",
     "count",
+    "derive",
     "distance",
     "dump",
     "dumps",
+    "example",
+    "exported",
     "family_bounds",
     "fit_readings",
     "forward_dynamics",
@@ -159,6 +184,7 @@ __all__ = [
     "inverse_dynamics",
     "load",
     "loads",
+    "maximize_real",
     "measure",
     "mechanism",
     "natural_modes",
@@ -173,12 +199,15 @@ __all__ = [
     "scan",
     "sensors",
     "set_values",
+    "show",
     "simulate",
     "solve",
     "solve_batch",
     "solve_values",
+    "table",
     "track",
     "type_bounds",
+    "view",
     "workspace",
 ]
 

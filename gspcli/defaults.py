@@ -4,6 +4,8 @@ from __future__ import annotations
 
 #: The seed of everything random: the same call gives the same bytes.
 SEED = 20031
+#: How long `maximize_real` searches, in seconds.
+SEARCH_SECONDS = 60.0
 #: Largest difference of a pose from its solution that `certify` accepts; lengths by the
 #: platform's size, relative for numbers above one.
 TOLERANCE = 1e-6

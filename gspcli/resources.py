@@ -7,7 +7,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from gspcli.errors import DataError
+from gspcli.errors import DataError, GspError
+from gspcli.wording import shown, similar
 
 _PACKAGE = Path(__file__).resolve().parent
 
@@ -52,6 +53,23 @@ def instance_files() -> dict[str, Path]:
     """Return the shipped instance files by name: examples, then platforms (do not modify)."""
     folders = (data_directory() / folder for folder in INSTANCE_FOLDERS)
     return {path.stem: path for folder in folders for path in sorted(folder.glob("*.yaml"))}
+
+
+def shipped_file(name: str) -> Path:
+    """Return the shipped instance file of a name.
+
+    Raises
+    ------
+    GspError
+        If there is none.
+    """
+    files = instance_files()
+    if name not in files:
+        near = similar(name.lower(), files, 1)
+        hint = f"did you mean {near[0]}? " if near else ""
+        message = f"found no example or platform {shown(name)}: {hint}`gsp example` lists them"
+        raise GspError(message)
+    return files[name]
 
 
 @cache

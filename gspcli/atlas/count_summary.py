@@ -6,6 +6,7 @@ import csv
 from collections.abc import Callable
 from fractions import Fraction
 from statistics import median_low
+from typing import TYPE_CHECKING, Any
 
 from gspcli.catalogue.bounds import type_bounds
 from gspcli.catalogue.counts import FAMILIES_FILE, FOLDER, generic_counts
@@ -13,6 +14,9 @@ from gspcli.catalogue.kinds import DLL
 from gspcli.catalogue.types import CLASSES, GspType, all_types
 from gspcli.records import dataclass
 from gspcli.resources import data_path
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -72,6 +76,47 @@ class BoundSummary:
     median: Fraction
     largest: Fraction
     of_largest: str
+
+
+@dataclass(frozen=True, eq=False)
+class CountSummary:
+    """The generic counts of all types in summary.
+
+    Attributes
+    ----------
+    counts
+        Of each class, and of all types.
+    bounds
+        How far each bound is from them.
+    """
+
+    counts: tuple[ClassSummary, ...]
+    bounds: tuple[BoundSummary, ...]
+
+    def __repr__(self) -> str:
+        return f"<CountSummary of {max(one.types for one in self.counts)} types>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a row for each class and way to count sides (pandas is imported now)."""
+        import pandas as pd
+
+        return pd.DataFrame([vars(one) for one in self.counts])
+
+    def to_json(self) -> dict[str, Any]:
+        """Return everything as plain data of schema ``gsp.atlas-summary/1``."""
+        return {
+            "schema": "gsp.atlas-summary/1",
+            "counts": [dict(vars(one)) for one in self.counts],
+            "bounds": [
+                {**vars(one), "median": float(one.median), "largest": float(one.largest)}
+                for one in self.bounds
+            ],
+        }
+
+
+def atlas_summary() -> CountSummary:
+    """Summarize the generic counts of all types by class, and how sharp the bounds are."""
+    return CountSummary(tuple(class_summaries()), tuple(bound_summaries()))
 
 
 def one_sided(gsp_type: GspType) -> int:

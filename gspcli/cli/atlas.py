@@ -54,9 +54,10 @@ def summary(output: Output) -> None:
       gsp atlas summary
       gsp atlas summary --format markdown
     """
-    from gspcli.atlas.count_summary import bound_summaries, class_summaries, trace_extremes
+    from gspcli.atlas.count_summary import atlas_summary, trace_extremes
     from gspcli.catalogue.counts import Method, all_families, family_counts
 
+    found = atlas_summary().to_json()
     confirmed = [family_counts(family).confirmed for family in all_families()]
     notes = [
         f"{sum(method in found for found in confirmed)} of {len(confirmed)} families were "
@@ -75,7 +76,7 @@ def summary(output: Output) -> None:
                     Column("of_largest", "largest for"),
                     *_numbers("different"),
                 ],
-                rows=[vars(s) for s in class_summaries()],
+                rows=found["counts"],
                 title="Generic counts",
                 part="counts",
                 notes=[
@@ -94,10 +95,7 @@ def summary(output: Output) -> None:
                     Column("largest", "largest factor", align="right"),
                     Column("of_largest", "largest for"),
                 ],
-                rows=[
-                    {**vars(s), "median": float(s.median), "largest": float(s.largest)}
-                    for s in bound_summaries()
-                ],
+                rows=found["bounds"],
                 title="Bounds against generic counts",
                 part="bounds",
                 notes=[
@@ -106,7 +104,7 @@ def summary(output: Output) -> None:
                 ],
             ),
         ],
-        schema="atlas-summary",
+        document=found,
     )
 
 

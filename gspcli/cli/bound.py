@@ -3,24 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import click
 
-from gspcli.catalogue.bounds import (
-    BOUND_MEANINGS,
-    BOUND_NAMES,
-    Bounds,
-    bound_sides,
-    family_bounds,
-    type_bounds,
-)
+from gspcli.catalogue.bounds import BOUND_MEANINGS, BOUND_NAMES, bound_sides
 from gspcli.catalogue.constraints import Degrees, constraint_facts
-from gspcli.catalogue.counts import GenericCounts, family_counts, generic_counts
 from gspcli.catalogue.kinds import Kind
-from gspcli.catalogue.real_counts import real_counts
+from gspcli.catalogue.known_facts import KnownBounds
+from gspcli.catalogue.known_facts import bound as known
 from gspcli.catalogue.recorded_varieties import coordinates_label
-from gspcli.catalogue.types import Family, GspType
+from gspcli.catalogue.types import GspType
 from gspcli.catalogue.witnesses import best_real
 from gspcli.cli.names import read_names
 from gspcli.cli.output import Column, Output, Table, emit, output_options
@@ -47,8 +39,8 @@ def command(names: tuple[str, ...], output: Output) -> None:
       gsp bound DPH DPH DPH DPH DPH ALL
       gsp bound 1 17 3850 platform.yaml --format csv
     """
-    subjects = read_names(names)
-    documents = [bound_document(subject) for subject in subjects]
+    subjects = [known(subject) for subject in read_names(names)]
+    documents = [subject.to_json() for subject in subjects]
     one_line_each = output.format in ("csv", "markdown", "latex") and len(subjects) > 1
     if one_line_each or (output.format == "csv" and output.part is None):
         tables = [_summary(subjects)]
@@ -57,71 +49,22 @@ def command(names: tuple[str, ...], output: Output) -> None:
     emit(output, tables, document=documents[0] if len(documents) == 1 else documents)
 
 
-def _bounds(subject: GspType | Family) -> Bounds:
-    return type_bounds(subject) if isinstance(subject, GspType) else family_bounds(subject)
-
-
-def _counts(subject: GspType | Family) -> GenericCounts:
-    return generic_counts(subject) if isinstance(subject, GspType) else family_counts(subject)
-
-
-def _kinds(subject: GspType | Family) -> tuple[Kind, ...]:
-    return subject.kinds if isinstance(subject, GspType) else subject.distances
-
-
-def _identity(subject: GspType | Family) -> dict[str, Any]:
-    family = subject.family if isinstance(subject, GspType) else subject
-    return {**subject.to_json(), "family": family.id}
-
-
-def bound_document(subject: GspType | Family) -> dict[str, Any]:
-    """Return all that is known of the bounds of a type or family, for JSON."""
-    bounds, counts = _bounds(subject), _counts(subject)
-    return {
-        "schema": "gsp.bound/1",
-        "type": _identity(subject),
-        "constraints": [_constraint(kind) for kind in _kinds(subject)],
-        "bounds": bounds.values(),
-        "reasons": {
-            name: None if bound is None else bound.reason for name, bound in bounds.items()
-        },
-        "generic": {
-            "one_sided": counts.one_sided,
-            "two_sided": counts.two_sided,
-            "established": counts.established,
-        },
-        "best_real": best_real(subject),
-        "real_counts": list(real_counts(subject)),
-    }
-
-
-def _constraint(kind: Kind) -> dict[str, Any]:
-    facts = constraint_facts(kind)
-    return {
-        "kind": kind.name,
-        "degree_lazard": facts.paper_lazard.two_sided,
-        "degree_mourrain": facts.paper_mourrain.two_sided,
-        "degree_lowest": facts.lowest.two_sided,
-        "degree_lowest_one_sided": facts.lowest.one_sided,
-        "surface": facts.surface,
-    }
-
-
 def _degrees(degrees: Degrees) -> str:
     if degrees.one_sided == degrees.two_sided:
         return str(degrees.two_sided)
     return f"{degrees.two_sided} ({degrees.one_sided} one-sided)"
 
 
-def _tables(subject: GspType | Family) -> list[Table]:
+def _tables(found: KnownBounds) -> list[Table]:
+    subject = found.subject
     title = subject.id
     if isinstance(subject, GspType):
         title += f"  (no. {subject.number}, {subject.platform_class})"
     else:
         title += f"  (a family of {len(subject.types)} types, angles left open)"
     return [
-        constraint_table(_kinds(subject), title),
-        bound_table(subject, _bounds(subject), _counts(subject), best_real(subject)),
+        constraint_table(found.kinds, title),
+        bound_table(found),
     ]
 
 
@@ -155,11 +98,10 @@ def constraint_table(kinds: Sequence[Kind], title: str) -> Table:
     )
 
 
-def bound_table(
-    subject: GspType | Family, bounds: Bounds, counts: GenericCounts, real: int | None
-) -> Table:
+def bound_table(found: KnownBounds) -> Table:
     """Return rows: the bounds that apply with their reasons, the counts, the best known real."""
-    applying = [(name, bound) for name, bound in bounds.items() if bound is not None]
+    subject, counts, real = found.subject, found.counts, best_real(found.subject)
+    applying = [(name, bound) for name, bound in found.bounds.items() if bound is not None]
     rows = [
         {
             "kind": "bound",
@@ -198,12 +140,12 @@ def bound_table(
     )
 
 
-def _summary(subjects: list[GspType | Family]) -> Table:
+def _summary(subjects: list[KnownBounds]) -> Table:
     rows = [
-        _identity(subject)
-        | _bounds(subject).values()
-        | {name: getattr(_counts(subject), name.removeprefix("generic_")) for name in _GENERIC}
-        | {"best_real": best_real(subject)}
+        subject.identity
+        | subject.bounds.values()
+        | {name: getattr(subject.counts, name.removeprefix("generic_")) for name in _GENERIC}
+        | {"best_real": best_real(subject.subject)}
         for subject in subjects
     ]
     return Table(

@@ -8,11 +8,11 @@ import click
 
 from gspcli.cli.names import spec_source
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.errors import Problem, SpecError
+from gspcli.errors import SpecError
 from gspcli.wording import MOST_LINES
 
 if TYPE_CHECKING:
-    from gspcli.geometry.instance import Instance
+    from gspcli.spec.checks import CheckedFile
 
 _COLUMNS = (
     Column("file", essential=True),
@@ -47,55 +47,28 @@ def command(specs: tuple[str, ...], output: Output) -> None:
       gsp check data/examples/*.yaml --format csv
       gsp new 6PP | gsp check -
     """
-    from gspcli.spec import read
+    from gspcli.spec.checks import check
 
-    rows: list[dict[str, Any]] = []
-    entries: list[dict[str, Any]] = []
-    notes: list[str] = []
-    problems: list[Problem] = []
-    for spec in specs:
-        try:
-            reading = read(spec_source(spec))
-        except SpecError as error:
-            problems += error.problems
-            rows.append({"file": spec, "valid": False})
-            found = [_problem(problem) for problem in error.problems]
-            entries.append({"file": spec, "valid": False, "problems": found})
-        else:
-            facts = _facts(reading.instance)
-            row = {**facts, "shared": _shared(facts["shared"]), "warnings": len(reading.warnings)}
-            rows.append({"file": spec, "valid": True, **row, **_type_cells(reading.instance)})
-            found = [_problem(warning) for warning in reading.warnings]
-            entries.append({"file": spec, "valid": True, **facts, "warnings": found})
-            notes += [f"warning: {warning}" for warning in reading.warnings]
-    if len(problems) > MOST_LINES:
+    found = check(*map(spec_source, specs), names=specs)
+    notes = [f"warning: {warning}" for one in found.files for warning in one.warnings]
+    if len(found.problems) > MOST_LINES:
         # The error has the first ones only.
-        notes += [f"mistake: {problem}" for problem in problems]
-    document = {"schema": "gsp.check/1", "files": entries}
-    emit(output, Table(_COLUMNS, rows, notes=notes), document=document)
-    if problems:
-        raise SpecError(problems)
+        notes += [f"mistake: {problem}" for problem in found.problems]
+    rows = [_row(one) for one in found.files]
+    emit(output, Table(_COLUMNS, rows, notes=notes), document=found.to_json())
+    if not found.valid:
+        raise SpecError(found.problems)
 
 
-def _facts(instance: Instance) -> dict[str, Any]:
-    from gspcli.catalogue.bounds import type_bounds
-    from gspcli.catalogue.coincidence import canonical_bonds
-    from gspcli.spec import bonds, sharing
-
-    platform, base = sharing(instance)
-    gsp_type = instance.type
+def _row(checked: CheckedFile) -> dict[str, Any]:
+    entry = checked.to_json()
+    if checked.instance is None:
+        return entry
+    gsp_type = checked.instance.type
     return {
-        **instance.to_json(),
-        "shared": {"platform": platform, "base": base},
-        "pattern": " ".join(map(str, canonical_bonds(bonds(instance)))),
-        "expected": instance.expected,
-        "bound": type_bounds(gsp_type).refined_one_sided.value * instance.side_choices,
-    }
-
-
-def _type_cells(instance: Instance) -> dict[str, object]:
-    gsp_type = instance.type
-    return {
+        **entry,
+        "shared": _shared(entry["shared"]),
+        "warnings": len(checked.warnings),
         "class": gsp_type.platform_class.id,
         "number": gsp_type.number,
         "type": gsp_type.id,
@@ -109,13 +82,3 @@ def _shared(shared: dict[str, dict[str, list[int]]]) -> str:
         for body, names in shared.items()
         for name, numbers in names.items()
     )
-
-
-def _problem(problem: Problem) -> dict[str, object]:
-    location = problem.location
-    return {
-        "line": location.line if location else None,
-        "column": location.column if location else None,
-        "path": problem.path,
-        "message": problem.message,
-    }

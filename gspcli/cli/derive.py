@@ -33,21 +33,20 @@ def command(case: str | None, expand: bool, output: Output) -> None:
       gsp derive AAA -o angles.json
       gsp derive 6.2
     """
-    from gspcli.symbolic.closed_forms import CASES, derive, expand_case, parse_case
-    from gspcli.symbolic.presentation import to_document, to_latex, to_text
+    from gspcli.symbolic.closed_forms import CASES
+    from gspcli.symbolic.derivation import derive
 
     if case is None:
-        derived = [derive(name) for name in progress(CASES, total=len(CASES), label="deriving")]
-        emit(output, _listing(derived), schema="derive-cases")
+        names = progress(CASES, total=len(CASES), label="deriving")
+        emit(output, _listing([derive(name).triangular for name in names]), schema="derive-cases")
         return
-    name = parse_case(case)
     with working("deriving"):
-        triangular = expand_case(name) if expand else derive(name)
+        found = derive(case, expand=expand)
     if output.format == "json":
-        emit(output, (), document=to_document(triangular))
+        emit(output, (), document=found.to_json())
     else:
-        form = to_latex if output.format == "latex" else to_text
-        emit(output, (), texts={output.format: form(triangular)})
+        text = found.to_latex() if output.format == "latex" else str(found)
+        emit(output, (), texts={output.format: text})
 
 
 def _listing(sets: list[TriangularSet]) -> Table:

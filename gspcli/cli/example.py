@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gspcli.cli.names import shipped_file
 from gspcli.cli.output import FORMATS, Column, Output, Table, emit, output_options
-from gspcli.resources import data_json, instance_files
+from gspcli.resources import data_json, instance_files, shipped_file
 
 if TYPE_CHECKING:
     from gspcli.catalogue.types import GspType

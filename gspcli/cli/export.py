@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from pathlib import Path
 
 import click
 
-from gspcli.cli.mode_option import Mode, chosen, mode_option
+from gspcli.cli.mode_option import Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Whole
 from gspcli.cli.output import Output, check_writable, file_option, write
@@ -15,19 +15,15 @@ from gspcli.cli.progress_bars import working
 from gspcli.cli.streams import say
 from gspcli.cli.value_options import Changes, value_options
 from gspcli.errors import GspError
+from gspcli.export.exported import COORDINATES, DIGITS, TRIES, exported
 from gspcli.export.format import ControllerFormat, PoseFormat, SystemFormat
 from gspcli.export.formats import FORMATS
 from gspcli.wording import listed
-
-if TYPE_CHECKING:
-    from gspcli.geometry.instance import Instance
-    from gspcli.solver import Solution
 
 #: What is given a pose, what is a program, and what is given equations.
 _POSES = {name: form for name, form in FORMATS.items() if isinstance(form, PoseFormat)}
 _PROGRAMS = {name: form for name, form in FORMATS.items() if isinstance(form, ControllerFormat)}
 _SYSTEMS = {name: form for name, form in FORMATS.items() if isinstance(form, SystemFormat)}
-_COORDINATES = ("study", "study-affine", "rt")
 
 
 @click.command()
@@ -43,15 +39,15 @@ _COORDINATES = ("study", "study-affine", "rt")
 @mode_option(f"what is built for {listed((*_POSES, *_PROGRAMS), 'and')}.  [default: home]")
 @click.option(
     "--coordinates",
-    type=click.Choice(_COORDINATES),
-    default=_COORDINATES[0],
+    type=click.Choice(COORDINATES),
+    default=COORDINATES[0],
     show_default=True,
     help="For systems: the unknowns.",
 )
 @click.option(
     "--significant-digits",
     type=Whole(1, 1000),
-    default=40,
+    default=DIGITS,
     show_default=True,
     metavar="N",
     help="For systems: to how many digits irrational numbers are written.",
@@ -64,7 +60,7 @@ _COORDINATES = ("study", "study-affine", "rt")
 @click.option(
     "--tries",
     type=Whole(1, 1000),
-    default=48,
+    default=TRIES,
     show_default=True,
     metavar="N",
     help="For c: how many parts of a line of values a step tries: its time is bounded by them.",
@@ -104,14 +100,23 @@ def command(
       gsp certify @dietmaier d.out
     """
     instance = load_instance(spec, changes)
-    if target in _PROGRAMS:
-        _write_program(instance, _PROGRAMS[target], output, prefix, tries, mode)
-        return
-    if target in _POSES:
-        text = _POSES[target].write(instance, _pose(instance, mode))
-    else:
-        text = _system(instance, _SYSTEMS[target], coordinates, significant_digits)
-    write(output, text)
+    source = _source(output, _PROGRAMS[target]) if target in _PROGRAMS else None
+    with working("exporting"):
+        found = exported(
+            instance,
+            target,
+            mode=mode if isinstance(mode, int) else None,
+            coordinates=coordinates,
+            digits=significant_digits,
+            name="" if source is None else source.stem,
+            prefix=prefix,
+            tries=tries,
+        )
+    for note in found.notes:
+        say(note)
+    for suffix, text in found.files.items():
+        path = output.path if source is None else source.with_suffix(suffix)
+        write(output if path is None else replace(output, path=path), text)
 
 
 def _irrational() -> str:
@@ -129,53 +134,12 @@ command.help = str(command.help).format(
 )
 
 
-def _write_program(
-    instance: Instance,
-    form: ControllerFormat,
-    output: Output,
-    prefix: str | None,
-    tries: int,
-    mode: Mode | None,
-) -> None:
-    """Write the two files of a program."""
-    last, suffix = form.suffixes[0], form.suffixes[1]
+def _source(output: Output, form: ControllerFormat) -> Path:
+    """Return where the source of a program is written; its header is beside it."""
+    last, suffix = form.suffixes
     source = output.path
     if source is None or source.suffix != suffix:
         message = f"two files are written: expected -o NAME{suffix}, NAME{last} is then beside it"
         raise GspError(message)
-    header = source.with_suffix(last)
-    check_writable(header)
-    name = re.sub(r"\W", "_", source.stem, flags=re.ASCII) if prefix is None else prefix
-    home = _pose(instance, mode) if mode is not None or _has_modes(instance) else None
-    texts = form.write(instance, name, tries, source.stem, home)
-    for path, text in zip((header, source), texts, strict=True):
-        write(Output(path.suffix[1:], path), text)
-
-
-def _has_modes(instance: Instance) -> bool:
-    from gspcli.solver import solve
-
-    with working("solving"):
-        return bool(solve(instance, certify=False).counts.real)
-
-
-def _pose(instance: Instance, mode: Mode | None) -> Solution:
-    """Return the real pose that is asked for, by default home."""
-    from gspcli.solver import solve
-
-    with working("solving"):
-        result = solve(instance, certify=False).drawn
-    return result.real_solutions[chosen(mode, result.home, result.counts.real) - 1]
-
-
-def _system(instance: Instance, form: SystemFormat, coordinates: str, digits: int) -> str:
-    from gspcli.export.motion_coordinates import MOTIONS
-    from gspcli.export.polynomial_systems import system
-
-    found = system(instance, MOTIONS[coordinates]())
-    if found.constants and form.irrational != "exact":
-        how = f"decimals of {digits} digits" if form.irrational == "decimals" else "doubles"
-        count = len(found.constants)
-        numbers = "1 irrational number" if count == 1 else f"{count} irrational numbers"
-        say(f"{numbers} became {how}")
-    return form.write(found, digits)
+    check_writable(source.with_suffix(last))
+    return source

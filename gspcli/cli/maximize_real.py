@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,12 +14,12 @@ from gspcli.cli.output import Output, check_writable, file_option, write, write_
 from gspcli.cli.progress_bars import progress
 from gspcli.cli.streams import say
 from gspcli.cli.worker_options import resume_option, worker_options
-from gspcli.errors import INTERRUPTED, CheckFailed, GspError, IncompleteError
+from gspcli.defaults import SEARCH_SECONDS
+from gspcli.errors import INTERRUPTED, CheckFailed
 
 if TYPE_CHECKING:
     from gspcli.catalogue.types import GspType
-    from gspcli.geometry.instance import Instance, Units
-    from gspcli.reality.maximize import Search
+    from gspcli.reality.real_search import RealSearch
     from gspcli.reality.state import State
     from gspcli.workers import Workers
 
@@ -41,7 +39,7 @@ if TYPE_CHECKING:
     "seconds",
     type=Positive(),
     metavar="SECONDS",
-    default=60.0,
+    default=SEARCH_SECONDS,
     show_default=True,
     help="Stop after so many seconds.",
 )
@@ -94,36 +92,25 @@ def command(
     if real == 0:
         message = "--real 0 is for --show: a search is for at least one real pose"
         raise click.UsageError(message)
-    from gspcli.reality.maximize import Search
-    from gspcli.reality.platforms import multiplier, reduced
+    from gspcli.reality.real_search import RealSearch
     from gspcli.reality.state import State, read_state
-    from gspcli.reality.witness_proofs import DEFAULT_UNITS, platform_of
 
-    kinds, start, length, units = gsp_type.kinds, None, 1.0, DEFAULT_UNITS
-    if given is not None:
-        platform, length = platform_of(given)
-        kinds, start, units = platform.kinds, reduced(platform), given.units
-    each = multiplier(kinds)
-    wanted = None if real is None else -(-real // each)
-    search = Search(kinds, seed, wanted, start, time.time() + seconds)
-    subject = gsp_type.id if given is None else dumps(given)
+    search = RealSearch.of(gsp_type if given is None else given, real, seconds, seed)
+    subject = search.subject
     state = State(subject, seed) if resume is None else read_state(resume, subject, seed)
     interrupted = False
     try:
         state = _searched(search, state, most, workers, resume)
     except _Interrupted as interruption:
         state, interrupted = interruption.state, True
-    if state.platform is None:
-        if interrupted:
-            say("interrupted before the end of an attempt")
-            return INTERRUPTED
-        message = "no platform was solved in the time given: use a greater --time"
-        raise IncompleteError(message)
-    instance, found = _witness(state, each, units, length)
-    write(output, dumps(instance))
-    say(f"{found} real poses, certified")
-    if not interrupted and real is not None and found < real:
-        message = f"{real} real poses were asked for, {found} were found: give it more time"
+    if state.platform is None and interrupted:
+        say("interrupted before the end of an attempt")
+        return INTERRUPTED
+    found = search.result(state)
+    write(output, dumps(found.instance))
+    say(f"{found.real} real poses, certified")
+    if not interrupted and real is not None and found.real < real:
+        message = f"{real} real poses were asked for, {found.real} were found: give it more time"
         raise CheckFailed(message)
     return INTERRUPTED if interrupted else 0
 
@@ -159,47 +146,22 @@ def _reject_search_options() -> None:
 
 
 def _searched(
-    search: Search, state: State, most: int | None, workers: Workers, resume: Path | None
+    search: RealSearch, state: State, most: int | None, workers: Workers, resume: Path | None
 ) -> State:
     """Return the state after the search; reports each attempt on stderr."""
-    from gspcli.continuation.start import path_count
-    from gspcli.reality.maximize import attempts
-    from gspcli.reality.platforms import multiplier
-
-    each = multiplier(search.kinds)
-    everything = path_count(search.structure)
-    goal = everything if search.target is None else min(search.target, everything)
-    if state.real >= goal or (most is not None and state.attempts >= most):
-        return state
+    before, each = state.attempts, search.each
+    steps = search.steps(state, most, workers)
     try:
-        made = attempts(search, state.attempts, most, workers)
-        for number, found in progress(made, label="searching"):
-            # An attempt that the deadline cut short is not done, but may have found something.
-            after = state.after(number, found)
-            cut = search.is_late
-            state = replace(after, attempts=state.attempts) if cut else after
+        for number, found, state in progress(steps, label="searching"):
             if resume is not None:
                 write_whole(resume, state.text())
             if found is not None:
                 say(
                     f"attempt {number}: {each * found.count} of {each * len(found.points)} real"
-                    f" (best: {each * state.real})" + (", cut short" if cut else "")
+                    f" (best: {each * state.real})"
+                    + (", cut short" if state.attempts == before else "")
                 )
-            if state.real >= goal or cut or (most is not None and state.attempts >= most):
-                break
+            before = state.attempts
     except KeyboardInterrupt:
         raise _Interrupted(state) from None
     return state
-
-
-def _witness(state: State, each: int, units: Units, length: float) -> tuple[Instance, int]:
-    """Return the instance and how many real poses of it are certified."""
-    from gspcli.reality.witness_proofs import certified_real, real_instance
-
-    assert state.platform is not None
-    instance = real_instance(state.platform, each * state.real, units=units, length=length)
-    real = certified_real(instance)
-    if real < each * state.real:
-        message = f"only {real} of {each * state.real} real poses could be certified"
-        raise GspError(message)
-    return replace(instance, name=f"{instance.type.family.id} with {real} real poses"), real

@@ -9,8 +9,6 @@ import click
 
 from gspcli.cli.number_types import Whole
 from gspcli.cli.streams import say
-from gspcli.errors import GspError
-from gspcli.wording import counted
 
 if TYPE_CHECKING:
     from gspcli.solver.home_mode import HomeMode
@@ -59,14 +57,10 @@ def chosen(mode: Mode | None, home: HomeMode | None, count: int) -> int:
     count
         How many real poses there are.
     """
-    if home is None:
-        message = "the platform has no real pose for its values (gsp solve says why)"
-        raise GspError(message)
-    if mode is None or mode == HOME:
-        if count > 1:
-            say(home.text)
-        return home.number
-    if mode > count:
-        message = f"found mode {mode}, expected one of the {counted(count, 'real pose')}"
-        raise GspError(message)
-    return mode
+    from gspcli.motion.poses.chosen_mode import chosen_mode
+
+    number = mode if isinstance(mode, int) else None
+    found = chosen_mode(number, home, count)
+    if number is None and home is not None and count > 1:
+        say(home.text)
+    return found

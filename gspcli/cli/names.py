@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from gspcli.catalogue.names import parse_name
 from gspcli.catalogue.types import Family, GspType
 from gspcli.cli.streams import say
-from gspcli.errors import GspError, TypeNameError
-from gspcli.resources import instance_files
-from gspcli.wording import brief, shown, similar
+from gspcli.errors import TypeNameError
+from gspcli.resources import shipped_file
+from gspcli.wording import brief
 
 if TYPE_CHECKING:
     from gspcli.cli.value_options import Changes
@@ -38,23 +38,6 @@ def spec_source(word: str) -> str | Path:
         If there is no such shipped file.
     """
     return shipped_file(word[1:]) if word.startswith(_SHIPPED) else word
-
-
-def shipped_file(name: str) -> Path:
-    """Return the shipped instance file of a name.
-
-    Raises
-    ------
-    GspError
-        If there is none.
-    """
-    files = instance_files()
-    if name not in files:
-        near = similar(name.lower(), files, 1)
-        hint = f"did you mean {near[0]}? " if near else ""
-        message = f"found no example or platform {shown(name)}: {hint}`gsp example` lists them"
-        raise GspError(message)
-    return files[name]
 
 
 def load_instance(word: str, changes: Changes | None = None) -> Instance:

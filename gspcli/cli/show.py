@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import click
 
 from gspcli.catalogue.aliases import Alias, find_alias
-from gspcli.catalogue.bounds import type_bounds
-from gspcli.catalogue.coincidence_counts import count_coincident
 from gspcli.catalogue.constraints import constraint_facts
-from gspcli.catalogue.counts import generic_counts
+from gspcli.catalogue.known_facts import KnownFacts, show
 from gspcli.catalogue.mechanism import Mechanism, mechanism_of_type
 from gspcli.catalogue.names import parse_type
 from gspcli.catalogue.realization import realization
 from gspcli.catalogue.types import GspType
-from gspcli.catalogue.witnesses import best_real
-from gspcli.cli.bound import bound_document, bound_table, constraint_table
+from gspcli.cli.bound import bound_table, constraint_table
 from gspcli.cli.names import is_file, load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 
@@ -40,20 +35,18 @@ def command(names: tuple[str, ...], output: Output) -> None:
     """
     single = len(names) == 1 and is_file(names[0])
     gsp_type = load_instance(names[0]).type if single else parse_type(names)
-    built = mechanism_of_type(gsp_type)
+    known, built = show(gsp_type), mechanism_of_type(gsp_type)
     alias = find_alias(" ".join(names))
     emit(
         output,
         [
             constraint_table(gsp_type.kinds, _title(gsp_type)),
             _meanings(gsp_type),
-            bound_table(
-                gsp_type, type_bounds(gsp_type), generic_counts(gsp_type), best_real(gsp_type)
-            ),
+            bound_table(known),
             _chains(gsp_type, built),
-            _facts(gsp_type, alias),
+            _facts(known, alias),
         ],
-        document=_document(gsp_type, built),
+        document=known.to_json(),
     )
 
 
@@ -106,13 +99,14 @@ def _chains(gsp_type: GspType, built: Mechanism) -> Table:
     )
 
 
-def _facts(gsp_type: GspType, alias: Alias | None) -> Table:
+def _facts(known: KnownFacts, alias: Alias | None) -> Table:
+    gsp_type = known.subject
     mirrored = gsp_type.mirrored
     notes = [
-        f"solved by: {_method(gsp_type)}",
+        f"solved by: {known.method}",
         f"base and platform exchanged: {mirrored.id} (no. {mirrored.number})"
         + (", the same type" if mirrored == gsp_type else ""),
-        f"ways to share primitives among its constraints: {count_coincident(gsp_type)}"
+        f"ways to share primitives among its constraints: {known.sharing_patterns}"
         f"  (gsp enumerate --coincident {gsp_type.number})",
         f"an instance to start from: gsp new {gsp_type.number}",
     ]
@@ -121,22 +115,3 @@ def _facts(gsp_type: GspType, alias: Alias | None) -> Table:
     if alias and alias.pattern:
         notes.insert(1, f"this pattern of shared joints: {alias.pattern}  (gsp new {alias.name})")
     return Table(columns=[], rows=[], notes=notes)
-
-
-def _method(gsp_type: GspType) -> str:
-    if gsp_type.angles and len(gsp_type.angles) == len(gsp_type.distances):
-        return "closed form: eight rotations, then the meeting points of three surfaces (Alg. 6.6)"
-    return "path tracking from a stored start system"
-
-
-def _document(gsp_type: GspType, built: Mechanism) -> dict[str, Any]:
-    document = bound_document(gsp_type)
-    return {
-        **document,
-        "schema": "gsp.show/1",
-        "mirrored": gsp_type.mirrored.number,
-        "sharing_patterns": count_coincident(gsp_type),
-        "method": _method(gsp_type),
-        "chains": [realization(kind).chain.name for kind in gsp_type.kinds],
-        "mobility": built.sum_shown,
-    }

@@ -45,12 +45,12 @@ def command(which: str, check: bool, output: Output) -> None:
       gsp table 1 --format latex
       gsp table errata --check --format markdown
     """
-    from gspcli.paper.comparison import compare
+    from gspcli.paper.comparison import table
     from gspcli.paper.errata import ERRATA, erratum_of, prove
 
     numbers = _TABLES if which == "all" else (int(which),) if which.isdigit() else ()
     with working("computing"):
-        comparisons = [compare(number) for number in numbers]
+        comparisons = [table(number) for number in numbers]
     named = {erratum_of(d) for comparison in comparisons for d in comparison.differences}
     errata = [e for e in ERRATA if e.key in named or not which.isdigit()]
     evidence = {}
@@ -69,7 +69,7 @@ def command(which: str, check: bool, output: Output) -> None:
         ],
         document={
             "schema": "gsp.table/1",
-            "tables": [comparison.document() for comparison in comparisons],
+            "tables": [comparison.to_json() for comparison in comparisons],
             "errata": [_document(erratum, evidence) for erratum in errata],
             "table_3_confirmed": confirmed,
         },

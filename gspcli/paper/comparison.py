@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from gspcli.errors import ArgumentError
 from gspcli.paper import table1, table2, table3
 from gspcli.paper.errata import erratum_of
 from gspcli.paper.printed import Difference
 from gspcli.records import dataclass
+from gspcli.wording import counted, shortened
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _TITLES = {
     1: "Table 1: the eight rotations of Example 6.2, three angles of π/3",
@@ -47,8 +52,18 @@ class Comparison:
         """The differences that no erratum accounts for."""
         return tuple(d for d in self.differences if erratum_of(d) is None)
 
-    def document(self) -> dict[str, Any]:
-        """Return everything for JSON."""
+    def __repr__(self) -> str:
+        rows, different = counted(len(self.computed), "row"), len(self.differences)
+        return f"<Comparison of Table {self.number}: {rows}, {different} printed differently>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the rows as computed (pandas is imported now)."""
+        import pandas as pd
+
+        return pd.DataFrame(self.computed, columns=list(self.columns))
+
+    def to_json(self) -> dict[str, Any]:
+        """Return everything as plain data, as one of the ``tables`` of ``gsp.table/1``."""
         return {
             "table": self.number,
             "title": self.title,
@@ -61,8 +76,22 @@ class Comparison:
         }
 
 
-def compare(number: int) -> Comparison:
-    """Return Table 1, 2 or 3 recomputed, and compared with the print."""
+def table(number: int) -> Comparison:
+    """Recompute a table of the paper and compare it with the print.
+
+    Parameters
+    ----------
+    number
+        1, 2 or 3.
+
+    Raises
+    ------
+    ArgumentError
+        If it is another.
+    """
+    if number not in _TITLES:
+        message = f"found {shortened(str(number))}, expected one of the tables 1, 2 and 3"
+        raise ArgumentError(message, "number")
     if number == 3:
         return Comparison(
             number,

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,22 +18,15 @@ from gspcli.resources import instance_files
 #: Commands whose function has another name, and why.
 OTHERWISE = {
     # These are names of packages.
-    "atlas": "TypeList",
+    "atlas": "atlas_summary",
     "dynamics": "inverse_dynamics",
-    "export": "dumps",
-    # Those of the catalogue take types, and were functions before they were commands.
-    "bound": "type_bounds",
-    "constraint": "constraint_facts",
+    "export": "exported",
+    # A function of Python's own; and results that were named before they were commands.
     "enumerate": "TypeList",
+    "constraint": "constraint_facts",
     "realize": "mechanism",
-    "show": "type_bounds",
-    # A file is read, and its warnings come with it; a shipped one is loaded; a page is shown.
-    "check": "read",
-    "example": "load",
-    "view": "notebook_view",
 }
-#: What is done from the shell only: the paper's tables and closed forms, and a search.
-SHELL = {"derive", "maximize-real", "table"}
+DOCUMENTED = Path(__file__).parents[2] / "docs" / "python.md"
 SPEC = "octahedral-3-3"
 
 
@@ -53,6 +48,12 @@ def results(hexapod, poses) -> dict[str, Any]:
     heavy = gspcli.load(instance_files()["workspace-study"])
     home = gspcli.solve(heavy)
     return {
+        "atlas": gspcli.atlas_summary(),
+        "bound": gspcli.bound(gspcli.parse_type("3D3A PP PL LL ALL ALL ALL")),
+        "check": gspcli.check(instance_files()[SPEC]),
+        "derive": gspcli.derive("PSC"),
+        "show": gspcli.show(gspcli.parse_type("6PP")),
+        "table": gspcli.table(3),
         "analyze": gspcli.analyze(hexapod, R, T, load=[0, 0, -1], stiffness=2, tolerance=1e-3),
         "certify": gspcli.certify(hexapod, R, T),
         "clearance": gspcli.clearance(hexapod, R[:1], T[:1]),
@@ -70,12 +71,22 @@ def results(hexapod, poses) -> dict[str, Any]:
 
 
 def test_every_command_is_a_function() -> None:
-    for command in set(COMMANDS) - SHELL:
+    for command in COMMANDS:
         name = OTHERWISE.get(command, command.replace("-", "_"))
         assert name in gspcli.__all__, command
         assert callable(getattr(gspcli, name))
-    assert SHELL | set(OTHERWISE) <= set(COMMANDS)
+    assert set(OTHERWISE) <= set(COMMANDS)
     assert not {name for name in OTHERWISE if callable(getattr(gspcli, name, None))}
+
+
+def test_the_page_has_the_function_of_every_command() -> None:
+    page = DOCUMENTED.read_text(encoding="utf-8").partition("| command | in Python |")[2]
+    rows = re.findall(r"^\| `([a-z-]+)` \| (.+?) \| ", page.partition("\n\n")[0], re.M)
+    functions = {command: re.findall(r"`gspcli\.(\w+)", text) for command, text in rows}
+    assert set(functions) == set(COMMANDS)
+    for command, names in functions.items():
+        assert OTHERWISE.get(command, command.replace("-", "_")) in names
+        assert set(names) <= set(gspcli.__all__)
 
 
 def test_results_are_tables_data_and_one_line(results) -> None:
@@ -107,6 +118,11 @@ def test_arrays_of_results_are_read_only(results) -> None:
 @pytest.mark.parametrize(
     ("name", "words"),
     [
+        ("atlas", "atlas summary"),
+        ("bound", "bound 3D3A PP PL LL ALL ALL ALL"),
+        ("check", "check SPEC"),
+        ("derive", "derive csp"),
+        ("show", "show 6PP"),
         ("analyze", "analyze SPEC POSES --load 0,0,-1 --stiffness 2 --tolerance 1e-3"),
         ("certify", "certify SPEC POSES"),
         ("clearance", "clearance SPEC FIRST"),
@@ -143,7 +159,7 @@ def test_the_json_of_a_command_is_that_of_its_function(
 
 #: What rows are called, what was claimed, and what is asked besides; and what became of paths: a
 #: platform that was solved before needs none.
-_ADDED = {"account", "row", "t", "mode", "number", "claimed_real", "claimed_sides", "home"}
+_ADDED = {"file", "account", "row", "t", "mode", "number", "claimed_real", "claimed_sides", "home"}
 
 
 def _near(shell: Any, python: Any) -> bool:
@@ -156,3 +172,89 @@ def _near(shell: Any, python: Any) -> bool:
         # Poses that went through text are rotations to the last digit but one.
         return shell == pytest.approx(python, rel=1e-6, abs=1e-9)
     return bool(shell == python)
+
+
+def test_the_table_of_the_paper_is_that_of_the_command(gsp: Callable) -> None:
+    document = json.loads(gsp("table", "3", "--format", "json").out)
+    assert document["tables"] == [gspcli.table(3).to_json()]
+    with pytest.raises(gspcli.ArgumentError, match="number: found 4"):
+        gspcli.table(4)
+
+
+def test_mistakes_in_files_are_told_one_by_one(tmp_path) -> None:
+    wrong = tmp_path / "wrong.yaml"
+    wrong.write_text("constraints: 5\n")
+    found = gspcli.check(instance_files()[SPEC], wrong, tmp_path / "none.yaml")
+    assert [one.valid for one in found.files] == [True, False, False]
+    assert not found.valid
+    assert repr(found) == "<CheckResult: 3 files, 2 with mistakes, 0 warnings>"
+    entry = found.to_json()["files"][1]
+    assert entry["file"] == str(wrong)
+    assert entry["problems"][0]["line"] == 1
+
+
+@pytest.mark.parametrize(
+    ("target", "options"),
+    [("mjcf", []), ("mjcf", ["--mode", "2"]), ("msolve", ["--coordinates", "rt"]), ("sympy", [])],
+)
+def test_what_is_exported_is_what_the_command_writes(
+    gsp: Callable, hexapod, target: str, options: list[str]
+) -> None:
+    mode = 2 if "--mode" in options else None
+    found = gspcli.exported(
+        hexapod, target, mode=mode, coordinates="rt" if "rt" in options else "study"
+    )
+    outcome = gsp("export", f"@{SPEC}", "--to", target, *options)
+    assert outcome.out == str(found)
+    assert outcome.err == "".join(f"{note}\n" for note in found.notes)
+    assert repr(found).startswith(f"<Export to {target}: 1 file, ")
+
+
+def test_a_controller_is_two_files(gsp: Callable, hexapod, tmp_path) -> None:
+    found = gspcli.exported(hexapod, "c", name="my-legs")
+    assert gsp("export", f"@{SPEC}", "--to", "c", "-o", tmp_path / "my-legs.c").code == 0
+    assert {".c", ".h"} == set(found.files)
+    for suffix, text in found.files.items():
+        assert (tmp_path / f"my-legs{suffix}").read_text() == text
+
+
+def test_exports_that_do_not_exist_are_refused(hexapod) -> None:
+    for arguments, message in (
+        ({"target": "step"}, "target: found 'step', expected "),
+        (
+            {"target": "msolve", "coordinates": "euler"},
+            "coordinates: found 'euler', expected study,",
+        ),
+        ({"target": "msolve", "digits": 0}, "digits: found 0, "),
+        ({"target": "mjcf", "mode": 99}, "found mode 99, expected one of the "),
+    ):
+        with pytest.raises(gspcli.GspError, match=message):
+            gspcli.exported(hexapod, **arguments)
+
+
+def test_a_search_is_that_of_the_command(gsp: Callable) -> None:
+    gsp_type = gspcli.parse_type("3D3A PH PH PH ALL ALL ALL")
+    found = gspcli.maximize_real(gsp_type, attempts=1, real=8)
+    outcome = gsp("maximize-real", "3D3A", "PH", "PH", "PH", "--attempts", "1", "--real", "8")
+    assert outcome.out == gspcli.dumps(found.instance) == found.to_json()["spec"]
+    assert found.real == gspcli.solve(found.instance).counts.real
+    with pytest.raises(gspcli.ArgumentError, match="real: found 0"):
+        gspcli.maximize_real(gsp_type, real=0)
+
+
+def test_a_view_is_a_page_or_a_drawing(hexapod) -> None:
+    result = gspcli.solve(hexapod)
+    assert gspcli.view(hexapod) == gspcli.view(result, mode=result.home.number)
+    assert gspcli.view(result).startswith(b"<!doctype html>")
+    drawn = gspcli.view(result, "svg", mode=2, seen_from=(20, 40), names=False)
+    assert drawn != gspcli.view(result, "svg", names=False)
+    assert drawn.startswith(b"<?xml")
+    for arguments, message in (({"fmt": "gif"}, "fmt: found 'gif'"), ({"mode": 99}, "mode 99")):
+        with pytest.raises(gspcli.GspError, match=message):
+            gspcli.view(result, **arguments)
+
+
+def test_shipped_instances_have_names(hexapod) -> None:
+    assert gspcli.example(SPEC) == gspcli.example(f"@{SPEC}") == hexapod
+    with pytest.raises(gspcli.GspError, match="did you mean octahedral-3-3"):
+        gspcli.example("octahedral33")

@@ -45,6 +45,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
+from unittest import mock
 
 import gspcli
 from gspcli.cli.commands import COMMANDS
@@ -130,6 +131,8 @@ def within(hostile: Hostile, folder: Path, out: io.IOBase, encoding: str) -> Tol
             warnings.catch_warnings(record=True) as caught,
             contextlib.redirect_stdout(streams[0]),
             contextlib.redirect_stderr(streams[1]),
+            # A page that is to be opened opens no browser.
+            mock.patch("click.launch"),
         ):
             warnings.simplefilter("always")
             sys.stdin = stdin

@@ -6,7 +6,7 @@ import pytest
 
 from gspcli.errors import CheckFailed
 from gspcli.paper import table1
-from gspcli.paper.comparison import compare
+from gspcli.paper.comparison import table
 from gspcli.paper.errata import ERRATA, Erratum, erratum_of, prove
 from gspcli.paper.printed import Difference
 
@@ -18,7 +18,7 @@ def test_every_erratum_is_proved(erratum: Erratum) -> None:
 
 @pytest.mark.parametrize("number", [1, 2, 3])
 def test_every_difference_has_an_erratum(number: int) -> None:
-    comparison = compare(number)
+    comparison = table(number)
     assert not comparison.unexplained
     keys = {erratum.key for erratum in ERRATA}
     assert {erratum_of(difference) for difference in comparison.differences} <= keys

@@ -1,0 +1,201 @@
+"""Searches for platforms with many real poses, from a type or a platform to an instance."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from gspcli.catalogue.types import GspType
+from gspcli.continuation.start import path_count
+from gspcli.defaults import SEARCH_SECONDS, SEED
+from gspcli.errors import ArgumentError, GspError, IncompleteError
+from gspcli.geometry.instance import Instance, Units
+from gspcli.reality.maximize import Search, attempts
+from gspcli.reality.platforms import multiplier, reduced
+from gspcli.reality.solved_platforms import Solved
+from gspcli.reality.state import State
+from gspcli.reality.witness_proofs import (
+    DEFAULT_UNITS,
+    certified_real,
+    platform_of,
+    real_instance,
+)
+from gspcli.records import dataclass
+from gspcli.spec import dumps
+from gspcli.workers import HERE, Workers
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, eq=False)
+class RealSearch:
+    """A search that is given a type, or a platform to begin with.
+
+    Attributes
+    ----------
+    search
+        What is sought among reduced platforms.
+    subject
+        What was given, as a state in a file names it.
+    units, length
+        Units and typical length of the instance that is found.
+    """
+
+    search: Search
+    subject: str
+    units: Units = DEFAULT_UNITS
+    length: float = 1.0
+
+    @classmethod
+    def of(
+        cls, given: GspType | Instance, real: int | None, seconds: float, seed: int = SEED
+    ) -> RealSearch:
+        """Return the search for so many real poses, or as many as possible, that begins now."""
+        if real is not None and real < 1:
+            message = f"found {real}, expected at least one real pose"
+            raise ArgumentError(message, "real")
+        kinds, start = (given if isinstance(given, GspType) else given.type).kinds, None
+        platform, length = (None, 1.0) if isinstance(given, GspType) else platform_of(given)
+        if platform is not None:
+            kinds, start = platform.kinds, reduced(platform)
+        wanted = None if real is None else -(-real // multiplier(kinds))
+        search = Search(kinds, seed, wanted, start, time.time() + seconds)
+        if isinstance(given, GspType):
+            return cls(search, given.id)
+        return cls(search, dumps(given), given.units, length)
+
+    @property
+    def each(self) -> int:
+        """How many real poses one of a reduced platform stands for."""
+        return multiplier(self.search.kinds)
+
+    def steps(
+        self, state: State, most: int | None = None, workers: Workers = HERE
+    ) -> Iterator[tuple[int, Solved | None, State]]:
+        """Yield number and outcome of each attempt, and the state after it.
+
+        An attempt that the deadline cut short is not done, but may have found something.
+
+        Parameters
+        ----------
+        state
+            What is known at first.
+        most
+            The number of attempts in all, if it is limited.
+        workers
+            Who makes them.
+        """
+        everything = path_count(self.search.structure)
+        goal = everything if self.search.target is None else min(self.search.target, everything)
+
+        def done(state: State) -> bool:
+            return state.real >= goal or (most is not None and state.attempts >= most)
+
+        if done(state):
+            return
+        for number, found in attempts(self.search, state.attempts, most, workers):
+            after = state.after(number, found)
+            cut = self.search.is_late
+            state = replace(after, attempts=state.attempts) if cut else after
+            yield number, found, state
+            if done(state) or cut:
+                return
+
+    def result(self, state: State) -> RealSearchResult:
+        """Return the best platform of a state as an instance, its real poses certified.
+
+        Raises
+        ------
+        IncompleteError
+            If no platform was solved.
+        GspError
+            If not all of its real poses can be certified.
+        """
+        if state.platform is None:
+            message = "no platform was solved in the time given: use a greater --time"
+            raise IncompleteError(message)
+        wanted = self.each * state.real
+        found = real_instance(state.platform, wanted, units=self.units, length=self.length)
+        real = certified_real(found)
+        if real < wanted:
+            message = f"only {real} of {wanted} real poses could be certified"
+            raise GspError(message)
+        name = f"{found.type.family.id} with {real} real poses"
+        return RealSearchResult(replace(found, name=name), real, state.attempts)
+
+
+@dataclass(frozen=True, eq=False)
+class RealSearchResult:
+    """A platform with many real poses.
+
+    Attributes
+    ----------
+    instance
+        The platform.
+    real
+        How many real poses are certified: a lower bound of what is possible for its type.
+    attempts
+        How many attempts were made.
+    """
+
+    instance: Instance
+    real: int
+    attempts: int
+
+    def __repr__(self) -> str:
+        return f"<RealSearchResult of {self.instance.type.id}: {self.real} real poses, certified>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return one row (pandas is imported now)."""
+        import pandas as pd
+
+        row = {"type": self.instance.type.id, "real": self.real, "attempts": self.attempts}
+        return pd.DataFrame([row])
+
+    def to_json(self) -> dict[str, Any]:
+        """Return everything as plain data; ``spec`` is the text of the instance file."""
+        return {
+            **self.instance.to_json(),
+            "real": self.real,
+            "attempts": self.attempts,
+            "spec": dumps(self.instance),
+        }
+
+
+def maximize_real(
+    given: GspType | Instance,
+    *,
+    real: int | None = None,
+    seconds: float = SEARCH_SECONDS,
+    attempts: int | None = None,
+    seed: int = SEED,
+    workers: Workers = HERE,
+) -> RealSearchResult:
+    """Search for a platform with as many real poses as possible.
+
+    Parameters
+    ----------
+    given
+        A type, the kinds of whose angles make no difference, or a platform to begin with.
+    real
+        So many real poses are enough; as many as possible if None.
+    seconds, attempts
+        When to stop.
+    seed
+        Of the random numbers: an attempt depends on it and on its own number only.
+    workers
+        Who makes the attempts.
+
+    Raises
+    ------
+    IncompleteError
+        If no platform was solved in the time given.
+    """
+    search = RealSearch.of(given, real, seconds, seed)
+    state = State(search.subject, seed)
+    for _, _, after in search.steps(state, attempts, workers):
+        state = after
+    return search.result(state)

@@ -1,0 +1,28 @@
+"""The instance files that come with gsp, by name."""
+
+from __future__ import annotations
+
+from gspcli.geometry.instance import Instance
+from gspcli.resources import shipped_file
+from gspcli.spec.reading import load
+
+
+def example(name: str) -> Instance:
+    """Return an instance that comes with gsp: an example, or a real machine.
+
+    Parameters
+    ----------
+    name
+        As `gsp example` lists them, with or without the ``@`` of the command line.
+
+    Raises
+    ------
+    GspError
+        If there is none of that name.
+
+    Examples
+    --------
+    >>> example("rubin-m2").type.number
+    3389
+    """
+    return load(shipped_file(name.removeprefix("@")))
