@@ -13,13 +13,12 @@ from gspcli.cli.analysis_tables import details, overview
 from gspcli.cli.mode_option import HOME, Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Positive
-from gspcli.cli.output import Column, Output, emit, output_options
+from gspcli.cli.output import Output, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options
 from gspcli.cli.pose_rows import asked_poses, check_sources
 from gspcli.cli.pose_type import GivenPose, near_option, pose_value_option
 from gspcli.cli.requirements import (
-    add_quantities,
-    measured_quantities,
+    judged,
     refuse,
     require_option,
     required,
@@ -33,7 +32,7 @@ if TYPE_CHECKING:
     from gspcli.cli.pose_rows import PoseRows
     from gspcli.dynamics.analyses import Analysis
     from gspcli.geometry.instance import Instance
-    from gspcli.motion.files.requirements import Requirement, Verdict
+    from gspcli.motion.files.requirements import Verdict
 
 #: Formats for people.
 _READABLE = ("table", "markdown", "latex")
@@ -140,7 +139,8 @@ def command(
     given = analysis.given
     names = [asked.named(k) for k in range(len(asked.T))]
     entries = analysis.to_json(names)["poses"]
-    verdicts, more = _judge(analysis, requirements, entries)
+    known = analysis.quantities() if requirements else None
+    verdicts, more = judged(instance, requirements, given.R, given.T, entries, known)
     detailed = rows is None and (mode is not None or pose is not None)
     tables = details(entries[0], given) if detailed else [overview(entries, given, more)]
     if output.format in _READABLE:
@@ -178,25 +178,6 @@ def _analysis(
         point=_given(point, (3,), "--point"),
         length=length,
     )
-
-
-def _judge(
-    analysis: Analysis, requirements: list[Requirement], entries: list[dict[str, Any]]
-) -> tuple[list[Verdict], list[Column]]:
-    """Return whether all poses keep what is required; what is computed for that is added to them.
-
-    Also the columns of what is added.
-    """
-    if not requirements:
-        return [], []
-    from gspcli.motion.files.requirements import judge
-    from gspcli.motion.poses.inverse_kinematics import values_at
-
-    given, known = analysis.given, analysis.quantities()
-    values = values_at(given.instance, given.R, given.T)
-    found = measured_quantities(given.instance, requirements, values, given.R, given.T, known)
-    more = {name: numbers for name, numbers in found.items() if name not in known}
-    return judge(requirements, found), add_quantities(entries, more)
 
 
 def _tidy(row: Mapping[str, Any]) -> dict[str, Any]:

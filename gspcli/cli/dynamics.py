@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import click
@@ -18,11 +19,11 @@ from gspcli.cli.mode_option import Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options, text_of
+from gspcli.cli.pose_rows import check_sources
 from gspcli.cli.pose_type import GivenPose, near_option, pose_value_option
 from gspcli.cli.progress_bars import working
 from gspcli.cli.requirements import (
-    add_quantities,
-    measured_quantities,
+    judged,
     refuse,
     require_option,
     required,
@@ -34,7 +35,7 @@ from gspcli.errors import GspError, IncompleteError
 from gspcli.wording import listed
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
     from typing import Any
 
     import numpy as np
@@ -45,7 +46,6 @@ if TYPE_CHECKING:
     from gspcli.motion.files.requirements import Parts, Requirement, Verdict
 
     Array = NDArray[np.float64]
-    Quantities = Mapping[str, Array | Parts]
 
 #: So many rows are named one by one in a message.
 _MOST_NAMED = 5
@@ -133,20 +133,14 @@ def command(
     for name, given, needs, other in (
         ("--twist", twist, "--forward", forward is not None),
         ("--stiffness", stiffness, "--modes", modal),
-        ("--near", near, "ROWS", rows is not None),
     ):
         if given is not None and not other:
             message = f"{name} is for {needs} only"
             raise click.UsageError(message)
-    if sum(option is not None for option in (pose, mode, near)) > 1:
-        message = "give only one of --pose, --mode and --near"
+    if spec == forward == "-":
+        message = "SPEC and FORCES cannot both be standard input"
         raise click.UsageError(message)
-    if rows is not None and pose is not None:
-        message = "give either ROWS or --pose"
-        raise click.UsageError(message)
-    if spec == "-" and "-" in (rows, forward):
-        message = "SPEC and another file cannot both be standard input"
-        raise click.UsageError(message)
+    check_sources(spec, rows, mode, pose, near)
     instance = load_instance(spec, changes)
     form = pose_format(instance, euler, pivot)
     if forward is not None:
@@ -184,43 +178,38 @@ def _forces(
         if which:
             known[name] = Parts(np.abs(found.forces[:, which]), [names[k] for k in which])
     rows = force_rows(found, asked)
-    verdicts, more = _judge(instance, asked, requirements, known, rows)
-    table = force_table(found, asked, rows, more, verdict_lines(verdicts, asked.place))
-    _tell(found, asked, verdicts, table, output)
+    _tell(found, asked, requirements, known, rows, partial(force_table, found, asked, rows), output)
 
 
 def _tell(
     found: DriveForces | NaturalModes,
     asked: Asked,
-    verdicts: list[Verdict],
-    tables: Table | list[Table],
+    requirements: list[Requirement],
+    known: Mapping[str, Array | Parts],
+    rows: list[dict[str, Any]],
+    tables: Callable[[list[Column], list[str]], Table | list[Table]],
     output: Output,
 ) -> None:
-    """Write what was found, warn of singular poses, and fail for what is not kept."""
+    """Write what was found, warn of singular poses, and fail for what is not kept.
+
+    Parameters
+    ----------
+    found, asked
+        What was found, and where.
+    requirements, known
+        What is required, and the numbers that it may be about.
+    rows, tables
+        What is shown; the tables, given columns that requirements add and lines with verdicts.
+    output
+        Where.
+    """
+    verdicts, more = judged(found.instance, requirements, asked.R, asked.T, rows, known)
+    shown = tables(more, verdict_lines(verdicts, asked.place))
     document = _document(found, verdicts, asked) if output.format == "json" else None
-    emit(output, tables, document=document)
+    emit(output, shown, document=document)
     _warn(found, asked)
     refuse(verdicts)
     _refuse_singular(found, asked)
-
-
-def _judge(
-    instance: Instance,
-    asked: Asked,
-    requirements: list[Requirement],
-    known: Quantities,
-    rows: list[dict[str, Any]],
-) -> tuple[list[Verdict], list[Column]]:
-    """Return whether all rows keep what is required, and the columns that this adds to them."""
-    if not requirements:
-        return [], []
-    from gspcli.motion.files.requirements import judge
-    from gspcli.motion.poses.inverse_kinematics import values_at
-
-    values = values_at(instance, asked.R, asked.T)
-    found = measured_quantities(instance, requirements, values, asked.R, asked.T, known)
-    more = {name: numbers for name, numbers in found.items() if name not in known}
-    return judge(requirements, found), add_quantities(rows, more)
 
 
 def _document(
@@ -275,9 +264,7 @@ def _modes(
     found = natural_modes(instance, asked.R, asked.T, stiffness=given)
     rows = mode_rows(found, asked)
     known = {"frequency": found.frequencies[:, 0]}
-    verdicts, more = _judge(instance, asked, requirements, known, rows)
-    tables = mode_tables(found, asked, rows, more, verdict_lines(verdicts, asked.place))
-    _tell(found, asked, verdicts, tables, output)
+    _tell(found, asked, requirements, known, rows, partial(mode_tables, found, asked, rows), output)
 
 
 def _forward(

@@ -11,8 +11,7 @@ from gspcli.cli.output import Column, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options, text_of, warn_of_range
 from gspcli.cli.pose_type import GivenPose, pose_value_option
 from gspcli.cli.requirements import (
-    add_quantities,
-    measured_quantities,
+    judged,
     refuse,
     require_option,
     required,
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
 
     from gspcli.geometry.instance import Instance
     from gspcli.motion import PoseTable
-    from gspcli.motion.files.requirements import Requirement, Verdict
 
     Array = NDArray[np.float64]
 
@@ -110,7 +108,7 @@ def command(
         return
     values = measure(instance, table.R, table.T)
     rows = _rows(instance, table, values.tolist())
-    verdicts, more = _judged(instance, requirements, table, values, rows)
+    verdicts, more = judged(instance, requirements, table.R, table.T, rows)
     times = _times(table)
     document = None
     if output.format == "json":
@@ -125,24 +123,6 @@ def command(
     emit(output, _table(instance, rows, more, lines), document=document)
     warn_of_range(instance, times, values)
     refuse(verdicts)
-
-
-def _judged(
-    instance: Instance,
-    requirements: list[Requirement],
-    table: PoseTable,
-    values: Array,
-    rows: list[dict[str, Any]],
-) -> tuple[list[Verdict], list[Column]]:
-    """Return whether all rows keep what is required, and the columns that this adds to them."""
-    if not requirements:
-        return [], []
-    from gspcli.geometry.readings import values_of
-    from gspcli.motion.files.requirements import judge
-
-    meant = values_of(instance, values)
-    found = measured_quantities(instance, requirements, meant, table.R, table.T)
-    return judge(requirements, found), add_quantities(rows, found)
 
 
 def _emit_cranks(instance: Instance, table: PoseTable, output: Output) -> None:

@@ -140,6 +140,43 @@ def add_quantities(
     return columns
 
 
+def judged(
+    instance: Instance,
+    requirements: Sequence[Requirement],
+    R: Array,
+    T: Array,
+    rows: Sequence[dict[str, Any]],
+    known: Mapping[str, Array | Parts] | None = None,
+) -> tuple[list[Verdict], list[Column]]:
+    """Return whether all poses keep what is required; what is computed for that is added to rows.
+
+    Also the columns of what is added.
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    requirements
+        What is required.
+    R, T
+        n poses.
+    rows
+        What is shown of them.
+    known
+        What the command has computed and shows already.
+    """
+    if not requirements:
+        return [], []
+    from gspcli.motion.files.requirements import judge
+    from gspcli.motion.poses.inverse_kinematics import values_at
+
+    known = known or {}
+    values = values_at(instance, R, T)
+    found = measured_quantities(instance, requirements, values, R, T, known)
+    more = {name: numbers for name, numbers in found.items() if name not in known}
+    return judge(requirements, found), add_quantities(rows, more)
+
+
 def verdict_lines(verdicts: Sequence[Verdict], places: Callable[[int], str]) -> list[str]:
     """Return each verdict in a line; `places` names a row."""
     lines = []
