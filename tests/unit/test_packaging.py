@@ -7,8 +7,10 @@ the wheels for other machines by `tools/verify/wheel.py`.
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import gspcli._kernel
@@ -62,3 +64,15 @@ def test_an_installed_wheel_is_complete(tmp_path: Path) -> None:
     assert run.returncode == 0, run.stderr
     assert "complete, proved: all 64 of the type" in run.stdout
     assert "complete, proved: all 40 of the type" in run.stdout
+
+
+def test_wheels_are_checked_for_the_versions_that_are_promised() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    page = (ROOT / "docs" / "stability.md").read_text(encoding="utf-8")
+    found = re.search(r"Python 3\.(\d+) to 3\.(\d+) on Linux", page)
+    assert found is not None
+    first, last = map(int, found.groups())
+    builds = project["tool"]["cibuildwheel"]["build"]
+    assert builds == [f"cp3{minor}-*" for minor in range(first, last + 1)]
+    assert project["project"]["requires-python"] == f">=3.{first}"
+    assert project["tool"]["scikit-build"]["wheel"]["py-api"] in {b.rstrip("-*") for b in builds}
