@@ -220,14 +220,15 @@ def _tell(result: Track, limits: list[LimitEvent], output: Output) -> None:
 
 def _clearances(result: Track, asked: set[str]) -> dict[str, Array]:
     """Return the clearances that are asked for, by their names in rows, each of shape (m, r)."""
-    from gspcli.motion.singularities.clearances import clearances, range_weights
-    from gspcli.motion.singularities.pose_clearances import pose_clearances
-
     found = {}
     if "clearance" in asked:
+        from gspcli.motion.singularities.clearances import clearances, range_weights
+
         weighted = partial(clearances, weights=range_weights(result.instance))
         found["clearance"] = _of_poses(result, weighted)
     if "pose-clearance" in asked:
+        from gspcli.motion.singularities.pose_clearances import pose_clearances
+
         found["pose_clearance"] = _of_poses(result, pose_clearances)
     return found
 

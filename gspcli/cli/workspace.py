@@ -158,7 +158,7 @@ def command(
         only = _keeps_limits(instance, home)
     coarse = (listed or output.format in DRAWINGS) and len(free) >= 3
     wanted = gap or (_COARSE if coarse else _TOLERANCE)
-    from gspcli.motion import workspace
+    from gspcli.motion.workspace.box_division import workspace
 
     with _interruptible() as interrupted:
         found = workspace(

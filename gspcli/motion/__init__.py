@@ -8,27 +8,29 @@ from gspcli.motion.files.pose_files import PoseFormat, PoseTable, read_pose, rea
 from gspcli.motion.files.value_files import ValueTable, read_values
 from gspcli.motion.poses.cranks import crank_angles
 from gspcli.motion.poses.inverse_kinematics import measure
-from gspcli.motion.workspace.box_division import workspace
-from gspcli.motion.workspace.travels import Travel, travels
-from gspcli.motion.workspace.workspaces import Workspace
 
 if TYPE_CHECKING:
     from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
     from gspcli.motion.following.follower import Follower, FollowerReport, FollowerStatus
     from gspcli.motion.following.tracks import Event, Track
     from gspcli.motion.following.trajectories import track
+    from gspcli.motion.workspace.travels import Travel, travels
+    from gspcli.motion.workspace.workspaces import Workspace
 
-#: What follows modes proves them, too: a third of the time that the rest of this room takes to
-#: import, spent when it is used.
+#: What follows modes proves them, too, and what a platform reaches is asked alone: a third of the
+#: time that the rest of this room takes to import, each, spent when it is used.
 _HOMES = {
-    "Event": "tracks",
-    "FollowOptions": "branch_follower",
-    "Follower": "follower",
-    "FollowerReport": "follower",
-    "FollowerStatus": "follower",
-    "MovingPlatform": "branch_follower",
-    "Track": "tracks",
-    "track": "trajectories",
+    "Event": "following.tracks",
+    "FollowOptions": "following.branch_follower",
+    "Follower": "following.follower",
+    "FollowerReport": "following.follower",
+    "FollowerStatus": "following.follower",
+    "MovingPlatform": "following.branch_follower",
+    "Track": "following.tracks",
+    "Travel": "workspace.travels",
+    "Workspace": "workspace.workspaces",
+    "track": "following.trajectories",
+    "travels": "workspace.travels",
 }
 
 __all__ = [
@@ -52,7 +54,6 @@ __all__ = [
     "read_values",
     "track",
     "travels",
-    "workspace",
 ]
 
 
@@ -60,4 +61,4 @@ def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         message = f"module {__name__!r} has no attribute {name!r}"
         raise AttributeError(message)
-    return getattr(import_module(f"gspcli.motion.following.{_HOMES[name]}"), name)
+    return getattr(import_module(f"gspcli.motion.{_HOMES[name]}"), name)

@@ -6,8 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
-from gspcli.certification.counting import with_points_for_lines
-from gspcli.certification.poses.decisions import nearly_parallel
 from gspcli.geometry.instance import Instance
 
 Array = NDArray[np.float64]
@@ -30,7 +28,12 @@ def along_parallel_lines(instance: Instance, rows: Array, R: Array) -> Instance:
     """
     lines = np.array([row.kind is DLL for row in instance.constraints])
     still = (np.ptp(rows[:, ~lines], axis=0) == 0).all()
-    parallel = nearly_parallel(instance, R.astype(complex)).any(axis=1)
-    if not (lines.any() and still and len(R) and parallel.all()):
+    if not (lines.any() and still and len(R)):
+        return instance
+    # What counts is imported where it is needed: few platforms have such lines.
+    from gspcli.certification.counting import with_points_for_lines
+    from gspcli.certification.poses.decisions import nearly_parallel
+
+    if not nearly_parallel(instance, R.astype(complex)).any(axis=1).all():
         return instance
     return with_points_for_lines(instance) or instance
