@@ -262,7 +262,13 @@ def attack(kind: str, seed: int) -> tuple[int, list[str]]:
 
 
 def prepare() -> None:
-    """Import everything: an import that is interrupted leaves half a module behind."""
+    """Import everything: an import that is interrupted leaves half a module behind.
+
+    And heed signals that a shell lets what it starts in the background ignore: processes would.
+    """
+    for number in (signal.SIGINT, signal.SIGHUP):
+        if signal.getsignal(number) is signal.SIG_IGN:
+            signal.signal(number, signal.SIG_DFL)
     for name in (*_LIBRARIES, *(f"gspcli.cli.{name.replace('-', '_')}" for name in COMMANDS)):
         importlib.import_module(name)
     for info in pkgutil.walk_packages(gspcli.__path__, "gspcli."):
