@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -56,10 +54,11 @@ def pose_format(instance: Instance, euler: str | None, pivot: str | None) -> Pos
 
 def text_of(path: str) -> tuple[str, str]:
     """Return the content of a file or, for -, of standard input, and its name."""
+    from gspcli.spec.whole_files import LARGEST_TABLE, content_of
+
     name = "standard input" if path == "-" else path
     try:
-        content = sys.stdin.buffer.read() if path == "-" else Path(path).read_bytes()
-        return content.decode("utf-8-sig"), name
+        return content_of(path, LARGEST_TABLE).decode("utf-8-sig"), name
     except UnicodeDecodeError as error:
         message = f"{name}: found {error.reason}, expected text in UTF-8"
         raise GspError(message) from error

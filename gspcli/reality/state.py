@@ -16,6 +16,7 @@ from gspcli.errors import GspError
 from gspcli.reality.platforms import Platforms
 from gspcli.reality.solved_platforms import Solved
 from gspcli.records import dataclass
+from gspcli.spec.whole_files import LARGEST_SPEC, content_of
 from gspcli.wording import named
 
 SCHEMA = "gsp.maximize-real/1"
@@ -82,11 +83,12 @@ def read_state(path: Path, subject: str, seed: int) -> State:
         If the file is not one, or belongs to another search.
     """
     try:
-        content = path.read_bytes()
+        content = content_of(path, LARGEST_SPEC)
     except FileNotFoundError:
         return State(subject, seed)
-    except OSError as error:
-        message = f"{named(path)}: cannot be read: {error.strerror}"
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        message = f"{named(path)}: cannot be read: {reason}"
         raise GspError(message) from error
     try:
         document = json.loads(content)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
@@ -17,6 +16,7 @@ from gspcli.spec.file_checks import FileChecker
 from gspcli.spec.ordinary import read_ordinary
 from gspcli.spec.plain import read_plainly
 from gspcli.spec.proportion import out_of_proportion
+from gspcli.spec.whole_files import LARGEST_SPEC, content_of
 from gspcli.wording import named
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def read(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> 
     if isinstance(source, str | Path):
         name = name or ("standard input" if str(source) == "-" else str(source))
         try:
-            content = sys.stdin.buffer.read() if str(source) == "-" else Path(source).read_bytes()
+            content = content_of(source, LARGEST_SPEC)
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or str(error)
             message = f"{named(name)}: cannot be read: {reason}"

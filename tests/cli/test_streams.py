@@ -203,3 +203,20 @@ def test_a_text_that_is_no_unicode_is_written(gsp: Run, tmp_path: Path) -> None:
     outcome = gsp("check", path, "--format", "csv", "-o", tmp_path / "a.csv")
     assert outcome.code == 0
     assert cell_text(1) == "1"
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="no device that never ends")
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("check", "/dev/zero"),
+        ("track", "@octahedral-3-3", "/dev/zero"),
+        ("maximize-real", "6PP", "--resume", "/dev/zero"),
+    ],
+)
+def test_files_that_never_end_are_refused(gsp, words, monkeypatch) -> None:
+    monkeypatch.setattr("gspcli.spec.whole_files.LARGEST_TABLE", 1 << 20)
+    run = gsp(*words)
+    assert run.code == 2
+    assert run.err.rstrip().endswith(" MB")
+    assert "/dev/zero: cannot be read: it has more than " in run.err
