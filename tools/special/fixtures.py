@@ -45,7 +45,8 @@ def parallels(draws: Draw) -> Iterator[Named]:
             random = draws(f"{kind} {number}")
             two, others = [leg(kind, random), leg(kind, random)], legs(names, random)
             at = random.motion()
-            for power in (2, 4, 6, 8, 10, 12):
+            # Numbers of more than 400 characters are not read.
+            for power in (*range(2, 20, 2), 19 if kind is DLL else 20):
                 shake = draws(f"{kind} {number} {power}")
                 first, second = two
                 second = Leg(
@@ -80,7 +81,7 @@ def line_pairs(draws: Draw) -> Iterator[Named]:
             f"{number}/parallel-touching",
             assembled([aligned, *others], at, one_sided=sided, values=touching),
         )
-        for power in range(2, 14):
+        for power in range(2, 21):
             turned = slightly_turned(aligned.u, tenth(power), draws(f"{number} {power}"))
             nearly = Leg(DLL, line.y, line.x, turned, v)
             yield f"{number}/1e-{power}", assembled([nearly, *others], at, one_sided=sided)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 
 from gspcli.catalogue.kinds import (
+    DLL,
     DLP,
     DPL,
     KINDS_BY_NAME,
@@ -55,7 +56,8 @@ def axis_legs(names: str, random: Draws) -> list[Leg]:
         force = plus(on_axis, y, -1)
         x = plus(y, force, 2 + random.decimal())
         across = cross(force, random.point())
-        made.append(
-            Leg(kind, y, x, across if kind is DLP else force, across if kind is DPL else force)
-        )
+        u, v = (across if kind in other else force for other in ((DLP, DLL), (DPL, DLL)))
+        if kind is DLL:
+            u = cross(force, random.point())
+        made.append(Leg(kind, y, x, u, v))
     return made

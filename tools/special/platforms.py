@@ -11,7 +11,7 @@ from functools import cached_property, partial
 from gspcli import dumps, loads
 from gspcli.geometry.instance import Instance
 from tools.recording import ROOT, SEED
-from tools.special import fixtures, hexapods, mixtures, surfaces
+from tools.special import extremes, fixtures, hexapods, mixtures, surfaces
 from tools.special.parts import Draws
 
 TABLE = ROOT / "data" / "verification" / "special-platforms.csv"
@@ -20,6 +20,7 @@ GROUPS = {
     **fixtures.GROUPS,
     **surfaces.GROUPS,
     **mixtures.GROUPS,
+    **extremes.GROUPS,
 }
 
 
