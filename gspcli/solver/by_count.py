@@ -24,6 +24,7 @@ from gspcli.solver.poses_in_parts import complete_parts
 from gspcli.solver.problem import Problem
 from gspcli.solver.proof import CountKind, Proof
 from gspcli.solver.real_statements import isolated_real_poses
+from gspcli.solver.repeated_constraints import poses_of_repeated
 from gspcli.solver.side import Side
 from gspcli.solver.strategies import Further
 
@@ -50,6 +51,8 @@ def poses_by_count(
         return poses_by_paths(problem.arrangement, problem.tracked)
     count = None
     if problem.limit != 0:
+        if (poses := poses_of_repeated(problem)) is not None:
+            return poses
         if (poses := _by_geometry_or_type(problem, ledger)) is not None:
             return poses
         suspect = any(_unresolved(side) * FEW > side.paths.count for side in ledger.sides)

@@ -1,4 +1,4 @@
-"""Platforms at the ends of what doubles tell: T = 0, self-motions, angles 0, 90, 180, many digits."""
+"""Platforms where doubles tell little: T = 0, self-motions, angles 0, 90, 180, many digits."""
 
 from __future__ import annotations
 
