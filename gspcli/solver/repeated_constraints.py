@@ -1,9 +1,10 @@
 """Platforms some of whose constraints are the same: they have no pose, or infinitely many.
 
 Fewer than six equations on the six-dimensional set of poses have a solution set of positive
-dimension through each of their solutions: an equation takes away at most one dimension. So one certified pose proves what an elimination of a set of four dimensions takes minutes for
-(``same-points/*/exact`` of `python -m tools.verify.special solve`: two of three were incomplete
-after ten seconds).
+dimension through each of their solutions: an equation takes away at most one dimension. So one
+certified pose proves what an elimination of a set of four dimensions takes minutes for (``same-
+points/*/exact`` of `python -m tools.verify.special solve`: two of three were incomplete after ten
+seconds).
 """
 
 from __future__ import annotations
