@@ -131,7 +131,6 @@ def within(hostile: Hostile, folder: Path, out: io.IOBase, encoding: str) -> Tol
             warnings.catch_warnings(record=True) as caught,
             contextlib.redirect_stdout(streams[0]),
             contextlib.redirect_stderr(streams[1]),
-            # A page that is to be opened opens no browser.
             mock.patch("click.launch"),
         ):
             warnings.simplefilter("always")
@@ -262,13 +261,10 @@ def attack(kind: str, seed: int) -> tuple[int, list[str]]:
 
 
 def prepare() -> None:
-    """Import everything: an import that is interrupted leaves half a module behind.
-
-    And heed signals that a shell lets what it starts in the background ignore: processes would.
-    """
-    for number in (signal.SIGINT, signal.SIGHUP):
-        if signal.getsignal(number) is signal.SIG_IGN:
-            signal.signal(number, signal.SIG_DFL)
+    """Import everything: an import that is interrupted leaves half a module behind."""
+    # What a shell starts in the background ignores it, and its processes would, too.
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
     for name in (*_LIBRARIES, *(f"gspcli.cli.{name.replace('-', '_')}" for name in COMMANDS)):
         importlib.import_module(name)
     for info in pkgutil.walk_packages(gspcli.__path__, "gspcli."):
