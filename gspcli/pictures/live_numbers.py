@@ -271,7 +271,7 @@ def _put_proofs(
     numbers: _Numbers, instance: Instance, proofs: ValueProofs, geometry: Geometry
 ) -> None:
     given = geometry.given
-    numbers.put(*proofs.numbers, given.base_centre, given.platform_centre)
+    numbers.put(len(proofs.numbers[0]), *proofs.numbers, given.base_centre, given.platform_centre)
     numbers.put(proofs.scale, TOLERANCE, reach(instance))
     lines = [
         np.outer(row.base.unit, row.platform.unit)

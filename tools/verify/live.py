@@ -4,8 +4,8 @@
 
 Each machine of ``data/platforms`` is dragged: its values move a little at a time within their
 ranges, now and then to any place in them. At each state the kernel of live pages (in Node) and
-`gspcli.solve_batch` must agree in the number of real poses and in the poses, and what the page calls
-complete must be so. Condition numbers and clearances must be those of gsp, and the poses must
+`gspcli.solve_batch` must agree in the number of real poses and in the poses, and what the page
+calls complete must be so. Condition numbers and clearances must be those of gsp, and the poses must
 measure the values. What differs is counted, and the exit code is then 1. The record is
 ``data/verification/live.csv``.
 """

@@ -126,21 +126,15 @@ class ValueProofs:
         numbers = _numbers(instance, self.kinds)
         # Exact: a power of two.
         numbers[:, :, :2] /= self.scale
-        found = _kernel.open(
+        #: Hessian matrices with their low parts and moduli, equations, weights, what is turned.
+        self.numbers = _kernel.open(
             _relations(self.kinds, meeting), numbers, form_hessians(), tiny=TINY / CONVERSION
         )
-        self._hessians, self._lows, self._moduli, self._table, self._weights, self._turned = found
 
     @classmethod
     def of(cls, instance: Instance, rows: Array | None) -> ValueProofs | None:
         """Return the equations; None if the frames are too far from the platform for doubles."""
         return cls(instance, rows) if LocalFrames.of(instance).is_none else None
-
-    @property
-    def numbers(self) -> tuple[Any, ...]:
-        """What the kernel has of the geometry, in the order of native/ends.hpp."""
-        found = self._hessians, self._lows, self._moduli, self._table, self._weights, self._turned
-        return len(self._hessians), *found
 
     def _cosines(self, rows: Array) -> tuple[Array, Array]:
         """Return the values of ``R u . v`` that angles ask for (`Statement.cosine`), (2, b, k)."""
@@ -265,12 +259,7 @@ class ValueProofs:
         values = values.reshape(-1, *values.shape[2:])
         points = np.ascontiguousarray(points.reshape(-1, *points.shape[2:]))
         R, T, quaternions, deviation, bits, complete = _kernel.decide(
-            self._hessians,
-            self._lows,
-            self._moduli,
-            self._table,
-            self._weights,
-            self._turned,
+            *self.numbers,
             values,
             units,
             points,

@@ -143,7 +143,7 @@ def test_poses_far_away_are_proved_with_more_digits(error):
     assert found.certified.all()
     # What is that far away 32 digits prove, but do not round correctly; else they do.
     assert found.rounded[0][np.abs(found.T[0]).max(axis=1) < 100].all()
-    proofs._lows = np.full_like(proofs._lows, np.nan)
+    proofs.numbers[1][:] = np.nan
     frames = OWN
     assert not proofs.decide(lengths[None], np.ones((1, 6)), points, frames).certified.all()
     single = decide(platform, found.R[0], found.T[0])
@@ -175,7 +175,8 @@ def test_the_kernel_writes_the_equations_of_ball_arithmetic(name, change):
     instance = change(random_instance(parse_type(name), rng, one_sided=True)[0])
     proofs = ValueProofs(instance, None)
     values = proofs.own_values(side_choices(Arrangement.of(instance)))[0].tolist()
-    weights = proofs._weights.tolist()
+    hessians, lows, moduli, table, weights, turned = proofs.numbers
+    weights = weights.tolist()
     with ctx.workprec(200):
         system = BallSystem(instance, 200)
 
@@ -187,17 +188,17 @@ def test_the_kernel_writes_the_equations_of_ball_arithmetic(name, change):
             return terms
 
         def written(k):
-            parts = zip(proofs._hessians[k].ravel(), proofs._lows[k].ravel(), strict=True)
+            parts = zip(hessians[k].ravel(), lows[k].ravel(), strict=True)
             return [arb(float(high)) + float(low) for high, low in parts]
 
         def same(wanted, found, bound):
             for x, y, size in zip(wanted, found, bound, strict=True):
                 assert (x - y).abs_upper() <= 2.0**-90 * size
 
-        for r, (row, equations) in enumerate(zip(proofs._table, system.equations, strict=True)):
+        for r, (row, equations) in enumerate(zip(table, system.equations, strict=True)):
             [equation] = equations
             main = written(row[0])
-            bound = proofs._moduli[row[0]].copy()
+            bound = moduli[row[0]].copy()
             value = (arb(weights[0][r]) + weights[3][r]) * (arb(values[0][r]) + values[3][r])
             for i in range(4):
                 main[9 * i] += 2 * value
@@ -205,12 +206,12 @@ def test_the_kernel_writes_the_equations_of_ball_arithmetic(name, change):
             same(exact(system.forms[equation.main]), main, bound.ravel())
             for index, k in zip(equation.squares, row[1:], strict=False):
                 factor = arb(1)
-                if k == proofs._turned[r]:
+                if k == turned[r]:
                     factor = system.statements[r].value
                     error = arb(values[2][r]) + values[5][r] - factor
                     assert error.abs_upper() <= 2.0**-96 * factor
                 form = {i: c / factor for i, c in system.forms[index].items()}
-                same(exact(form), written(k), proofs._moduli[k].ravel())
+                same(exact(form), written(k), moduli[k].ravel())
 
 
 def test_poses_twice_are_not_different(batch):
