@@ -139,6 +139,7 @@ def compared(
     names = ("complete", "missed", "real", "verdicts", "numbers", "poses", "conditions")
     counts = dict.fromkeys(names, 0)
     conditions = batch.conditions
+    compared_poses: list[tuple[int, Array, Array, Array]] = []
     for k, found in enumerate(page["found"]):
         chosen = batch.real[k]
         R, T = batch.R[k][chosen].real, batch.T[k][chosen].real
@@ -157,16 +158,32 @@ def compared(
         order = np.abs(here[:, None] - there).max(axis=2).argmin(axis=1)
         off = np.abs(here - there[order]).max(initial=0)
         counts["poses"] += bool(off > SAME) or len({*order.tolist()}) < len(order)
-        measured = np.array(page["measured"][k]).reshape(-1, 8)
-        expected = np.minimum(conditions[k][chosen][order], 1e300)
-        wrong = np.abs(measured[:, 6] - expected) > CONDITION * expected**2
-        wrong |= (
-            np.abs(measured[:, :6] - rows[k]).max(axis=1, initial=0) > SAME * np.abs(rows).max()
-        )
-        free = _clearances(still, R[order], T[order])
-        wrong |= np.abs(measured[:, 7] - free) > NEAR * free
-        counts["conditions"] += bool(wrong.any())
+        compared_poses.append((k, R[order], T[order], conditions[k][chosen][order]))
+    counts["conditions"] = _others(still, rows, page["measured"], compared_poses)
     return Row(name, len(rows), **counts)
+
+
+def _others(
+    instance: Instance,
+    rows: Array,
+    measured: list[Any],
+    poses: list[tuple[int, Array, Array, Array]],
+) -> int:
+    """Return at how many states values, condition numbers or clearances of poses differ."""
+    if not poses:
+        return 0
+    R, T = (np.concatenate([each[part] for each in poses]) for part in (1, 2))
+    free, wrong = _clearances(instance, R, T), 0
+    for k, there, _, expected in poses:
+        found = np.array(measured[k]).reshape(-1, 8)
+        here, free = free[: len(there)], free[len(there) :]
+        expected = np.minimum(expected, 1e300)
+        values = np.abs(found[:, :6] - rows[k]).max(axis=1)
+        differ = values > SAME * np.abs(rows).max()
+        differ |= np.abs(found[:, 6] - expected) > CONDITION * expected**2
+        differ |= np.abs(found[:, 7] - here) > NEAR * here
+        wrong += bool(differ.any())
+    return wrong
 
 
 def _clearances(instance: Instance, R: Array, T: Array) -> Array:
