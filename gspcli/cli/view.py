@@ -43,6 +43,11 @@ _PAGE = "html"
     "standard input.",
 )
 @pose_options
+@click.option(
+    "--live",
+    is_flag=True,
+    help="The page solves the platform again while one moves its values or its pose.",
+)
 @click.option("--open", "opened", is_flag=True, help="Open the page in the browser.")
 @click.option(
     "--all-modes",
@@ -64,6 +69,7 @@ def command(
     track: str | None,
     euler: str | None,
     pivot: str | None,
+    live: bool,
     opened: bool,
     all_modes: bool,
     seen_from: str | None,
@@ -82,9 +88,13 @@ def command(
     FILE has poses as `gsp measure` takes them, in CSV; mode, condition, clearance are read if
     there are such columns. Rows without a pose are skipped.
 
+    With --live the page has sliders for the six values and for the pose, and finds all poses again
+    at each move, each proved; beside it is a map of how many are real.
+
     \b
     Examples:
       gsp view @example-6.8
+      gsp view @nano-hexapod --live -o nano-hexapod.html
       gsp view platform.yaml --set 1=5.2 -o platform.html
       gsp view platform.yaml --mode 3 --from=-40,25 -o figure.pdf
       gsp track platform.yaml moves.csv --format csv |
@@ -92,6 +102,9 @@ def command(
     """
     if spec == track == "-":
         message = "SPEC and --track cannot both be standard input"
+        raise click.UsageError(message)
+    if live and (track is not None or output.format != _PAGE):
+        message = f"--live makes a page ({_PAGE}) of a platform, without --track"
         raise click.UsageError(message)
     from gspcli.cli.summary import summary
     from gspcli.pictures.line_drawings import drawing
@@ -116,8 +129,11 @@ def command(
     if paged:
         said = " ".join(f"{line}." for line in summary(result, certify=True))
         scene = scene_of(result, tracks, summary=said)
-        first = _first_series(scene, tracks, result.drawn, start)
-        content = page(scene, start, first, view, names=names)
+        if live:
+            content = _live(result, scene, start, view, names=names)
+        else:
+            first = _first_series(scene, tracks, result.drawn, start)
+            content = page(scene, start, first, view, names=names)
     else:
         alone = not all_modes and result.drawn.counts.real > 0
         scene = scene_of(result, only=start if alone else None)
@@ -127,6 +143,16 @@ def command(
         _say(output.path, scene, len(content.encode() if isinstance(content, str) else content))
         if opened:
             click.launch(output.path.resolve().as_uri())
+
+
+def _live(result: SolveResult, scene: Scene, start: int, view: View | None, *, names: bool) -> str:
+    """Return the page that solves."""
+    from gspcli.pictures.live_numbers import live_numbers
+    from gspcli.pictures.live_page import live_page
+
+    with working("preparing the page"):
+        numbers = live_numbers(result)
+    return live_page(scene, numbers, start, view, names=names)
 
 
 def _first_series(scene: Scene, tracks: list[Poses], result: SolveResult, start: int) -> int | None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Mapping
 from html import escape
 
 from gspcli import __version__
@@ -44,23 +45,27 @@ def page(
     names
         Whether primitives and constraints are named at first.
     """
-    modes = scene.series[0]
     if series is None:
         series = next((k for k, each in enumerate(scene.series) if len(each)), 0)
+    seen = {"first": series, "start": 0 if series else start, "names": names}
+    return filled("page.html", parts(scene, start, view, seen))
+
+
+def parts(
+    scene: Scene, start: int, view: View | None, seen: Mapping[str, object]
+) -> dict[str, str]:
+    """Return what every page says of a scene, by the marks in its template.
+
+    Parameters
+    ----------
+    scene, start, view
+        As `page` takes them.
+    seen
+        How it is seen first, for the page's program.
+    """
+    modes = scene.series[0]
     eye = (view or View()).axes[2].round(6).tolist()
-    # A script element ends at the first "</", wherever it stands.
-    data = json.dumps(
-        {
-            **scene.to_json(),
-            "first": series,
-            "start": 0 if series else start,
-            "eye": eye,
-            "names": names,
-        },
-        ensure_ascii=False,
-        separators=(",", ":"),
-    ).replace("</", "<\\/")
-    filled = {
+    return {
         "title": escape(scene.title),
         "type": escape(scene.type_id),
         "summary": escape(scene.summary),
@@ -71,10 +76,21 @@ def page(
         "footer": escape(
             f"gsp {__version__}. Lengths in {scene.length_unit}, x y z as in the file."
         ),
-        "scene": data,
+        "scene": data({**scene.to_json(), **seen, "eye": eye}),
     }
-    text = data_path("view", "page.html").read_text(encoding="utf-8")
-    return _BLANK.sub(lambda match: filled[match[1]], text)
+
+
+def data(content: Mapping[str, object]) -> str:
+    """Return plain data as the content of a script element."""
+    text = json.dumps(content, ensure_ascii=False, separators=(",", ":"))
+    # The element ends at the first "</", wherever it stands.
+    return text.replace("</", "<\\/")
+
+
+def filled(template: str, said: Mapping[str, str]) -> str:
+    """Return a page of ``data/view`` with everything said that it has marks for."""
+    text = data_path("view", template).read_text(encoding="utf-8")
+    return _BLANK.sub(lambda match: said[match[1]], text)
 
 
 def number(value: float, size: float = 1.0) -> str:

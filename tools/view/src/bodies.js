@@ -74,6 +74,9 @@ export function buildGhost(body, toScene, color, count) {
   const edge = glass(color, Math.min(0.5, 0.15 + 2 / count));
   const segments = [...sides([...faces, ...sheets]), ...lines];
   if (segments.length) group.add(rods(segments, BORDER, edge));
-  group.userData.recolour = (c) => [skin, edge].forEach((material) => material.color.copy(c));
+  const materials = [skin, edge];
+  const opacities = materials.map(({ opacity }) => opacity);
+  group.userData.recolour = (c) => materials.forEach((material) => material.color.copy(c));
+  group.userData.fade = (part) => materials.forEach((material, k) => (material.opacity = part * opacities[k]));
   return group;
 }

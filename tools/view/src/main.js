@@ -1,10 +1,11 @@
 // The page of `gsp view`: reads the scene in the page and lets people look at it.
 import { Chart } from "./chart.js";
-import { constraintText, elementText } from "./measurements.js";
+import { Display } from "./display.js";
 import { short } from "./numbers.js";
 import { Panel } from "./panel.js";
+import { namePartsUnder } from "./pointer.js";
 import { Stage } from "./stage.js";
-import { conditionScale, isDark, onSystemTheme, rampCss, setTheme } from "./theme.js";
+import { conditionScale, rampCss } from "./theme.js";
 
 const byId = (id) => document.getElementById(id);
 const scene = JSON.parse(byId("scene").textContent);
@@ -106,133 +107,34 @@ function step(now) {
   requestAnimationFrame(step);
 }
 
-async function save() {
-  const picture = await stage.picture();
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(picture);
-  const words = `${scene.title} ${byId("where").textContent}`.toLowerCase();
-  link.download = `${words.replace(/[^a-z0-9]+/g, "-").replace(/^-|-$/g, "")}.png`;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-}
-
-function theme(name) {
-  setTheme(name);
-  byId("theme").value = name;
-  recolour();
-}
-
-function toggle(id) {
-  byId(id).checked = !byId(id).checked;
-  byId(id).dispatchEvent(new Event("change"));
-}
-
 byId("previous").addEventListener("click", () => { play(false); go(state.index - 1); });
 byId("next").addEventListener("click", () => { play(false); go(state.index + 1); });
 byId("play").addEventListener("click", () => play(!state.playing));
 byId("slider").addEventListener("input", (event) => { play(false); go(Number(event.target.value) - 1); });
 byId("series").addEventListener("change", (event) => { play(false); go(0, Number(event.target.value)); });
 byId("colour").addEventListener("change", recolour);
-byId("theme").addEventListener("change", (event) => theme(event.target.value));
 byId("legend-ramp").style.background = rampCss;
-onSystemTheme(recolour);
 
 if (scene.series.length > 1) {
   byId("series-choice").hidden = false;
   scene.series.forEach(({ title, T }, k) => byId("series").add(new Option(`${title} (${T.length})`, String(k))));
 }
+const display = new Display(stage, scene, {
+  recolour,
+  words: () => `${scene.title} ${byId("where").textContent}`,
+});
 if (stage) {
-  byId("names").addEventListener("change", (event) => stage.setNames(event.target.checked));
-  byId("ghosts").addEventListener("change", (event) => stage.setGhosts(event.target.checked));
-  byId("frames").addEventListener("change", (event) => stage.setFrames(event.target.checked));
-  byId("save").addEventListener("click", save);
-  for (const button of document.querySelectorAll("[data-view]")) {
-    button.addEventListener("click", () => stage.look(button.dataset.view));
-  }
-  stage.setGhosts(false);
-  byId("names").checked = scene.names;
-  stage.setNames(scene.names);
-  new ResizeObserver(() => stage.resize()).observe(byId("canvas"));
-} else {
-  byId("display").hidden = true;
+  const shown = () => ({ series: series(), index: state.index });
+  namePartsUnder(byId("canvas"), byId("tooltip"), stage, scene, { shown, onBond: choose });
 }
-
-// The pointer: what it is on is named, and its constraint marked.
-const tooltip = byId("tooltip");
-let pending = null;
-
-function point(event) {
-  pending = event.buttons && event.pointerType === "mouse" ? null : event;
-  if (!pending) tooltip.hidden = true;
-  else requestAnimationFrame(measure);
-}
-
-function measure() {
-  if (!pending) return;
-  const { clientX, clientY } = pending;
-  pending = null;
-  const part = stage.under(clientX, clientY);
-  const isBond = part && part.bond !== undefined;
-  choose(isBond ? part.bond : null);
-  const text = isBond
-    ? constraintText(scene, series(), state.index, part.bond)
-    : part?.element && elementText(scene, part.body, part.element, stage);
-  tooltip.hidden = !text;
-  if (!text) return;
-  tooltip.textContent = text;
-  const home = byId("canvas").getBoundingClientRect();
-  const box = tooltip.getBoundingClientRect();
-  const x = Math.max(4, Math.min(clientX - home.left + 14, home.width - box.width - 4));
-  const y = clientY - home.top + 16 + box.height > home.height ? clientY - home.top - box.height - 12 : clientY - home.top + 16;
-  tooltip.style.transform = `translate(${x}px, ${y}px)`;
-}
-
-if (stage) {
-  byId("canvas").addEventListener("pointermove", point);
-  byId("canvas").addEventListener("pointerdown", point);
-  byId("canvas").addEventListener("pointerleave", () => { tooltip.hidden = true; choose(null); });
-}
-
-const KEYS = {
+display.listen({
   ArrowLeft: () => { play(false); go(state.index - 1); },
   ArrowRight: () => { play(false); go(state.index + 1); },
   " ": () => play(!state.playing),
-  Home: () => stage?.look("reset"),
-  t: () => stage?.look("top"),
-  f: () => stage?.look("front"),
-  r: () => stage?.look("side"),
-  n: () => toggle("names"),
-  g: () => toggle("ghosts"),
-  a: () => toggle("frames"),
   c: () => {
     byId("colour").value = byId("colour").value === "part" ? "condition" : "part";
     recolour();
   },
-  d: () => theme(isDark() ? "light" : "dark"),
-  s: () => stage && save(),
-  "+": () => stage?.turn(0, 0, 1.15),
-  "=": () => stage?.turn(0, 0, 1.15),
-  "-": () => stage?.turn(0, 0, 1 / 1.15),
-};
-const TURNS = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] };
-
-document.addEventListener("keydown", (event) => {
-  if (event.ctrlKey || event.metaKey || event.altKey) return;
-  const { target } = event;
-  // Controls keep the keys that they use themselves.
-  if (target instanceof HTMLSelectElement) return;
-  if (target instanceof HTMLInputElement && (target.type === "range" || event.key === " ")) return;
-  if (event.key === " " && target instanceof HTMLElement && target.closest("button, summary")) return;
-  if (event.shiftKey && event.key in TURNS) {
-    stage?.turn(...TURNS[event.key]);
-    event.preventDefault();
-    return;
-  }
-  const action = KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
-  if (action) {
-    action();
-    event.preventDefault();
-  }
 });
 
 useSeries();

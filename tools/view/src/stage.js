@@ -1,7 +1,6 @@
 // The picture: bodies, constraints, light, camera.
 import {
   AmbientLight,
-  Color,
   DirectionalLight,
   Group,
   PerspectiveCamera,
@@ -17,8 +16,8 @@ import {
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { buildBody, buildGhost } from "./bodies.js";
 import { Bond } from "./bonds.js";
+import { buildFrame } from "./frames.js";
 import { Labels } from "./labels.js";
-import { arrowHead, flat, rods } from "./solids.js";
 import { colour, isDark } from "./theme.js";
 
 const VIEWS = {
@@ -26,7 +25,6 @@ const VIEWS = {
   front: new Vector3(0, -1, 0.0001),
   side: new Vector3(1, -0.0001, 0.0001),
 };
-const AXES = [["x", "#c8503c"], ["y", "#3c8f50"], ["z", "#3c6fc8"]];
 const MOST_GHOSTS = 64;
 /** Poses that need a wider view than this are not for looking at together with the others. */
 const NEAR = 2.5;
@@ -50,7 +48,6 @@ export class Stage {
     this.raycaster = new Raycaster();
     this.bonds = [];
     this.ghosts = new Group();
-    this.frames = new Group();
     this.platformColour = null;
     this.usual = new Vector3(...scene.eye);
     this.build();
@@ -81,7 +78,10 @@ export class Stage {
       this.scene.add(bond.group);
       return bond;
     });
-    this.buildFrames();
+    this.frames = {
+      base: buildFrame(this.scene, this.toScene([0, 0, 0]), this.labels),
+      platform: buildFrame(this.platform.group, new Vector3(), this.labels),
+    };
     this.buildLabels();
   }
 
@@ -105,27 +105,6 @@ export class Stage {
     if (name === "platform") this[name].group.add(this.frames.platform);
     before.group.removeFromParent();
     before.group.traverse((part) => part.geometry?.dispose());
-  }
-
-  buildFrames() {
-    const size = 0.25;
-    for (const [home, origin] of [[this.scene, this.toScene([0, 0, 0])], [this.platform.group, new Vector3()]]) {
-      const frame = new Group();
-      frame.position.copy(origin);
-      AXES.forEach(([, hex], k) => {
-        const direction = new Vector3().setComponent(k, 1);
-        const paint = flat(new Color(hex));
-        const tip = direction.clone().multiplyScalar(size);
-        frame.add(rods([[new Vector3(), tip]], 0.005, paint), arrowHead(tip, direction, 0.05, paint));
-      });
-      frame.visible = false;
-      home.add(frame);
-      AXES.forEach(([name], k) => {
-        const tip = new Vector3().setComponent(k, size * 1.12);
-        this.labels.add(name, "axis", () => (frame.visible ? frame.localToWorld(tip.clone()) : null), "beside");
-      });
-      this.frames[home === this.scene ? "base" : "platform"] = frame;
-    }
   }
 
   buildLabels() {
@@ -302,17 +281,22 @@ export class Stage {
 
   /** What is under a point of the page: `{bond}` or `{body, element}`, and where in the scene. */
   under(clientX, clientY) {
-    const box = this.canvas.getBoundingClientRect();
-    const at = new Vector2(((clientX - box.left) / box.width) * 2 - 1, 1 - ((clientY - box.top) / box.height) * 2);
-    this.raycaster.setFromCamera(at, this.camera);
     const parts = [...this.base.pickable];
     if (this.platform.group.visible) {
       parts.push(...this.platform.pickable, ...this.bonds.flatMap((bond) => bond.pickable));
     }
-    const hits = this.raycaster.intersectObjects(parts, false);
+    const hits = this.hits(clientX, clientY, parts);
     // A sheet of glass does not hide what is behind it.
     const hit = hits.find(({ object }) => !object.material.transparent) ?? hits[0];
     return hit ? { ...hit.object.userData, point: hit.point } : null;
+  }
+
+  /** What of some objects is under a point of the page, the nearest first. */
+  hits(clientX, clientY, objects) {
+    const box = this.canvas.getBoundingClientRect();
+    const at = new Vector2(((clientX - box.left) / box.width) * 2 - 1, 1 - ((clientY - box.top) / box.height) * 2);
+    this.raycaster.setFromCamera(at, this.camera);
+    return this.raycaster.intersectObjects(objects);
   }
 
   draw() {

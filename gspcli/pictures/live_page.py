@@ -1,0 +1,42 @@
+"""The page that solves a platform again while one moves its values or its pose.
+
+One file, like the page of `gspcli.pictures.page`, with the kernel in WebAssembly in it and the
+numbers from which it solves (`gspcli.pictures.live_numbers`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from gspcli.pictures.live_numbers import live_module
+from gspcli.pictures.page import data, filled, parts
+from gspcli.pictures.projection import View
+from gspcli.pictures.scene import Scene
+
+
+def live_page(
+    scene: Scene,
+    live: Mapping[str, Any],
+    start: int = 0,
+    view: View | None = None,
+    *,
+    names: bool = True,
+) -> str:
+    """Return the live page of a scene, a whole HTML document.
+
+    Parameters
+    ----------
+    scene
+        What to show; its first series are the assembly modes, numbered so.
+    live
+        What the page solves from, as `gspcli.pictures.live_numbers.live_numbers` returns it.
+    start
+        The assembly mode that is followed first, from 0.
+    view
+        From where it is seen first; a usual one if None.
+    names
+        Whether primitives and constraints are named at first.
+    """
+    said = parts(scene, start, view, {"start": start, "names": names})
+    return filled("live.html", {**said, "live": data(live), "module": live_module()})

@@ -1,0 +1,133 @@
+// The stage of a live page: the followed mode solid with its constraints, the others as ghosts.
+import { Quaternion } from "three";
+import { buildGhost } from "../bodies.js";
+import { Stage } from "../stage.js";
+import { strokesAt } from "./strokes.js";
+
+const UPRIGHT = { R: [1, 0, 0, 0, 1, 0, 0, 0, 1], T: [0, 0, 0] };
+const FADING = 700;
+/** A ghost is as faint as one of this many poses on the page without sliders. */
+const FAINT = 9;
+
+export class LiveStage extends Stage {
+  constructor(canvas, labels, scene, paint) {
+    super(canvas, labels, scene);
+    this.paint = paint;
+    this.shades = new Map();
+    this.fading = [];
+    const named = ({ elements }, name) => elements.find((element) => element.name === name);
+    this.measured = scene.constraints.map(({ kind, platform, base }) => ({
+      kind, platform: named(scene.platform, platform), base: named(scene.base, base),
+    }));
+    // Every stroke that a constraint may have; where they are comes with each move.
+    const strokes = this.measured.map((each) =>
+      strokesAt(each, UPRIGHT, scene.size).strokes.map(({ style, points }) => ({ style, points: [points] })));
+    this.live = { T: [], q: [], strokes, labels: [], measured: [], bodies: {}, parameter: null };
+  }
+
+  /** Ghosts are kept from move to move. */
+  buildGhosts() {}
+
+  /** Show all modes, one of them followed (or null), with what the constraints measure there. */
+  showModes(modes, followed, measured) {
+    const index = modes.indexOf(followed);
+    const { live } = this;
+    live.T = modes.map(({ T }) => Array.from(T));
+    live.q = modes.map(({ q }) => q);
+    live.numbers = modes.map(({ number }) => number);
+    live.measured = { [index]: measured };
+    live.labels = {};
+    if (followed) {
+      const drawn = this.measured.map((each) => strokesAt(each, followed, this.data.size));
+      drawn.forEach(({ strokes }, k) => strokes.forEach(({ points }, j) => (live.strokes[k][j].points = { [index]: points })));
+      live.labels[index] = drawn.map(({ label }) => label);
+    }
+    this.placeGhosts(modes, followed);
+    this.show(live, followed ? index : modes.length);
+  }
+
+  placeGhosts(modes, followed) {
+    const numbers = new Set(modes.map(({ number }) => number));
+    for (const [number, ghost] of this.shades) if (!numbers.has(number)) this.remove(number, ghost);
+    modes.forEach((mode, k) => {
+      const ghost = this.shades.get(mode.number) ?? this.shade(mode.number);
+      ghost.userData.index = k;
+      ghost.visible = mode !== followed;
+      this.place(ghost, mode.T, mode.q);
+    });
+  }
+
+  place(group, T, [w, x, y, z]) {
+    group.position.copy(this.toScene(T));
+    group.quaternion.copy(new Quaternion(x, y, z, w));
+  }
+
+  shade(number) {
+    const ghost = buildGhost(this.data.platform, this.inBody, this.paint(number), FAINT);
+    ghost.userData.number = number;
+    this.shades.set(number, ghost);
+    this.ghosts.add(ghost);
+    return ghost;
+  }
+
+  remove(number, ghost) {
+    this.shades.delete(number);
+    this.ghosts.remove(ghost);
+    dispose(ghost);
+  }
+
+  /** Two modes that have met: both go to where they met, and fade there. */
+  fade(met) {
+    for (const { modes, pair } of met) {
+      modes.forEach((mode, k) => {
+        const ghost = buildGhost(this.data.platform, this.inBody, this.paint(mode.number), 2);
+        this.scene.add(ghost);
+        this.fading.push({ ghost, mode, end: pair[k], began: performance.now() });
+      });
+    }
+    if (met.length) requestAnimationFrame(() => this.fadeOn());
+  }
+
+  fadeOn() {
+    const now = performance.now();
+    this.fading = this.fading.filter(({ ghost, mode, end, began }) => {
+      const t = (now - began) / FADING;
+      if (t >= 1) {
+        ghost.removeFromParent();
+        dispose(ghost);
+        return false;
+      }
+      const eased = 1 - (1 - t) ** 2;
+      this.place(ghost, Array.from(mode.T, (x, k) => x + eased * (end.T[k] - x)), mode.q);
+      ghost.userData.fade(1 - t);
+      return true;
+    });
+    this.draw();
+    if (this.fading.length) requestAnimationFrame(() => this.fadeOn());
+  }
+
+  /** The number of the ghost under a point of the page, or null. */
+  modeUnder(clientX, clientY) {
+    if (!this.ghosts.visible) return null;
+    const hit = this.hits(clientX, clientY, this.ghosts.children.filter(({ visible }) => visible))[0];
+    return hit?.object.parent.userData.number ?? null;
+  }
+
+  /** What has been aimed at stays while the followed mode is in it: a view that jumps is no help. */
+  keepInSight() {
+    if (this.seen === null) {
+      super.keepInSight();
+      return;
+    }
+    const sphere = this.sphere(this.index < this.live.T.length ? [this.index] : []);
+    if (sphere.center.distanceTo(this.seen.center) + sphere.radius > 1.25 * this.seen.radius) this.aim(this.wanted(), this.direction());
+  }
+}
+
+function dispose(ghost) {
+  ghost.traverse(({ geometry, material, isInstancedMesh }) => {
+    // Rods share their geometry.
+    if (!isInstancedMesh) geometry?.dispose();
+    material?.dispose();
+  });
+}

@@ -1,0 +1,184 @@
+// The map: how many modes are real over two of the values, filled by the worker, coarse to fine.
+import { sharesText } from "./words.js";
+
+const byId = (id) => document.getElementById(id);
+const CELLS = 128;
+const COARSE = 16;
+/** Of cells where not all poses are proved; and of none yet. */
+const OPEN = -1;
+const NONE = -2;
+/** Milliseconds for which other values must rest before the map begins again. */
+const REST = 120;
+
+export class ModeMap {
+  /** `onMove(values)` goes where the map was pointed at. */
+  constructor(worker, live, names, onMove) {
+    Object.assign(this, { worker, live, onMove });
+    const usable = live.ranges.flatMap(([low, high], i) => (high > low ? [i] : []));
+    byId("map-part").hidden = usable.length < 2;
+    this.first = usable.slice(0, 2);
+    this.which = [...this.first];
+    this.canvas = byId("map");
+    this.canvas.width = this.canvas.height = CELLS;
+    this.context = this.canvas.getContext("2d");
+    this.counts = new Int16Array(CELLS * CELLS).fill(NONE);
+    this.id = 0;
+    for (const select of [byId("map-x"), byId("map-y")]) {
+      for (const i of usable) select.add(new Option(names[i], String(i)));
+      select.addEventListener("change", () => this.choose(select));
+    }
+    worker.addEventListener("message", ({ data }) => data.squares && this.receive(data));
+    this.point();
+  }
+
+  /** Two different values: the one that is chosen, and the other. */
+  choose(select) {
+    const axis = select.id === "map-x" ? 0 : 1;
+    const before = this.which[axis];
+    this.which[axis] = Number(select.value);
+    if (this.which[1 - axis] === this.which[axis]) this.which[1 - axis] = before;
+    this.use(this.which);
+    this.onChoose?.();
+  }
+
+  use(which) {
+    this.which = [...which];
+    this.drawn = null;
+    if (this.values) this.show(this.values);
+  }
+
+  /** Show where we are; the map begins again if one of the other values is another one. */
+  show(values) {
+    this.values = values;
+    byId("map-x").value = String(this.which[0]);
+    byId("map-y").value = String(this.which[1]);
+    const [x, y] = this.which.map((i) => part(values[i], this.live.ranges[i]));
+    const dot = byId("map-dot");
+    dot.style.left = `${100 * x}%`;
+    dot.style.top = `${100 * (1 - y)}%`;
+    dot.hidden = !(x >= 0 && x <= 1 && y >= 0 && y <= 1);
+    const drawn = values.map((v, i) => (this.which.includes(i) ? this.which.indexOf(i) : `=${v}`)).join();
+    if (drawn === this.drawn) return;
+    this.drawn = drawn;
+    this.canvas.classList.add("old");
+    clearTimeout(this.resting);
+    this.resting = setTimeout(() => this.begin(), REST);
+  }
+
+  begin() {
+    this.id += 1;
+    this.isFresh = true;
+    this.ends();
+    const { values, which, id } = this;
+    const cells = this.live.quick ? CELLS : CELLS / 4;
+    this.cells = cells;
+    this.worker.postMessage({ map: { id, values, which, ranges: this.live.ranges, cells, coarse: COARSE } });
+  }
+
+  ends() {
+    const number = (x) => String(Number(x.toPrecision(4)));
+    this.which.forEach((i, axis) => {
+      const [low, high] = this.live.ranges[i];
+      byId(`map-${"xy"[axis]}-ends`).textContent = `${"→↑"[axis]} ${number(low)} … ${number(high)} ${this.live.units[i]}`;
+    });
+  }
+
+  receive({ id, squares, filled }) {
+    if (id !== this.id) return;
+    if (this.isFresh) this.counts.fill(NONE);
+    this.isFresh = false;
+    this.canvas.classList.remove("old");
+    const scale = CELLS / this.cells;
+    for (let k = 0; k < squares.length; k += 4) {
+      const [column, row, side] = [0, 1, 2].map((n) => squares[k + n] * scale);
+      for (let y = row; y < row + side; y += 1) this.counts.fill(squares[k + 3], y * CELLS + column, y * CELLS + column + side);
+    }
+    this.paint();
+    if (filled || performance.now() > (this.told ?? 0) + 500) this.tell(filled);
+  }
+
+  /** Colours of the style sheet, from few to many. */
+  colours() {
+    const style = getComputedStyle(document.documentElement);
+    const numbers = (name) => style.getPropertyValue(name).trim().match(/[0-9a-f]{2}/gi).map((hex) => parseInt(hex, 16));
+    const [low, middle, high] = ["--map-low", "--map-middle", "--map-high"].map(numbers);
+    const most = Math.max(8, ...this.counts);
+    const mixed = (t) => (t < 0.5 ? [low, middle, 2 * t] : [middle, high, 2 * t - 1]);
+    return (count) => {
+      if (count === OPEN) return numbers("--map-open");
+      const [a, b, t] = mixed(count / most);
+      return a.map((x, k) => Math.round(x + t * (b[k] - x)));
+    };
+  }
+
+  paint() {
+    const image = this.context.createImageData(CELLS, CELLS);
+    const colour = this.colours();
+    const known = new Map();
+    this.counts.forEach((count, k) => {
+      if (count === NONE) return;
+      if (!known.has(count)) known.set(count, colour(count));
+      const [column, row] = [k % CELLS, CELLS - 1 - Math.floor(k / CELLS)];
+      image.data.set([...known.get(count), 255], 4 * (row * CELLS + column));
+    });
+    this.context.putImageData(image, 0, 0);
+    this.palette = known;
+  }
+
+  /** The legend, and the same in words. */
+  tell(isFilled) {
+    this.told = performance.now();
+    const cells = new Map();
+    for (const count of this.counts) cells.set(count, (cells.get(count) ?? 0) + 1);
+    const all = this.counts.length - (cells.get(NONE) ?? 0);
+    cells.delete(NONE);
+    const shares = [...cells].sort(([a], [b]) => b - a)
+      .map(([count, many]) => ({ count: count === OPEN ? "not all proved" : String(count), part: many / all, of: count }));
+    byId("map-legend").replaceChildren(...shares.map(({ count, part, of }) => {
+      const item = document.createElement("li");
+      const swatch = document.createElement("i");
+      swatch.style.background = `rgb(${this.palette.get(of)})`;
+      item.classList.toggle("open", of === OPEN);
+      item.append(swatch, `${count} `);
+      const share = document.createElement("span");
+      share.textContent = part < 0.01 ? "< 1 %" : `${Math.round(100 * part)} %`;
+      item.append(share);
+      return item;
+    }));
+    byId("map-state").textContent = isFilled ? "" : "filling …";
+    const [x, y] = this.which.map((i) => i + 1);
+    this.canvas.setAttribute("aria-label", `Map of the number of real modes over values ${x} and ${y}: ${sharesText(shares)}`);
+    this.canvas.dataset.filled = String(isFilled);
+  }
+
+  /** Pointer and arrow keys move the two values. */
+  point() {
+    const go = (parts) => {
+      const values = [...this.values];
+      this.which.forEach((i, axis) => {
+        const [low, high] = this.live.ranges[i];
+        values[i] = Number((low + Math.min(Math.max(parts[axis], 0), 1) * (high - low)).toPrecision(6));
+      });
+      this.onMove(values);
+    };
+    const to = ({ clientX, clientY }) => {
+      const box = this.canvas.getBoundingClientRect();
+      go([(clientX - box.left) / box.width, 1 - (clientY - box.top) / box.height]);
+    };
+    this.canvas.addEventListener("pointerdown", (event) => {
+      this.canvas.setPointerCapture(event.pointerId);
+      to(event);
+    });
+    this.canvas.addEventListener("pointermove", (event) => {
+      if (this.canvas.hasPointerCapture(event.pointerId)) to(event);
+    });
+    this.canvas.addEventListener("keydown", (event) => {
+      const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+      if (!way || event.ctrlKey || event.metaKey || event.altKey) return;
+      event.preventDefault();
+      go(this.which.map((i, axis) => part(this.values[i], this.live.ranges[i]) + way[axis] * (event.shiftKey ? 0.05 : 0.005)));
+    });
+  }
+}
+
+const part = (value, [low, high]) => (value - low) / (high - low || 1);

@@ -1,0 +1,75 @@
+// The list of all real modes: number, colour, position, condition; a row that goes, fades.
+import { reveal } from "../facts.js";
+import { short } from "../numbers.js";
+
+const FADING = 1500;
+const DIGITS = 4;
+
+export class ModeList {
+  /** `paint(number)` is the colour of a mode; `onMode(number)` follows it. */
+  constructor(table, size, { paint, onMode }) {
+    Object.assign(this, { paint, onMode });
+    this.places = Math.max(0, DIGITS - Math.ceil(Math.log10(size)));
+    table.tHead.rows[0].innerHTML = '<th scope="col">mode</th><th scope="col">x</th><th scope="col">y</th>'
+      + '<th scope="col">z</th><th scope="col">condition</th>';
+    this.body = table.tBodies[0];
+    this.body.replaceChildren();
+    this.rows = new Map();
+  }
+
+  show(modes, followed, near) {
+    const numbers = new Set(modes.map(({ number }) => number));
+    for (const number of this.rows.keys()) if (!numbers.has(number)) this.drop(number);
+    // The list does not shrink while modes go, so that what is below it stays where it is.
+    const home = this.body.closest(".scroll");
+    home.style.minHeight = `${home.offsetHeight}px`;
+    for (const mode of modes) this.fill(this.rows.get(mode.number) ?? this.add(mode.number), mode, followed, near);
+  }
+
+  fill(row, { number, T, condition }, followed, near) {
+    const texts = [...Array.from(T, (x) => fixed(x, this.places)), short(condition < 1e6 ? condition : null, 3)];
+    texts.forEach((text, k) => {
+      const cell = row.cells[k + 1];
+      if (cell.textContent !== text) cell.textContent = text;
+    });
+    row.classList.toggle("near", near.has(number));
+    const isFollowed = number === followed;
+    if (isFollowed === row.hasAttribute("aria-current")) return;
+    row.toggleAttribute("aria-current", isFollowed);
+    if (isFollowed) {
+      row.setAttribute("aria-current", "true");
+      reveal(row);
+    }
+  }
+
+  add(number) {
+    const row = document.createElement("tr");
+    row.dataset.mode = String(number);
+    row.innerHTML = '<td><button type="button"><i class="chip"></i><span></span></button></td><td></td><td></td><td></td><td></td>';
+    row.querySelector("span").textContent = String(number);
+    row.querySelector("button").setAttribute("aria-label", `follow mode ${number}`);
+    row.querySelector(".chip").style.background = this.paint(number);
+    row.addEventListener("click", () => this.rows.has(number) && this.onMode(number));
+    this.rows.set(number, row);
+    const after = [...this.body.rows].find((other) => Number(other.dataset.mode) > number);
+    this.body.insertBefore(row, after ?? null);
+    return row;
+  }
+
+  drop(number) {
+    const row = this.rows.get(number);
+    this.rows.delete(number);
+    row.removeAttribute("aria-current");
+    row.classList.add("gone");
+    setTimeout(() => row.remove(), FADING);
+  }
+
+  repaint() {
+    for (const [number, row] of this.rows) row.querySelector(".chip").style.background = this.paint(number);
+  }
+}
+
+function fixed(value, places) {
+  const text = value.toFixed(places);
+  return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "−");
+}

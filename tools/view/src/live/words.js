@@ -1,0 +1,46 @@
+// What is said of the state, in words.
+import { short } from "../numbers.js";
+
+const plural = (count, one, many = `${one}s`) => `${count} ${count === 1 ? one : many}`;
+
+/** How sure the number of poses is: a sentence and its kind (good, open, busy). */
+export function accountText({ complete, expected, proved, real }, isCounted) {
+  if (complete) return { kind: "good", text: `complete, proved: ${plural(proved, "pose")}, ${real} real` };
+  if (proved < expected) {
+    return { kind: "open", text: `${proved} of ${plural(expected, "pose")} proved, ${expected - proved} missing; ${real} real known` };
+  }
+  const why = isCounted ? "that they are all different is not proved" : "that there are no more is not proved";
+  return { kind: "open", text: `${plural(proved, "pose")} proved, ${real} real; ${why}` };
+}
+
+/** What happened in a move; empty if nothing did. */
+export function eventText({ met = [], gone = [], passed = null }, followed) {
+  const said = [];
+  if (passed) said.push(`through a singular pose: from mode ${passed[0]} into mode ${passed[1]}`);
+  for (const { modes } of met) {
+    const numbers = modes.map(({ number }) => number);
+    said.push(`modes ${numbers.join(" and ")} have met and vanished${numbers.includes(followed) ? ", the one followed with them" : ""}`);
+  }
+  if (gone.length === 1) said.push(`mode ${gone[0].number} is no longer found`);
+  else if (gone.length) said.push(`modes ${gone.map(({ number }) => number).join(", ")} are no longer real`);
+  return said.join("; ");
+}
+
+/** Which two modes come near each other, and how near. */
+export function foldText(mode, { other }, { length, units }) {
+  const apart = Math.hypot(...mode.T.map((x, k) => x - other.T[k]));
+  const turn = turnBetween(mode.q, other.q);
+  return `near a fold: mode ${mode.number} and mode ${other.number} are ${short(apart, 3)} ${units.length} and `
+    + `${short(turn, 3)}° apart, condition ${short(mode.condition, 3)}`;
+}
+
+function turnBetween(p, q) {
+  const cosine = Math.min(1, Math.abs(p.reduce((sum, x, k) => sum + x * q[k], 0)));
+  const sine = Math.sqrt(Math.max(0, 1 - cosine * cosine));
+  return (2 * Math.atan2(sine, cosine) * 180) / Math.PI;
+}
+
+/** The share of each number of real modes in the map. */
+export function sharesText(shares) {
+  return shares.map(({ count, part }) => `${count}: ${part < 0.01 ? "below 1" : Math.round(100 * part)} %`).join(", ");
+}
