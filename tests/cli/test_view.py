@@ -26,6 +26,15 @@ def test_a_page_to_standard_output(gsp: Callable) -> None:
     assert outcome.out.rstrip().endswith("</html>")
 
 
+def test_a_page_that_solves(gsp: Callable, tmp_path: Path) -> None:
+    target = tmp_path / "live.html"
+    outcome = gsp("view", "@octahedral-3-3", "--live", "--set", "1=1.45", "-o", target)
+    assert (outcome.code, outcome.out) == (0, "")
+    text = target.read_text(encoding="utf-8")
+    assert '"values":[1.45,' in text
+    assert "WebAssembly" in text
+
+
 def test_a_track(gsp: Callable, tmp_path: Path) -> None:
     track, target = tmp_path / "track.csv", tmp_path / "view.html"
     track.write_text(TRACK, encoding="utf-8")
@@ -44,6 +53,9 @@ def test_values_can_be_set(gsp: Callable) -> None:
         (("@octahedral-3-3", "--mode", "5"), "found mode 5, expected one of the 4 real poses"),
         (("@octahedral-3-3", "-o", "view.docx"), "no format known from 'view.docx'"),
         (("@octahedral-3-3", "--track", "no.csv"), "no.csv: cannot be read"),
+        (("@octahedral-3-3", "--live", "-o", "x.svg"), "--live makes a page (html)"),
+        (("@octahedral-3-3", "--live", "--track", "t.csv"), "of a platform, without --track"),
+        (("@griffis-duffy", "--live"), "--live: this platform cannot be solved in a page: "),
         (("-", "--track", "-"), "SPEC and --track cannot both be standard input"),
     ],
 )

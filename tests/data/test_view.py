@@ -1,4 +1,4 @@
-"""The page of `gsp view`: what it is made of."""
+"""The pages of `gsp view`: what they are made of."""
 
 from __future__ import annotations
 
@@ -7,24 +7,30 @@ import json
 import re
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "tools" / "view"
-PAGE = ROOT / "data" / "view" / "page.html"
+VIEW = ROOT / "data" / "view"
+NAMES = ("page.html", "live.html")
+STYLES = {"page.html": ("style.css",), "live.html": ("style.css", "live.css")}
 
 
-def test_the_manifest_is_that_of_the_page() -> None:
-    manifest = json.loads((PAGE.parent / "manifest.json").read_text(encoding="utf-8"))
-    content = PAGE.read_bytes()
-    assert manifest["page"]["bytes"] == len(content)
-    assert manifest["page"]["sha256"] == hashlib.sha256(content).hexdigest()
+@pytest.mark.parametrize("name", NAMES)
+def test_the_manifest_is_that_of_the_page(name: str) -> None:
+    manifest = json.loads((VIEW / "manifest.json").read_text(encoding="utf-8"))
+    content = (VIEW / name).read_bytes()
+    assert manifest["pages"][name]["bytes"] == len(content)
+    assert manifest["pages"][name]["sha256"] == hashlib.sha256(content).hexdigest()
 
 
-def test_the_page_is_of_the_present_sources() -> None:
-    text = PAGE.read_text(encoding="utf-8")
-    style = (SOURCES / "src" / "style.css").read_text(encoding="utf-8").strip()
-    assert style in text
-    before, _, rest = (SOURCES / "src" / "page.html").read_text("utf-8").partition("@@style@@")
-    between = rest.partition("@@script@@")[0]
+@pytest.mark.parametrize("name", NAMES)
+def test_the_page_is_of_the_present_sources(name: str) -> None:
+    text = (VIEW / name).read_text(encoding="utf-8")
+    for style in STYLES[name]:
+        assert (SOURCES / "src" / style).read_text(encoding="utf-8").strip() in text
+    before, _, rest = (SOURCES / "src" / name).read_text("utf-8").partition("@@style@@")
+    between = re.split("@@(?:worker|script)@@", rest)[0]
     assert text.startswith(before)
     assert between in text
 
@@ -36,14 +42,23 @@ def test_versions_are_locked_without_naming_a_registry() -> None:
     assert all("integrity" in package for name, package in packages.items() if name)
 
 
-def test_the_licence_of_three_is_in_every_copy() -> None:
-    licence = (PAGE.parent / "LICENSE.three.txt").read_text(encoding="utf-8").strip()
+@pytest.mark.parametrize("name", NAMES)
+def test_the_licence_of_three_is_in_every_copy(name: str) -> None:
+    licence = (VIEW / "LICENSE.three.txt").read_text(encoding="utf-8").strip()
     assert licence.startswith("The MIT License")
-    assert licence in PAGE.read_text(encoding="utf-8")
+    assert licence in (VIEW / name).read_text(encoding="utf-8")
 
 
-def test_the_page_may_not_ask_for_anything() -> None:
-    policy = re.search(r'Content-Security-Policy" content="([^"]*)"', PAGE.read_text("utf-8"))
+@pytest.mark.parametrize("name", NAMES)
+def test_the_page_may_not_ask_for_anything(name: str) -> None:
+    text = (VIEW / name).read_text(encoding="utf-8")
+    policy = re.search(r'Content-Security-Policy" content="([^"]*)"', text)
     assert policy
     assert "default-src 'none'" in policy[1]
     assert "http" not in policy[1]
+    assert "'unsafe-eval'" not in policy[1]
+
+
+def test_scripts_are_small_modules() -> None:
+    for path in (SOURCES / "src").rglob("*.js"):
+        assert path.read_text(encoding="utf-8").count("\n") <= 350, path.name

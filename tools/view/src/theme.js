@@ -4,8 +4,13 @@ import { Color } from "three";
 const root = document.documentElement;
 const dark = matchMedia("(prefers-color-scheme: dark)");
 
+/** A colour of the style sheet by its name. */
 export function colour(name) {
-  return new Color(getComputedStyle(root).getPropertyValue(`--${name}`).trim());
+  return new Color(cssColour(name));
+}
+
+export function cssColour(name) {
+  return getComputedStyle(root).getPropertyValue(`--${name}`).trim();
 }
 
 export function setTheme(name) {

@@ -28,6 +28,18 @@ export class LiveStage extends Stage {
   /** Ghosts are kept from move to move. */
   buildGhosts() {}
 
+  /** Draw once after several changes. */
+  together(change) {
+    this.isHeld = true;
+    change();
+    this.isHeld = false;
+    this.draw();
+  }
+
+  draw() {
+    if (!this.isHeld) super.draw();
+  }
+
   /** Show all modes, one of them followed (or null), with what the constraints measure there. */
   showModes(modes, followed, measured) {
     const index = modes.indexOf(followed);

@@ -12,7 +12,7 @@ import { Model } from "./model.js";
 import { Motion } from "./motion.js";
 import { accountText, eventText, foldText } from "./words.js";
 import { approaching } from "./folds.js";
-import { modeColour, modePaint } from "./mode_colours.js";
+import { forgetColours, modeColour, modePaint } from "./mode_colours.js";
 
 const byId = (id) => document.getElementById(id);
 const json = (id) => JSON.parse(byId(id).textContent);
@@ -57,10 +57,15 @@ function choose(bond) {
 }
 
 function recolour() {
+  stage?.recolour((k) => (k in stage.live.numbers ? modePaint(stage.live.numbers[k]) : null), chosen);
+}
+
+/** After another theme. */
+function repaint() {
+  forgetColours();
   list.repaint();
   map.paint();
-  const numbers = model.modes.map(({ number }) => number);
-  stage?.recolour((k) => (k in numbers ? modePaint(numbers[k]) : null), chosen);
+  recolour();
 }
 
 /** Show the present state; `happened` is what the last move did. */
@@ -73,10 +78,11 @@ function show(happened = {}) {
   const shown = ahead ? [mode].filter(Boolean) : modes;
   scene.constraints.forEach((constraint, k) => (constraint.value = values[k]));
   list.show(shown, mode?.number ?? null, near);
-  stage?.showModes(shown, mode, mode && model.kernel.measure(mode.R, mode.T));
-  stage?.fade(happened.met ?? []);
-  const numbers = shown.map(({ number }) => number);
-  stage?.recolour((k) => (k in numbers ? modePaint(numbers[k]) : null), chosen);
+  stage?.together(() => {
+    stage.showModes(shown, mode, mode && model.kernel.measure(mode.R, mode.T));
+    stage.fade(happened.met ?? []);
+    recolour();
+  });
   motion.show(values, mode);
   map.show(values);
   tell(mode, fold, happened);
@@ -89,7 +95,7 @@ function tell(mode, fold, happened) {
   byId("status").textContent = said.text;
   byId("status").className = said.kind;
   byId("busy").hidden = !ahead;
-  byId("modes-heading").textContent = `Assembly modes (${account.real})`;
+  byId("modes-heading").textContent = `Assembly modes: ${account.real} real of ${account.expected}`;
   byId("followed").hidden = !mode;
   byId("no-mode").hidden = mode !== null;
   byId("no-mode").textContent = ahead ? "The followed mode could not be followed all the way." : account.real ? "No mode is followed. Choose one in the list." : "There is no real pose for these values.";
@@ -158,7 +164,7 @@ const map = new ModeMap(worker, live, names, (values) => motion.goTo(values));
 const link = new Link(model, map, { onState: (state) => motion.open(state) });
 map.onChoose = () => link.write();
 const display = new Display(stage, scene, {
-  recolour,
+  recolour: repaint,
   words: () => `${scene.title} mode ${model.followed} at ${model.values.map((x) => short(x, 4)).join(" ")}`,
 });
 display.listen({

@@ -1,4 +1,5 @@
 // The map: how many modes are real over two of the values, filled by the worker, coarse to fine.
+import { cssColour } from "../theme.js";
 import { sharesText } from "./words.js";
 
 const byId = (id) => document.getElementById(id);
@@ -99,13 +100,12 @@ export class ModeMap {
 
   /** Colours of the style sheet, from few to many. */
   colours() {
-    const style = getComputedStyle(document.documentElement);
-    const numbers = (name) => style.getPropertyValue(name).trim().match(/[0-9a-f]{2}/gi).map((hex) => parseInt(hex, 16));
-    const [low, middle, high] = ["--map-low", "--map-middle", "--map-high"].map(numbers);
+    const numbers = (name) => cssColour(name).match(/[0-9a-f]{2}/gi).map((hex) => parseInt(hex, 16));
+    const [low, middle, high] = ["map-low", "map-middle", "map-high"].map(numbers);
     const most = Math.max(8, ...this.counts);
     const mixed = (t) => (t < 0.5 ? [low, middle, 2 * t] : [middle, high, 2 * t - 1]);
     return (count) => {
-      if (count === OPEN) return numbers("--map-open");
+      if (count === OPEN) return numbers("map-open");
       const [a, b, t] = mixed(count / most);
       return a.map((x, k) => Math.round(x + t * (b[k] - x)));
     };

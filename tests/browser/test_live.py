@@ -1,0 +1,334 @@
+"""The page of `gsp view --live` in a real browser, opened as a file, without a network."""
+
+from __future__ import annotations
+
+import io
+import re
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+from gspcli.pictures.live_numbers import live_numbers
+from gspcli.pictures.live_page import live_page
+from gspcli.pictures.staging import scene_of
+from gspcli.resources import instance_files
+from gspcli.solver import solve
+from gspcli.spec import load, set_values
+
+if TYPE_CHECKING:
+    from conftest import Browser
+
+PATIENCE = 30.0
+NAME = "workspace-study"
+
+
+@pytest.fixture(scope="module")
+def live(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    folder = tmp_path_factory.mktemp("live")
+
+    def write(name: str = NAME) -> Path:
+        path = folder / f"{name}.html"
+        if not path.exists():
+            result = solve(load(instance_files()[name]))
+            home = 0 if result.home is None else result.home.number - 1
+            text = live_page(scene_of(result), live_numbers(result), home)
+            path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+def until(browser: Browser, script: str) -> None:
+    """Wait until an expression is true in the page."""
+    deadline = time.monotonic() + PATIENCE
+    while not browser.run(script):
+        assert time.monotonic() < deadline, f"never came: {script}; {browser.messages}"
+        time.sleep(0.02)
+
+
+def opened(browser: Browser, path: Path, fragment: str = "") -> None:
+    browser.call("Page.navigate", url="about:blank")
+    browser.open(path, fragment)
+    until(browser, "document.documentElement.dataset.ready === 'true'")
+
+
+def text(browser: Browser, element: str) -> str:
+    return str(browser.run(f"document.getElementById('{element}').textContent"))
+
+
+def give(browser: Browser, element: str, value: float) -> None:
+    """Type a number."""
+    browser.run(
+        f"(() => {{ const one = document.getElementById('{element}'); one.value = {value};"
+        " one.dispatchEvent(new Event('change')); })()"
+    )
+    settled(browser)
+
+
+def settled(browser: Browser) -> None:
+    """Wait for the next picture, and the one after."""
+    browser.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def modes(browser: Browser) -> dict[int, list[float]]:
+    """Return x, y, z and condition of each mode of the list."""
+    rows = browser.run(
+        "[...document.querySelectorAll('#modes tbody tr:not(.gone)')]"
+        ".map((row) => [...row.cells].map((cell) => cell.textContent))"
+    )
+    return {
+        int(number): [float(x.replace("−", "-").replace("∞", "inf")) for x in cells]
+        for number, *cells in rows
+    }
+
+
+def followed(browser: Browser) -> int:
+    return int(browser.run("document.querySelector('#modes [aria-current]').dataset.mode"))
+
+
+def is_what_solve_says(browser: Browser, name: str, values: dict[int, float]) -> None:
+    result = solve(set_values(load(instance_files()[name]), values))
+    total = len(result.solutions)
+    assert text(browser, "status") == (
+        f"complete, proved: {total} poses, {result.counts.real} real"
+    )
+    listed = sorted(tuple(row[:3]) for row in modes(browser).values())
+    places = 1 if name == NAME else 3
+    expected = sorted(
+        tuple((row.round(places) + 0.0).tolist()) for row in result.T.real[: result.counts.real]
+    )
+    np.testing.assert_allclose(listed, expected, atol=1.01 * 10.0**-places)
+
+
+@pytest.mark.parametrize("name", [NAME, "t-top-head", "example-6.8", "figure-3", "dietmaier"])
+def test_the_page_opens_without_errors_or_requests(
+    browser: Browser, live: Callable[..., Path], name: str
+) -> None:
+    path = live(name)
+    opened(browser, path)
+    result = solve(load(instance_files()[name]))
+    assert f", {result.counts.real} real" in text(browser, "status")
+    assert followed(browser) == (1 if result.home is None else result.home.number)
+    assert list(modes(browser)) == list(range(1, result.counts.real + 1))
+    assert browser.messages == []
+    assert [url for url in browser.requests if not url.startswith("blob:")] == [path.as_uri()]
+
+
+def test_the_pointer_drags_a_value(browser: Browser, live: Callable[..., Path]) -> None:
+    opened(browser, live())
+    left, top, width, height = browser.run(
+        "(({x, y, width, height}) => [x, y, width, height])"
+        "(document.querySelector('#values input[type=range]').getBoundingClientRect())"
+    )
+    middle = top + height / 2
+    at = left + 0.52 * width
+    browser.mouse("mousePressed", at, middle, button="left", clickCount=1)
+    for k in range(1, 6):
+        browser.mouse("mouseMoved", at - 8 * k, middle, button="left", buttons=1)
+        settled(browser)
+    browser.mouse("mouseReleased", at - 40, middle, button="left", clickCount=1)
+    settled(browser)
+    value = float(browser.run("document.getElementById('value-1').value"))
+    assert 380 < value < 410
+    assert followed(browser) == 16
+    is_what_solve_says(browser, NAME, {1: value})
+    assert browser.messages == []
+
+
+def test_modes_meet_in_a_fold_and_come_back_with_their_numbers(
+    browser: Browser, live: Callable[..., Path]
+) -> None:
+    opened(browser, live())
+    before = modes(browser)
+    for value in (415, 405, 402):
+        give(browser, "value-1", value)
+    assert text(browser, "event") == (
+        "modes 7 and 10 have met and vanished; modes 8 and 13 have met and vanished"
+    )
+    assert set(before) - set(modes(browser)) == {7, 8, 10, 13}
+    for value in (405, 415, 423.68345110029213):
+        give(browser, "value-1", value)
+    assert modes(browser) == before
+
+
+def test_the_pose_moves_and_values_are_measured(
+    browser: Browser, live: Callable[..., Path]
+) -> None:
+    opened(browser, live())
+    browser.run("document.querySelector('input[value=pose]').click()")
+    give(browser, "pose-x", 20)
+    give(browser, "pose-ry", 5)
+    values = browser.run(
+        "[1, 2, 3, 4, 5, 6].map((k) => document.getElementById(`value-${k}`).value)"
+    )
+    assert modes(browser)[followed(browser)][:3] == [20, 0, 400]
+    turned = "5° about (0, 1, 0)"
+    assert turned in text(browser, "pose")
+    is_what_solve_says(browser, NAME, {k: float(x) for k, x in enumerate(values, start=1)})
+
+
+def test_another_mode_is_followed(browser: Browser, live: Callable[..., Path]) -> None:
+    opened(browser, live())
+    browser.run("document.querySelector('#modes [data-mode=\"3\"] button').click()")
+    assert (followed(browser), text(browser, "followed-name")) == (3, "Mode 3")
+    browser.run("document.activeElement.blur()")
+    browser.key("ArrowRight")
+    assert followed(browser) == 4
+    browser.key("h")
+    assert followed(browser) == 16
+
+
+def test_a_ghost_is_followed_at_a_click(browser: Browser, live: Callable[..., Path]) -> None:
+    opened(browser, live("example-6.8"))
+    first = followed(browser)
+    left, top, width, height = browser.run(
+        "(({x, y, width, height}) => [x, y, width, height])(canvas.getBoundingClientRect())"
+    )
+    for k in range(400):
+        x, y = left + width * (k % 20 + 0.5) / 20, top + height * (k // 20 + 0.5) / 20
+        for event in ("mousePressed", "mouseReleased"):
+            browser.mouse(event, x, y, button="left", clickCount=1)
+        if followed(browser) != first:
+            break
+    assert followed(browser) != first
+
+
+def test_the_keyboard_moves_sliders_and_map(browser: Browser, live: Callable[..., Path]) -> None:
+    opened(browser, live())
+    value = "Number(document.getElementById('value-1').value)"
+    browser.run("document.querySelector('#values input[type=range]').focus()")
+    before = browser.run(value)
+    browser.key("ArrowLeft")
+    browser.key("ArrowLeft")
+    settled(browser)
+    assert browser.run(value) == pytest.approx(before - 0.2, abs=0.06)
+    browser.run("document.getElementById('map').focus()")
+    browser.key("ArrowRight")
+    settled(browser)
+    assert browser.run(value) == pytest.approx(before + 0.8, abs=0.06)
+
+
+def test_the_link_keeps_the_state(browser: Browser, live: Callable[..., Path]) -> None:
+    path = live()
+    opened(browser, path)
+    give(browser, "value-1", 430.5)
+    give(browser, "value-4", 420)
+    browser.run("document.querySelector('#modes [data-mode=\"12\"] button').click()")
+    until(browser, "location.hash.includes('mode')")
+    assert browser.run("location.hash") == "#1=430.5&4=420&mode=12"
+    there = modes(browser)
+    opened(browser, path, "#1=430.5&4=420&mode=12")
+    assert modes(browser) == there
+    assert followed(browser) == 12
+    browser.run("location.hash = '#2=425&mode=15'")
+    until(browser, "document.getElementById('value-2').value === '425'")
+    assert followed(browser) == 15
+    is_what_solve_says(browser, NAME, {2: 425})
+    opened(browser, path, "#1=nonsense&mode=99&9=2")
+    assert text(browser, "status") == "complete, proved: 28 poses, 16 real"
+
+
+def test_the_map_fills_with_numbers_of_real_modes(
+    browser: Browser, live: Callable[..., Path]
+) -> None:
+    opened(browser, live("figure-3"))
+    until(browser, "document.getElementById('map').dataset.filled === 'true'")
+    legend = browser.run(
+        "[...document.querySelectorAll('#map-legend li')]"
+        ".map((item) => [item.textContent, item.querySelector('i').style.background])"
+    )
+    colours = {
+        tuple(map(int, re.findall(r"\d+", colour))): int(words.split()[0])
+        for words, colour in legend
+        if not words.startswith("not all proved")
+    }
+    pixels = browser.run("[...map.getContext('2d').getImageData(0, 0, 128, 128).data]")
+    image = np.array(pixels).reshape(128, 128, 4)
+    instance = load(instance_files()["figure-3"])
+    ranges = live_numbers(solve(instance))["ranges"]
+    for column, row in ((3, 5), (40, 90), (64, 64), (100, 20), (120, 120)):
+        x, y = (
+            low + (high - low) * (k + 0.5) / 128
+            for k, (low, high) in zip((column, row), ranges, strict=False)
+        )
+        result = solve(set_values(instance, {1: x, 2: y}))
+        assert colours[tuple(image[127 - row, column, :3].tolist())] == result.counts.real
+    assert browser.run("map.getAttribute('aria-label')").startswith(
+        "Map of the number of real modes over values 1 and 2: "
+    )
+    assert browser.messages == []
+
+
+def test_the_map_moves_two_values(browser: Browser, live: Callable[..., Path]) -> None:
+    opened(browser, live("figure-3"))
+    browser.run(
+        "(() => { const x = document.getElementById('map-x'); x.value = '2';"
+        " x.dispatchEvent(new Event('change')); })()"
+    )
+    browser.run("map.scrollIntoView()")
+    left, top, width, height = browser.run(
+        "(({x, y, width, height}) => [x, y, width, height])(map.getBoundingClientRect())"
+    )
+    x, y = left + 0.75 * width, top + 0.25 * height
+    browser.mouse("mousePressed", x, y, button="left", clickCount=1)
+    browser.mouse("mouseReleased", x, y, button="left", clickCount=1)
+    settled(browser)
+    values = [float(browser.run(f"document.getElementById('value-{k}').value")) for k in (3, 2)]
+    assert values == pytest.approx([3.85 + 0.75 * 3.3, 4.2 + 0.75 * 3.6], rel=0.01)
+    until(browser, "location.hash.includes('map=3,2')")
+    assert browser.messages == []
+
+
+def picture(browser: Browser) -> np.ndarray:
+    return matplotlib.image.imread(io.BytesIO(browser.screenshot()), format="png")[..., :3]
+
+
+def test_light_and_dark(browser: Browser, live: Callable[..., Path]) -> None:
+    browser.prefer("dark")
+    opened(browser, live("figure-3"))
+    assert picture(browser)[300, 500].max() < 0.5
+    browser.key("d")
+    settled(browser)
+    assert picture(browser)[10, 500].min() > 0.8
+
+
+@pytest.mark.parametrize("width", [360, 800, 1280])
+def test_nothing_is_wider_than_the_window(
+    browser: Browser, live: Callable[..., Path], width: int
+) -> None:
+    browser.size(width, 740)
+    opened(browser, live("figure-3"))
+    assert browser.run("document.documentElement.scrollWidth") == width
+    beyond: list[Any] = browser.run(
+        "[...document.querySelectorAll('.panel *, .told *')]"
+        ".filter((one) => one.checkVisibility() && !one.closest('.scroll, .unseen'))"
+        ".filter((one) => one.getBoundingClientRect().right > innerWidth)"
+        ".map((one) => one.outerHTML)"
+    )
+    assert beyond == []
+
+
+def test_without_webgl_it_solves(browser: Browser, live: Callable[..., Path]) -> None:
+    script = """const all = HTMLCanvasElement.prototype.getContext;
+        HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+          return kind === "2d" ? all.call(this, kind, ...more) : null; }"""
+    added = browser.call("Page.addScriptToEvaluateOnNewDocument", source=script)
+    opened(browser, live())
+    browser.call("Page.removeScriptToEvaluateOnNewDocument", identifier=added["identifier"])
+    assert "needs WebGL" in text(browser, "notice")
+    give(browser, "value-1", 430)
+    is_what_solve_says(browser, NAME, {1: 430})
+
+
+def test_what_changed_is_spoken(browser: Browser, live: Callable[..., Path]) -> None:
+    opened(browser, live())
+    give(browser, "value-1", 402)
+    until(browser, "document.getElementById('spoken').textContent.includes('12 real')")
+    assert text(browser, "spoken").startswith(
+        "complete, proved: 28 poses, 12 real; mode 16, condition "
+    )

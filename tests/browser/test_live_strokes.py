@@ -1,0 +1,84 @@
+"""What the page that solves draws of constraints is what the scenes of Python have."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from gspcli.pictures.scene import Scene
+from gspcli.pictures.staging import scene_of
+from gspcli.resources import instance_files
+from gspcli.solver import solve
+from gspcli.spec import load
+from tools.recording import ROOT
+
+if TYPE_CHECKING:
+    from conftest import Browser
+
+SOURCES = ROOT / "tools" / "view" / "src" / "live"
+MODULES = ("vectors.js", "rotations.js", "strokes.js")
+#: Shorter guides are rounding errors.
+SEEN = 1e-9
+#: All kinds among them; feet beyond what is drawn of lines and planes.
+NAMES = ("example-6.8", "figure-3", "six-planes", "surfaces-ppp", "figure-2", "point-on-line")
+
+
+@pytest.fixture(scope="module")
+def draw(chromium: Browser) -> Any:
+    chromium.call("Page.navigate", url="about:blank")
+    texts = [(SOURCES / name).read_text("utf-8") for name in MODULES]
+    lines = [line for text in texts for line in text.splitlines() if not line.startswith("import")]
+    chromium.run("\n".join(lines).replace("export ", "") + "\n0")
+
+    def run(constraint: Any, pose: Any, size: float) -> Any:
+        given = ", ".join(json.dumps(x) for x in (constraint, pose, size))
+        return json.loads(chromium.run(f"JSON.stringify(strokesAt({given}))"))
+
+    return run
+
+
+def bodies(scene: Scene) -> list[dict[str, Any]]:
+    """Return each constraint with both primitives as they are drawn."""
+    found = {
+        body.name: {
+            element.name: {
+                "primitive": element.primitive.value,
+                "outline": element.outline.tolist(),
+                "direction": None if element.direction is None else element.direction.tolist(),
+            }
+            for element in body.elements
+        }
+        for body in (scene.platform, scene.base)
+    }
+    return [
+        {
+            "kind": bond.kind.name,
+            "platform": found["platform"][bond.platform_name],
+            "base": found["base"][bond.base_name],
+        }
+        for bond in scene.bonds
+    ]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_strokes_are_those_of_the_scene(draw: Any, name: str) -> None:
+    scene = scene_of(solve(load(instance_files()[name])))
+    modes = scene.series[0]
+    for k in range(len(modes)):
+        pose = {"R": modes.R[k].ravel().tolist(), "T": modes.T[k].tolist()}
+        for i, constraint in enumerate(bodies(scene)):
+            found = draw(constraint, pose, scene.size)
+            np.testing.assert_allclose(found["label"], modes.labels[k, i], atol=1e-7 * scene.size)
+            expected = [(s.style.value, s.points[k]) for s in modes.strokes[i]]
+            drawn = [(stroke["style"], np.array(stroke["points"])) for stroke in found["strokes"]]
+            # A guide that no pose needs is none there, and a point here.
+            drawn, expected = (
+                [x for x in each if x[0] != "guide" or np.ptp(x[1], axis=0).max() > SEEN]
+                for each in (drawn, expected)
+            )
+            assert [style for style, _ in drawn] == [style for style, _ in expected]
+            for (_, points), (_, right) in zip(drawn, expected, strict=True):
+                np.testing.assert_allclose(points, right, atol=1e-7 * scene.size)
