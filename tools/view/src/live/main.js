@@ -108,9 +108,9 @@ function tell(mode, fold, happened) {
       ...(clearance === undefined ? [] : [["clearance", clearance > 0 ? `${short(clearance, 3)} ${scene.units.length}, proved` : "none proved"]]),
     ]);
   }
-  const event = eventText(happened, model.followed);
+  const event = eventText(happened);
   if (event) {
-    byId("event").textContent = event;
+    byId("event").textContent = byId("event").title = event;
     clearTimeout(forgotten);
     forgotten = setTimeout(() => (byId("event").textContent = ""), EVENT);
   }
@@ -163,6 +163,8 @@ const motion = new Motion(model, scene, live, worker, show);
 const map = new ModeMap(worker, live, names, (values) => motion.goTo(values));
 const link = new Link(model, map, { onState: (state) => motion.open(state) });
 map.onChoose = () => link.write();
+// A small picture has no room for names at first.
+scene.names &&= window.innerWidth > 700;
 const display = new Display(stage, scene, {
   recolour: repaint,
   words: () => `${scene.title} mode ${model.followed} at ${model.values.map((x) => short(x, 4)).join(" ")}`,

@@ -47,7 +47,8 @@ export class Model {
   }
 
   mode(number, { R, T }, isProved) {
-    return { number, R, T, q: quaternion(R), condition: this.kernel.condition(R, T), isProved };
+    const q = quaternion(R);
+    return { number, R, T, q: q[0] < 0 ? q.map((x) => -x) : q, condition: this.kernel.condition(R, T), isProved };
   }
 
   count({ complete, expected, proved, poses }) {
@@ -84,7 +85,11 @@ export class Model {
       const half = this.values.map((x, i) => (x + to[i]) / 2);
       const first = this.go(half, this.kernel.solve(half), { parts: parts - 1 });
       const second = this.go(to, found, { parts: parts - 1 });
-      return { met: [...first.met, ...second.met], gone: [...first.gone, ...second.gone] };
+      return {
+        met: [...first.met, ...second.met],
+        gone: [...first.gone, ...second.gone],
+        followed: first.followed ?? second.followed,
+      };
     }
     const happened = this.lose(step.lost, to);
     this.modes = step.carried.map(({ mode, pose, isProved }) => this.mode(mode.number, pose, isProved));
@@ -92,6 +97,7 @@ export class Model {
     this.modes.sort((a, b) => a.number - b.number);
     this.values = to;
     this.count(found);
+    happened.followed = this.followed;
     if (!this.current) this.followed = null;
     return happened;
   }

@@ -13,13 +13,14 @@ export function accountText({ complete, expected, proved, real }, isCounted) {
   return { kind: "open", text: `${plural(proved, "pose")} proved, ${real} real; ${why}` };
 }
 
-/** What happened in a move; empty if nothing did. */
-export function eventText({ met = [], gone = [], passed = null }, followed) {
+/** What happened in a move, in which `followed` was followed; empty if nothing did. */
+export function eventText({ met = [], gone = [], passed = null, followed = null }) {
   const said = [];
   if (passed) said.push(`through a singular pose: from mode ${passed[0]} into mode ${passed[1]}`);
-  for (const { modes } of met) {
-    const numbers = modes.map(({ number }) => number);
-    said.push(`modes ${numbers.join(" and ")} have met and vanished${numbers.includes(followed) ? ", the one followed with them" : ""}`);
+  if (met.length) {
+    const pairs = met.map(({ modes }) => modes.map(({ number }) => number));
+    const lost = pairs.flat().includes(followed) ? "; none is followed now" : "";
+    said.push(`modes ${pairs.map(([a, b]) => `${a} and ${b}`).join(", ")} have met and vanished${lost}`);
   }
   if (gone.length === 1) said.push(`mode ${gone[0].number} is no longer found`);
   else if (gone.length) said.push(`modes ${gone.map(({ number }) => number).join(", ")} are no longer real`);
