@@ -120,7 +120,7 @@ export class Stage {
       this.labels.add(
         String(constraint.number),
         `bond${constraint.kind.startsWith("A") ? " angle" : ""}`,
-        () => (this.series?.T.length ? this.toScene(this.series.labels[this.index][k]) : null),
+        () => (this.series?.labels[this.index] ? this.toScene(this.series.labels[this.index][k]) : null),
         "on",
       ),
     );

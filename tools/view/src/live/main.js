@@ -105,7 +105,7 @@ function tell(mode, fold, happened) {
     const clearance = kernel.clearance?.(mode.R, mode.T);
     fillList(byId("pose"), [
       ...poseFacts(scene, Array.from(mode.T), mode.q, mode.condition < Infinity ? mode.condition : null),
-      ...(clearance === undefined ? [] : [["clearance", clearance > 0 ? `${short(clearance, 3)} ${scene.units.length}, proved` : "none proved"]]),
+      ...(clearance === undefined ? [] : [["clearance", clearance > 0 ? `at least ${short(clearance, 3)} ${scene.units.length}` : "none proved"]]),
     ]);
   }
   const event = eventText(happened);
@@ -158,7 +158,7 @@ const model = new Model(kernel, scene.size, live.values, scene.start + 1);
 stage = openStage();
 const worker = openWorker();
 const names = scene.constraints.map(({ number, platform, base }) => `${number}: ${platform}–${base}`);
-const list = new ModeList(byId("modes"), scene.size, { paint: modeColour, onMode: follow });
+const list = new ModeList(byId("mode-list"), scene.size, { paint: modeColour, onMode: follow });
 const motion = new Motion(model, scene, live, worker, show);
 const map = new ModeMap(worker, live, names, (values) => motion.goTo(values));
 const link = new Link(model, map, { onState: (state) => motion.open(state) });

@@ -16,7 +16,8 @@ export class ModeMap {
   constructor(worker, live, names, onMove) {
     Object.assign(this, { worker, live, onMove });
     const usable = live.ranges.flatMap(([low, high], i) => (high > low ? [i] : []));
-    byId("map-part").hidden = usable.length < 2;
+    this.isShown = usable.length > 1;
+    byId("map-part").hidden = !this.isShown;
     this.first = usable.slice(0, 2);
     this.which = [...this.first];
     this.canvas = byId("map");
@@ -51,6 +52,7 @@ export class ModeMap {
   /** Show where we are; the map begins again if one of the other values is another one. */
   show(values) {
     this.values = values;
+    if (!this.isShown) return;
     byId("map-x").value = String(this.which[0]);
     byId("map-y").value = String(this.which[1]);
     const [x, y] = this.which.map((i) => part(values[i], this.live.ranges[i]));

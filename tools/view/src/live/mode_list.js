@@ -4,16 +4,16 @@ import { short } from "../numbers.js";
 
 const FADING = 1500;
 const DIGITS = 4;
+const HEADS = ["mode", "x", "y", "z", "condition"];
 
 export class ModeList {
   /** `paint(number)` is the colour of a mode; `onMode(number)` follows it. */
-  constructor(table, size, { paint, onMode }) {
+  constructor(home, size, { paint, onMode }) {
     Object.assign(this, { paint, onMode });
     this.places = Math.max(0, DIGITS - Math.ceil(Math.log10(size)));
-    table.tHead.rows[0].innerHTML = '<th scope="col">mode</th><th scope="col">x</th><th scope="col">y</th>'
-      + '<th scope="col">z</th><th scope="col">condition</th>';
-    this.body = table.tBodies[0];
-    this.body.replaceChildren();
+    home.innerHTML = `<div class="scroll" tabindex="0"><table id="modes"><thead><tr>${HEADS.map((text) =>
+      `<th scope="col">${text}</th>`).join("")}</tr></thead><tbody></tbody></table></div>`;
+    this.body = home.querySelector("tbody");
     this.rows = new Map();
   }
 
