@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import re
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,9 +20,8 @@ from gspcli.solver import solve
 from gspcli.spec import load, set_values
 
 if TYPE_CHECKING:
-    from conftest import Browser
+    from tools.browser import Browser
 
-PATIENCE = 30.0
 NAME = "workspace-study"
 
 
@@ -43,18 +41,10 @@ def live(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     return write
 
 
-def until(browser: Browser, script: str) -> None:
-    """Wait until an expression is true in the page."""
-    deadline = time.monotonic() + PATIENCE
-    while not browser.run(script):
-        assert time.monotonic() < deadline, f"never came: {script}; {browser.messages}"
-        time.sleep(0.02)
-
-
 def opened(browser: Browser, path: Path, fragment: str = "") -> None:
     browser.call("Page.navigate", url="about:blank")
     browser.open(path, fragment)
-    until(browser, "document.documentElement.dataset.ready === 'true'")
+    browser.wait("document.documentElement.dataset.ready === 'true'")
 
 
 def text(browser: Browser, element: str) -> str:
@@ -67,12 +57,7 @@ def give(browser: Browser, element: str, value: float) -> None:
         f"(() => {{ const one = document.getElementById('{element}'); one.value = {value};"
         " one.dispatchEvent(new Event('change')); })()"
     )
-    settled(browser)
-
-
-def settled(browser: Browser) -> None:
-    """Wait for the next picture, and the one after."""
-    browser.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    browser.settle()
 
 
 def modes(browser: Browser) -> dict[int, list[float]]:
@@ -130,9 +115,9 @@ def test_the_pointer_drags_a_value(browser: Browser, live: Callable[..., Path]) 
     browser.mouse("mousePressed", at, middle, button="left", clickCount=1)
     for k in range(1, 6):
         browser.mouse("mouseMoved", at - 8 * k, middle, button="left", buttons=1)
-        settled(browser)
+        browser.settle()
     browser.mouse("mouseReleased", at - 40, middle, button="left", clickCount=1)
-    settled(browser)
+    browser.settle()
     value = float(browser.run("document.getElementById('value-1').value"))
     assert 380 < value < 410
     assert followed(browser) == 16
@@ -205,11 +190,11 @@ def test_the_keyboard_moves_sliders_and_map(browser: Browser, live: Callable[...
     before = browser.run(value)
     browser.key("ArrowLeft")
     browser.key("ArrowLeft")
-    settled(browser)
+    browser.settle()
     assert browser.run(value) == pytest.approx(before - 0.2, abs=0.06)
     browser.run("document.getElementById('map').focus()")
     browser.key("ArrowRight")
-    settled(browser)
+    browser.settle()
     assert browser.run(value) == pytest.approx(before + 0.8, abs=0.06)
 
 
@@ -219,14 +204,14 @@ def test_the_link_keeps_the_state(browser: Browser, live: Callable[..., Path]) -
     give(browser, "value-1", 430.5)
     give(browser, "value-4", 420)
     browser.run("document.querySelector('#modes [data-mode=\"12\"] button').click()")
-    until(browser, "location.hash.includes('mode')")
+    browser.wait("location.hash.includes('mode')")
     assert browser.run("location.hash") == "#1=430.5&4=420&mode=12"
     there = modes(browser)
     opened(browser, path, "#1=430.5&4=420&mode=12")
     assert modes(browser) == there
     assert followed(browser) == 12
     browser.run("location.hash = '#2=425&mode=15'")
-    until(browser, "document.getElementById('value-2').value === '425'")
+    browser.wait("document.getElementById('value-2').value === '425'")
     assert followed(browser) == 15
     is_what_solve_says(browser, NAME, {2: 425})
     opened(browser, path, "#1=nonsense&mode=99&9=2")
@@ -237,7 +222,7 @@ def test_the_map_fills_with_numbers_of_real_modes(
     browser: Browser, live: Callable[..., Path]
 ) -> None:
     opened(browser, live("figure-3"))
-    until(browser, "document.getElementById('map').dataset.filled === 'true'")
+    browser.wait("document.getElementById('map').dataset.filled === 'true'")
     legend = browser.run(
         "[...document.querySelectorAll('#map-legend li')]"
         ".map((item) => [item.textContent, item.querySelector('i').style.background])"
@@ -277,10 +262,10 @@ def test_the_map_moves_two_values(browser: Browser, live: Callable[..., Path]) -
     x, y = left + 0.75 * width, top + 0.25 * height
     browser.mouse("mousePressed", x, y, button="left", clickCount=1)
     browser.mouse("mouseReleased", x, y, button="left", clickCount=1)
-    settled(browser)
+    browser.settle()
     values = [float(browser.run(f"document.getElementById('value-{k}').value")) for k in (3, 2)]
     assert values == pytest.approx([3.85 + 0.75 * 3.3, 4.2 + 0.75 * 3.6], rel=0.01)
-    until(browser, "location.hash.includes('map=3,2')")
+    browser.wait("location.hash.includes('map=3,2')")
     assert browser.messages == []
 
 
@@ -293,7 +278,7 @@ def test_light_and_dark(browser: Browser, live: Callable[..., Path]) -> None:
     opened(browser, live("figure-3"))
     assert picture(browser)[300, 500].max() < 0.5
     browser.key("d")
-    settled(browser)
+    browser.settle()
     assert picture(browser)[10, 500].min() > 0.8
 
 
@@ -328,7 +313,7 @@ def test_without_webgl_it_solves(browser: Browser, live: Callable[..., Path]) ->
 def test_what_changed_is_spoken(browser: Browser, live: Callable[..., Path]) -> None:
     opened(browser, live())
     give(browser, "value-1", 402)
-    until(browser, "document.getElementById('spoken').textContent.includes('12 real')")
+    browser.wait("document.getElementById('spoken').textContent.includes('12 real')")
     assert text(browser, "spoken").startswith(
         "complete, proved: 28 poses, 12 real; mode 16, condition "
     )

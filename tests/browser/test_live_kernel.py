@@ -16,7 +16,7 @@ from tools.recording import ROOT
 from tools.verify.live import compared
 
 if TYPE_CHECKING:
-    from conftest import Browser
+    from tools.browser import Browser
 
 STATES = 12
 #: Planar plates, poses far away, cranks, planes with sides, three angles, lines, products.

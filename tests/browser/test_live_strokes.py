@@ -16,7 +16,7 @@ from gspcli.spec import load
 from tools.recording import ROOT
 
 if TYPE_CHECKING:
-    from conftest import Browser
+    from tools.browser import Browser
 
 SOURCES = ROOT / "tools" / "view" / "src" / "live"
 MODULES = ("vectors.js", "rotations.js", "strokes.js")

@@ -1,4 +1,4 @@
-"""The gallery of the site: a drawing of every shipped instance, and its page of `gsp view`."""
+"""The gallery of the site: a drawing of every shipped instance, and its live page."""
 
 from __future__ import annotations
 
@@ -17,6 +17,8 @@ VIEWS = "views"
 _GROUPS = {"platforms": "Real platforms", "examples": "The paper's platforms and special positions"}
 #: 0 is done; poses that are infinitely many are shown by a sample, missing ones not at all.
 _SHOWN = (0, 3)
+#: What is tried, by suffix: not every platform has a page that solves.
+_WAYS: dict[str, tuple[tuple[str, ...], ...]] = {"svg": ((),), "html": (("--live",), ())}
 
 
 def write(folder: Path) -> list[Path]:
@@ -25,21 +27,28 @@ def write(folder: Path) -> list[Path]:
     Those that are younger than the instance and the page's program are kept.
     """
     (folder / VIEWS).mkdir(parents=True, exist_ok=True)
-    program = (data_directory() / "view" / "page.html").stat().st_mtime
+    programs = ("view/page.html", "view/live.html", "live/kernel.wasm.gz")
+    program = max((data_directory() / name).stat().st_mtime for name in programs)
     files = []
     for name, source in instance_files().items():
-        for suffix in ("svg", "html"):
+        for suffix in _WAYS:
             path = folder / VIEWS / f"{name}.{suffix}"
             files.append(path)
             youngest = max(program, source.stat().st_mtime)
-            if path.exists() and path.stat().st_mtime > youngest:
-                continue
-            with contextlib.redirect_stderr(io.StringIO()) as errors:
-                code = run(["view", str(source), "-o", str(path)])
-            if code not in _SHOWN or not path.exists():
-                message = f"gsp view @{name} ended with {code}: {errors.getvalue()}"
-                raise RuntimeError(message)
+            if not path.exists() or path.stat().st_mtime <= youngest:
+                _write(name, source, path)
     return files
+
+
+def _write(name: str, source: Path, path: Path) -> None:
+    """Write a drawing or page in the first way that there is."""
+    for way in _WAYS[path.suffix[1:]]:
+        with contextlib.redirect_stderr(io.StringIO()) as errors:
+            code = run(["view", str(source), *way, "-o", str(path)])
+        if code in _SHOWN and path.exists():
+            return
+    message = f"gsp view @{name} ended with {code}: {errors.getvalue()}"
+    raise RuntimeError(message)
 
 
 def grid() -> str:

@@ -231,7 +231,7 @@ STEPS = (
         ),
         "tools.build.drawings --check",
     ),
-    Step("turning-picture", ("docs/images/modes.gif",), "tools.build.turning_picture --check"),
+    Step("live-picture", ("docs/images/live.webp",), "tools.build.live_picture --check"),
     Step("peer-table", ("README.md",), "tools.build.peer_table --check"),
     Step("shown-output", ("README.md", "docs/*.md"), "tools.build.shown_output --check"),
     Step(

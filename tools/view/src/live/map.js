@@ -10,6 +10,8 @@ const OPEN = -1;
 const NONE = -2;
 /** Milliseconds for which other values must rest before the map begins again. */
 const REST = 120;
+/** Milliseconds between two legends while it fills. */
+const TOLD = 500;
 
 export class ModeMap {
   /** `onMove(values)` goes where the map was pointed at. */
@@ -23,6 +25,7 @@ export class ModeMap {
     this.canvas = byId("map");
     this.canvas.width = this.canvas.height = CELLS;
     this.context = this.canvas.getContext("2d");
+    this.image = this.context.createImageData(CELLS, CELLS);
     this.counts = new Int16Array(CELLS * CELLS).fill(NONE);
     this.id = 0;
     for (const select of [byId("map-x"), byId("map-y")]) {
@@ -71,6 +74,8 @@ export class ModeMap {
   begin() {
     this.id += 1;
     this.isFresh = true;
+    this.isFilled = false;
+    this.canvas.dataset.filled = "false";
     this.ends();
     const { values, which, id } = this;
     const cells = this.live.quick ? CELLS : CELLS / 4;
@@ -96,15 +101,15 @@ export class ModeMap {
       const [column, row, side] = [0, 1, 2].map((n) => squares[k + n] * scale);
       for (let y = row; y < row + side; y += 1) this.counts.fill(squares[k + 3], y * CELLS + column, y * CELLS + column + side);
     }
+    this.isFilled = filled;
     this.paint();
-    if (filled || performance.now() > (this.told ?? 0) + 500) this.tell(filled);
   }
 
   /** Colours of the style sheet, from few to many. */
   colours() {
     const numbers = (name) => cssColour(name).match(/[0-9a-f]{2}/gi).map((hex) => parseInt(hex, 16));
     const [low, middle, high] = ["map-low", "map-middle", "map-high"].map(numbers);
-    const most = Math.max(8, ...this.counts);
+    const most = this.counts.reduce((a, b) => Math.max(a, b), 8);
     const mixed = (t) => (t < 0.5 ? [low, middle, 2 * t] : [middle, high, 2 * t - 1]);
     return (count) => {
       if (count === OPEN) return numbers("map-open");
@@ -113,23 +118,39 @@ export class ModeMap {
     };
   }
 
+  /** Paint once before the next picture, however much has come. */
   paint() {
-    const image = this.context.createImageData(CELLS, CELLS);
-    const colour = this.colours();
-    const known = new Map();
-    this.counts.forEach((count, k) => {
-      if (count === NONE) return;
-      if (!known.has(count)) known.set(count, colour(count));
-      const [column, row] = [k % CELLS, CELLS - 1 - Math.floor(k / CELLS)];
-      image.data.set([...known.get(count), 255], 4 * (row * CELLS + column));
+    this.painting ??= requestAnimationFrame(() => {
+      this.painting = null;
+      this.paintNow();
     });
-    this.context.putImageData(image, 0, 0);
-    this.palette = known;
+  }
+
+  paintNow() {
+    const colour = this.colours();
+    const pixels = new Uint32Array(this.image.data.buffer);
+    this.palette = new Map();
+    const opaque = new Uint32Array(1000);
+    for (const count of new Set(this.counts)) {
+      if (count === NONE) continue;
+      const [red, green, blue] = colour(count);
+      this.palette.set(count, [red, green, blue]);
+      opaque[count - NONE] = (255 << 24) | (blue << 16) | (green << 8) | red;
+    }
+    for (let row = 0; row < CELLS; row += 1) {
+      const there = (CELLS - 1 - row) * CELLS;
+      for (let column = 0; column < CELLS; column += 1) {
+        pixels[there + column] = opaque[this.counts[row * CELLS + column] - NONE];
+      }
+    }
+    this.context.putImageData(this.image, 0, 0);
+    const now = performance.now();
+    if (this.isFilled || now > (this.told ?? 0) + TOLD) this.tell(now);
   }
 
   /** The legend, and the same in words. */
-  tell(isFilled) {
-    this.told = performance.now();
+  tell(now) {
+    this.told = now;
     const cells = new Map();
     for (const count of this.counts) cells.set(count, (cells.get(count) ?? 0) + 1);
     const all = this.counts.length - (cells.get(NONE) ?? 0);
@@ -147,10 +168,10 @@ export class ModeMap {
       item.append(share);
       return item;
     }));
-    byId("map-state").textContent = isFilled ? "" : "filling …";
+    byId("map-state").textContent = this.isFilled ? "" : "filling …";
     const [x, y] = this.which.map((i) => i + 1);
     this.canvas.setAttribute("aria-label", `Map of the number of real modes over values ${x} and ${y}: ${sharesText(shares)}`);
-    this.canvas.dataset.filled = String(isFilled);
+    this.canvas.dataset.filled = String(this.isFilled);
   }
 
   /** Pointer and arrow keys move the two values. */
