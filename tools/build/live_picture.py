@@ -30,7 +30,7 @@ from tools.recording import ROOT, UNABLE, parser, save, sha256
 
 PICTURE = ROOT / "docs" / "images" / "live.webp"
 MACHINE = "workspace-study"
-WIDTH, HEIGHT, SCALE = 1240, 760, 0.75
+WIDTH, HEIGHT, SCALE = 1240, 820, 0.75
 #: Milliseconds of a frame, and of the last.
 FRAME, LAST = 140, 1600
 QUALITY = 60
