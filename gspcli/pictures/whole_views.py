@@ -6,6 +6,8 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
 from gspcli.motion.poses.chosen_mode import chosen_mode
 from gspcli.pictures.line_drawings import drawing
+from gspcli.pictures.live_numbers import live_numbers
+from gspcli.pictures.live_page import live_page
 from gspcli.pictures.page import page
 from gspcli.pictures.projection import View
 from gspcli.pictures.staging import scene_of
@@ -23,6 +25,7 @@ def view(
     all_modes: bool = False,
     seen_from: tuple[float, float] | None = None,
     names: bool = True,
+    live: bool = False,
 ) -> bytes:
     """Return the content of a file that shows a platform, as `gsp view` writes it.
 
@@ -41,22 +44,29 @@ def view(
         Azimuth and elevation, degrees.
     names
         Whether primitives and constraints are named in the picture.
+    live
+        Whether the page solves again when values or the pose are moved.
 
     Raises
     ------
     ArgumentError
-        If there is no such format.
+        If there is no such format, or it is no page and is to be live.
     GspError
-        If there is no such mode.
+        If there is no such mode, or a page cannot solve this platform.
     """
     if fmt not in (_PAGE, *_DRAWINGS):
         message = f"found {shown(fmt)}, expected {listed((_PAGE, *_DRAWINGS))}"
+        raise ArgumentError(message, "fmt")
+    if live and fmt != _PAGE:
+        message = f"found a {fmt} that is to be live, expected {_PAGE}"
         raise ArgumentError(message, "fmt")
     result = solve(platform) if isinstance(platform, Instance) else platform
     drawn, seen = result.drawn, None if seen_from is None else View(*seen_from)
     start = 0
     if mode is not None or result.home is not None:
         start = chosen_mode(mode, result.home, drawn.counts.real) - 1
+    if live:
+        return live_page(scene_of(result), live_numbers(result), start, seen, names=names).encode()
     if fmt == _PAGE:
         return page(scene_of(result), start, None, seen, names=names).encode()
     alone = not all_modes and drawn.counts.real > 0

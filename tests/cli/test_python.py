@@ -246,6 +246,9 @@ def test_a_view_is_a_page_or_a_drawing(hexapod) -> None:
     result = gspcli.solve(hexapod)
     assert gspcli.view(hexapod) == gspcli.view(result, mode=result.home.number)
     assert gspcli.view(result).startswith(b"<!doctype html>")
+    assert len(gspcli.view(result, live=True)) > len(gspcli.view(result)) + 200_000
+    with pytest.raises(gspcli.ArgumentError, match="expected html"):
+        gspcli.view(result, "svg", live=True)
     drawn = gspcli.view(result, "svg", mode=2, seen_from=(20, 40), names=False)
     assert drawn != gspcli.view(result, "svg", names=False)
     assert drawn.startswith(b"<?xml")
