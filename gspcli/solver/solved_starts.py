@@ -51,10 +51,13 @@ class SolvedPlatform(NamedTuple):
     """The count of the geometry, if it is known."""
 
     def has_geometry_of(self, instance: Instance) -> bool:
-        """Whether an instance differs in its values only, exactly."""
-        return all(
-            (a.kind, a.side, a.platform, a.base) == (b.kind, b.side, b.platform, b.base)
-            for a, b in zip(self.instance.constraints, instance.constraints, strict=True)
+        """Whether an instance differs in its values only, exactly, or in cones and cranks."""
+        ours, theirs = self.instance, instance
+        return [(a.kind, a.side) for a in ours.constraints] == [
+            (b.kind, b.side) for b in theirs.constraints
+        ] and all(
+            (a.position, getattr(a, "vector", None)) == (b.position, getattr(b, "vector", None))
+            for a, b in zip(ours.primitives, theirs.primitives, strict=True)
         )
 
 

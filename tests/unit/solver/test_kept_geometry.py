@@ -8,6 +8,7 @@ import pytest
 
 from gspcli.certification import counting
 from gspcli.geometry.numbers import Number
+from gspcli.pictures.live_numbers import standing
 from gspcli.resources import data_path
 from gspcli.solver import by_count, solve, solve_batch
 from gspcli.solver.geometry_start import StartMethod, geometry_start
@@ -234,3 +235,14 @@ def test_a_count_that_disagrees_proves_nothing_of_far_poses():
     found = solve(instance, starts=fewer)
     assert found.verdict == "complete"
     assert len(found.R) == 36
+
+
+def test_cranks_are_no_part_of_a_geometry():
+    instance = platform("platforms", "t-top-head")
+    starts = SolvedStarts()
+    solve(instance, starts=starts)
+    rods = np.array([row.value.value for row in instance.constraints])
+    rows = rods * (1 + 0.01 * np.random.default_rng(3).uniform(-1, 1, (8, 6)))
+    batch = solve_batch(standing(instance), rows, starts=starts)
+    assert batch.proved.all()
+    assert not batch.others
