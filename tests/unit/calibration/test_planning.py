@@ -71,11 +71,9 @@ def test_planned_poses_are_within_reach(plan):
     # Cones, too, which this machine has.
     machine = gspcli.load(data_path("platforms", "workspace-study-cones.yaml"))
     home = gspcli.solve(machine)
-    kept = within_limits(
-        machine, values_at(machine, home.R.real, home.T.real), home.R.real, home.T.real
-    )
-    k = int(np.flatnonzero(kept & home.real)[0])
-    there = home.R[k].real, home.T[k].real
+    R, T = home.R[home.real].real, home.T[home.real].real
+    k = int(np.flatnonzero(within_limits(machine, values_at(machine, R, T), R, T))[0])
+    there = R[k], T[k]
     R, T, cranks = candidates(machine, Model.of(machine), *there, 0, count=200)
     assert (len(R), cranks) == (200, None)
     assert within_limits(machine, values_at(machine, R, T), R, T).all()
