@@ -43,9 +43,9 @@ STEP, JUMP = 0.02, 10
 SAME = 1e-10
 #: Condition numbers, which grow as rounding errors do, by less of themselves times the number.
 CONDITION = 1e-11
-#: Clearances are proved bounds that depend on the choice of bases, where singular values are equal
-#: (of symmetric platforms) by a few hundredths.
-NEAR = 0.1
+#: Clearances are proved bounds. Where singular values are equal, as at home of symmetric platforms,
+#: they depend on bases that are chosen at random by the last bits: by up to 14 % there.
+NEAR = 0.2
 
 
 @dataclass(frozen=True)
