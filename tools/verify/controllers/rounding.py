@@ -1,6 +1,6 @@
 """Audit the bounds of rounding of a controller's step in ball arithmetic, and record it.
 
-    python -m tools.verify.controllers.rounding [--each 10000] [--jobs 2] [--work FOLDER]
+    python -m tools.verify.controllers.rounding [--each 16000] [--jobs 2] [--work FOLDER]
         [--check [--sample N]]
 
 A proof of a step needs to know by how much the equations and their derivatives in doubles differ
@@ -226,7 +226,7 @@ def _parts(
 def main() -> int:
     """Write the record, or check it."""
     line = options(__doc__)
-    line.add_argument("--each", type=int, default=10_000, help="poses of each platform")
+    line.add_argument("--each", type=int, default=16_000, help="poses of each platform")
     arguments = line.parse_args()
     chosen = sampled(names(), arguments.sample) if arguments.check else names()
     rows = results(
