@@ -209,7 +209,5 @@ def _parallel(result: SolveResult) -> list[str]:
 
 def _ground(result: SolveResult) -> list[str]:
     """Say what the verdict is proved by, if not by the type's own count."""
-    proof = result.proof
-    if proof is None or not proof.error:
-        return []
-    return [f"proved by the {proof.by} modulo a random prime: error below {proof.error:.0e}"]
+    said = "" if result.proof is None else result.proof.reservation
+    return [said] if said else []

@@ -8,6 +8,7 @@ the numbers of the step of a controller. It is written once; the page has no oth
 from __future__ import annotations
 
 import base64
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -85,10 +86,11 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``values`` of the file and the ``ranges`` of sliders (readings, distances to planes without
-        sign), ``kinds``, ``units``, the index of the ``home`` mode or None, the ``sides`` of values
-        (1, -1, 0 for both; None without sides), whether a solve is ``quick``, the ``proof`` of the
-        count or None, and the ``numbers``, doubles in base64.
+        ``values`` of the file, the ``ranges`` of sliders (readings, distances to planes without
+        sign) and the ``limits`` of what values can be (None: no limit), ``kinds``, ``units``, the
+        index of the ``home`` mode or None, the ``sides`` of values (1, -1, 0 for both; None without
+        sides), whether a solve is ``quick``, the ``proof`` of the count or None and its
+        ``reservation`` in words, and the ``numbers``, doubles in base64.
 
     Raises
     ------
@@ -124,6 +126,7 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
     return {
         "values": readings_of(instance, _values(instance), signed=False).tolist(),
         "ranges": ranges,
+        "limits": _limits(instance),
         "kinds": [row.kind.name for row in written],
         "units": [
             instance.units.length if row.kind.is_distance else instance.units.angle.value
@@ -133,6 +136,7 @@ def live_numbers(result: SolveResult) -> dict[str, Any]:
         "home": None if result.home is None else result.home.number - 1,
         "quick": geometry.found <= _QUICK,
         "proof": geometry.proof and geometry.proof.to_json(),
+        "reservation": "" if geometry.proof is None else geometry.proof.reservation,
         "numbers": numbers.text(),
     }
 
@@ -143,7 +147,7 @@ def live_module() -> str:
 
 
 def _cannot(why: str) -> GspError:
-    return GspError(f"--live: this platform cannot be solved in a page: {why}")
+    return GspError(f"a page cannot solve this platform: {why}")
 
 
 def standing(instance: Instance) -> Instance:
@@ -195,6 +199,13 @@ def _range(instance: Instance, i: int, value: float) -> list[float]:
         return [value * (1 - _PART), value * (1 + _PART)]
     least, most = value_range(row.kind, instance.units.angle)
     return [value + _PART * (least - value), value + _PART * (most - value)]
+
+
+def _limits(instance: Instance) -> list[list[float | None]]:
+    """Return the least and the greatest value that a pose can have, of each constraint."""
+    ends = np.array([value_range(row.kind, instance.units.angle) for row in instance.constraints])
+    readings = readings_of(instance, ends.T, signed=False).T
+    return [[x if math.isfinite(x) else None for x in pair] for pair in readings.tolist()]
 
 
 def _geometry(problem: Problem, rows: Array) -> Geometry | None:

@@ -7,6 +7,7 @@ numbers from which it solves (`gspcli.pictures.live_numbers`).
 from __future__ import annotations
 
 from collections.abc import Mapping
+from html import escape
 from typing import Any
 
 from gspcli.pictures.live_numbers import live_module
@@ -39,4 +40,6 @@ def live_page(
         Whether primitives and constraints are named at first.
     """
     said = parts(scene, start, view, {"start": start, "names": names})
+    if live["reservation"]:
+        said["footer"] += escape(f" That no pose is missing is {live['reservation']}.")
     return filled("live.html", {**said, "live": data(live), "module": live_module()})

@@ -40,6 +40,13 @@ class Proof:
         """Return a proof by a count modulo a random prime; None if the bound of its error is 1."""
         return cls(by, error) if error < 1 else None
 
+    @property
+    def reservation(self) -> str:
+        """What the proof rests on besides, in words; nothing if it holds for every prime."""
+        if not self.error:
+            return ""
+        return f"proved by the {self.by} modulo a random prime: error below {self.error:.0e}"
+
     def to_json(self) -> dict[str, Any]:
         """Return the proof as plain data: `modulo_random_prime` is false or the error bound."""
         return {"by": self.by.value, "modulo_random_prime": self.error or False}

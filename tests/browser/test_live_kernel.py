@@ -76,4 +76,25 @@ def test_of_random_types(kernel: Any, number: int) -> None:
 
     instance = random_instance(type_by_number(number), np.random.default_rng(number))[0]
     row = compared(str(number), instance, 4, kernel)
-    assert row.refused or (row.verdicts, row.numbers, row.poses, row.conditions) == (0, 0, 0, 0)
+    assert (row.refused, row.states) == ("", 4)
+    assert (row.verdicts, row.numbers, row.poses, row.conditions) == (0, 0, 0, 0)
+
+
+@pytest.mark.parametrize(
+    ("name", "row", "value"),
+    [("rubin-m2", 0, -0.493), ("surfaces-ppp", 3, -61.0), ("surfaces-ppp", 4, 91.0)],
+)
+def test_of_values_that_no_pose_has_nothing_is_said(
+    chromium: Browser, kernel: Any, name: str, row: int, value: float
+) -> None:
+    from gspcli.pictures.live_numbers import live_numbers
+    from gspcli.solver import solve
+
+    live = live_numbers(solve(load(instance_files()[name])))
+    states = np.array([live["values"]] * 3)
+    states[1, row], states[2, row] = value, np.nan
+    # NaN is JavaScript, if not JSON.
+    given = (json.dumps(x) for x in (live_module(), live, states.tolist()))
+    found = json.loads(chromium.run(RUN % tuple(given)))["found"]
+    assert [one["complete"] for one in found] == [True, False, False]
+    assert [one["proved"] for one in found[1:]] == [0, 0]

@@ -55,7 +55,7 @@ def test_values_can_be_set(gsp: Callable) -> None:
         (("@octahedral-3-3", "--track", "no.csv"), "no.csv: cannot be read"),
         (("@octahedral-3-3", "--live", "-o", "x.svg"), "--live makes a page (html)"),
         (("@octahedral-3-3", "--live", "--track", "t.csv"), "of a platform, without --track"),
-        (("@griffis-duffy", "--live"), "--live: this platform cannot be solved in a page: "),
+        (("@griffis-duffy", "--live"), "a page cannot solve this platform: "),
         (("-", "--track", "-"), "SPEC and --track cannot both be standard input"),
     ],
 )

@@ -72,6 +72,13 @@ def test_a_value_of_zero_stays():
     assert all(found["ranges"][k] == [0, 0] for k in zero)
 
 
+def test_limits_are_what_values_can_be():
+    found = numbers_of("surfaces-ppp")
+    assert found["kinds"] == ["DPH", "DHP", "DLL", "ALL", "ALH", "AHH"]
+    heights, angles = [None, None], ([0, 180], [-90, 90], [0, 180])
+    assert found["limits"] == [heights, heights, [0, None], *angles]
+
+
 def test_cranks_stand_still():
     instance = gspcli.load(instance_files()["t-top-head"])
     still = standing(instance)

@@ -43,6 +43,12 @@ def test_the_page_is_one_small_file(name: str) -> None:
     assert not re.search(r"\bfetch\(|XMLHttpRequest|importScripts|WebSocket", written(text))
 
 
+def test_what_the_count_rests_on_is_said() -> None:
+    said = "no pose is missing is proved by the geometry count modulo a random prime: error below"
+    assert said in content("octahedral-3-3")
+    assert "random prime" not in content("dietmaier").partition("<footer")[2]
+
+
 def written(text: str) -> str:
     """Return the page without three.js, which could load textures if it were asked to."""
     start = text.index('<script type="module">')

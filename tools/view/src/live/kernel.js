@@ -1,7 +1,7 @@
 // The kernel in WebAssembly (tools/view/module/): all poses of a platform for other values, what poses
 // measure, proved steps. The same in the page, in its worker and in Node.
 
-/** Instances from base64, compressed. */
+/** A module from base64, compressed. */
 export async function unpacked(text) {
   const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
@@ -52,6 +52,7 @@ class Kernel {
     this.exports = exports;
     this.sides = live.sides;
     this.slow = !live.quick;
+    this.limits = live.limits;
     this.isProof = live.proof !== null;
     const numbers = doubles(live.numbers);
     const at = exports.gsp_room(numbers.length);
@@ -71,8 +72,20 @@ class Kernel {
     return this.exports.gsp_start();
   }
 
+  /** Whether poses can have these values: distances are not negative, angles end. */
+  isPossible(values) {
+    return values.every((x, i) => {
+      const [low, high] = this.limits[i];
+      return Number.isFinite(x) && (low === null || x >= low) && (high === null || x <= high);
+    });
+  }
+
   /** All real poses for six values. */
   solve(values) {
+    // Beyond their ends the equations and the error of a sine are of other values.
+    if (!this.isPossible(values)) {
+      return { complete: false, isPossible: false, expected: this.expected, proved: 0, poses: [] };
+    }
     this.exchange().set(values);
     const real = this.exports.gsp_solve();
     const [proved, complete] = this.exchange();
@@ -83,7 +96,7 @@ class Kernel {
       T: numbers.subarray(12 * k + 9, 12 * k + 12),
       proved: true,
     }));
-    return { complete: complete > 0 && this.isProof, expected: this.expected, proved, poses };
+    return { complete: complete > 0 && this.isProof, isPossible: true, expected: this.expected, proved, poses };
   }
 
   /** The values of a pose. */

@@ -17,7 +17,7 @@ export class Model {
     this.start = { values, poses: [] };
     this.values = values;
     this.modes = [];
-    this.account = { complete: false, expected: kernel.expected, proved: 0, real: 0 };
+    this.account = { complete: false, isPossible: true, expected: kernel.expected, proved: 0, real: 0 };
     this.folds = [];
     this.highest = 0;
     this.followed = null;
@@ -51,8 +51,8 @@ export class Model {
     return { number, R, T, q: q[0] < 0 ? q.map((x) => -x) : q, condition: this.kernel.condition(R, T), isProved };
   }
 
-  count({ complete, expected, proved, poses }) {
-    this.account = { complete, expected, proved, real: poses.length };
+  count({ complete, isPossible, expected, proved, poses }) {
+    this.account = { complete, isPossible, expected, proved, real: poses.length };
   }
 
   get current() {

@@ -25,7 +25,7 @@ export class Motion {
       values: new Sliders(byId("values"), scene.constraints.map(value), (values) => this.goTo(values)),
       pose: new Sliders(byId("coordinates"), POSE.map(coordinate), (numbers) => this.want({ numbers })),
     };
-    this.sliders.values.use(live.ranges);
+    this.sliders.values.use(live.ranges, live.limits);
     for (const input of document.querySelectorAll("input[name=moved]")) {
       input.addEventListener("change", () => this.turnTo(input.value));
     }

@@ -33,8 +33,10 @@ class Slider {
     home.append(this.row);
   }
 
-  use(low, high) {
-    Object.assign(this, { low, high, decimals: decimalsFor(high - low || 1) });
+  /** Slide from low to high; numbers that are typed may be beyond these, but within the limits. */
+  use(low, high, [least, most] = [null, null]) {
+    Object.assign(this, { low, high, least: least ?? -Infinity, most: most ?? Infinity });
+    this.decimals = decimalsFor(high - low || 1);
     this.range.disabled = this.number.disabled = !(high > low);
   }
 
@@ -46,7 +48,7 @@ class Slider {
 
   type() {
     const value = this.number.valueAsNumber;
-    if (Number.isFinite(value)) this.give(value);
+    if (Number.isFinite(value)) this.give(Math.min(Math.max(value, this.least), this.most));
     else this.show(this.value);
   }
 
@@ -58,7 +60,8 @@ class Slider {
     const step = Math.max(10 ** -this.decimals, (this.high - this.low) / STEPS) * (event.shiftKey ? 10 : 1);
     const next = this.value + way * step;
     const isRange = event.target === this.range;
-    this.give(Number((isRange ? Math.min(Math.max(next, this.low), this.high) : next).toFixed(this.decimals)));
+    const [low, high] = isRange ? [this.low, this.high] : [this.least, this.most];
+    this.give(Number(Math.min(Math.max(next, low), high).toFixed(this.decimals)));
   }
 
   give(value) {
@@ -88,8 +91,8 @@ export class Sliders {
     this.numbers = [];
   }
 
-  use(ranges) {
-    this.parts.forEach((part, k) => part.use(...ranges[k]));
+  use(ranges, limits = []) {
+    this.parts.forEach((part, k) => part.use(...ranges[k], limits[k]));
   }
 
   show(numbers) {

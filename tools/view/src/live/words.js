@@ -4,7 +4,8 @@ import { short } from "../numbers.js";
 const plural = (count, one, many = `${one}s`) => `${count} ${count === 1 ? one : many}`;
 
 /** How sure the number of poses is: a sentence and its kind (good, open, busy). */
-export function accountText({ complete, expected, proved, real }, isCounted) {
+export function accountText({ complete, isPossible, expected, proved, real }, isCounted) {
+  if (!isPossible) return { kind: "open", text: "no pose has such values: distances are not negative, angles have ends" };
   if (complete) return { kind: "good", text: `complete, proved: ${plural(proved, "pose")}, ${real} real` };
   if (proved < expected) {
     return { kind: "open", text: `${proved} of ${plural(expected, "pose")} proved, ${expected - proved} missing; ${real} real known` };
