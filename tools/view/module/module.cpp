@@ -33,15 +33,15 @@ class Platform {
     double values[kEquations];
     values_.correct(readings, values);
     Found best(0);
-    const int ways = pool_.stages() + 2;
-    for (int way = pool_.stages() > 0 ? 0 : pool_.stages(); way < ways; ++way) {
-      const bool reduced = way < pool_.stages(), careful = way == ways - 1;
-      if (!reduced && !careful && pool_.stages() > 0) continue;
-      const Ends ends = reduced ? pool_.follow(values_, values, way) : whole_.follow(values_, values, careful);
+    const auto is_enough = [&](const Ends& ends) {
       Found found = decide(values, ends);
-      if (is_complete(found)) return found;
       if (found.poses() >= best.poses()) best = std::move(found);
-    }
+      return is_complete(best);
+    };
+    for (int stage = 0; stage < pool_.stages(); ++stage)
+      if (is_enough(pool_.follow(values_, values, stage))) return best;
+    if (pool_.stages() == 0 && is_enough(whole_.follow(values_, values, false))) return best;
+    is_enough(whole_.follow(values_, values, true));
     return best;
   }
 
