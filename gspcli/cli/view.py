@@ -23,7 +23,6 @@ from gspcli.wording import shown
 if TYPE_CHECKING:
     from gspcli.pictures.projection import View
     from gspcli.pictures.scene import Scene
-    from gspcli.pictures.shown_poses import Poses
     from gspcli.solver import SolveResult
 
 #: From the zenith, in degrees.
@@ -107,10 +106,8 @@ def command(
         message = f"--live makes a page ({_PAGE}) of a platform, without --track"
         raise click.UsageError(message)
     from gspcli.cli.summary import summary
-    from gspcli.pictures.line_drawings import drawing
-    from gspcli.pictures.page import page
-    from gspcli.pictures.staging import scene_of
     from gspcli.pictures.tracks import read_tracks
+    from gspcli.pictures.whole_views import viewed
     from gspcli.solver import solve
 
     view = _view(seen_from)
@@ -123,52 +120,24 @@ def command(
         output = replace(output, path=path)
     with working("solving"):
         result = solve(instance)
-    paged, names = output.format == _PAGE, not no_names
-    start = _start(result.drawn, mode) if paged or not all_modes else 0
-    content: str | bytes
-    if paged:
-        said = " ".join(f"{line}." for line in summary(result, certify=True))
-        scene = scene_of(result, tracks, summary=said)
-        if live:
-            content = _live(result, scene, start, view, names=names)
-        else:
-            first = _first_series(scene, tracks, result.drawn, start)
-            content = page(scene, start, first, view, names=names)
-    else:
-        alone = not all_modes and result.drawn.counts.real > 0
-        scene = scene_of(result, only=start if alone else None)
-        content = drawing(scene, output.format, range(len(scene.series[0])), view, names=names)
+    paged = output.format == _PAGE
+    with working("preparing the picture"):
+        scene, content = viewed(
+            result,
+            output.format,
+            _start(result.drawn, mode) if paged or not all_modes else 0,
+            all_modes=all_modes,
+            view=view,
+            names=not no_names,
+            live=live,
+            tracks=tracks,
+            summary=" ".join(f"{line}." for line in summary(result, certify=True)) if paged else "",
+        )
     write(output, content)
     if output.path is not None:
-        _say(output.path, scene, len(content.encode() if isinstance(content, str) else content))
+        _say(output.path, scene, len(content))
         if opened:
             click.launch(output.path.resolve().as_uri())
-
-
-def _live(result: SolveResult, scene: Scene, start: int, view: View | None, *, names: bool) -> str:
-    """Return the page that solves."""
-    from gspcli.pictures.live_numbers import live_numbers
-    from gspcli.pictures.live_page import live_page
-
-    with working("preparing the page"):
-        numbers = live_numbers(result)
-    return live_page(scene, numbers, start, view, names=names)
-
-
-def _first_series(scene: Scene, tracks: list[Poses], result: SolveResult, start: int) -> int | None:
-    """Return the series that the page opens on: the trajectory that begins nearest to a mode."""
-    if not tracks:
-        return None
-    import numpy as np
-
-    from gspcli.solver.home_mode import distances
-
-    before, nearest = len(scene.series) - len(tracks), 0
-    if result.counts.real:
-        R, T = (np.stack([getattr(one, part)[0] for one in tracks]) for part in "RT")
-        moved, turned = distances(R, T, result.R[start].real, result.T[start].real)
-        nearest = int(np.hypot(moved / result.arrangement.length, turned).argmin())
-    return before + nearest
 
 
 def _view(text: str | None) -> View | None:

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
 from gspcli.motion.poses.chosen_mode import chosen_mode
 from gspcli.pictures.line_drawings import drawing
-from gspcli.pictures.live_numbers import live_numbers
-from gspcli.pictures.live_page import live_page
 from gspcli.pictures.page import page
 from gspcli.pictures.projection import View
+from gspcli.pictures.scene import Scene
+from gspcli.pictures.shown_poses import Poses
 from gspcli.pictures.staging import scene_of
 from gspcli.solver import SolveResult, solve
+from gspcli.solver.home_mode import distances
 from gspcli.wording import listed, shown
 
 _PAGE, _DRAWINGS = "html", ("svg", "png", "pdf")
@@ -61,14 +66,65 @@ def view(
         message = f"found a {fmt} that is to be live, expected {_PAGE}"
         raise ArgumentError(message, "fmt")
     result = solve(platform) if isinstance(platform, Instance) else platform
-    drawn, seen = result.drawn, None if seen_from is None else View(*seen_from)
+    seen = None if seen_from is None else View(*seen_from)
     start = 0
     if mode is not None or result.home is not None:
-        start = chosen_mode(mode, result.home, drawn.counts.real) - 1
-    if live:
-        return live_page(scene_of(result), live_numbers(result), start, seen, names=names).encode()
+        start = chosen_mode(mode, result.home, result.drawn.counts.real) - 1
+    return viewed(result, fmt, start, all_modes=all_modes, view=seen, names=names, live=live)[1]
+
+
+def viewed(
+    result: SolveResult,
+    fmt: str,
+    start: int,
+    *,
+    all_modes: bool = False,
+    view: View | None = None,
+    names: bool = True,
+    live: bool = False,
+    tracks: Sequence[Poses] = (),
+    summary: str = "",
+) -> tuple[Scene, bytes]:
+    """Return the scene of a result and the content of a file that shows it.
+
+    Parameters
+    ----------
+    result, fmt, all_modes, names, live
+        As for the function `view`.
+    start
+        The index of the real pose that is shown (first).
+    view
+        From where it is seen first; a usual one if None.
+    tracks, summary
+        Of a page, as for `scene_of`.
+    """
     if fmt == _PAGE:
-        return page(scene_of(result), start, None, seen, names=names).encode()
-    alone = not all_modes and drawn.counts.real > 0
+        scene = scene_of(result, tracks, summary=summary)
+        if live:
+            from gspcli.pictures.live_numbers import live_numbers
+            from gspcli.pictures.live_page import live_page
+
+            text = live_page(scene, live_numbers(result), start, view, names=names)
+        else:
+            text = page(
+                scene, start, _first_series(scene, tracks, result, start), view, names=names
+            )
+        return scene, text.encode()
+    alone = not all_modes and result.drawn.counts.real > 0
     scene = scene_of(result, only=start if alone else None)
-    return drawing(scene, fmt, range(len(scene.series[0])), seen, names=names)
+    return scene, drawing(scene, fmt, range(len(scene.series[0])), view, names=names)
+
+
+def _first_series(
+    scene: Scene, tracks: Sequence[Poses], result: SolveResult, start: int
+) -> int | None:
+    """Return the series that the page opens on: the trajectory that begins nearest to a mode."""
+    if not tracks:
+        return None
+    drawn = result.drawn
+    before, nearest = len(scene.series) - len(tracks), 0
+    if drawn.counts.real:
+        R, T = (np.stack([getattr(one, part)[0] for one in tracks]) for part in "RT")
+        moved, turned = distances(R, T, drawn.R[start].real, drawn.T[start].real)
+        nearest = int(np.hypot(moved / drawn.arrangement.length, turned).argmin())
+    return before + nearest
