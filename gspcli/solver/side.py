@@ -141,7 +141,7 @@ class Side:
         new = ~self._is_known(ends.points)
         index = np.flatnonzero(new)
         # One of each pair of conjugates is enough.
-        source = index[_sources(ends.points[index])]
+        source = index[conjugate_sources(ends.points[index])]
         sought = index[source == index]
         bits = FIRST_PRECISION * ends.digits // 16
         near = ends.take(sought)
@@ -202,22 +202,34 @@ class Side:
         ).on_sides(self.problem.choices[self.k : self.k + 1])
 
 
-def _sources(points: Field) -> Index:
+def is_nearly_real(point: Field) -> bool:
+    """Whether a Study point, shape (8,), may be one of a real pose."""
+    unit, size = _in_patch(point)
+    return bool(np.abs(unit.imag / size).max() < _NEARLY_REAL)
+
+
+def conjugate_sources(points: Field) -> Index:
     """Return for each Study point an earlier one whose conjugate it is, else itself, shape (k,).
 
     Lost paths may end at no point at all; those are nobody's conjugates.
     """
     source = np.arange(len(points))
     for i, point in enumerate(points):
+        if is_nearly_real(point):
+            continue
         k = np.abs(point[:4]).argmax()
         others = points[:i].conj()
         with np.errstate(divide="ignore", invalid="ignore"):
-            unit = point / point[k]
-            size = np.repeat([1.0, np.abs(unit[4:]).max()], 4)
-            if np.abs(unit.imag / size).max() < _NEARLY_REAL:
-                continue
+            unit, size = _in_patch(point)
             gaps = np.abs((others / others[:, k : k + 1] - unit) / size).max(axis=1, initial=0.0)
         alike = np.flatnonzero(gaps < _KNOWN)
         if len(alike):
             source[i] = source[alike[0]]
     return source
+
+
+def _in_patch(point: Field) -> tuple[Field, NDArray[np.float64]]:
+    """Return a point whose largest coordinate of e is 1, and the sizes of its parts."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        unit = point / point[np.abs(point[:4]).argmax()]
+        return unit, np.repeat([1.0, np.abs(unit[4:]).max()], 4)

@@ -27,13 +27,15 @@ class Further(IntEnum):
     """Ends that are simple beyond doubt, but which double precision does not prove."""
     WITH_32_DIGITS = 1
     """Paths that have led nowhere, with 32 digits."""
-    EARLY_ELIMINATION = 2
+    FROM_TURNED_DIRECTIONS = 2
+    """Poses far away because directions are nearly parallel."""
+    EARLY_ELIMINATION = 3
     """Eigenvectors, where most paths lead nowhere."""
-    WITH_64_DIGITS = 3
+    WITH_64_DIGITS = 4
     """Paths that have still led nowhere, with 64 digits."""
-    BY_ELIMINATION = 4
+    BY_ELIMINATION = 5
     """Eigenvectors with more and more bits."""
-    ALONG_OTHER_PATHS = 5
+    ALONG_OTHER_PATHS = 6
     """All paths along other random ones, where some have jumped."""
 
 
@@ -41,6 +43,7 @@ _ROOM = "gspcli.solver.strategies"
 _FURTHER = {
     Further.IN_BALLS: "more_digits",
     Further.WITH_32_DIGITS: "more_digits",
+    Further.FROM_TURNED_DIRECTIONS: "turned_directions",
     Further.EARLY_ELIMINATION: "elimination",
     Further.WITH_64_DIGITS: "more_digits",
     Further.BY_ELIMINATION: "elimination",

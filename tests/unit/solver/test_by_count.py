@@ -118,7 +118,7 @@ def test_the_end_of_a_lost_path_may_be_no_point() -> None:
     ends = np.array(
         [[0j] * 8, [np.nan] * 8, [1, 2j, 3, 4, 5, 6, 7j, 8], [1, -2j, 3, 4, 5, 6, -7j, 8]]
     )
-    assert side._sources(ends).tolist() == [0, 1, 2, 2]
+    assert side.conjugate_sources(ends).tolist() == [0, 1, 2, 2]
 
 
 def test_many_paths_astray_are_not_followed_before_a_count(monkeypatch: pytest.MonkeyPatch) -> None:

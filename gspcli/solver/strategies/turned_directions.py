@@ -1,0 +1,48 @@
+"""Poses far away because directions of a body are nearly parallel: from where these differ more."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from gspcli.certification.poses.turned_directions import TurnedDirections, TurnedEquations
+from gspcli.continuation.quadrics import ComplexArray
+from gspcli.solver.problem import Problem
+from gspcli.solver.side import Side, conjugate_sources, is_nearly_real
+
+#: By how much directions shall differ, each tried in turn, negative for the other side: poses are
+#: found there with 32 digits.
+_APART = (3e-3, -3e-3)
+
+
+def from_turned_directions(side: Side) -> Iterator[None]:
+    """Follow the poses of a platform whose directions are turned apart."""
+    turned = TurnedDirections.of(side.problem.instance) if len(side.unresolved) else None
+    if turned is None:
+        return
+    for apart in _APART:
+        equations = TurnedEquations(turned, side.locator, side.sides, apart)
+        problem = side.problem.like(equations.instance)
+        for point, low in _ends(problem, side.k):
+            side.found.add([equations.locate(problem.locator, point, low)])
+            side.found.add_conjugates()
+            yield
+        side.found.add_close_conjugates()
+        yield
+
+
+def _ends(problem: Problem, k: int) -> Iterator[tuple[ComplexArray, ComplexArray]]:
+    """Yield ends of paths with 32 digits: real ones first, which may meet, then the farthest."""
+    paths = problem.tracked[k]
+    first = paths.first()
+    others = paths.track(np.flatnonzero(~first.simple), problem.target(k), digits=32)
+    parts = [first.take(first.simple), *(ends.take(ends.converged) for _, ends in others)]
+    points = np.concatenate([ends.points for ends in parts])
+    low = [more for ends in parts for more in ends.low]
+    norm = np.abs((points[:, :4] ** 2).sum(axis=1)) / np.abs(points).max(axis=1) ** 2
+    source = conjugate_sources(points)
+    for i in np.lexsort((norm, [not is_nearly_real(point) for point in points])).tolist():
+        # One of each pair of conjugates is enough.
+        if source[i] == i:
+            yield points[i], low[i]

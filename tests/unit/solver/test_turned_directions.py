@@ -1,0 +1,77 @@
+"""Directions of a body that are nearly parallel: poses far away, and side by side, are found."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from flint import arb, ctx
+
+from gspcli.catalogue.names import parse_type
+from gspcli.certification.poses.turned_directions import TurnedDirections
+from gspcli.geometry.instance import Constraint, Instance
+from gspcli.geometry.numbers import Number
+from gspcli.geometry.primitives import Line
+from gspcli.solver import solve
+from gspcli.solver.generate import random_instance
+
+
+def _nearly_parallel(names: str, eps: Fraction, sign: int = 1) -> Instance:
+    """Return a platform two of whose base lines are parallel up to eps."""
+    instance, _ = random_instance(parse_type(names), np.random.default_rng(1))
+    rows = sorted(instance.constraints, key=lambda row: not isinstance(row.base, Line))
+    first, second = rows[:2]
+    assert isinstance(first.base, Line)
+    near = [sign * _fraction(number) for number in first.base.vector]
+    turned = [x + eps * k for x, k in zip(near, (1, -2, 3), strict=True)]
+    line = Line(second.base.position, [Number.of(x) for x in turned])
+    rows[1] = Constraint(second.kind, second.platform, line, second.value, second.side)
+    return Instance(tuple(rows), instance.units)
+
+
+def _fraction(number: Number) -> Fraction:
+    assert number.fraction is not None
+    return number.fraction
+
+
+@pytest.mark.parametrize("power", [14, 20])
+def test_poses_far_away_are_found_and_proved(power: int) -> None:
+    result = solve(_nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**power)))
+    assert (result.verdict, result.counts.certified) == ("complete", 160)
+    assert result.proof is not None
+    assert result.proof.by.name == "TYPE"
+    # Those of parallel lines are 128; the others go to infinity with the angle.
+    far = np.abs(result.T).max(axis=1) > 1 / np.float64(f"1e-{power}") ** 0.9
+    assert far.sum() >= 16
+
+
+def test_differences_are_multiplied_and_nothing_else_changes() -> None:
+    instance = _nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**20), sign=-1)
+    turned = TurnedDirections.of(instance)
+    assert turned is not None
+    assert 1e-21 < turned.angle < 1e-19
+    with ctx.workprec(600):
+        same, apart = turned.at(arb(1)), turned.at(arb(10) ** 17)
+    for row, other, given in zip(
+        same.constraints, apart.constraints, instance.constraints, strict=True
+    ):
+        assert (row.kind, row.value, row.platform) == (given.kind, given.value, given.platform)
+        assert other.base.position == given.base.position
+    first, second = (row.base.unit for row in apart.constraints[:2])
+    difference = np.abs(first + second).max()
+    assert 1e-4 < difference < 1e-2
+    # To within the digits of the angle, as a direction of the same orientation.
+    exact, given = (
+        [_fraction(number) for number in platform.constraints[1].base.vector]
+        for platform in (same, instance)
+    )
+    k = max(range(3), key=lambda i: abs(given[i]))
+    scale = exact[k] / given[k]
+    assert scale > 0
+    assert all(abs(x - scale * y) < Fraction(1, 10**100) for x, y in zip(exact, given, strict=True))
+
+
+@pytest.mark.parametrize("eps", [Fraction(0), Fraction(1, 10**3)])
+def test_directions_that_are_parallel_or_not_nearly_so_are_not_turned(eps: Fraction) -> None:
+    assert TurnedDirections.of(_nearly_parallel("DPL DPL DPP DPP DPP DPP", eps)) is None
