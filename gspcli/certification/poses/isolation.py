@@ -183,7 +183,7 @@ def _prove(
     with np.errstate(over="ignore", invalid="ignore"):
         curvatures = system.curvatures((floats_above(newton.centre) + REACH) * OUTWARD)
         sizes = floats_above(newton.inverse.entries()).reshape(7, 7)
-    b = float((sizes @ curvatures).max() * OUTWARD)
+        b = float((sizes @ curvatures).max() * OUTWARD)
     # Any radius may be tried; what counts is that q is rounded up and tested below.
     radius = min(REACH, (1 - a) / (2 * b))
     q = (a + b * radius) * OUTWARD

@@ -29,8 +29,9 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane, Point, Vector
 from gspcli.records import dataclass
 
-#: Directions that differ by less are nearly parallel.
-_PARALLEL = 1e-6
+#: Directions that differ by less than the second are nearly parallel; with less than the first
+#: what bounds need of poses is too large for floats.
+_LEAST, _PARALLEL = 1e-62, 1e-6
 #: Bits in which differences are known, and those of equations: as many for each bit of s eps, and
 #: some more.
 _BITS, _TIMES, _MORE = 2048, 8, 256
@@ -168,7 +169,7 @@ class TurnedEquations:
                 if not (size < _SHRINKS * last if near else size < np.inf):
                     return None
                 point, last = [(a - b).mid() for a, b in zip(point, step, strict=True)], size
-                if size < 2.0 ** (-ctx.prec * _ARRIVED):
+                if size <= 2.0 ** (-ctx.prec * _ARRIVED):
                     return point
         return None
 
@@ -216,7 +217,7 @@ def _turn(other: Sequence[arb], direction: Sequence[arb]) -> _Turn | None:
     if all(x.contains(0) for x in difference):
         return None
     angle = float((norm(difference) / length).mid())
-    return _Turn(near, difference, angle) if angle < _PARALLEL else None
+    return _Turn(near, difference, angle) if _LEAST < angle < _PARALLEL else None
 
 
 def _vector(turn: _Turn, s: arb) -> Vector:
