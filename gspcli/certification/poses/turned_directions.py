@@ -29,9 +29,9 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane, Point, Vector
 from gspcli.records import dataclass
 
-#: Directions that differ by less than the second are nearly parallel; with less than the first
-#: what bounds need of poses is too large for floats.
-_LEAST, _PARALLEL = 1e-62, 1e-6
+#: Directions that differ by less than the second are nearly parallel: of others, paths with 64
+#: digits find the poses in less time. With less than the first, bounds are no floats.
+_LEAST, _PARALLEL = 1e-62, 1e-13
 #: Bits in which differences are known, and those of equations: as many for each bit of s eps, and
 #: some more.
 _BITS, _TIMES, _MORE = 2048, 8, 256
