@@ -20,7 +20,7 @@ from gspcli.geometry.coordinates import moved
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import has_limits, joint_cones, out_of_cone, out_of_range, within_limits
-from gspcli.geometry.measurement import by_twist, gradients
+from gspcli.geometry.measurement import jacobian
 from gspcli.motion import crank_angles
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.workspace.travels import travels
@@ -153,7 +153,5 @@ def _signs(model: Model, places: Places) -> Array:
     """Return the signs of the determinants of the derivatives of values by pose, shape (n,)."""
     bodies = model.bodies(places.cranks)
     with np.errstate(all="ignore"):
-        by = gradients(bodies, places.R, places.T)
-        _, w, arm = bodies.placed(places.R, places.T)
-        signs: Array = np.linalg.slogdet(by_twist(by, arm, w))[0]
+        signs: Array = np.linalg.slogdet(jacobian(bodies, places.R, places.T))[0]
     return signs

@@ -168,7 +168,7 @@ def hat(a: Array) -> Array:
 def value_rows(model: Model, R: Array, T: Array, seen: Measurements, noise: Noise) -> Rows:
     """Return ``f - v (1 + s) - o`` for each reading v of each pose."""
     bodies = model.bodies(seen.cranks)
-    values, by = measured(bodies, R, T), gradients(bodies, R, T)
+    values, by = measured(bodies, R, T), gradients(bodies, bodies.placed(R, T))
     skew = [k for k, kind in enumerate(model.kinds) if kind is DLL]
     if skew:
         # Readings of the distance of two lines have no sign.

@@ -16,7 +16,7 @@ from functools import cache
 import numpy as np
 
 from gspcli.catalogue.kinds import DPL, Kind, Law
-from gspcli.geometry.arrangement import Bodies
+from gspcli.geometry.arrangement import Bodies, Placed
 from gspcli.geometry.constraint_polynomials import COSINE, Gradient, Hessian, polynomial
 from gspcli.geometry.quaternions import Field, apply, cross, dot
 
@@ -48,17 +48,17 @@ def jacobian(bodies: Bodies, R: Field, T: Field) -> Field:
     At a distance or sine of zero the measured value has no derivative, and the row is not
     finite; parallel lines have that of a point and a line.
     """
-    _, w, arm = bodies.placed(R, T)
-    return by_twist(gradients(bodies, R, T), arm, w)
+    placed = bodies.placed(R, T)
+    return by_twist(gradients(bodies, placed), placed.arm, placed.w)
 
 
-def gradients(bodies: Bodies, R: Field, T: Field) -> Gradient:
+def gradients(bodies: Bodies, placed: Placed) -> Gradient:
     """Return the derivatives of `measured` by r, w and v, each ``(..., n, 3)``.
 
-    By the vectors between the primitives and their directions, as `Placed` has them; not finite
-    where the value has no derivative.
+    By the vectors between the primitives and their directions; not finite where the value has no
+    derivative.
     """
-    r, w, _ = bodies.placed(R, T)
+    r, w, _ = placed
     v = np.broadcast_to(bodies.v, w.shape)
     found = Gradient(*(np.zeros(r.shape, dtype=r.dtype) for _ in range(3)))
     for kind, k in _alike(bodies.kinds):

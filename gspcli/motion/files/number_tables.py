@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection, Sequence
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -218,6 +219,11 @@ class NumberTable:
         for k in np.flatnonzero(~np.isfinite(rows).all(axis=1)).tolist():
             rows[k] = self._complain(*self._lines[k], places, columns, blanks=blanks)
         return rows * self._factors(columns) if self._units else rows
+
+    def groups(self, *groups: Collection[str]) -> list[Array]:
+        """Return the numbers of some groups of columns, as `numbers` does, read at once."""
+        numbers = self.numbers(list(chain.from_iterable(groups)))
+        return np.split(numbers, np.cumsum([len(group) for group in groups[:-1]]), axis=1)
 
     def _factors(self, columns: Sequence[str]) -> list[float]:
         """Return by what the numbers of columns are multiplied, for the units that are wanted."""

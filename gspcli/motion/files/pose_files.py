@@ -145,19 +145,18 @@ def poses_in(table: NumberTable, form: PoseFormat) -> PoseTable | None:
         table.note_heading(
             "found rx ry rz without the order of the axes: say it with --euler, such as ZYX or xyz"
         )
-    t = table.numbers(["t"])[:, 0] if "t" in table.heading else None
-    points = table.numbers(position) if position else None
-    turns = table.numbers(rotation) if rotation else None
-    if rotation is None or turns is None or (rotation == ANGLES and form.euler is None):
+    timed = ["t"] if "t" in table.heading else []
+    times, points, turns = table.groups(timed, position or (), rotation or ())
+    if rotation is None or (rotation == ANGLES and form.euler is None):
         return None
     whole = np.flatnonzero(np.isfinite(turns).all(axis=1))
     R = np.full((len(turns), 3, 3), np.nan)
     R[whole], wrong = rotations_of(turns[whole], form)
     for row, message in wrong:
         table.note_cell(int(whole[row]), rotation[0], message)
-    if points is None:
+    if position is None:
         return None
-    return PoseTable(t, R, points - apply(R, np.array(form.pivot)))
+    return PoseTable(times[:, 0] if timed else None, R, points - apply(R, np.array(form.pivot)))
 
 
 def read_pose(text: str, form: PoseFormat, name: str = "--pose") -> PoseTable:

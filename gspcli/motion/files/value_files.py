@@ -111,9 +111,7 @@ def read_values(
         if not found and not moving:
             table.choose(numbers)
         timed = ["t"] if "t" in table.heading else []
-        times, given, places = np.split(
-            table.numbers([*timed, *found, *moving]), np.cumsum([len(timed), len(found)]), axis=1
-        )
+        times, given, places = table.groups(timed, found, moving)
         t = times[:, 0] if timed else None
         base = nominal_values(instance)
         values = np.tile(base, (len(table), 1))

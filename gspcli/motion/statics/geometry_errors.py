@@ -52,7 +52,8 @@ def geometry_slopes(instance: Instance, R: Array, T: Array) -> GeometrySlopes:
     """
     R, T = np.asarray(R, float), np.asarray(T, float)
     arrangement = Arrangement.of(instance)
-    by, signs = gradients(arrangement, R, T), value_signs(arrangement, R, T)
+    by = gradients(arrangement, arrangement.placed(R, T))
+    signs = value_signs(arrangement, R, T)
     columns: dict[tuple[str, str], list[tuple[str, Array]]] = {}
     for k, row in enumerate(instance.constraints):
         for body, name, primitive in (
