@@ -28,8 +28,8 @@ _SEEDS = (1, 3)
 def planar_starts(arrangement: Arrangement, starts: SolvedStarts) -> list[StartSystem]:
     """Return solved platforms that are planar where another is.
 
-    They are solved when they are asked for a second time. None before, and where the planes are not
-    those of two coordinates or joints are shared.
+    They are solved when they were asked for `OFTEN` times. None before, and where the planes are
+    not those of two coordinates or joints are shared.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def planar_starts(arrangement: Arrangement, starts: SolvedStarts) -> list[StartS
     flat = (_is_flat(arrangement.y), _is_flat(arrangement.x))
     if set(arrangement.kinds) != {DPP} or not any(flat) or any(map(_shares_joints, bodies)):
         return []
-    if not starts.is_second(flat):
+    if not starts.is_frequent(flat):
         return []
     made = (
         starts.kept(Sort.REFERENCE, (flat, seed), partial(_solved, flat, seed)) for seed in _SEEDS

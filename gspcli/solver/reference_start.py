@@ -95,10 +95,9 @@ class Turned(NamedTuple):
 def reference_start(structure: Structure, starts: SolvedStarts) -> Reference | None:
     """Return the reference of a structure in canonical order.
 
-    It is solved when it is asked for a second time, because that takes as long as to solve
-    a platform. None before, and where there is none.
+    It is solved when it was asked for `OFTEN` times. None before, and where there is none.
     """
-    if not starts.is_second(structure):
+    if not starts.is_frequent(structure):
         return None
     return starts.kept(Sort.REFERENCE, structure, lambda: _solved_reference(structure))
 
@@ -107,7 +106,7 @@ def _solved_reference(structure: Structure) -> Reference | None:
     sorts = list(zip(structure.spaces, structure.products, strict=True))
     if any(sort not in _KINDS for sort in sorts):
         return None
-    # The first platform of a process does without.
+    # Where no structure is frequent it is not needed.
     from gspcli.continuation.tracked_paths import track_all
 
     for seed in _SEEDS:

@@ -27,13 +27,16 @@ _Entry = TypeVar("_Entry")
 
 #: So many of each sort are kept, those used last.
 _KEPT = 64
+#: After so many platforms of a structure one is solved from which paths to others are short. It
+#: takes as long as three to ten of them save (`make bench`, rows "6-6, one", "planar 6-6").
+OFTEN = 5
 _UNITS = Units("unit", AngleUnit.DEGREE)
 
 
 class Sort(Enum):
     """What is kept."""
 
-    MET = "structures of equations that were solved once"
+    MET = "structures of equations, how often they were solved"
     REFERENCE = "solved platforms with complex values, one a structure"
     PLATFORM = "solved platforms of special geometries"
     SAME = "starts of special geometries, made from those"
@@ -115,12 +118,14 @@ class SolvedStarts:
             return cast(_Entry, self.fetch(sort, key))
         return self.keep(sort, key, make())
 
-    def is_second(self, structure: Structure | tuple[bool, ...]) -> bool:
-        """Return whether a platform of a structure, or with bodies as planar, was solved before."""
-        if self.fetch(Sort.MET, structure):
-            return True
-        self.keep(Sort.MET, structure, True)
-        return False
+    def is_frequent(self, structure: Structure | tuple[bool, ...]) -> bool:
+        """Return whether `OFTEN` platforms of a structure, or with bodies as planar, were solved.
+
+        This one is counted, too.
+        """
+        met = cast(int, self.fetch(Sort.MET, structure) or 0)
+        self.keep(Sort.MET, structure, met + 1)
+        return met >= OFTEN
 
     def keep_platform(self, solved: SolvedPlatform) -> None:
         """Keep all poses of a platform of a special geometry: its start is made from them."""

@@ -201,7 +201,7 @@ def problems(given: Attack) -> Iterator[str]:
     poses = [{key: float(x) for key, x in pose.items()} for pose in document["poses"]]
     _, rows, _ = track(given, "csv")
     written = [{key: float(row[key]) for key in poses[0]} for row in rows]
-    # Their last bits differ: paths of the second solve begin elsewhere.
+    # Their last bits may differ: paths of a later solve may begin elsewhere.
     if len(written) != len(poses) or not all(map(_alike, written, poses)):
         yield "CSV and JSON differ"
     yield from _accounts(given, document)

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 def reduced_paths(problem: Problem) -> Iterator[Ends]:
     """Yield the ends of paths with fewer unknowns, of equations without products.
 
-    From a reference first: with it a 6-6 that is not the first of its process takes two thirds of
-    the time (`make bench`, row "6-6, one").
+    From a reference first, where the structure is frequent: a 6-6 takes two thirds of the time then
+    (`make bench`, row "6-6, one").
     """
     from gspcli.continuation.reduced_homotopy import ends_from_start
 

@@ -13,7 +13,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver import reference_start as references
 from gspcli.solver import solve
 from gspcli.solver.generate import random_instance
-from gspcli.solver.solved_starts import SolvedStarts
+from gspcli.solver.solved_starts import OFTEN, SolvedStarts
 from gspcli.solver.study_systems import coefficients_at
 
 TYPES = ("5PP PL", "4PL 2LP", "2DLL 2PL PH ALL")
@@ -28,9 +28,10 @@ def reference_of(structure):
     return references._solved_reference(structure.canonical())
 
 
-def test_a_reference_is_solved_when_it_is_asked_for_again():
+def test_a_reference_is_solved_when_it_is_asked_for_often():
     structure, starts = Structure("psssss", (True,) + (False,) * 5), SolvedStarts()
-    assert references.reference_start(structure, starts) is None
+    for _ in range(OFTEN):
+        assert references.reference_start(structure, starts) is None
     start = references.reference_start(structure, starts).start
     assert references.reference_start(structure, starts).start is start
     assert len(start.points) == path_count(structure) == 80
@@ -41,14 +42,15 @@ def test_a_reference_is_solved_when_it_is_asked_for_again():
 
 def test_lines_that_meet_have_none():
     structure, starts = Structure("llssss", (False, True) + (False,) * 4), SolvedStarts()
-    assert [references.reference_start(structure, starts) for _ in range(2)] == [None, None]
+    assert all(references.reference_start(structure, starts) is None for _ in range(OFTEN + 1))
 
 
 @pytest.mark.parametrize("name", TYPES)
 def test_the_answer_is_that_of_the_stored_start(name, monkeypatch):
     first, second = platforms(name, 2)
     known, starts, near = solve(first, starts=SolvedStarts()), SolvedStarts(), []
-    solve(second, starts=starts)
+    for _ in range(OFTEN):
+        solve(second, starts=starts)
     follow = references.track_near
 
     def watched(*args, **options):
