@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind, Primitive
 from gspcli.continuation.quadrics import (
-    COEFFICIENTS,
     ComplexArray,
     FloatArray,
     pack,
@@ -89,7 +88,7 @@ class Turned(NamedTuple):
     coefficients: Coefficients
     """Leading axis (K,)."""
     aims: ComplexArray
-    """The conjugate first factors, shape (27, 6 K), the frames last."""
+    """The conjugate first factors, shape (K, 27, 6)."""
 
 
 def reference_start(structure: Structure, starts: SolvedStarts) -> Reference | None:
@@ -200,8 +199,7 @@ def _turned(coefficients: Coefficients) -> Turned:
 
     g, h = moved(coefficients.g), moved(coefficients.h)
     tau = np.broadcast_to(coefficients.tau, g.shape[:2])
-    aims = g.conj().transpose(2, 1, 0).reshape(COEFFICIENTS, -1)
-    return Turned(maps, Coefficients(g, h, tau), aims)
+    return Turned(maps, Coefficients(g, h, tau), g.conj().swapaxes(1, 2))
 
 
 def _nearest(reference: Reference, given: Coefficients) -> tuple[StartSystem, Coefficients]:
@@ -212,9 +210,10 @@ def _nearest(reference: Reference, given: Coefficients) -> tuple[StartSystem, Co
     """
     structure, turned = reference.start.system.structure, reference.turned
     factors = np.concatenate(given.take(0).normalized()[:2])
-    products = factors @ turned.aims
+    # Frame by frame: one large product has threads, which wait for each other on a busy machine.
+    products = np.moveaxis(factors @ turned.aims, 0, -1)
     free = _with_phases(structure)
-    products = np.where(np.tile(free, 2)[:, None], products, products.real)
+    products = np.where(np.tile(free, 2)[:, None, None], products, products.real)
     likeness = np.abs(products).reshape(2, EQUATIONS, EQUATIONS, -1)
     orders, chosen = _orders(structure)
     # Of all orders and frames.

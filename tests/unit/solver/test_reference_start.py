@@ -105,7 +105,7 @@ def test_the_frames_are_those_in_which_equations_are_most_alike():
         ordered = Coefficients(*(part[:, list(structure.order)] for part in coefficients))
         own = references.Reference(reference.start, reference.scale)
         first = reference.turned.coefficients.take(slice(0, 1))
-        one = first.g.conj().transpose(2, 1, 0).reshape(27, -1)
+        one = first.g.conj().swapaxes(1, 2)
         vars(own)["turned"] = references.Turned(reference.turned.maps[:1], first, one)
         found = []
         for each in (reference, own):
