@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gspcli.certification.poses.collection import Collection
 from gspcli.certification.poses.distinct import same
 from gspcli.certification.poses.isolation import Isolation
-from gspcli.certification.poses.locator import FIRST_PRECISION, AtInfinity, Locator
+from gspcli.certification.poses.locator import DOUBLE, AtInfinity, Locator
 from gspcli.certification.poses.many_values import ProvedPoses
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.systems import FineCoefficients
@@ -27,7 +27,7 @@ Index = NDArray[np.intp]
 #: Poses that agree to this part of their largest entry are not worth locating again.
 _KNOWN = 1e-13
 #: Bits for poses that 32 digits do not round correctly.
-_MANY_BITS = 256
+_MANY_BITS = 128
 #: Points with smaller imaginary parts may be real.
 _NEARLY_REAL = 1e-6
 
@@ -143,7 +143,7 @@ class Side:
         # One of each pair of conjugates is enough.
         source = index[conjugate_sources(ends.points[index])]
         sought = index[source == index]
-        bits = FIRST_PRECISION * ends.digits // 16
+        bits = DOUBLE * ends.digits // 16
         near = ends.take(sought)
         located = self.problem.locator.locate(near.points, near.low, self.sides, bits)
         new[sought] = [bool(self.found.add([end])) for end in located]

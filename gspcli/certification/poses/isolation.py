@@ -31,7 +31,7 @@ from gspcli.records import dataclass
 REACH = 1 / 8
 _IDENTITY = acb_mat(7, 7, 1)
 #: Newton steps at one precision; a simple zero in reach needs fewer.
-STEPS = 10
+STEPS = 20
 
 
 @dataclass(frozen=True)
@@ -93,13 +93,17 @@ class Isolation:
 
 @dataclass(frozen=True)
 class _Newton:
-    """The equations and an approximate inverse of their Jacobian at an exact point."""
+    """The equations and an approximate inverse of their Jacobian at an exact point.
+
+    The step to the next one is not longer than its length; what rounding errors make is its noise.
+    """
 
     centre: list[acb]
     jacobian: acb_mat
     inverse: acb_mat
     step: list[acb]
     length: arb
+    noise: arb
 
 
 def refine_point(
@@ -128,17 +132,14 @@ def refine_point(
     if best is None:
         return list(centre)
     for _ in range(STEPS):
-        if best.length < good:
+        # Shorter steps are rounding errors.
+        if best.length < good or best.length < 4 * best.noise:
             break
         moved = [(x - dx).mid() for x, dx in zip(best.centre, best.step, strict=True)]
         following = _newton(system, moved, patch, sides)
         if following is None:
             break
-        # Half as long, again and again, are steps towards two solutions side by side.
-        shrinking = bool(5 * following.length < 4 * best.length)
         best = following
-        if not shrinking and best.length < arb(2) ** (-system.precision // 4):
-            break
     return _prove(system, best, patch, sides) or best.centre
 
 
@@ -164,8 +165,11 @@ def _newton(
         return None
     step = (inverse * values).entries()
     length = largest(step)
+    if not length.is_finite():
+        return None
+    noise = max(arb(max(x.real.rad(), x.imag.rad())) for x in step)
     step.insert(patch, acb(0))
-    return _Newton(centre, jacobian, inverse, step, length) if length.is_finite() else None
+    return _Newton(centre, jacobian, inverse, step, length, noise)
 
 
 def _prove(

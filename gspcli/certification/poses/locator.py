@@ -32,8 +32,8 @@ from gspcli.records import dataclass
 
 Complex = NDArray[np.complex128]
 
-#: Bits of the attempts at a point that is known in doubles, and of the last attempt at any.
-FIRST_PRECISION, LAST_PRECISION = 64, 1024
+#: To how many bits a point in doubles is known, about, and bits of the last attempt at any.
+DOUBLE, LAST_PRECISION = 64, 1024
 #: From this precision on a point that Newton's method still moves by more than the second number,
 #: as a part of its largest coordinate, is given up: it is no approximation of a simple solution.
 _PATIENCE, _UNSETTLED = 256, 2.0**-12
@@ -171,7 +171,7 @@ class Locator:
         points: Complex,
         low: Complex | None,
         sides: tuple[int, ...],
-        bits: int = FIRST_PRECISION,
+        bits: int = DOUBLE,
     ) -> list[Located | AtInfinity | None]:
         """Return what is proved near each point, None where nothing is.
 
@@ -184,7 +184,7 @@ class Locator:
         sides
             For each constraint the index of its equation (`BallSystem.equations`).
         bits
-            The first precision that is tried.
+            To how many bits they are known, about.
         """
         rest = np.zeros((len(points), 0, 8)) if low is None else low
         with ctx.workprec(LAST_PRECISION):
@@ -192,11 +192,11 @@ class Locator:
         return [self.locate_exactly(start, sides, bits) for start in starts]
 
     def near(
-        self, R: Complex, T: Complex, sides: tuple[int, ...], bits: int = FIRST_PRECISION
+        self, R: Complex, T: Complex, sides: tuple[int, ...], bits: int = DOUBLE
     ) -> Located | AtInfinity | None:
         """Return what is proved near a pose in the frames of the instance, R (3, 3) and T (3,).
 
-        The sides and the first precision are those of `locate`.
+        The sides and bits are those of `locate`.
         """
         points, _ = study.study_points(R[None], T[None] / self.scale)
         with ctx.workprec(LAST_PRECISION):
@@ -244,7 +244,7 @@ class Locator:
             return quaternion + [x / 2 for x in study.product(place, quaternion)]
 
     def locate_exactly(
-        self, start: Sequence[acb], sides: tuple[int, ...], bits: int = FIRST_PRECISION
+        self, start: Sequence[acb], sides: tuple[int, ...], bits: int = DOUBLE
     ) -> Located | AtInfinity | None:
         """Return what is proved near a point in the frames of the instance and its length scale.
 
@@ -255,9 +255,10 @@ class Locator:
         sides
             For each constraint the index of its equation.
         bits
-            To how many bits it is known: the first precision that is tried.
+            To how many bits it is known, about.
         """
-        precision, last = bits, max(LAST_PRECISION, 4 * bits)
+        # Rounding needs all bits of the start and their errors.
+        precision, last = 2 * bits, max(LAST_PRECISION, 4 * bits)
         patch = max(range(4), key=lambda k: float(abs(start[k]).mid()))
         if start[patch].contains(0):
             return None
@@ -280,7 +281,7 @@ class Locator:
                     located = _located(system, found)
                     if located is not None:
                         return located
-                    point = list(found.centre)
+                    point = reached = list(found.centre)
                     if 2 * precision > last and dot4(point, point).abs_upper() < _NULL:
                         return AtInfinity(found)
                 else:
