@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.solver.geometry_start import StartMethod
 from gspcli.solver.one_geometry import Geometry, geometry_about, solved_system
-from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.pose_set import PoseSet, are_far
 from gspcli.solver.problem import Problem
 from gspcli.solver.solved_starts import SolvedPlatform, Sort, geometry_key
 
@@ -31,9 +31,6 @@ Array = NDArray[np.float64]
 _SQUARE = 0.5
 #: How far the start's values are from real ones.
 _SPREAD = 0.5
-#: Poses with larger entries, lengths in typical ones, are far away: 32 digits in the frames of the
-#: platform do not round them correctly.
-_FAR = 64
 #: Bodies with a smaller part of their largest extent across a plane are nearly planar.
 _FLAT = 1e-3
 #: So many random starts are tried near far poses: from some, paths are lost or jump.
@@ -52,7 +49,7 @@ def kept_geometry(problem: Problem) -> Geometry | None:
     known = problem.starts.platform(problem.arrangement)
     if known is None:
         return None
-    far = _are_far(known.arrangement, known.poses)
+    far = are_far(known.poses.R, known.poses.T, known.arrangement.length)
     if not far.any():
         return _about(problem, known.arrangement, known.poses, problem.seed)
     if not known.has_geometry_of(problem.instance):
@@ -87,7 +84,7 @@ def kept_among(
     if known is None and begin:
         solve(one)
         known = problem.starts.platform(one.arrangement)
-    if known is None or not _are_far(known.arrangement, known.poses).any():
+    if known is None or not are_far(known.poses.R, known.poses.T, known.arrangement.length).any():
         return None
     found = kept_geometry(one)
     return found and found.among(rows, problem.jobs)
@@ -148,12 +145,6 @@ def _about(
         far=far,
     )
     return None if geometry is None or geometry.proof is None else geometry
-
-
-def _are_far(arrangement: Arrangement, poses: PoseSet) -> NDArray[np.bool_]:
-    """Return which poses are far away."""
-    turns, places = np.abs(poses.R).max(axis=(1, 2)), np.abs(poses.T).max(axis=1)
-    return np.asarray(np.maximum(turns, places / arrangement.length) > _FAR)
 
 
 def _flattened(arrangement: Arrangement) -> Arrangement:

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 Complex = NDArray[np.complex128]
 
 
+#: Poses with larger entries, lengths in typical ones, are far away: 32 digits in the frames of the
+#: platform do not round them correctly.
+_FAR = 64
 #: Ends of paths that are no isolated poses.
 _NO_POSES = ("at_infinity", "on_curves", "spurious", "lost")
 
@@ -190,6 +193,12 @@ class PoseSet:
             multiplicity=self.multiplicity[order],
             signs=None if self.signs is None else self.signs[order],
         )
+
+
+def are_far(R: Complex, T: Complex, length: float) -> NDArray[np.bool_]:
+    """Return which poses, (n, 3, 3) and (n, 3), are far away, by the typical length."""
+    turns, places = np.abs(R).max(axis=(1, 2)), np.abs(T).max(axis=1)
+    return np.asarray(np.maximum(turns, places / length) > _FAR)
 
 
 def on_sides(choices: NDArray[np.float64], count: int) -> NDArray[np.float64]:

@@ -10,13 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from flint import acb, arb, ctx, fmpq
+from flint import acb, arb, arb_mat, ctx, fmpq
 
 from gspcli.certification.counting.coordinate_forms import NotFollowedError
 from gspcli.certification.counting.elements import Element, Sum
 from gspcli.certification.counting.exact_platform import evaluated
 from gspcli.certification.counting.followed import FollowedElimination
-from gspcli.certification.counting.homomorphism import Randomness
 from gspcli.certification.counting.modular_platform import (
     ModularPlatform,
     NotCountedError,
@@ -25,7 +24,11 @@ from gspcli.certification.counting.modular_platform import (
 from gspcli.certification.counting.motion_equations import equations, with_moments
 from gspcli.certification.counting.platform_counts import work_limit
 from gspcli.certification.counting.residue_counts import Ending, trace
-from gspcli.certification.counting.spectrum import SpectrumError, eigenvectors
+from gspcli.certification.counting.spectrum import (
+    SpectrumError,
+    eigenvectors,
+    largest_eigenvectors,
+)
 from gspcli.certification.equations import study
 from gspcli.certification.numbers.balls import rotated
 from gspcli.defaults import COUNT_LIMIT, SEED
@@ -46,19 +49,21 @@ class ApproximatePose:
         The rotation, by rows.
     T
         The translation.
-    signs
-        For each constraint 1 or -1: on which side of the plane the point lies; 1 for all others.
     """
 
     R: tuple[tuple[acb, acb, acb], ...]
     T: tuple[acb, acb, acb]
-    signs: tuple[int, ...]
 
 
 def poses_by_elimination(
-    instance: Instance, bits: int, *, seed: int = SEED, limit: float | None = COUNT_LIMIT
-) -> list[ApproximatePose] | None:
-    """Return approximations of all poses of an instance, by eigenvectors.
+    instance: Instance,
+    bits: int,
+    *,
+    near: int = 0,
+    seed: int = SEED,
+    limit: float | None = COUNT_LIMIT,
+) -> Iterator[ApproximatePose]:
+    """Yield approximations of all poses of an instance, by eigenvectors.
 
     Parameters
     ----------
@@ -67,42 +72,52 @@ def poses_by_elimination(
     bits
         The working precision. Poses at distances L, or errors of the data at which they appear,
         cost a multiple of log2(L) of it.
+    near
+        If so many poses on a choice of sides are much nearer than the others, these others are
+        yielded first, in a fraction of the time.
     seed, limit
         As in `exact_count`.
 
-    Returns
-    -------
-    list of ApproximatePose or None
-        As many as there are solutions with multiplicity, those of multiple ones badly approximated;
-        None if there are infinitely many, or the elimination cannot be followed.
+    Yields
+    ------
+    As many as there are solutions with multiplicity, those of multiple ones badly approximated;
+    none if there are infinitely many, or the elimination cannot be followed.
     """
     try:
         platform = ModularPlatform(instance, seed)
     except NotCountedError:
-        return None
+        return
     with _precision(bits):
         rows = [evaluated(row, _real) for row in platform.exact]
-        poses: list[ApproximatePose] = []
-        for signs in platform.choices:
-            result, followed = trace(
-                with_moments(platform.equations(signs)),
-                platform.blocks,
-                platform.prime,
-                seed=platform.randomness.below(2**63),
-                max_work=work_limit(limit),
-            )
-            if result.outcome is not Ending.FINITE:
-                return None
-            if result.solutions == 0:
-                continue
-            try:
+    for signs in platform.choices:
+        result, followed = trace(
+            with_moments(platform.equations(signs)),
+            platform.blocks,
+            platform.prime,
+            seed=platform.randomness.below(2**63),
+            max_work=work_limit(limit),
+        )
+        if result.outcome is not Ending.FINITE:
+            return
+        if result.solutions == 0:
+            continue
+        try:
+            with _precision(bits):
                 algebra = FollowedElimination(
                     with_moments(equations(on_sides(rows, signs))), followed
                 )
-                poses += _poses(algebra, signs, platform.randomness)
-            except (NotFollowedError, SpectrumError, ZeroDivisionError):
-                return None
-        return poses
+                form = [
+                    platform.randomness.below(_COEFFICIENTS) + 1 for _ in range(algebra.variables)
+                ]
+                matrix = algebra.multiplication(form)
+        except (NotFollowedError, ZeroDivisionError):
+            continue
+        far = algebra.dimension - near
+        for number in (far, 0) if near and far > 0 else (0,):
+            # The caller works in his own precision.
+            with _precision(bits):
+                poses = _poses(algebra, matrix, number)
+            yield from poses
 
 
 @contextmanager
@@ -136,23 +151,27 @@ def _sum(terms: Sum) -> acb:
     return total
 
 
-def _poses(
-    algebra: FollowedElimination, signs: tuple[int, ...], randomness: Randomness
-) -> list[ApproximatePose]:
-    form = [randomness.below(_COEFFICIENTS) + 1 for _ in range(algebra.variables)]
+def _poses(algebra: FollowedElimination, matrix: arb_mat, far: int) -> list[ApproximatePose]:
+    """Return so many poses that are far away, or all; none if there are too few digits."""
     coordinates = algebra.coordinates()
     entries = sorted({0}.union(*coordinates))
-    result = []
-    for vector in eigenvectors(algebra.multiplication(form), entries):
-        at = {k: x / vector[0] for k, x in zip(entries, vector, strict=True)}
-        values = [
-            sum((at[k] * x for k, x in coordinate.items()), acb(0)) for coordinate in coordinates
-        ]
-        result.append(_pose(algebra.functions(values), signs))
-    return result
+    try:
+        if far:
+            vectors = largest_eigenvectors(matrix, entries, far)
+        else:
+            vectors = eigenvectors(matrix, entries)
+        return [_pose(algebra, dict(zip(entries, vector, strict=True))) for vector in vectors]
+    except (SpectrumError, ZeroDivisionError):
+        return []
 
 
-def _pose(functions: dict[int, acb], signs: tuple[int, ...]) -> ApproximatePose:
+def _pose(algebra: FollowedElimination, vector: dict[int, acb]) -> ApproximatePose:
+    """Return the pose at which normal monomials have values in some proportion."""
+    values = [
+        sum((vector[k] * x for k, x in coordinate.items()), acb(0)) / vector[0]
+        for coordinate in algebra.coordinates()
+    ]
+    functions = algebra.functions(values)
     x, y, z = (
         (functions[i].mid(), functions[j].mid(), functions[k].mid()) for i, j, k in study.ROTATION
     )
@@ -160,4 +179,4 @@ def _pose(functions: dict[int, acb], signs: tuple[int, ...]) -> ApproximatePose:
         a, b, c = (functions[k] for k in study.TRANSLATION)
     else:
         a, b, c = rotated((x, y, z), [functions[k] for k in study.BODY])
-    return ApproximatePose((x, y, z), (a.mid(), b.mid(), c.mid()), signs)
+    return ApproximatePose((x, y, z), (a.mid(), b.mid(), c.mid()))

@@ -2,17 +2,23 @@
 
 By a Hessenberg matrix, its characteristic polynomial and its roots: quick, but each of the three
 loses digits, so the working precision must be generous. FLINT's own method is more stable and takes
-ten times as long.
+ten times as long. Where few eigenvalues are much larger than all others, powers of the matrix lead
+to their eigenvectors.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from random import Random
 from typing import Any
 
 from flint import acb, acb_mat, acb_poly, arb, arb_mat, arb_poly, ctx
 
+from gspcli.certification.numbers.balls import power_of_two
+
 _ISOLATED_BITS = 30
+#: By so many powers the largest eigenvalues stand out.
+_POWERS = 6
 
 
 class SpectrumError(ValueError):
@@ -46,6 +52,38 @@ def eigenvectors(matrix: arb_mat, entries: Sequence[int]) -> list[tuple[acb, ...
         if isinstance(value, acb):
             result.append(tuple(x.conjugate().mid() for x in column))
     return result
+
+
+def largest_eigenvectors(
+    matrix: arb_mat, entries: Sequence[int], number: int
+) -> list[tuple[acb, ...]]:
+    """Return some entries of each right eigenvector of the largest eigenvalues.
+
+    Parameters
+    ----------
+    matrix, entries
+        As for `eigenvectors`, whose errors are raised.
+    number
+        How many eigenvalues are much larger than the others; without that, nothing that is
+        returned is an eigenvector.
+    """
+    size, random = matrix.nrows(), Random(0)
+    # The entries of these eigenvectors are as unequal as the rows are.
+    sums = (matrix * arb_mat(size, 1, [1] * size)).entries()
+    scales = [power_of_two(float(abs(x).mid())) for x in sums]
+    image, forms = (
+        arb_mat([[sign * x for sign in random.choices((-1, 1), k=number)] for x in each])
+        for each in (scales, [1 / x for x in scales])
+    )
+    for _ in range(_POWERS):
+        basis, image = image, (matrix * image).mid()
+    forms = forms.transpose()
+    small = (forms * basis).solve(forms * image, algorithm="approx")
+    flat = basis.entries()
+    rows = arb_mat([flat[number * k : number * (k + 1)] for k in entries])
+    found = eigenvectors(small, range(number))
+    columns = ((rows * acb_mat(number, 1, vector)).entries() for vector in found)
+    return [tuple(x.mid() for x in column) for column in columns]
 
 
 def _to_hessenberg(rows: list[list[arb]]) -> list[tuple[int, int, list[arb]]]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from gspcli.certification.counting import ApproximatePose, poses_by_elimination
+from gspcli.solver.pose_set import are_far
 from gspcli.solver.side import Side
 
 #: Bits in which all poses are computed, and the largest number of paths for which that is worth it
@@ -36,19 +37,19 @@ def by_elimination(side: Side) -> Iterator[None]:
 
 def _eliminated(side: Side, bits: int) -> Iterator[None]:
     """Add the poses that eigenvectors give: first those that doubles tell from all others."""
-    problem = side.problem
-    asked = problem.arrangement.sides.tolist()
-    poses = []
-    for pose in poses_by_elimination(problem.instance, bits, seed=problem.seed) or ():
-        each = zip(pose.signs, side.sides, asked, strict=True)
-        if all((sign < 0) == (other == 1) for sign, other, given in each if given == 0):
-            poses.append(pose)
-    left = [pose for pose in poses if not _added(side, pose, bits, only_new=True)]
-    side.found.add_close_conjugates()
+    problem, found, left = side.problem, side.found, []
+    instance = problem.instance.on_sides(problem.choices[side.k].tolist())
+    near = int((~are_far(found.R, found.T, problem.arrangement.length)).sum())
+    for pose in poses_by_elimination(instance, bits, near=near, seed=problem.seed):
+        if _added(side, pose, bits, only_new=True):
+            yield
+        else:
+            left.append(pose)
+    found.add_close_conjugates()
     yield
     for pose in left:
         _added(side, pose, bits, only_new=False)
-    side.found.add_close_conjugates()
+    found.add_close_conjugates()
     yield
 
 
