@@ -1,6 +1,7 @@
 """Poses by eigenvectors: as many as counted, and they meet the constraints as stated."""
 
 from dataclasses import replace
+from itertools import islice
 
 import pytest
 from flint import acb, ctx
@@ -98,6 +99,14 @@ def test_poses_nearly_at_infinity_are_found_as_well_as_near_ones():
     far = [max(abs(x) for x in pose.T) > 1e20 for pose in poses]
     assert sum(far) == 8
     assert max(leg_error(instance, pose) for pose in poses) < 1e-30
+
+
+def test_poses_nearly_at_infinity_come_first():
+    instance = rounded(example("planar-hexagons"), 9)
+    first = list(islice(poses_by_elimination(instance, BITS, near=28), 8))
+    assert all(max(abs(x) for x in pose.T) > 1e20 for pose in first)
+    assert len({str(pose.T) for pose in first}) == 8
+    assert max(leg_error(instance, pose) for pose in first) < 1e-30
 
 
 def test_infinite_sets_have_no_list():
