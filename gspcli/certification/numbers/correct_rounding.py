@@ -52,13 +52,18 @@ def _rounded(number: arb, unit: int) -> float | None:
     """Return a ball's numbers rounded, the unit a power of two; None if that is not one double."""
     mantissa, exponent = map(int, number.mid().man_exp())
     radius, place = map(int, number.rad().man_exp())
-    if not radius or radius.bit_length() + place <= unit + _TIE:
-        # An exact number may well be half-way between two doubles.
+    if not radius:
         return _nearest(mantissa, exponent, unit)
     last = min(exponent, place)
     middle, reach = mantissa << (exponent - last), radius << (place - last)
     low, high = (_nearest(end, last, unit) for end in (middle - reach, middle + reach))
-    return low if low == high else None
+    if low == high:
+        return low
+    if radius.bit_length() + place > unit + _TIE:
+        return None
+    # An exact number may well be half-way between two.
+    tie = (Fraction(low) + Fraction(high)) / 2
+    return _nearest(tie.numerator, 1 - tie.denominator.bit_length(), unit)
 
 
 def _nearest(mantissa: int, exponent: int, unit: int) -> float:

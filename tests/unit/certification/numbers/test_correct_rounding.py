@@ -80,7 +80,8 @@ def test_exact_ties_go_to_the_even_one():
             even = low if k == 0 else low + Fraction(1, 2**53)
             assert one(ball(sign * tie)) == sign * float(even)
         # As near as that a number counts as the tie; a little farther it is beside it.
-        assert one(ball(tie, 2.0**-950)) == float(tie)
+        for off in (0, Fraction(1, 2**960), -Fraction(1, 2**960)):
+            assert one(ball(tie + off, 2.0**-950)) == float(tie)
         assert one(ball(tie + Fraction(1, 2**200), 2.0**-300)) == float(low + Fraction(1, 2**53))
         assert one(ball(tie - Fraction(1, 2**200), 2.0**-300)) == float(low)
     assert one(ball(GRID / 2)) == 0.0
