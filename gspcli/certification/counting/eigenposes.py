@@ -73,8 +73,8 @@ def poses_by_elimination(
         The working precision. Poses at distances L, or errors of the data at which they appear,
         cost a multiple of log2(L) of it.
     near
-        If so many poses on a choice of sides are much nearer than the others, these others are
-        yielded first, in a fraction of the time.
+        If so many poses on a choice of sides, half of them at least, are much nearer than the
+        others, these others are yielded first, in a fraction of the time.
     seed, limit
         As in `exact_count`.
 
@@ -113,7 +113,7 @@ def poses_by_elimination(
         except (NotFollowedError, ZeroDivisionError):
             continue
         far = algebra.dimension - near
-        for number in (far, 0) if near and far > 0 else (0,):
+        for number in (far, 0) if 0 < far <= near else (0,):
             # The caller works in his own precision.
             with _precision(bits):
                 poses = _poses(algebra, matrix, number)

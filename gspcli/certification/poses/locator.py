@@ -257,7 +257,7 @@ class Locator:
         bits
             To how many bits it is known, about.
         """
-        # Rounding needs all bits of the start and their errors.
+        # Correct rounding needs more than is known, and a step of Newton's method doubles that.
         precision, last = 2 * bits, max(LAST_PRECISION, 4 * bits)
         patch = max(range(4), key=lambda k: float(abs(start[k]).mid()))
         if start[patch].contains(0):

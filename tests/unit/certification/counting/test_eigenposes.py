@@ -114,6 +114,6 @@ def test_infinite_sets_have_no_list():
 
 
 def test_the_precision_of_the_caller_stays():
-    for _ in poses_by_elimination(example("six-planes"), 128, near=2):
+    for _ in poses_by_elimination(example("six-planes"), 128, near=6):
         assert ctx.prec == BITS
     assert ctx.prec == BITS
