@@ -92,7 +92,9 @@ class ReducedHomotopy:
         """Return Study points (..., 8) in the coordinates of the homotopy, (..., 4 + free)."""
         e, f = study[..., :4], study[..., 4:]
         norm = np.sqrt((np.abs(e) ** 2).sum(axis=-1, keepdims=True))
-        e, f = e / norm, f / norm
+        # Points with e = 0 are no poses; no path leads on from them.
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            e, f = e / norm, f / norm
         outer = e[..., :, None] * f[..., None, :]
         w = outer - outer.swapaxes(-1, -2)
         pairs = ((0, 1), (0, 2), (0, 3), (2, 3), (3, 1), (1, 2))
