@@ -15,6 +15,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line
 from gspcli.solver import solve
 from gspcli.solver.generate import random_instance
+from gspcli.solver.strategies import turned_directions
 
 
 def _nearly_parallel(names: str, eps: Fraction, sign: int = 1) -> Instance:
@@ -44,6 +45,19 @@ def test_poses_far_away_are_found_and_proved(power: int) -> None:
     # Those of parallel lines are 128; the others go to infinity with the angle.
     far = np.abs(result.T).max(axis=1) > 1 / np.float64(f"1e-{power}") ** 0.9
     assert far.sum() >= 16
+
+
+def test_they_are_found_from_the_other_side(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With s < 0, where other real poses meet."""
+    monkeypatch.setattr(turned_directions, "_APART", (-3e-3,))
+    result = solve(_nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**20)))
+    assert (result.verdict, result.counts.certified) == ("complete", 160)
+
+
+def test_without_them_poses_are_missing_and_that_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(turned_directions, "_APART", ())
+    result = solve(_nearly_parallel("DPL DPL DPP DPP DPP DPP", Fraction(1, 10**20)))
+    assert (result.verdict, result.counts.certified) == ("incomplete", 128)
 
 
 def test_differences_are_multiplied_and_nothing_else_changes() -> None:
