@@ -131,8 +131,30 @@ def equations(instance: Instance, field: Homomorphism | Rationals) -> Ideal:
     for the distance zero the one of which that is the square.
     """
     ring = Ring(field.prime)
+    return _of_poses(instance, field, ring, motions(ring))
+
+
+def square_system(instance: Instance, field: Homomorphism | Rationals) -> Ideal:
+    """Return as many equations as unknowns: those of `equations` without the needless ones.
+
+    All are quadratic. Reflections of the platform are solutions, too. U, rho and mutual moments
+    each have an equation in which they are linear, before any other in which they occur.
+    """
+    ring = Ring(field.prime)
+    polynomials = ring.less([ring.dot(column, T) for column in COLUMNS], U)
+    polynomials.append(ring.sum(ring.square(T), ring.times(-1, variable(RHO))))
+    for i in range(3):
+        for j in range(i, 3):
+            one = constant(-1 if i == j else 0)
+            polynomials.append(ring.sum(ring.dot(R[i], R[j]), one))
+    return _of_poses(instance, field, ring, polynomials)
+
+
+def _of_poses(
+    instance: Instance, field: Homomorphism | Rationals, ring: Ring, moving: list[Polynomial]
+) -> Ideal:
     names = [*chain.from_iterable(ROTATION), *TRANSLATION, *BODY, RHO]
-    polynomials = motions(ring)
+    polynomials = list(moving)
     for number, constraint in enumerate(instance.constraints):
         if constraint.kind is DLL:
             names.append(f"m{number}")

@@ -1,4 +1,4 @@
-"""The numbers of an instance as fractions: exactly, or rounded."""
+"""The numbers of an instance as fractions, exactly or rounded, and as balls."""
 
 from __future__ import annotations
 
@@ -68,6 +68,7 @@ class Rounded(Rationals):
     def __init__(self, instance: Instance, decimals: int) -> None:
         super().__init__(instance)
         self.decimals = decimals
+        self._balls = Balls(instance)
 
     def _rounded(self, ball: flint.arb) -> Fraction:
         scaled = ball * flint.arb(10) ** self.decimals
@@ -97,16 +98,30 @@ class Rounded(Rationals):
             return super().scalar_product(constraint)
         except UnknownNumberError:
             pass
-        turn, radians, cosines = turn_of(constraint, self.unit)
         with flint.ctx.workdps(self.decimals + 30):
-            angle = flint.arb(_rational(turn)) * 2 * flint.arb.pi() + flint.arb(_rational(radians))
-            for cosine, sign in cosines:
-                angle += sign * flint.arb(_rational(cosine)).acos()
-            square = square_of(direction(constraint.platform)) * square_of(
-                direction(constraint.base)
-            )
-            product = self._rounded(angle.cos() * flint.arb(_rational(square)).sqrt())
-        return (-1 if constraint.kind is AHH else 1) * product
+            return self._rounded(self._balls.scalar_product(constraint))
+
+
+class Balls(Rationals):
+    """Balls that contain the numbers of an instance, at the current precision."""
+
+    def number(self, number: Number) -> flint.arb:
+        """Return a number."""
+        return ball(number)
+
+    def norm(self, exact: Vector) -> flint.arb:
+        """Return the length of a direction."""
+        return sum((ball(x) ** 2 for x in exact), flint.arb(0)).sqrt()
+
+    def scalar_product(self, constraint: Constraint) -> flint.arb:
+        """Return what an angle makes ``R u . v`` of directions of any length (Section 4)."""
+        turn, radians, cosines = turn_of(constraint, self.unit)
+        angle = flint.arb(_rational(turn)) * 2 * flint.arb.pi() + flint.arb(_rational(radians))
+        for cosine, sign in cosines:
+            angle += sign * flint.arb(_rational(cosine)).acos()
+        bodies = (constraint.platform, constraint.base)
+        product = angle.cos() * self.norm(direction(bodies[0])) * self.norm(direction(bodies[1]))
+        return -product if constraint.kind is AHH else product
 
 
 def _rational(value: Fraction) -> flint.fmpq:

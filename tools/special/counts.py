@@ -7,7 +7,8 @@
 They must agree; if they do not, a prime was bad, and two of three must. The real poses are isolated
 by msolve over the rational numbers. Where numbers are irrational they are rounded to `ROUNDED`
 decimals for this, and the rounded platform must have the same counts: then nothing that decides the
-number of real poses has changed, unless the platform is nearer to another number than that.
+number of real poses has changed, unless the platform is nearer to another number than that. Of more
+than `MOST_BY_MSOLVE` poses, and where it takes too long, all are proved one by one: `proved_poses`.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from itertools import islice
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.instance import Constraint, Instance
-from tools.oracle import msolve, quaternion_counts
+from tools.oracle import msolve, proved_poses, quaternion_counts
 from tools.oracle.homomorphisms import Homomorphism, fields
 from tools.oracle.matrix_ideal import (
     Ideal,
@@ -41,6 +42,7 @@ from tools.special.platforms import Platform
 
 MSOLVE_LIMIT_S, REAL_LIMIT_S = 600.0, 60.0
 MOST_BY_SINGULAR = 100
+MOST_BY_MSOLVE = 64
 #: Decimals to which irrational numbers are rounded to isolate real poses.
 ROUNDED = 30
 
@@ -225,6 +227,18 @@ def real_poses(
     without_parallel
         Whether solutions at parallel lines are to be left out.
     """
+    known: tuple[int | None, str] = None, ""
+    if counted.distinct is not None and counted.distinct <= MOST_BY_MSOLVE:
+        known = _by_msolve(instance, counted, without_parallel)
+    if known[0] is None and counted.distinct is not None:
+        found = proved_poses.real_poses(instance, counted.distinct)
+        known = found, "proofs one by one" if found is not None else ""
+    return known
+
+
+def _by_msolve(
+    instance: Instance, counted: Count, without_parallel: bool
+) -> tuple[int | None, str]:
     field = next(islice(fields(instance), 1, None))
     for numbers, means in (
         (Rationals(instance), "msolve over Q"),

@@ -78,9 +78,11 @@ def count(chosen: list[Platform], every: list[Platform], arguments: argparse.Nam
         text = {key: str(value) for key, value in row.items()}
         del waiting[name]
         if arguments.check:
-            # Not counted now, or in the time that there is on a machine with other things to do.
+            # Not counted now, or in the time that there is on a machine with other things to do,
+            # which also decides by what means.
+            text["real_by"] = known[name]["real_by"]
             if not text["real"] or not known[name]["real"]:
-                text |= {key: known[name][key] for key in ("real", "real_by")}
+                text["real"] = known[name]["real"]
             if text != known.get(name):
                 differences.append(f"{name}: {text} is not {known.get(name)}")
             continue
