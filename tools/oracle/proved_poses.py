@@ -34,7 +34,7 @@ from tools.oracle.matrix_ideal import Polynomial, Ring, parallel, square_system
 from tools.oracle.rational_numbers import Balls
 
 #: Decimals of the approximations that are tried one after the other.
-DIGITS = (60, 240, 960)
+DIGITS = (60, 240)
 #: Bits for each of their decimals.
 _BITS = 8
 _MOST_STEPS = 12
