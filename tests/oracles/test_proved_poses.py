@@ -61,11 +61,25 @@ def test_nothing_is_proved_of_what_is_no_pose(proofs, load_tool) -> None:
         proved = system.disc(R, T)
         assert proved is not None
         assert proved.real is pose.real
-        # Far from it Newton's method comes to another pose or to none, never to the same two.
+        # From nearby Newton's method leads to the same pose, from far away to none that is proved.
         shaken = system.disc([x + 1e-9 for x in R], [x - 1e-9 for x in T])
         assert shaken is not None
         assert not shaken.is_apart(proved)
         assert system.disc([x + 7 for x in R], T) is None
+
+
+def test_of_two_poses_in_one_disc_none_is_proved(proofs, load_tool) -> None:
+    # A double pose split by 1e-14: two real poses 1e-7 apart.
+    platform, row = _platform("double/axis-1/-1e-14", load_tool)
+    found = proofs._certificates(platform.instance)
+    proved = {}
+    # Discs for 180 bits have a radius of 1e-18, those for 60 one of 1e-6; Newton's method has 180.
+    for bits in (180, 60):
+        with flint.ctx.workprec(180):
+            system = proofs.SquareSystem(platform.instance, bits)
+            discs = [proofs._disc(system, platform.instance, item, 15) for item in found]
+        proved[bits] = sum(disc is not None for disc in discs)
+    assert proved == {180: int(row["distinct"]), 60: int(row["distinct"]) - 2}
 
 
 def test_a_reflection_is_no_pose(proofs, load_tool) -> None:
