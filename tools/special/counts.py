@@ -7,8 +7,8 @@
 They must agree; if they do not, a prime was bad, and two of three must. The real poses are isolated
 by msolve over the rational numbers. Where numbers are irrational they are rounded to `ROUNDED`
 decimals for this, and the rounded platform must have the same counts: then nothing that decides the
-number of real poses has changed, unless the platform is nearer to another number than that. Of more
-than `MOST_BY_MSOLVE` poses, and where it takes too long, all are proved one by one: `proved_poses`.
+number of real poses has changed, unless the platform is nearer to another number than that. Where
+that takes too long, and first of more than `FEW` poses, all are proved one by one: `proved_poses`.
 """
 
 from __future__ import annotations
@@ -42,7 +42,8 @@ from tools.special.platforms import Platform
 
 MSOLVE_LIMIT_S, REAL_LIMIT_S = 600.0, 60.0
 MOST_BY_SINGULAR = 100
-MOST_BY_MSOLVE = 64
+#: Of more poses msolve mostly takes longer than its minute.
+FEW = 64
 #: Decimals to which irrational numbers are rounded to isolate real poses.
 ROUNDED = 30
 
@@ -227,13 +228,19 @@ def real_poses(
     without_parallel
         Whether solutions at parallel lines are to be left out.
     """
-    known: tuple[int | None, str] = None, ""
-    if counted.distinct is not None and counted.distinct <= MOST_BY_MSOLVE:
-        known = _by_msolve(instance, counted, without_parallel)
-    if known[0] is None and counted.distinct is not None:
-        found = proved_poses.real_poses(instance, counted.distinct)
-        known = found, "proofs one by one" if found is not None else ""
-    return known
+    assert counted.distinct is not None
+    ways = [_by_msolve, _one_by_one]
+    for way in ways if counted.distinct <= FEW else reversed(ways):
+        found = way(instance, counted, without_parallel)
+        if found[0] is not None:
+            return found
+    return None, ""
+
+
+def _one_by_one(instance: Instance, counted: Count, _: bool) -> tuple[int | None, str]:
+    assert counted.distinct is not None
+    found = proved_poses.real_poses(instance, counted.distinct)
+    return found, "proofs one by one" if found is not None else ""
 
 
 def _by_msolve(
