@@ -64,7 +64,7 @@ def read_measurements(
     SpecError
         With all mistakes, each with line and column.
     """
-    table, targets = NumberTable(text, name, form.units), targets or {}
+    table, targets = NumberTable(text, name, form.units.of(instance)), targets or {}
     form = form.of(table)
     # Cells cannot be told apart in rows that have too few.
     table.check()
@@ -100,11 +100,11 @@ def read_measurements(
 def _groups(table: NumberTable, instance: Instance, targets: Mapping[str, Array]) -> list[str]:
     """Return the points that have columns; note columns that mean nothing."""
     found: dict[str, set[str]] = {}
-    for written in table.written:
-        head, dot, axis = written.rpartition(".")
-        if re.fullmatch(r"[0-9]+", written) and written not in _NUMBERS:
+    for written, name in zip(table.written, table.heading, strict=True):
+        head, dot, axis = name.rpartition(".")
+        if re.fullmatch(r"[0-9]+", name) and name not in _NUMBERS:
             table.note_column(written, f"found {written}, expected a constraint from 1 to 6")
-        elif not dot or head == "crank" or written in _INCLINATIONS:
+        elif not dot or head == "crank" or name in _INCLINATIONS:
             continue
         elif axis in "xyz" and axis:
             found.setdefault(head, set()).add(axis)
@@ -125,14 +125,18 @@ def _groups(table: NumberTable, instance: Instance, targets: Mapping[str, Array]
 
 def _cranks(table: NumberTable, instance: Instance, readings: Array) -> Array | None:
     """Return the angles of cranks in radians, if any; fill in the lengths of their legs."""
-    written = [one for one in table.written if one.lower().startswith("crank.")]
+    written = {
+        name: one
+        for one, name in zip(table.written, table.heading, strict=True)
+        if name.lower().startswith("crank.")
+    }
     if not written:
         return None
     cranks = Model.of(instance, cranks=True).cranks
     names = [f"crank.{crank.name}" for crank in cranks]
     expected = listed(names) if names else "no cranks, for SPEC has none"
-    for one in written:
-        if one not in names:
+    for name, one in written.items():
+        if name not in names:
             table.note_column(one, f"found {shown(one)}, expected {expected}")
     if lacking := [one for one in names if one not in written]:
         table.note_heading(f"the columns of cranks lack {listed(lacking, 'and')}")

@@ -78,7 +78,7 @@ def read_rows(text: str, name: str, instance: Instance, form: PoseFormat) -> Pos
     if text.lstrip()[:1] in ("{", "["):
         found = read_poses(text, name, form)
         return PoseRows(None, found.R, found.T, None)
-    table = NumberTable(text, name, form.units)
+    table = NumberTable(text, name, form.units.of(instance))
     if names_poses(table):
         return _pose_rows(table, instance, form)
     values = read_values(text, name, instance, form)

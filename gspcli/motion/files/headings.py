@@ -6,13 +6,11 @@ mean different things in different programs are not guessed: messages say what t
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Collection
 
-from gspcli.geometry.lengths import METRES
 from gspcli.records import dataclass
-from gspcli.wording import listed, shown
+from gspcli.wording import listed
 
 #: A unit at the end of a heading, in brackets of either sort.
 _UNIT = re.compile(r"(.*?)\s*[\[(]\s*([^\[\]()]*?)\s*[\])]")
@@ -40,20 +38,6 @@ _AMBIGUOUS = (
     (("q0", "q1", "q2", "q3"), "q0 ... q3 do not say which is the scalar: write qw qx qy qz"),
     (("q1", "q2", "q3", "q4"), "q1 ... q4 do not say which is the scalar: write qw qx qy qz"),
 )
-
-#: Units in radians, in seconds, and those in which numbers are taken as they are.
-_RADIANS = {
-    **dict.fromkeys(("deg", "degree", "degrees", "°"), math.pi / 180),
-    **dict.fromkeys(("rad", "radian", "radians"), 1.0),
-    "mrad": 1e-3,
-}
-_SECONDS = {**dict.fromkeys(("s", "sec", "second", "seconds"), 1.0), "ms": 1e-3, "min": 60.0}
-_PLAIN = {"", "-", "1", "n", "nm", "n m"}
-_LENGTHS = {
-    **{unit.lower(): size for unit, size in METRES.items()},
-    **dict.fromkeys(("meter", "metre", "meters", "metres"), 1.0),
-    **dict.fromkeys(("millimeter", "millimetre", "millimeters", "millimetres"), 1e-3),
-}
 
 
 @dataclass(frozen=True)
@@ -94,39 +78,6 @@ class Heading:
         if plain in _TIMES:
             return cls("t", word, unit)
         return cls(ROLL_PITCH_YAW.get(plain, word.lower()), word, unit)
-
-
-@dataclass(frozen=True)
-class FileUnits:
-    """The units in which numbers are wanted; a file that names others is converted.
-
-    Attributes
-    ----------
-    length
-        The name of the unit of lengths; empty if it does not matter.
-    in_radians
-        The unit of angles.
-    """
-
-    length: str = ""
-    in_radians: float = 1.0
-
-    def factor(self, unit: str) -> float | str:
-        """Return by what numbers with a unit are multiplied, or what is wrong with the unit.
-
-        Velocities and accelerations, as mm/s and deg/s^2, are those of the unit before the stroke.
-        """
-        base = re.sub(r"\s*/\s*s(\^?2|²)?$", "", unit.lower())
-        if base in _PLAIN or (not self.length and base in _LENGTHS) or base == self.length.lower():
-            return 1.0
-        if base in _RADIANS:
-            return _RADIANS[base] / self.in_radians
-        if base in _SECONDS and base == unit.lower():
-            return _SECONDS[base]
-        own = _LENGTHS.get(self.length.lower())
-        if base in _LENGTHS and own is not None:
-            return _LENGTHS[base] / own
-        return f"found the unit {shown(unit)}, expected {self.length or 'a length'}, deg, rad or s"
 
 
 def hints(names: Collection[str]) -> str:

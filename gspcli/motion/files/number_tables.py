@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import Location, Problem, SpecError
-from gspcli.motion.files.headings import FileUnits, Heading, hints
+from gspcli.motion.files.column_units import FileUnits
+from gspcli.motion.files.headings import Heading, hints
 from gspcli.records import dataclass
 from gspcli.wording import listed, shown, suggestion
 
@@ -229,7 +230,7 @@ class NumberTable:
         """Return by what the numbers of columns are multiplied, for the units that are wanted."""
         factors = []
         for name in columns:
-            factor = self._wanted.factor(self._units.get(name, ""))
+            factor = self._wanted.factor(name, self._units.get(name, ""))
             if isinstance(factor, str):
                 self.note_column(self.written[self.heading.index(name)], factor)
                 factor = 1.0

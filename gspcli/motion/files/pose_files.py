@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from gspcli.errors import Location, Problem, SpecError
 from gspcli.geometry.euler import euler_from_rotation, rotation_from_euler
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation, rotation_from_quaternion
-from gspcli.motion.files.headings import ROLL_PITCH_YAW, SEQUENCE, FileUnits
+from gspcli.motion.files.column_units import FileUnits
+from gspcli.motion.files.headings import ROLL_PITCH_YAW, SEQUENCE
 from gspcli.motion.files.number_tables import NumberTable, check, wrong_number
 from gspcli.records import dataclass
 from gspcli.wording import shown

@@ -88,7 +88,7 @@ def read_values(
     SpecError
         With all mistakes, each with line and column.
     """
-    table = NumberTable(text, name, form.units)
+    table = NumberTable(text, name, form.units.of(instance))
     moving = _moving(table, instance)
     coordinates: dict[str, Array] = {}
     start = None
@@ -96,7 +96,10 @@ def read_values(
         if delta:
             table.note_heading("found poses, expected values with --relative")
         for one in moving:
-            table.note_column(one, "found a coordinate that moves beside poses, expected values")
+            table.note_column(
+                table.written[table.heading.index(one)],
+                "found a coordinate that moves beside poses, expected values",
+            )
         poses = poses_in(table, form)
         t = None if poses is None else poses.t
         values = np.zeros((len(table), len(instance.constraints)))
@@ -142,21 +145,21 @@ def note_legs(table: NumberTable, instance: Instance) -> None:
 
 
 def _moving(table: NumberTable, instance: Instance) -> dict[str, Coordinate]:
-    """Return the coordinates that columns are named after, by the names as they are written."""
+    """Return the coordinates that columns are named after, by the names of the columns."""
     found: dict[str, Coordinate] = {}
     numbers = {str(k) for k in range(1, len(instance.constraints) + 1)}
-    for written in table.written:
-        first = written.lower().split(".")[0]
-        if first not in _MOVING or "." not in written:
+    for written, name in zip(table.written, table.heading, strict=True):
+        first = name.lower().split(".")[0]
+        if first not in _MOVING or "." not in name:
             # Other columns are left out, but not what was meant to be one of these.
-            if first and "." in written and (meant := nearest(first, _MOVING)):
+            if first and "." in name and (meant := nearest(first, _MOVING)):
                 table.note_column(written, f"found {shown(written)}: did you mean {meant}?")
-            if re.fullmatch(r"[0-9]+", written) and written.lstrip("0") not in numbers:
+            if re.fullmatch(r"[0-9]+", name) and name.lstrip("0") not in numbers:
                 message = f"found {shortened(written)}, expected a constraint from 1 to 6"
                 table.note_column(written, message)
             continue
         try:
-            (found[written],) = choose(instance, [written])
+            (found[name],) = choose(instance, [name])
         except ArgumentError as error:
             table.note_column(written, str(error))
     try:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pytest
 
 import gspcli
+from gspcli.calibration.data_files import read_measurements
+from gspcli.dynamics.motion_files import read_rows
 from gspcli.errors import SpecError
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.motion import PoseFormat, read_poses, read_values
-from gspcli.motion.files.headings import FileUnits, Heading
+from gspcli.motion.files.column_units import FileUnits
+from gspcli.motion.files.headings import Heading
 from gspcli.resources import data_path
 
 MILLIMETRES = PoseFormat(in_radians=np.pi / 180, length="mm")
@@ -66,7 +71,7 @@ def test_legs(heading):
 def test_legs_in_another_unit_and_times():
     hexapod = gspcli.load(data_path("platforms", "simscape-hexapod.yaml"))
     form = PoseFormat(length=hexapod.units.length)
-    factor = FileUnits(hexapod.units.length).factor("in")
+    factor = FileUnits(hexapod.units.length).factor("3", "in")
     found = read_values("Time [ms],L3 [in]\n0,2\n500,3\n", "v.csv", hexapod, form)
     assert found.t.tolist() == [0, 0.5]
     assert found.values[:, 2] == pytest.approx([2 * factor, 3 * factor], rel=1e-14)
@@ -81,7 +86,10 @@ def test_legs_in_another_unit_and_times():
         (table("x,y,z,alpha,beta,gamma"), "do not say about which axes: write rx ry rz"),
         (table("x,y,z,rx,ry,rz"), "found rx ry rz without the order of the axes"),
         (table("x,y,z,roll,rx,yaw"), "found the column 'rx' twice"),
-        (table("x [kg],y,z,roll,pitch,yaw"), "p.csv:1:1: found the unit 'kg', expected mm, deg"),
+        (
+            table("x [kg],y,z,roll,pitch,yaw"),
+            "p.csv:1:1: found the unit 'kg' of the column x, a length",
+        ),
         ("x;y;z;roll;pitch;yaw\n1,5;0;0;0;0;2.5\n", "decimals are written with a point"),
         ("x;y;z;roll;pitch;yaw\n1,234,5;0;0;0;0;2\n", "found '1,234,5', expected a finite number"),
         ("x,y,z,roll,pitch,yaw\n1,5,0,0,0,0,0\n", "found 7 cells, expected 6 as in the heading"),
@@ -103,10 +111,95 @@ def test_a_leg_that_is_no_leg():
 
 
 def test_units_that_are_not_known_are_those_of_the_file():
-    assert FileUnits("spans").factor("spans") == 1
-    assert "expected spans" in str(FileUnits("spans").factor("mm"))
-    assert FileUnits("mm").factor("m/s^2") == pytest.approx(1000)
-    assert FileUnits("mm", np.pi / 180).factor("rad/s") == pytest.approx(180 / np.pi)
+    assert FileUnits("spans").factor("x", "spans") == 1
+    assert "expected spans" in str(FileUnits("spans").factor("x", "mm"))
+    assert FileUnits("mm").factor("ax", "m/s^2") == pytest.approx(1000)
+    assert FileUnits("mm", np.pi / 180).factor("wx", "rad/s") == pytest.approx(180 / np.pi)
+
+
+#: Columns of each kind, and a unit of each kind.
+COLUMNS = {
+    "mm": ("x", "ty", "base.B1.z", "P1.x"),
+    "mrad": ("rx", "incl.x", "crank.B1"),
+    "ms": ("t",),
+    "": ("qw", "r12", "platform.L1.direction.z", "base.H2.normal.x", "row", "condition"),
+    "m/s": ("vx", "vz"),
+    "m/s^2": ("ax",),
+    "deg/s": ("wy",),
+    "rad/s²": ("alphaz",),
+    "N": ("f1",),
+    "N m": ("f6",),
+}
+
+
+@pytest.mark.parametrize("unit", [one for one in COLUMNS if one])
+def test_a_column_takes_units_of_its_kind_only(unit):
+    units = FileUnits("mm", np.pi / 180)
+    for own, columns in COLUMNS.items():
+        for column in columns:
+            found = units.factor(column, unit)
+            if own == unit or (own[:1] == unit[:1] == "N"):
+                assert isinstance(found, float)
+                continue
+            what = {"m": "a length", "d": "an angle", "r": "an angle", "N": "a force"}[
+                own[:1] or "m"
+            ]
+            what = {"mrad": "an angle", "ms": "a time", "": "a number"}.get(own, what)
+            assert str(found).startswith(f"found the unit '{unit}' of the column {column}, {what}")
+
+
+def test_values_are_lengths_or_angles_by_their_kinds():
+    example = gspcli.load(data_path("examples", "example-6.8.yaml"))
+    units = FileUnits("mm", 1.0).of(example)
+    for k, row in enumerate(example.constraints, 1):
+        for unit, of_distance in (("cm", True), ("deg", False), ("ms", None)):
+            for prefix, per in (("", ""), ("v", "/s"), ("a", "/s^2")):
+                found = units.factor(f"{prefix}{k}", unit + per)
+                assert isinstance(found, float) is (row.kind.is_distance is of_distance)
+        assert isinstance(units.factor(f"v{k}", "mm"), str)
+    # Without an instance a value may be either.
+    assert isinstance(FileUnits("mm").factor("1", "deg"), float)
+    assert isinstance(FileUnits("mm").factor("1", "mm"), float)
+
+
+POSES = "x{x},y,z,qw{q},qx,qy,qz,t{t},L1{v}\n1,2,3,1,0,0,0,1,9\n1,2,4,1,0,0,0,2,9\n"
+
+
+@pytest.mark.parametrize(
+    ("key", "unit"),
+    [
+        *product("x", ("rad", "deg", "s", "ms", "N", "mm/s", "nm")),
+        *product("t", ("mm", "deg")),
+        *(("q", "mm"), ("v", "deg")),
+    ],
+)
+def test_every_reader_refuses_a_unit_of_another_kind(key, unit):
+    hexapod = gspcli.load(data_path("platforms", "simscape-hexapod.yaml"))
+    units = dict.fromkeys("xqtv", "") | {key: f" [{unit}]"}
+    text, form = POSES.format(**units), PoseFormat(in_radians=np.pi / 180, length="m")
+    readers = {
+        "poses": lambda: read_poses(text, "d.csv", form),
+        "values": lambda: read_values(text, "d.csv", hexapod, form),
+        "rows": lambda: read_rows(text, "d.csv", hexapod, form),
+        "measurements": lambda: read_measurements(text, "d.csv", hexapod, form),
+    }
+    if key == "v":
+        # Beside poses values are read by one reader only.
+        readers = {"measurements": readers["measurements"]}
+    if key == "t":
+        # There t is the name of a row.
+        del readers["measurements"]
+    for reader in readers.values():
+        with pytest.raises(SpecError, match=f"d.csv:1:.*found the unit '{unit}' of the column"):
+            reader()
+
+
+def test_columns_named_after_primitives_may_have_units():
+    hexapod = gspcli.load(data_path("platforms", "simscape-hexapod.yaml"))
+    form = PoseFormat(length="m")
+    name = hexapod.constraints[0].base_name
+    found = read_values(f"1,base.{name}.x [mm]\n1,2\n1,3\n", "v.csv", hexapod, form)
+    assert found.coordinates[f"base.{name}.x"].tolist() == [0.002, 0.003]
 
 
 @pytest.mark.parametrize(
