@@ -7,7 +7,7 @@ STAMP  := $(VENV)/.installed
 NATIVE := $(wildcard native/*) CMakeLists.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test lint types docs bench verify verify-fast verify-solve verify-exports count-families msolve wheel clean
+.PHONY: help install demo test lint types docs bench verify verify-fast verify-solve verify-exports verify-pages count-families msolve wheel clean
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
@@ -56,6 +56,9 @@ verify-solve: $(STAMP) ## random platforms of every family solved completely, re
 
 verify-exports: $(STAMP) msolve ## 100 random types in MuJoCo, forces of 200, 50 in programs for polynomial systems (half an hour)
 	$(BIN)/python -m pytest -q -rs -n $(JOBS) -m slow tests/oracles/test_mujoco.py tests/oracles/test_exported_systems.py tests/oracles/test_dynamics_mujoco.py tests/oracles/test_dynamics_pinocchio.py
+
+verify-pages: $(STAMP) ## live pages of all platforms drawn in every mode, compared with ordinary pages (minutes; chromium)
+	$(BIN)/python -m tools.verify.live_pictures
 
 count-families: $(STAMP) ## a random platform of each of 626 families counted exactly (minutes)
 	$(BIN)/python -m tools.verify.counts families --check

@@ -163,9 +163,10 @@ class Browser:
         """Move or press the mouse at a place of the page."""
         self.call("Input.dispatchMouseEvent", type=event, x=x, y=y, **more)
 
-    def screenshot(self) -> bytes:
-        """Return what is on the screen as a PNG."""
-        return base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
+    def screenshot(self, clip: dict[str, float] | None = None) -> bytes:
+        """Return what is on the screen, or in a rectangle of it, as a PNG."""
+        more = {} if clip is None else {"clip": clip}
+        return base64.b64decode(self.call("Page.captureScreenshot", format="png", **more)["data"])
 
     def close(self) -> None:
         """End the browser."""

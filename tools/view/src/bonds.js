@@ -27,7 +27,7 @@ export class Bond {
     this.meshes.clear();
     this.pickable.length = 0;
     strokes.forEach((stroke, k) => {
-      const segments = stroke.style === "leg" ? 2 : (stroke.points[0]?.length ?? 2) - 1;
+      const segments = stroke.style === "leg" ? 2 : pointsOf(stroke) - 1;
       const room = DASHED.has(stroke.style) ? MOST_DASHES : segments;
       const isMain = ["leg", "perpendicular", "arc"].includes(stroke.style);
       const mesh = rodCapacity(room, isMain ? this.main : this.mark);
@@ -55,6 +55,12 @@ export class Bond {
     this.main.color.copy(main);
     this.mark.color.copy(mark);
   }
+}
+
+/** How many points a stroke has at every pose: poses are numbered, but not always from 0. */
+function pointsOf({ points }) {
+  for (const k in points) return points[k].length;
+  return 2;
 }
 
 function pairs(points) {

@@ -65,8 +65,9 @@ export function rods(segments, radius, material) {
 
 const matrix = new Matrix4();
 
-/** Put the rods of a mesh elsewhere; there must be room for them. */
+/** Put the rods of a mesh elsewhere; an error if there is no room for them. */
 export function setRods(mesh, segments, radius) {
+  if (segments.length > mesh.instanceMatrix.count) throw new Error(`${segments.length} rods in a mesh of ${mesh.instanceMatrix.count}`);
   segments.forEach(([a, b, r], k) => mesh.setMatrixAt(k, rodMatrix(a, b, r ?? radius, matrix)));
   mesh.count = segments.length;
   mesh.instanceMatrix.needsUpdate = true;
