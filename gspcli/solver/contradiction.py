@@ -29,6 +29,9 @@ _STEPS = 60
 _SOLVED = 1e-7
 _FIRST_DAMPING, _LESS, _MORE = 1e-2, 0.2, 5.0
 _LARGEST_DAMPING = 1e10
+#: The damping is at least this part of the trace of the matrix, so that rounding errors, at most
+#: some 1e-15 of the trace, cannot make the matrix singular.
+_LEAST_DAMPING = 1e-12
 
 
 def contradiction(arrangement: Arrangement, *, seed: int = SEED) -> tuple[int, ...]:
@@ -88,7 +91,9 @@ def _least(part: Arrangement, R: Array, T: Array, targets: Array) -> Array:
         for _ in range(_STEPS):
             J = np.nan_to_num(jacobian(part, R, T), posinf=0.0, neginf=0.0)
             transposed = np.swapaxes(J, -1, -2)
-            matrix = transposed @ J + damping[:, None, None] * np.eye(6)
+            matrix = transposed @ J
+            least = _LEAST_DAMPING * np.trace(matrix, axis1=1, axis2=2)
+            matrix += np.maximum(damping, least)[:, None, None] * np.eye(6)
             step = -np.linalg.solve(matrix, (transposed @ values[..., None]))[..., 0]
             moved_R, moved_T = rotation_from_vector(step[:, :3]) @ R, T + step[:, 3:]
             moved = measured(part, moved_R, moved_T) - targets
