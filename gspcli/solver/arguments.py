@@ -18,9 +18,6 @@ from gspcli.wording import shortened
 
 Array = NDArray[np.float64]
 
-#: Angles beyond the end of their range by no more than this (relatively) are at the end.
-_ROUNDING = 4e-16
-
 
 def whole(value: Any, where: str, *, least: int) -> int:
     """Return an argument that is a whole number.
@@ -76,17 +73,20 @@ def problems_of(instance: Instance, rows: Array) -> dict[int, str]:
     high = np.where(inward, half, half / 2)
     distance = np.array([kind.is_distance for kind in kinds])
     low, high = np.where(distance, 0.0, low), np.where(distance, LARGEST, high)
-    slack = _ROUNDING * np.where(distance, 0.0, half)
     with np.errstate(invalid="ignore"):
-        right = (rows >= low - slack) & (rows <= high + slack)
+        right = (rows >= low) & (rows <= high)
         right &= (rows == 0) | (np.abs(rows) >= SMALLEST)
-    problems = {}
-    for k in np.flatnonzero(~right.all(axis=1)).tolist():
-        i = int(np.flatnonzero(~right[k])[0])
+    problems: dict[int, str] = {}
+    for k, i in np.argwhere(~right).tolist():
+        if k in problems:
+            continue
         try:
             number = Number.of(float(rows[k, i]))
-            wrong = f"found {number}, {wrong_value(kinds[i], number, instance.units.angle)}"
+            # The same rule as for one instance: a double may be the rounded end of the range.
+            wrong = wrong_value(kinds[i], number, instance.units.angle)
+            wrong = wrong and f"found {number}, {wrong}"
         except ArgumentError as error:
             wrong = error.message
-        problems[k] = f"values[{k}][{i}]: {wrong}"
+        if wrong:
+            problems[k] = f"values[{k}][{i}]: {wrong}"
     return problems

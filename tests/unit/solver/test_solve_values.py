@@ -13,6 +13,7 @@ from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.continuation.paths import Basis
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.instance import AngleUnit
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.residuals import condition_numbers, residuals
 from gspcli.solver import batch as batch_module
@@ -346,3 +347,28 @@ def test_a_batch_has_the_same_poses_as_arrays():
             np.testing.assert_allclose(batch.conditions[k, :number], conditions, rtol=1e-6)
     assert batch.proved[[0, 1, 3, 5]].all()
     assert not batch.complete[4]
+
+
+@pytest.mark.parametrize("wrong", [180.00000000000003, -1e-9, 181.0])
+def test_an_angle_beyond_its_range_is_wrong_in_a_batch_as_in_a_file(wrong: float) -> None:
+    instance = instance_of("DPL DPL DLP ALL ALH AHH")
+    own = np.array([c.value.value for c in instance.constraints])
+    rows = np.stack([own, own])
+    rows[1, 3] = wrong
+    first, second = solve_values(instance, rows)
+    assert first.problem is None
+    assert second.problem is not None
+    assert "expected an angle of LL from 0 to 180 (deg)" in second.problem
+    with pytest.raises(GspError, match="expected an angle of LL from 0 to 180"):
+        solve(instance.with_values({3: Number.of(wrong)}))
+
+
+def test_an_angle_of_half_a_turn_in_radians_may_be_rounded_up() -> None:
+    """The double next to pi is the rounded end of the range, in a batch as in a file."""
+    instance = instance_of("DPL DPL DLP ALL ALH AHH")
+    units = replace(instance.units, angle=AngleUnit.RADIAN)
+    given = replace(instance.with_values(dict.fromkeys((3, 4, 5), Number.of(1))), units=units)
+    own = np.array([c.value.value for c in given.constraints])
+    own[3] = np.nextafter(np.pi, 4)
+    (found,) = solve_values(given, own[None])
+    assert found.problem is None
