@@ -29,6 +29,7 @@ from gspcli.resources import data_path
 from gspcli.solver import all_poses, solve, solve_batch, solve_values
 from gspcli.solver.generate import random_instance
 from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.problem import Problem
 from gspcli.solver.solved_starts import SolvedStarts
 from gspcli.solver.strategies import more_digits, stored_start
 
@@ -126,7 +127,7 @@ def test_whatever_strategy_finds_them(name: str, monkeypatch: pytest.MonkeyPatch
 
 @pytest.mark.parametrize("name", ["examples/dietmaier", "6PP", "2PL LP 3AHH"])
 def test_whether_the_kernel_proves_them_or_balls(name: str, monkeypatch) -> None:
-    monkeypatch.setattr("gspcli.solver.problem.ValueProofs.of", lambda *_: None)
+    monkeypatch.setattr(Problem, "proofs", None)
     assert said(solve(platform(name), starts=SolvedStarts()).poses) == known(name)
 
 
