@@ -33,7 +33,7 @@ _PROGRAM = msolve.executable()
 SLICES = 8
 
 #: The batch that is compared with a peer: its type, certified, on one thread.
-_BATCH = ("6PP", True, 1)
+_BATCH = ("6PP", 1)
 #: Peers that are no installed programs: where a copy is, is said with ``--peer``.
 COPIES = {"fksgp": fksgp.NAME}
 
@@ -82,14 +82,12 @@ def measure_case(
 ) -> CaseResult:
     """Measure ourselves and the peers on the same instances of a case."""
     instances = case.draw(SEED, max(count, 30 if case.instances > 1 else 5))
-    ours = [solve(instance, certify=False) for instance in instances[:count]]
+    ours = [solve(instance) for instance in instances[:count]]
     beside = [peer for peer in peers if peer == fksgp.NAME and fksgp.can(case)]
     seconds: list[float] = []
-    certified: list[float] = []
     in_process: list[list[Answer]] = []
     for _ in range(SLICES):
-        seconds += solve_seconds(instances, certify=False)
-        certified += solve_seconds(instances[:count], certify=True)
+        seconds += solve_seconds(instances)
         for peer in beside:
             asked = (ask(peer, case, given, folder, limit, copies) for given in instances[:count])
             in_process.append(list(asked))
@@ -99,7 +97,6 @@ def measure_case(
         found=[answer.counts.found for answer in ours],
         real=[answer.counts.real for answer in ours],
         seconds=median(seconds),
-        certified_seconds=median(certified),
     )
     for peer in peers:
         if peer in case.beyond:
@@ -144,11 +141,11 @@ def bars(report: Report) -> list[Bar]:
         times = {name: median(peer.seconds) for name, peer in case.peers.items() if peer.seconds}
         if times:
             quickest = min(times, key=lambda name: times[name])
-            ratio = times[quickest] / case.certified_seconds
+            ratio = times[quickest] / case.seconds
             found.append(Bar(f"{case.case.key}, {quickest} over gsp", case.case.wanted, ratio))
     peer = next((c.peers.get(fksgp.NAME) for c in report.cases if c.case.key == "6-6"), None)
     for batch in report.throughputs:
-        if peer and peer.seconds and (batch.type_text, batch.certified, batch.jobs) == _BATCH:
+        if peer and peer.seconds and (batch.type_text, batch.jobs) == _BATCH:
             ratio = median(peer.seconds) / batch.seconds
             found.append(Bar(f"6-6 in a batch, {fksgp.NAME} over gsp", 60, ratio))
     found += _machine_bars(report)
@@ -238,14 +235,8 @@ def measure_rest(report: Report, folder: Path, *, quick: bool) -> None:
     """Measure batches, threads, the shell, memory, and the cost over all families."""
     _say("batches")
     report.throughputs = [
-        throughput(type_text, size // 10 if quick else size, jobs, SEED, certify=certify)
-        for type_text, size, certify in (
-            ("6PP", 2000, False),
-            ("6PP", 2000, True),
-            ("PL PL LP 3ALL", 2000, False),
-            ("6PL", 40, False),
-            ("6PL", 40, True),
-        )
+        throughput(type_text, size // 10 if quick else size, jobs, SEED)
+        for type_text, size in (("6PP", 2000), ("PL PL LP 3ALL", 2000), ("6PL", 40))
         for jobs in (1, 2)
     ]
     _say("shell")

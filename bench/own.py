@@ -38,7 +38,7 @@ sys.exit(code)
 _SLICE = 0.25
 
 
-def solve_seconds(instances: Sequence[Instance], *, certify: bool) -> list[float]:
+def solve_seconds(instances: Sequence[Instance]) -> list[float]:
     """Return the processor times of solving one of some instances, after loading.
 
     They are solved one by one, round and round for a slice of time, once at least. A machine with
@@ -48,7 +48,7 @@ def solve_seconds(instances: Sequence[Instance], *, certify: bool) -> list[float
     while sum(times) < _SLICE:
         for instance in instances:
             began = time.process_time()
-            solve(instance, certify=certify)
+            solve(instance)
             times.append(time.process_time() - began)
     return times
 
@@ -60,27 +60,26 @@ class Throughput:
     type_text: str
     batch: int
     jobs: int
-    certified: bool
     seconds: float
 
 
-def throughput(type_text: str, batch: int, jobs: int, seed: int, *, certify: bool) -> Throughput:
+def throughput(type_text: str, batch: int, jobs: int, seed: int) -> Throughput:
     """Solve a batch of sets of values three times, and take the median."""
     instance = next(random_instances(type_text, seed))
     values = _random_values(instance, batch, np.random.default_rng(seed))
-    for _ in solve_values(instance, values[:1], certify=certify):
+    for _ in solve_values(instance, values[:1]):
         pass
     times = []
     for _ in range(3):
         began = time.perf_counter()
         complete = sum(
-            poses.account.verdict == "complete" and (poses.proof is not None or not certify)
-            for poses in solve_values(instance, values, jobs=jobs, certify=certify)
+            poses.account.verdict == "complete" and poses.proof is not None
+            for poses in solve_values(instance, values, jobs=jobs)
         )
         times.append(time.perf_counter() - began)
         if complete < batch:
             sys.stderr.write(f"{type_text}: {batch - complete} of {batch} are incomplete\n")
-    return Throughput(type_text, batch, jobs, certify, median(times) / batch)
+    return Throughput(type_text, batch, jobs, median(times) / batch)
 
 
 def _random_values(instance: Instance, batch: int, rng: np.random.Generator) -> NDArray[np.float64]:

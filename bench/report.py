@@ -42,7 +42,6 @@ class CaseResult:
     found: list[int]
     real: list[int]
     seconds: float
-    certified_seconds: float
     peers: dict[str, PeerResult] = field(default_factory=dict)
 
 
@@ -129,7 +128,7 @@ class Report:
             return ""
         names = [name for name, version in self.versions.items() if version]
         times = table(
-            ["case", "solutions", "gsp", "certified", *names],
+            ["case", "solutions", "gsp", *names],
             ([*_own(result), *(_time(result, name) for name in names)] for result in self.cases),
         )
         text = f"## Peers\n\n{_TIMES}\n{times}"
@@ -176,14 +175,13 @@ class Report:
             [
                 x.type_text,
                 str(x.batch),
-                "yes" if x.certified else "no",
                 str(x.jobs),
                 duration(x.seconds),
                 f"{1 / x.seconds:.0f}",
             ]
             for x in self.throughputs
         )
-        heading = ["type", "batch", "certified", "threads", "wall time each", "per second"]
+        heading = ["type", "batch", "threads", "wall time each", "per second"]
         return f"## Batches and threads\n\n{_BATCHES}\n{table(heading, rows)}"
 
     def _shell(self) -> str:
@@ -220,8 +218,7 @@ class Report:
 
 
 def _own(result: CaseResult) -> list[str]:
-    times = (duration(x) for x in (result.seconds, result.certified_seconds))
-    return [result.case.key, str(result.expected), *times]
+    return [result.case.key, str(result.expected), duration(result.seconds)]
 
 
 def _time(result: CaseResult, name: str) -> str:
@@ -277,12 +274,11 @@ certified solutions of gsp, both of this run; of a batch, by that of each set of
 
 _TIMES = """\
 Medians over the same instances, on one core: processor time, so that others on the machine matter
-less. For gsp it is `solve` in process, after loading, without and with certificates; for msolve and
-phc the whole process (they start in milliseconds); for Macaulay2 the tracking alone, and for fkSGP
-its function with real poses only, in process, in turns with gsp: what else the machine does slows
-both.
-In brackets, as a multiple of gsp without certificates. Only msolve proves anything, for the real
-solutions that it isolates; compare it with *certified*.
+less. For gsp it is `solve` in process, after loading, with certificates; for msolve and phc the
+whole process (they start in milliseconds); for Macaulay2 the tracking alone, and for fkSGP its
+function with real poses only, in process, in turns with gsp: what else the machine does slows
+both. In brackets, as a multiple of gsp. Only msolve proves anything besides, for the real solutions
+that it isolates.
 """
 
 _ANSWERS = """\
@@ -314,7 +310,7 @@ _SWEEP = """## Cost and the number of solutions
 
 ![cost over the number of solutions](images/cost.svg)
 
-One random one-sided platform of each of {count} families, uncertified ([data](cost.csv)):
+One random one-sided platform of each of {count} families ([data](cost.csv)):
 {verdicts}. Where paths are tracked, a path takes {each} (median); the time grows as the count to
 the power {slope:.2f} (least squares). The slowest is {slowest}: {longest} for {paths} paths. Peak
 memory of the process that did all this, keeping all start systems: {memory:.0f} MB.

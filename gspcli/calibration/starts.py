@@ -65,9 +65,7 @@ def _modes(
     values = values_of(instance, _in_file_units(model, seen.readings))
     sided = [row.kind.has_sides for row in instance.constraints]
     home = _home(instance) if model.with_frames else None
-    rows = solve_values(
-        _both_sides(instance), np.where(sided, np.abs(values), values), certify=False
-    )
+    rows = solve_values(_both_sides(instance), np.where(sided, np.abs(values), values))
     for k, poses in enumerate(rows):
         found = poses.R[poses.real].real, poses.T[poses.real].real
         same = seen.taken(np.full(len(found[0]), k))

@@ -10,29 +10,24 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from gspcli.certification.poses.certificates import Certificate, Certificates, Outcome
-    from gspcli.certification.poses.decisions import Decisions, decide
     from gspcli.certification.poses.platform_certificates import certify
     from gspcli.certification.poses.refinement import RefinedPose, refine
 
 _HOMES = {
     "Certificate": "gspcli.certification.poses.certificates",
     "Certificates": "gspcli.certification.poses.certificates",
-    "Decisions": "gspcli.certification.poses.decisions",
     "Outcome": "gspcli.certification.poses.certificates",
     "RefinedPose": "gspcli.certification.poses.refinement",
     "certify": "gspcli.certification.poses.platform_certificates",
-    "decide": "gspcli.certification.poses.decisions",
     "refine": "gspcli.certification.poses.refinement",
 }
 
 __all__ = [
     "Certificate",
     "Certificates",
-    "Decisions",
     "Outcome",
     "RefinedPose",
     "certify",
-    "decide",
     "refine",
 ]
 

@@ -109,7 +109,6 @@ def pose_tables(
     result: SolveResult,
     shown: Shown,
     *,
-    certify: bool,
     summary: Sequence[str],
     notes: Sequence[str],
 ) -> list[Table]:
@@ -118,7 +117,7 @@ def pose_tables(
     title = instance.title
     if not shown.indices:
         return [Table([], [], title, notes=notes, summary=summary)]
-    rows = _rows(result, shown, certify=certify)
+    rows = _rows(result, shown)
     number = Column("number", "no.", align="right", essential=True)
     translation = [_column(result, column, shown) for column in TRANSLATION]
     rotation = [_column(result, column, shown) for column in shown.rotation]
@@ -166,17 +165,18 @@ def lone_tables(result: SolveResult, shown: Shown) -> list[Table]:
         "that all constraints hold there is known to 50 decimals, or 9 where poses meet and of the "
         "distance of parallel lines"
     ]
-    tables = pose_tables(result.lone, alone, certify=False, summary=[], notes=notes)
+    tables = pose_tables(result.lone, alone, summary=[], notes=notes)
     # As equations over the complex numbers the constraints are singular there.
+    left_out = ("condition", "residual")
     return [
         replace(
-            table, title="real poses", columns=[c for c in table.columns if c.key != "condition"]
+            table, title="real poses", columns=[c for c in table.columns if c.key not in left_out]
         )
         for table in tables
     ]
 
 
-def _rows(result: SolveResult, shown: Shown, *, certify: bool) -> list[dict[str, Any]]:
+def _rows(result: SolveResult, shown: Shown) -> list[dict[str, Any]]:
     pose = {column.key: column.read(result) for column in (*TRANSLATION, *shown.rotation)}
     smallest = {column.key: _ZERO * result.arrangement.length for column in TRANSLATION}
     known = proved(result)
@@ -192,7 +192,7 @@ def _rows(result: SolveResult, shown: Shown, *, certify: bool) -> list[dict[str,
         row["condition"] = float(f"{solution.condition:.3g}")
         if solution.sides and (not constant or not _fixed_sides(result)):
             row["sides"] = "".join("+" if s == "positive" else "-" for s in solution.sides.values())
-        if certify and not known[index]:
+        if not known[index]:
             row["residual"] = float(f"{solution.residual:.1e}")
         remarks = ["home"] if solution.home else []
         remarks += ["nearest"] if shown.distances is not None and place == 0 else []
@@ -204,7 +204,7 @@ def _rows(result: SolveResult, shown: Shown, *, certify: bool) -> list[dict[str,
         if solution.multiplicity > 1:
             many = solution.multiplicity
             remarks.append("double" if many == 2 else f"multiplicity {many}")
-        if certify and not known[index] and known.any():
+        if not known[index] and known.any():
             remarks.append("not proved")
         row["remarks"] = ", ".join(remarks) or None
         if shown.distances is not None:

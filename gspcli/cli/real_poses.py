@@ -45,7 +45,7 @@ def real_poses(instance: Instance) -> tuple[Array, Array]:
     from gspcli.solver import solve
 
     with working("solving"):
-        result = solve(instance, certify=False)
+        result = solve(instance)
     if result.verdict == "infinite":
         message = "the poses of the platform are infinitely many\ngive one with --pose"
         raise NotFiniteError(message)

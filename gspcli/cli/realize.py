@@ -148,7 +148,7 @@ def _platform_drawn(spec: str, built: Mechanism, fmt: str) -> bytes:
 
     instance = load_instance(spec)
     with working("solving"):
-        result = solve(instance, certify=False)
+        result = solve(instance)
     if not result.drawn.counts.real:
         message = f"{spec}: no real pose to draw the mechanism at; name its type for the chains"
         raise GspError(message)

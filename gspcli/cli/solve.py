@@ -34,7 +34,9 @@ _READABLE = ("table", "markdown", "latex")
 @value_options
 @click.option("--all", "everything", is_flag=True, help="Also show poses that are not real.")
 @click.option(
-    "--no-certify", is_flag=True, help="Do not prove what is found: poses in general position."
+    "--no-certify",
+    is_flag=True,
+    help="Do not prove what is found: ignored, since every pose is proved. Deprecated.",
 )
 @click.option(
     "--prove/--no-prove",
@@ -117,6 +119,8 @@ def command(
     from gspcli.solver import solve
     from gspcli.solver.columns import rotation_columns
 
+    if no_certify:
+        click.echo("--no-certify is ignored: every pose is proved", err=True)
     columns = rotation_columns(rotation)
     if everything:
         _refuse_angles(rotation)
@@ -124,7 +128,7 @@ def command(
     given = given_readings(readings, instance)
     goal = _goal(near, euler, pivot, instance)
     with working("solving"):
-        result = solve(instance, seed=seed, jobs=jobs, certify=not no_certify, prove=prove)
+        result = solve(instance, seed=seed, jobs=jobs, prove=prove)
         indices = range(len(result.R) if everything else result.counts.real)
         shown = Shown(indices, columns, decimals)
         if goal is not None:
@@ -133,14 +137,12 @@ def command(
             shown = replace(shown, fits=fit.rows())
         proved = _refined(result, shown, digits) if digits is not None else []
         contradicting = _contradicting(result)
-        lines = summary(result, certify=not no_certify, contradicting=contradicting)
+        lines = summary(result, contradicting=contradicting)
         lines += [fit.sentence] if fit is not None else []
     if output.format in _READABLE:
         notes = _notes(result, shown, everything=everything, legend=legend)
-        tables = pose_tables(result, shown, certify=not no_certify, summary=lines, notes=notes)
-        tables += lone_tables(result, shown)
-        tables += _digits_of(shown, proved)
-        emit(output, tables)
+        tables = pose_tables(result, shown, summary=lines, notes=notes)
+        emit(output, [*tables, *lone_tables(result, shown), *_digits_of(shown, proved)])
     else:
         flat = [digit_cells(pose or {}) for pose in proved]
         table = data_table(result, shown, flat, imaginary=everything, summary=lines)
@@ -148,7 +150,7 @@ def command(
         if output.format == "json":
             document = _document(result, shown, proved, contradicting, fit, everything=everything)
         emit(output, table, document=document)
-    _complain(result, certified=not no_certify)
+    _complain(result)
     if fit is not None:
         refuse_misfit(fit)
 
@@ -264,7 +266,7 @@ def _digits_of(shown: Shown, proved: Sequence[dict[str, Any] | None]) -> list[Ta
     return [digit_table(rows)]
 
 
-def _complain(result: SolveResult, *, certified: bool) -> None:
+def _complain(result: SolveResult) -> None:
     """Raise what the exit code is to say."""
     from gspcli.cli.summary import fixed
 
@@ -302,9 +304,7 @@ def _complain(result: SolveResult, *, certified: bool) -> None:
             "try --prove, another --seed, or change a value a little with --set and compare"
         )
         raise IncompleteError(message)
-    if certified and result.proof is None and counts.certified < counts.found:
-        message = (
-            f"{counts.found - counts.certified} of {counts.found} poses could not be certified\n"
-            "use --no-certify to do without"
-        )
+    if result.proof is None and counts.certified < counts.found:
+        missing = counts.found - counts.certified
+        message = f"{missing} of {counts.found} poses could not be certified"
         raise IncompleteError(message)

@@ -23,19 +23,17 @@ _FAR = 1e5
 _PARALLEL = 1e-9
 
 
-def summary(result: SolveResult, *, certify: bool, contradicting: Sequence[int] = ()) -> list[str]:
+def summary(result: SolveResult, *, contradicting: Sequence[int] = ()) -> list[str]:
     """Return what came out: the real poses, what is proved of them, whether that is all.
 
     Parameters
     ----------
     result
         The poses.
-    certify
-        Whether certificates were asked for.
     contradicting
         Numbers from 1 of constraints that contradict each other, where there is no real pose.
     """
-    lines = [f"{_real(result, certify=certify)}; {_completeness(result)}"]
+    lines = [f"{_real(result)}; {_completeness(result)}"]
     if fixed(result):
         one = result.counts.real == 1
         poses, them = ("the isolated real pose", "it") if one else ("these real poses", "them")
@@ -48,14 +46,14 @@ def summary(result: SolveResult, *, certify: bool, contradicting: Sequence[int] 
     return lines
 
 
-def _real(result: SolveResult, *, certify: bool) -> str:
+def _real(result: SolveResult) -> str:
     real = result.counts.real
     # Those of a motion are real, too, and not counted.
     which = "isolated real" if result.verdict == "infinite" else "real"
     text = f"{real or 'no'} {which} pose{'s' * (real > 1)}"
     if lone := len(result.lone.R):
         return f"{lone} real pose{'s' * (lone > 1)} that cannot move"
-    if not result.counts.found or not certify:
+    if not result.counts.found:
         return text
     # Where there is no real pose it is the others whose certificates say so.
     known = proved(result)[:real] if real else proved(result)

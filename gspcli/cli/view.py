@@ -131,7 +131,7 @@ def command(
             names=not no_names,
             live=live,
             tracks=tracks,
-            summary=" ".join(f"{line}." for line in summary(result, certify=True)) if paged else "",
+            summary=" ".join(f"{line}." for line in summary(result)) if paged else "",
         )
     write(output, content)
     if output.path is not None:

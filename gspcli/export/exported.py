@@ -108,7 +108,7 @@ def _pose(
     from gspcli.motion.poses.chosen_mode import chosen_mode
     from gspcli.solver import solve
 
-    result = solve(instance, certify=False).drawn
+    result = solve(instance).drawn
     home, count = result.home, result.counts.real
     if home is None and mode is None and not needed:
         return None, ()

@@ -14,7 +14,7 @@ from gspcli import _kernel
 from gspcli.catalogue.kinds import Kind, Primitive
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.primitives import Point, unit_vectors
-from gspcli.geometry.quaternions import Field, apply
+from gspcli.geometry.quaternions import Field, apply, pose_from_study
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -244,6 +244,11 @@ class Arrangement(Bodies):
         platform, base = self._centred[0]
         y, x = (self.y - platform) / length, (self.x - base) / length
         return Arrangement(self.kinds, y, x, self.u, self.v, values, self.sides, self.in_radians)
+
+    def poses_of(self, points: Field) -> tuple[Field, Field]:
+        """Return the poses R, T in the given frames of Study points (n, 8) of `normalized`."""
+        R, T = pose_from_study(points[:, :4], points[:, 4:])
+        return R, self.restored(R, T)
 
     def restored(self, R: Field, T: Field, length: float | None = None) -> Field:
         """Return translations of `in_units_of` (`normalized` if None) in the given frames."""

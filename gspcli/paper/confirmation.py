@@ -66,7 +66,7 @@ def confirm(*, instances: int = 2, seed: int = SEED, progress: Progress = silent
 
 def _confirm_instance(entry: Entry, gsp_type: GspType, rng: np.random.Generator) -> None:
     instance, _ = random_instance(gsp_type, rng, one_sided=True)
-    result = solve(instance, certify=False)
+    result = solve(instance)
     counted = Counter(_branches(result))
     rotations = {rotation for rotation, _ in counted}
     planes = 2 ** gsp_type.count(DLL)

@@ -27,14 +27,14 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.reality.platforms import Platforms
-from gspcli.reality.recognition import look_real
-from gspcli.solver.ledger import Ledger
-from gspcli.solver.pose_set import PoseSet
-from gspcli.solver.poses_by_paths import (
+from gspcli.reality.poses_by_paths import (
     poses_by_paths,
     solve_by_tracking,
     track_platforms,
 )
+from gspcli.reality.recognition import look_real
+from gspcli.solver.ledger import Ledger
+from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.problem import Problem
 from gspcli.solver.strategies.stored_start import careful_paths
 

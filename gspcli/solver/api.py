@@ -14,7 +14,7 @@ from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import values_of
 from gspcli.solver.all_poses import all_poses
-from gspcli.solver.arguments import value_rows, whole
+from gspcli.solver.arguments import value_rows, warn_of_certify, whole
 from gspcli.solver.batch import PoseBatch, joined
 from gspcli.solver.pose_blocks import pose_blocks
 from gspcli.solver.pose_set import PoseSet
@@ -28,7 +28,7 @@ def solve(
     *,
     seed: int = SEED,
     jobs: int = 1,
-    certify: bool = True,
+    certify: bool | None = None,
     prove: bool | None = None,
     starts: SolvedStarts = STARTS,
 ) -> SolveResult:
@@ -49,8 +49,7 @@ def solve(
     jobs
         Threads for path tracking. The answer does not depend on them.
     certify
-        Whether to prove each pose of a platform in general position, and whether it is real.
-        That is always done where it costs nothing to speak of, and in special position.
+        Ignored, with a DeprecationWarning: every pose is proved.
     prove
         Whether to count the poses of a special platform however long it takes (True), not at
         all (False), or if it takes no longer than `PATIENCE` (None). Without a count only
@@ -64,9 +63,10 @@ def solve(
     ArgumentError
         If an argument is wrong: not an instance, not six constraints, a value out of range.
     """
+    warn_of_certify(certify)
     checked(instance)
     seed, jobs = whole(seed, "seed", least=0), whole(jobs, "jobs", least=1)
-    problem = Problem(instance, seed=seed, jobs=jobs, certify=certify, prove=prove, starts=starts)
+    problem = Problem(instance, seed=seed, jobs=jobs, prove=prove, starts=starts)
     local_frames = problem.local_frames
     if local_frames.is_none:
         return SolveResult(instance, problem.arrangement, _ordered(problem), seed)
@@ -85,7 +85,7 @@ def solve_values(
     *,
     seed: int = SEED,
     jobs: int = 1,
-    certify: bool = True,
+    certify: bool | None = None,
     starts: SolvedStarts = STARTS,
 ) -> Iterator[PoseSet]:
     """Yield all poses of an instance for each of many sets of values, in order.
@@ -103,8 +103,7 @@ def solve_values(
     seed, jobs, starts
         As for `solve`.
     certify
-        Whether to prove each pose, and whether it is real, and so that there are no others. That
-        is always done where it costs nothing to speak of, and in special position.
+        Ignored, as by `solve`.
 
     Raises
     ------
@@ -112,9 +111,8 @@ def solve_values(
         If an argument is of another sort or shape. A set of values that is wrong (not a number,
         a negative distance) only spoils its own `PoseSet`, whose `problem` says so.
     """
-    return chain.from_iterable(
-        pose_blocks(instance, values, seed=seed, jobs=jobs, certify=certify, starts=starts)
-    )
+    warn_of_certify(certify)
+    return chain.from_iterable(pose_blocks(instance, values, seed=seed, jobs=jobs, starts=starts))
 
 
 def solve_batch(
@@ -123,7 +121,7 @@ def solve_batch(
     *,
     seed: int = SEED,
     jobs: int = 1,
-    certify: bool = True,
+    certify: bool | None = None,
     starts: SolvedStarts = STARTS,
     progress: Iterable[object] = (),
 ) -> PoseBatch:
@@ -143,10 +141,9 @@ def solve_batch(
     ArgumentError
         As for `solve_values`.
     """
+    warn_of_certify(certify)
     blocks, steps = [], iter(progress)
-    for block in pose_blocks(
-        instance, values, seed=seed, jobs=jobs, certify=certify, starts=starts
-    ):
+    for block in pose_blocks(instance, values, seed=seed, jobs=jobs, starts=starts):
         blocks.append(block)
         deque(islice(steps, len(block)), maxlen=0)
     rows = values_of(instance, value_rows(values), signed=False)

@@ -19,7 +19,6 @@ from gspcli.solver.completion import FEW, complete, go_on_until
 from gspcli.solver.infinite import along_points, solve_infinite
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.pose_set import PoseSet, joined
-from gspcli.solver.poses_by_paths import poses_by_paths
 from gspcli.solver.poses_in_parts import complete_parts
 from gspcli.solver.problem import Problem
 from gspcli.solver.proof import CountKind, Proof
@@ -47,11 +46,9 @@ def poses_by_count(
     solve
         Returns all poses of another platform.
     """
-    if not problem.certify and all(paths.is_regular for paths in problem.tracked):
-        return poses_by_paths(problem.arrangement, problem.tracked)
     count = None
     if problem.limit != 0:
-        if (poses := poses_of_repeated(problem)) is not None:
+        if (poses := poses_of_repeated(problem, ledger)) is not None:
             return poses
         if (poses := _by_geometry_or_type(problem, ledger)) is not None:
             return poses
@@ -62,7 +59,7 @@ def poses_by_count(
     if count is None:
         return _uncounted(problem, ledger)
     if any(side.solutions is None and not side.parallel for side in count.sides):
-        return _infinitely_many(problem, count, solve)
+        return _infinitely_many(problem, ledger, count, solve)
     parts = [
         _of_side(side, counted, solve).on_sides(problem.choices[k : k + 1])
         for k, (side, counted) in enumerate(zip(ledger.sides, count.sides, strict=True))
@@ -70,7 +67,7 @@ def poses_by_count(
     # A set without a sample of it may have real poses that are isolated, such as lines that
     # coincide.
     if any(part.account.on_curves and not part.motions for part in parts):
-        return _infinitely_many(problem, count, solve)
+        return _infinitely_many(problem, ledger, count, solve)
     return _with_better_proof(problem, _proved(joined(parts), count))
 
 
@@ -90,7 +87,7 @@ def _by_geometry_or_type(problem: Problem, ledger: Ledger) -> PoseSet | None:
 
 
 def _infinitely_many(
-    problem: Problem, count: ExactCount, solve: Callable[[Problem], PoseSet]
+    problem: Problem, ledger: Ledger, count: ExactCount, solve: Callable[[Problem], PoseSet]
 ) -> PoseSet:
     """Return motions and isolated poses of a platform with infinitely many."""
     instance, proof = problem.instance, _infinite(problem.instance, count)
@@ -98,7 +95,7 @@ def _infinitely_many(
         samples = solve(problem.like(moving)).motions
         poses = along_points(instance, problem.arrangement, samples, proof)
     else:
-        poses = solve_infinite(problem, proof)
+        poses = solve_infinite(problem, ledger, proof)
     if poses.account.verdict != "infinite" or any(motion.real for motion in poses.motions):
         return poses
     isolated = isolated_real_poses(

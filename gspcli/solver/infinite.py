@@ -8,19 +8,22 @@ from itertools import islice
 
 import numpy as np
 
-from gspcli.certification import decide
 from gspcli.continuation.endpoints import BESIDE_CURVES
 from gspcli.continuation.paths import Basis, PathAccount
+from gspcli.continuation.solutions import SolutionCurve
 from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.conjugates import made_real
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import Field
 from gspcli.geometry.residuals import relative_residuals
-from gspcli.solver.pose_set import Motion, PoseSet
-from gspcli.solver.poses_by_paths import poses_by_paths, poses_of
+from gspcli.solver.completion import go_on_until
+from gspcli.solver.ledger import Ledger
+from gspcli.solver.pose_set import Motion, PoseSet, joined
 from gspcli.solver.problem import Problem
 from gspcli.solver.proof import Proof
 from gspcli.solver.self_motion import local_motion
+from gspcli.solver.strategies import Further
 
 #: Samples of a motion meet the constraints up to this part of their size.
 _ON_MOTION = 1e-8
@@ -28,37 +31,51 @@ _ON_MOTION = 1e-8
 _TRIED = 16
 
 
-def solve_infinite(problem: Problem, proof: Proof | None) -> PoseSet:
+def solve_infinite(problem: Problem, ledger: Ledger, proof: Proof | None) -> PoseSet:
     """Return sample motions and isolated poses of a platform.
 
-    The equation of a DLL holds wherever its lines are parallel, at any distance: then infinitely
-    many solutions need not be infinitely many poses. If no motion is found then, the platform is
-    not solved.
+    The isolated poses are the proved ones: no simple solution lies on a set of solutions. The
+    equation of a DLL holds wherever its lines are parallel, at any distance: then infinitely many
+    solutions need not be infinitely many poses. If no motion is found then, the platform is not
+    solved.
 
     Parameters
     ----------
-    problem
-        The platform.
+    problem, ledger
+        The platform, and its proved poses.
     proof
         What proves the set of poses to be infinite; None if only that of the equations is.
     """
-    instance, arrangement, tracked = problem.instance, problem.arrangement, problem.tracked
-    best = _cleaned(arrangement, poses_by_paths(arrangement, tracked, BESIDE_CURVES))
-    best = best.decided(decide(instance, best.R, best.T)) if len(best.R) else best
-    motions = _with_real_motion(arrangement, best.motions, tracked)
-    if best.motions:
-        best = _isolated(best)
-        # Without a proof the count may mean parallel lines: the samples are evidence.
-        return replace(best, motions=motions, proof=proof)
-    if motions or proof is not None:
-        # No path has ended at a sample, but some must end on the set: those that are lost or seemed
-        # to end at infinity.
-        best = _isolated(best)
-        rest = best.account.expected - best.account.found
-        reduced = replace(_lost(best.account), on_curves=rest, lost=0)
-        return replace(best, motions=motions, account=reduced, proof=proof)
-    # Whether there are poses beside those with parallel lines, nobody knows.
-    return replace(best, account=_lost(best.account))
+    arrangement, tracked = problem.arrangement, problem.tracked
+    for side in ledger.sides:
+        go_on_until(side, Further.IN_BALLS)
+    poses = joined([side.poses() for side in ledger.sides])
+    results = [paths.solutions(BESIDE_CURVES) for paths in tracked]
+    samples = (_motion(arrangement, curve) for result in results for curve in result.curves)
+    found = tuple(motion for motion in samples if _holds(arrangement, motion))
+    motions = _with_real_motion(arrangement, found, tracked)
+    account = poses.account
+    if not motions and proof is None:
+        # Whether there are poses beside those with parallel lines is not known.
+        return replace(poses, account=_lost(account))
+    # Paths that lead to no isolated pose end on the set, or at infinity. Those that seem to end at
+    # infinity may end on the set if no path has ended at a sample.
+    rest = account.expected - account.found
+    at_infinity = sum(result.account.at_infinity for result in results) if found else 0
+    at_infinity = min(at_infinity, rest)
+    account = PathAccount(
+        expected=account.expected,
+        found=account.found,
+        at_infinity=at_infinity,
+        on_curves=rest - at_infinity,
+    )
+    return replace(poses, motions=motions, account=account, proof=proof)
+
+
+def _motion(arrangement: Arrangement, curve: SolutionCurve) -> Motion:
+    """Return the poses along a sample of a curve of solutions."""
+    points = made_real(curve.motion) if curve.real else curve.motion
+    return Motion(curve.dimension, curve.real, *arrangement.poses_of(points))
 
 
 def along_points(
@@ -108,28 +125,9 @@ def _places(
         yield motion.R[0], motion.T[0]
     for tracked_paths in tracked:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            R, T = poses_of(arrangement, tracked_paths.first().points)
+            R, T = arrangement.poses_of(tracked_paths.first().points)
         finite = np.isfinite(R).all(axis=(1, 2)) & np.isfinite(T).all(axis=1)
         yield from zip(R[finite], T[finite], strict=True)
-
-
-def _isolated(poses: PoseSet) -> PoseSet:
-    """Drop the poses that are not proved to be isolated: they may lie on the set."""
-    kept, account = poses.reordered(poses.certified), poses.account
-    found = int(kept.multiplicity.sum())
-    on_curves = account.on_curves + account.found - found
-    return replace(kept, account=replace(account, found=found, on_curves=on_curves))
-
-
-def _cleaned(arrangement: Arrangement, poses: PoseSet) -> PoseSet:
-    """Drop the motions whose samples do not meet the constraints as they are stated."""
-    kept = tuple(motion for motion in poses.motions if _holds(arrangement, motion))
-    if len(kept) == len(poses.motions):
-        return poses
-    account = poses.account
-    if not kept:
-        account = replace(account, on_curves=0, lost=account.lost + account.on_curves)
-    return replace(poses, motions=kept, account=account)
 
 
 def _holds(arrangement: Arrangement, motion: Motion) -> bool:

@@ -16,8 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.certification import Certificates
 from gspcli.certification import certify as certify_alone
 from gspcli.certification.counting import by_points
-from gspcli.certification.poses.decisions import nearly_parallel
-from gspcli.certification.poses.parallel_poses import where_parallel
+from gspcli.certification.poses.parallel_poses import nearly_parallel, where_parallel
 from gspcli.certification.poses.platform_certificates import SINGULAR
 from gspcli.certification.poses.pose_proofs import certify_equations
 from gspcli.defaults import MAX_PRECISION, TOLERANCE

@@ -34,7 +34,6 @@ def pose_blocks(
     *,
     seed: int,
     jobs: int,
-    certify: bool,
     starts: SolvedStarts,
 ) -> Iterator[Block]:
     """Return the poses for each set of values, wrong ones included.
@@ -57,7 +56,7 @@ def pose_blocks(
         return iter([Block.of(list(wrong.values()))] if wrong else [])
     local_frames = LocalFrames.of(instance, _distances(instance, rows))
     near = local_frames.applied(instance)
-    problem = Problem(near, seed=seed, jobs=jobs, certify=certify, starts=starts)
+    problem = Problem(near, seed=seed, jobs=jobs, starts=starts)
     blocks = _solve_rows(problem, rows, wrong)
     return blocks if local_frames.is_none else (block.taken_back(local_frames) for block in blocks)
 
@@ -100,7 +99,7 @@ def _geometry_blocks(problem: Problem, rows: Array) -> Iterator[tuple[Block, Ind
         starts=problem.starts,
         kept=partial(kept_among, problem, all_poses),
     ):
-        if found is None or (found.proof is None and problem.certify):
+        if found is None or found.proof is None:
             yield Block.nothing(size), np.arange(size)
         else:
             poses = found.poses
@@ -114,17 +113,14 @@ def _closed_form_blocks(problem: Problem, rows: Array) -> Iterator[tuple[Block, 
     from gspcli.solver.closed_form import solve_closed_forms
     from gspcli.solver.closed_form_proofs import block_of, prove_closed_forms
 
-    certify, arrangement = problem.certify, problem.arrangement
-    proofs = ValueProofs.of(problem.instance, rows) if certify else None
+    arrangement, proofs = problem.arrangement, ValueProofs.of(problem.instance, rows)
     solved = solve_closed_forms(arrangement, rows)
     for begin in range(0, len(rows), _BLOCK):
         part = list(islice(solved, _BLOCK))
-        general = {k: poses for k, poses in enumerate(part) if poses is not None}
         given = rows[begin : begin + len(part)]
         proved = prove_closed_forms(proofs, arrangement, given, part) if proofs else None
         if proved is None:
-            special = [k for k in range(len(part)) if certify or k not in general]
-            yield replace(Block.nothing(len(part)), others=general), np.array(special, np.intp)
+            yield Block.nothing(len(part)), np.arange(len(part))
             continue
         where, poses = proved
         # What is not proved has a row of its own, in which anything may be.
@@ -132,5 +128,4 @@ def _closed_form_blocks(problem: Problem, rows: Array) -> Iterator[tuple[Block, 
         source[where] = np.arange(len(where))
         done = np.zeros(len(part), np.bool_)
         done[where] = poses.complete
-        others = {k: one for k, one in general.items() if not done[k]}
-        yield replace(block_of(poses, source), others=others), np.flatnonzero(~done)
+        yield block_of(poses, source), np.flatnonzero(~done)

@@ -17,7 +17,6 @@ from gspcli.solver.proof import CountKind, Proof
 
 if TYPE_CHECKING:
     from gspcli.certification.equations.local_frames import LocalFrames
-    from gspcli.certification.poses.decisions import Decisions
 
 Complex = NDArray[np.complex128]
 
@@ -150,18 +149,6 @@ class PoseSet:
             multiplicity=np.ones(count, int),
             motions=(),
             account=PathAccount(expected=count, found=count),
-        )
-
-    def decided(self, decisions: Decisions) -> PoseSet:
-        """Return the poses with some of them certified, and proved to be real or not."""
-        certified = decisions.certified
-        return replace(
-            self,
-            quaternions=np.where(certified[:, None], decisions.quaternions, self.quaternions),
-            R=np.where(certified[:, None, None], decisions.R, self.R),
-            T=np.where(certified[:, None], decisions.T, self.T),
-            certified=certified,
-            real=np.where(certified, decisions.real, self.real),
         )
 
     def on_sides(self, choices: NDArray[np.float64]) -> PoseSet:

@@ -40,7 +40,7 @@ class Problem:
     ----------
     instance, arrangement
         The platform, exactly and in floating point.
-    seed, jobs, certify, prove, starts
+    seed, jobs, prove, starts
         As for `gspcli.solve`.
     """
 
@@ -51,21 +51,18 @@ class Problem:
         *,
         seed: int = SEED,
         jobs: int = 1,
-        certify: bool = True,
         prove: bool | None = None,
         starts: SolvedStarts = STARTS,
     ) -> None:
         self.instance = instance
         self.arrangement = Arrangement.of(instance) if arrangement is None else arrangement
-        self.seed, self.jobs, self.certify, self.starts = seed, jobs, certify, starts
+        self.seed, self.jobs, self.starts = seed, jobs, starts
         #: Work that a count may take, None for no limit; if it is zero, nothing is counted.
         self.limit = {True: None, False: 0.0, None: PATIENCE}[prove]
 
     def like(self, instance: Instance) -> Problem:
         """Return another platform, to be solved likewise."""
-        other = Problem(
-            instance, seed=self.seed, jobs=self.jobs, certify=self.certify, starts=self.starts
-        )
+        other = Problem(instance, seed=self.seed, jobs=self.jobs, starts=self.starts)
         other.limit = self.limit
         return other
 
@@ -78,7 +75,6 @@ class Problem:
             self.arrangement.with_values(values),
             seed=self.seed,
             jobs=self.jobs,
-            certify=self.certify,
             starts=self.starts,
         )
 

@@ -21,6 +21,7 @@ from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Point
 from gspcli.solver.infinite import solve_infinite
+from gspcli.solver.ledger import Ledger
 from gspcli.solver.pose_set import Motion, PoseSet
 from gspcli.solver.problem import Problem
 from gspcli.solver.proof import CountKind, Proof
@@ -29,7 +30,7 @@ from gspcli.solver.proof import CountKind, Proof
 _TRIES = 4
 
 
-def poses_of_repeated(problem: Problem) -> PoseSet | None:
+def poses_of_repeated(problem: Problem, ledger: Ledger) -> PoseSet | None:
     """Return the motions of a platform that has equal constraints; None if it has none.
 
     Parameters
@@ -45,7 +46,7 @@ def poses_of_repeated(problem: Problem) -> PoseSet | None:
     rows = _different(problem.instance.constraints)
     if len(rows) == CONSTRAINTS:
         return None
-    poses = solve_infinite(problem, None)
+    poses = solve_infinite(problem, ledger, None)
     real = [motion for motion in poses.motions if motion.real and motion.dimension]
     if any(_is_pose(problem.instance, rows, motion, problem.seed) for motion in real[:1]):
         return replace(poses, proof=Proof(CountKind.EXACT))

@@ -36,7 +36,7 @@ def view(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
         path = folder / f"{name}-{zlib.crc32((track or '').encode())}.html"
         if not path.exists():
             tracks = read_tracks(track, "track.csv", PoseFormat()) if track else []
-            scene = scene_of(solve(load(instance_files()[name]), certify=False), tracks)
+            scene = scene_of(solve(load(instance_files()[name])), tracks)
             path.write_text(page(scene), encoding="utf-8")
         return path
 
@@ -266,7 +266,7 @@ def test_without_webgl_the_numbers_are_there(browser: Browser, view: Callable[..
 
 
 def test_a_notebook_shows_the_page_in_a_frame(browser: Browser, tmp_path: Path) -> None:
-    result = solve(load(instance_files()["octahedral-3-3"]), certify=False)
+    result = solve(load(instance_files()["octahedral-3-3"]))
     path = tmp_path / "notebook.html"
     path.write_text(f"<!doctype html><title>cell</title>{result._repr_html_()}", encoding="utf-8")
     browser.open(path)

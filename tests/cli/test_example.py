@@ -36,7 +36,7 @@ def test_one_is_printed_as_it_is(capsys, tmp_path):
     "words",
     [
         ["check", "@dietmaier"],
-        ["solve", "@example-6.8", "--no-certify"],
+        ["solve", "@example-6.8"],
         ["show", "@dietmaier"],
         ["realize", "@sdss-primary"],
         ["bound", "@dietmaier"],

@@ -70,9 +70,11 @@ def test_example_6_8_prints_all_64_poses(gsp):
 
 
 def test_table_of_a_small_platform(gsp, spec):
-    run = gsp("solve", spec(), "--no-certify")
+    run = gsp("solve", spec())
     lines = [" ".join(line.split()) for line in run.out.splitlines()]
-    assert lines[2] == "8 real poses; complete, proved: all 8 of the type, real or not"
+    assert lines[2] == (
+        "8 real poses, all proved different; complete, proved: all 8 of the type, real or not"
+    )
     assert lines[4] == "no. Tx [m] Ty [m] Tz [m] qw qx qy qz condition remarks"
     row = lines[6].split()
     assert row[:4] == ["1", "1.00000", "-2.00000", "3.00000"]
@@ -80,14 +82,21 @@ def test_table_of_a_small_platform(gsp, spec):
 
 
 def test_sides_that_are_left_open_are_shown_as_signs(gsp, spec):
-    lines = gsp("solve", spec(side="both"), "--no-certify").out.splitlines()
+    lines = gsp("solve", spec(side="both")).out.splitlines()
     assert "sides 1,2,3" in lines[2 + 2 + 2 + 8 + 1]
     shown = {line.split()[5] for line in lines[17:] if line[:3].strip().isdigit()}
     assert shown == {"+-+", "+--"}
 
 
+def test_the_old_option_for_unproved_poses_changes_nothing(gsp, spec):
+    path = spec()
+    run = gsp("solve", path, "--no-certify")
+    assert run.err == "--no-certify is ignored: every pose is proved\n"
+    assert run.out == gsp("solve", path).out
+
+
 def test_csv_has_full_precision(gsp):
-    run = gsp("solve", EXAMPLE, "--format", "csv", "--no-certify")
+    run = gsp("solve", EXAMPLE, "--format", "csv")
     rows = list(csv.DictReader(io.StringIO(run.out)))
     assert len(rows) == 64
     for row in rows:

@@ -27,7 +27,7 @@ def test_the_solver_finds_the_recorded_counts(path):
     assert content == record["sha256"], "run python -m tools.build.example_counts"
     instance = load(path)
     assert instance.type.id == record["type"]
-    result = solve(instance, certify=False)
+    result = solve(instance)
     if record["dimension"] > 0:
         assert result.verdict == "infinite"
     else:

@@ -50,7 +50,7 @@ few = settings(max_examples=16)
 
 
 def answer(instance: Instance, seed: int = 1) -> SolveResult:
-    result = solve(instance, seed=seed, certify=False)
+    result = solve(instance, seed=seed)
     assert result.verdict == "complete"
     assert result.counts.found == result.expected == generic_counts(instance.type).two_sided
     return result
@@ -223,7 +223,7 @@ def test_one_sided_poses_together_are_the_two_sided_ones(gsp_type, seed):
             for part in parts
             for side in (Side.POSITIVE, Side.NEGATIVE)
         ]
-    results = [solve(part, certify=False) for part in parts]
+    results = [solve(part) for part in parts]
     assert all(r.counts.found == generic_counts(gsp_type).one_sided for r in results)
     R, T = (np.concatenate([getattr(r, name) for r in results]) for name in "RT")
     assert_same(both, R, T)
@@ -236,6 +236,6 @@ def test_threads_make_no_difference_at_all(name, monkeypatch):
     # Paths begin elsewhere where a structure is frequent: here from the second platform on.
     monkeypatch.setattr(solved_starts, "OFTEN", 1)
     starts = SolvedStarts()
-    _, one, two = (solve(instance, jobs=jobs, certify=False, starts=starts) for jobs in (1, 1, 2))
+    _, one, two = (solve(instance, jobs=jobs, starts=starts) for jobs in (1, 1, 2))
     assert np.array_equal(one.R, two.R)
     assert np.array_equal(one.T, two.T)

@@ -32,7 +32,7 @@ def round_trip(gsp_type: GspType, seed: int) -> float:
         if constraint.kind.has_sides:
             side, value = (Side.NEGATIVE if value < 0 else Side.POSITIVE), abs(value)
         constraints.append(replace(constraint, value=Number.of(repr(value)), side=side))
-    result = solve(replace(instance, constraints=tuple(constraints)), certify=False)
+    result = solve(replace(instance, constraints=tuple(constraints)))
     assert result.verdict == "complete"
     real = result.real
     errors = np.abs(result.R[real].real - R).max(axis=(1, 2))

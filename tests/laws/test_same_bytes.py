@@ -95,10 +95,9 @@ def test_in_whatever_order() -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_whatever_the_seed_and_the_threads(name: str) -> None:
-    for options in ({"seed": 1}, {"seed": 77, "jobs": 2}, {"certify": False}):
+    for options in ({"seed": 1}, {"seed": 77, "jobs": 2}):
         poses = solve(platform(name), starts=SolvedStarts(), **options).poses
-        if options.get("certify", True) or poses.certified.all():
-            assert said(poses) == known(name)
+        assert said(poses) == known(name)
 
 
 @pytest.mark.parametrize("build", ["portable", "avx2", "avx512"])

@@ -12,10 +12,10 @@ from gspcli.catalogue.types import all_types, type_by_number
 from gspcli.continuation.quadrics import evaluate
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import study_from_pose
+from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.solver import solve
 from gspcli.solver.closed_form import solve_closed_forms
 from gspcli.solver.generate import random_instance
-from gspcli.solver.poses_by_paths import solve_by_tracking
 from gspcli.solver.study_systems import target_systems
 
 seeds = st.integers(0, 10**6)

@@ -146,7 +146,7 @@ def test_of_every_kind_stay_for_two_seconds(name):
 def _sag(name, step):
     """Return how far gravity pulls a machine in a quarter of a second, in lengths."""
     instance = load(instance_files()[name])
-    result = solve(instance, certify=False)
+    result = solve(instance)
     mode = int(result.conditions[: result.counts.real].argmin())
     model, data = _loaded(mjcf(instance, result.R[mode].real, result.T[mode].real, step=step))
     before = _platform(data)
@@ -239,7 +239,7 @@ def test_random_types_arrive_where_track_says(number):
 
 @pytest.mark.parametrize("name", sorted({*instance_files()} - {"parallel-edges"}))
 def test_special_platforms_can_be_built(name):
-    real = solve(load(instance_files()[name]), certify=False).real_solutions
+    real = solve(load(instance_files()[name])).real_solutions
     if not real:
         pytest.skip("no real pose")
     instance = load(instance_files()[name])

@@ -24,7 +24,7 @@ FAULTS = {("dietmaier", "_phc"): (1, 1)}
 
 @cache
 def ours(name: str) -> SolveResult:
-    return solve(load(str(AUTHORITIES / name / "instance.yaml")), certify=False)
+    return solve(load(str(AUTHORITIES / name / "instance.yaml")))
 
 
 def _phc(folder: Path) -> Answer:
@@ -72,4 +72,4 @@ def test_installed_peers_find_our_solutions(peer: str, tmp_path: Path) -> None:
     }
     answer = answers[peer]()
     assert not answer.trouble
-    assert compare(answer, solve(instance, certify=False)).clean
+    assert compare(answer, solve(instance)).clean

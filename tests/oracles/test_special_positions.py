@@ -20,9 +20,9 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import Field, normalized, rotation_from_quaternion
 from gspcli.geometry.residuals import residuals
+from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.solver import SolveResult, solve
 from gspcli.solver.generate import random_instance
-from gspcli.solver.poses_by_paths import solve_by_tracking
 
 DATA = Path(__file__).parents[2] / "data"
 EXAMPLES = DATA / "examples"
@@ -32,7 +32,7 @@ SHARED_JOINTS = DATA / "verification" / "coincident-platforms.csv"
 
 def accounted(instance: Instance) -> SolveResult:
     """Solve, and check that every path and every pose is what the result says."""
-    result = solve(instance, certify=False)
+    result = solve(instance)
     assert int(result.multiplicity.sum()) == result.account.found
     assert result.account.lost == 0
     size = 1 + np.abs(result.R).max((1, 2)) + np.abs(result.T).max(1) / result.arrangement.length

@@ -13,9 +13,9 @@ from matching import pose_set_distance
 
 from gspcli.catalogue.types import type_by_number
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.solver.closed_form import solve_closed_forms
 from gspcli.solver.generate import random_instance
-from gspcli.solver.poses_by_paths import solve_by_tracking
 
 TYPES = 1120
 BLOCKS = 40

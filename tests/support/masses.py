@@ -26,7 +26,7 @@ MACHINES = sorted(path.stem for path in (data_directory() / "platforms").glob("*
 def machine(name):
     """Return a shipped machine and its best conditioned real pose (R, T)."""
     instance = load(instance_files()[name])
-    poses = solve(instance, certify=False).real_solutions
+    poses = solve(instance).real_solutions
     best = min(poses, key=lambda pose: pose.condition)
     return instance, best.R.real, best.T.real
 

@@ -23,7 +23,7 @@ def solved(*rows: tuple[Any, ...]) -> SolveResult:
         Constraint(KINDS_BY_NAME[kind], platform, base, Number.of(value), *rest)
         for kind, platform, base, value, *rest in rows
     )
-    result = solve(Instance(constraints, Units("m", AngleUnit.DEGREE)), certify=False)
+    result = solve(Instance(constraints, Units("m", AngleUnit.DEGREE)))
     assert int(result.multiplicity.sum()) == result.account.found
     return result
 

@@ -22,7 +22,7 @@ LAYERS = {
     "calibration": 5.5,
     "paper": 6,
     "atlas": 6,
-    "reality": 6,
+    "reality": 5.8,
     "sensing": 5.2,
     "dynamics": 5.2,
     "motion": 5,

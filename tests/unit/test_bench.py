@@ -45,7 +45,7 @@ TOLERANCE = 1e-9
 def solved(case: Case) -> tuple[Instance, SolveResult, NDArray[np.complex128]]:
     """Return an instance, our solutions, and these as affine points (n, 7)."""
     [instance] = case.draw(SEED, 1)
-    result = solve(instance, certify=False)
+    result = solve(instance)
     e, f = study_from_pose(result.R, result.T)
     return instance, result, np.concatenate((e[:, 1:], f), axis=1) / e[:, :1]
 
@@ -214,7 +214,7 @@ def test_the_page_states_the_worst_ratio_first() -> None:
     report = Report(1, 1.0, True, {})
     for case, seconds in zip(CASES, (3.0, 2.0), strict=False):
         asked = {"quick": PeerResult([seconds], [], ""), "slow": PeerResult([9.0], [], "")}
-        report.cases.append(CaseResult(case, 40, [40], [2], 1.0, 1.0, asked))
+        report.cases.append(CaseResult(case, 40, [40], [2], 1.0, asked))
     report.bars = bars(report)
     assert [bar.measured for bar in report.bars] == [2.0, 3.0]
     text = report.markdown()

@@ -108,7 +108,7 @@ def attacked(platforms: list[Platform]) -> tuple[str, list[tuple[str, str, str]]
     remarks = []
     try:
         sets = list(solve_values(instance, values, seed=SEED))
-        batch = solve_batch(instance, values, seed=SEED, certify=False)
+        batch = solve_batch(instance, values, seed=SEED)
         for k, (row, poses) in enumerate(zip(rows, sets, strict=True)):
             remarks.append((row.name, *_judged_row(instance, row, poses, _of_batch(batch, k))))
     except Exception as error:
@@ -116,15 +116,13 @@ def attacked(platforms: list[Platform]) -> tuple[str, list[tuple[str, str, str]]
     return platforms[0].id, remarks
 
 
-def _judged_row(
-    instance: Instance, row: Row, poses: PoseSet, uncertified: Answer
-) -> tuple[str, str]:
+def _judged_row(instance: Instance, row: Row, poses: PoseSet, together: Answer) -> tuple[str, str]:
     if row.is_wrong or poses.problem:
         is_told = bool(poses.problem) == row.is_wrong and not len(poses.R)
         return ("right" if is_told else "failed"), f"problem: {poses.problem}"
     given = instance.with_values({k: Number.of(x) for k, x in enumerate(row.values.tolist())})
     single = solve(given, seed=SEED)
-    answers = [_answer(poses), _answer(single.poses), uncertified]
+    answers = [_answer(poses), _answer(single.poses), together]
     exact = row.exact or _counted(given)
     said = "; ".join(f"{a.verdict} {a.found}/{a.multiple}, {a.real} real" for a in answers)
     if exact is not None:
@@ -135,7 +133,6 @@ def _judged_row(
     for verdict in verdicts:
         if verdict not in HONEST:
             return verdict, said
-    # Not certified, real poses are told by pairing conjugates: that is no proof.
     sure = [a for a in answers if a.verdict != "incomplete"]
     if len({(a.verdict, a.found, a.multiple, a.real) for a in sure}) > 1:
         return "differs", said

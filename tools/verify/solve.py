@@ -34,8 +34,8 @@ from gspcli.catalogue.kinds import DPP
 from gspcli.catalogue.types import CONSTRAINTS, MAX_ANGLES, GspType
 from gspcli.errors import INTERRUPTED
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.reality.poses_by_paths import solve_by_tracking, solve_each_by_tracking
 from gspcli.solver import PoseSet, SolveResult, solve
-from gspcli.solver.poses_by_paths import solve_by_tracking, solve_each_by_tracking
 from tools.recording import (
     add_sample,
     add_workers,
@@ -97,7 +97,7 @@ def verify_member(task: Task, number: int, expected: int) -> Finding:
     """Solve one of the random platforms of a family."""
     instance, hidden = random_member(task, number)
     arrangement = Arrangement.of(instance)
-    answers: list[PoseSet | SolveResult] = [solve(instance, seed=task.seed, certify=False)]
+    answers: list[PoseSet | SolveResult] = [solve(instance, seed=task.seed)]
     if len(instance.type.angles) == MAX_ANGLES:
         answers.append(solve_by_tracking(arrangement, seed=task.seed))
     # The worse one of two ways to solve.

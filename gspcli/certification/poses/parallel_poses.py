@@ -16,7 +16,12 @@ from gspcli.certification.numbers.balls import cross, rotated
 from gspcli.certification.poses.locator import Located, Locator
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.primitives import Line
 
+Complex = NDArray[np.complex128]
+#: Squared sine (of complex lines the bilinear one) below which lines are too nearly parallel for
+#: double precision.
+_PARALLEL = 1e-4
 #: Bits in which lines are told from parallel ones.
 _BITS = 512
 
@@ -73,3 +78,18 @@ def _are_parallel(given: Sequence[Statement], lines: Sequence[int], pose: Locate
             if all(x.contains(0) for x in across) != (index in lines):
                 return False
     return True
+
+
+def nearly_parallel(instance: Instance, R: Complex) -> NDArray[np.bool_]:
+    """Return at which poses the lines of which DLL are nearly parallel, shape (n, 6).
+
+    There its equation holds whatever their distance, so that the constraint is to be measured.
+    """
+    nearly = np.zeros((len(R), len(instance.constraints)), bool)
+    for k, constraint in enumerate(instance.constraints):
+        line, other = constraint.platform, constraint.base
+        if constraint.kind is DLL and isinstance(line, Line) and isinstance(other, Line):
+            normal = np.cross(R @ line.unit, other.unit)
+            sizes = 1 + np.abs(R).max(axis=(1, 2)) ** 2
+            nearly[:, k] = np.abs((normal**2).sum(axis=1)) <= _PARALLEL * sizes
+    return nearly

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.catalogue.kinds import DLL
 from gspcli.certification.counting import with_points_for_lines
 from gspcli.certification.poses.certificates import Certificate, Certificates, Outcome
-from gspcli.certification.poses.decisions import Complex, nearly_parallel
+from gspcli.certification.poses.parallel_poses import Complex, nearly_parallel
 from gspcli.certification.poses.pose_proofs import certify_equations
 from gspcli.defaults import MAX_PRECISION, TOLERANCE
 from gspcli.geometry.arrangement import Arrangement

@@ -32,7 +32,7 @@ def along_parallel_lines(instance: Instance, rows: Array, R: Array) -> Instance:
         return instance
     # What counts is imported where it is needed: few platforms have such lines.
     from gspcli.certification.counting import with_points_for_lines
-    from gspcli.certification.poses.decisions import nearly_parallel
+    from gspcli.certification.poses.parallel_poses import nearly_parallel
 
     if not nearly_parallel(instance, R.astype(complex)).any(axis=1).all():
         return instance

@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gspcli.certification.poses.decisions import nearly_parallel
+from gspcli.certification.poses.parallel_poses import nearly_parallel
 from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement

@@ -52,7 +52,7 @@ def test_poses_satisfy_the_equations(name, coordinates):
     exported = system(instance, MOTIONS[coordinates]()).rounded(40)
     assert not exported.constants
     assert len(exported.polynomials) == len(exported.names)
-    known = points(coordinates, exported.names, solve(instance, certify=False))
+    known = points(coordinates, exported.names, solve(instance))
     assert worst(exported.polynomials, known) < 1e-13
     moved = {key: column + 1e-3 for key, column in known.items()}
     assert worst(exported.polynomials, moved) > 1e-5

@@ -56,7 +56,7 @@ def test_labels_of_drawings_stand_apart(name: str, monkeypatch: pytest.MonkeyPat
         return shifts
 
     monkeypatch.setattr("gspcli.pictures.projection.apart", recorded)
-    drawing(scene_of(solve(load(instance_files()[name]), certify=False)), "svg", [0, 1])
+    drawing(scene_of(solve(load(instance_files()[name]))), "svg", [0, 1])
     assert len(placed) == 2
     for labels, shifts in placed:
         assert len(labels) >= 10
@@ -73,7 +73,7 @@ def test_all_panels_have_one_scale(monkeypatch: pytest.MonkeyPatch) -> None:
         reaches.append([high - low, paper.reach[1]])
 
     monkeypatch.setattr(Paper, "finish", recorded)
-    scene = scene_of(solve(load(instance_files()["octahedral-3-3"]), certify=False))
+    scene = scene_of(solve(load(instance_files()["octahedral-3-3"])))
     drawing(scene, "svg", range(4))
     heights, drawn = np.transpose(reaches)
     assert np.ptp(heights) < 1e-9

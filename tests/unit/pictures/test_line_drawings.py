@@ -24,7 +24,7 @@ from gspcli.spec import load
 
 @cache
 def scene(name: str) -> Scene:
-    return scene_of(solve(load(instance_files()[name]), certify=False))
+    return scene_of(solve(load(instance_files()[name])))
 
 
 def image(data: bytes) -> np.ndarray:

@@ -83,7 +83,7 @@ def test_driven_joints_are_marked(made: Realization) -> None:
 @pytest.mark.parametrize("name", ["figure-2", "figure-3", "figure-4", "sdss-primary"])
 def test_whole_mechanisms_are_drawn(name: str) -> None:
     instance = load(instance_files()[name])
-    result = solve(instance, certify=False)
+    result = solve(instance)
     scene = scene_of(result, only=first_mode(result))
     built = mechanism(instance.constraints)
     svg = mechanism_drawing(scene, built, "svg", 0)

@@ -9,7 +9,7 @@ from gspcli.resources import instance_files
 
 
 def test_a_result_shows_itself_in_a_frame() -> None:
-    result = gspcli.solve(gspcli.load(instance_files()["octahedral-3-3"]), certify=False)
+    result = gspcli.solve(gspcli.load(instance_files()["octahedral-3-3"]))
     text = result._repr_html_()
     assert text.startswith('<iframe srcdoc="')
     assert text.count("<iframe") == 1

@@ -62,7 +62,7 @@ def test_coordinates_that_move_are_read_and_drawn() -> None:
     (track,) = read_tracks(text, "t.csv", PLAIN)
     assert track.coordinates == ("crank.B1", "base.b2.x")
     assert track.places.tolist() == [[0, 0], [90, 2]]
-    series = scene_of(solve(instance, certify=False), [track]).series[-1]
+    series = scene_of(solve(instance), [track]).series[-1]
     assert list(series.bodies) == ["base"]
     first, last = (
         {element.name: element.outline[0] for element in body.elements}
@@ -85,7 +85,7 @@ def test_a_wrong_coordinate_is_named() -> None:
     (track,) = read_tracks("x,y,z,qw,qx,qy,qz,base.B9.x\n0,0,0,1,0,0,0,1\n", "t.csv", PLAIN)
     instance = load(instance_files()["t-top-head"])
     with pytest.raises(ArgumentError, match=r"found 'base\.B9\.x', expected a coordinate"):
-        scene_of(solve(instance, certify=False), [track])
+        scene_of(solve(instance), [track])
 
 
 def test_long_tracks_are_thinned_and_say_so() -> None:

@@ -62,11 +62,10 @@ def test_what_is_special_goes_the_careful_way():
     assert (found.multiplicity > 1).any()
 
 
-@pytest.mark.parametrize("certify", [True, False])
-def test_both_sides_of_planes_are_found_at_once(certify, monkeypatch):
+def test_both_sides_of_planes_are_found_at_once(monkeypatch):
     monkeypatch.setattr(Problem, "tracked", property(refused))
     two_sided = next(random_instances("DPH DPL DPP 3ALL", 5, one_sided=False))
-    found = solve(two_sided, certify=certify)
+    found = solve(two_sided)
     assert found.verdict == "complete"
     assert found.proof.by is CountKind.TYPE
     assert found.certified.all()

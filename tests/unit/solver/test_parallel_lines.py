@@ -42,7 +42,7 @@ constraints:
 
 
 def _solved(distance: str, angle: str) -> SolveResult:
-    return solve(loads(SPEC.format(distance=distance, angle=angle)), certify=False)
+    return solve(loads(SPEC.format(distance=distance, angle=angle)))
 
 
 def _accounted(result: SolveResult) -> int:
@@ -94,7 +94,7 @@ def test_nearly_parallel_lines_are_a_pose() -> None:
             for i, c in enumerate(instance.constraints)
         ),
     )
-    result = solve(moved, certify=False)
+    result = solve(moved)
     assert result.account.spurious == 0
     distance = min(np.abs(s.R - R).max() + np.abs(s.T - T).max() for s in result.real_solutions)
     assert distance < 1e-6

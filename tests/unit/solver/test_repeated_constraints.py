@@ -7,6 +7,8 @@ from gspcli import loads, solve
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.residuals import relative_residuals
+from gspcli.solver.ledger import Ledger
+from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.problem import Problem
 from gspcli.solver.repeated_constraints import poses_of_repeated
 
@@ -49,9 +51,13 @@ def test_five_equal_constraints_leave_a_real_motion(kind: str) -> None:
 
 def test_other_values_between_the_same_points_are_no_motion() -> None:
     """Five distances of the same two points of which one differs: there is no pose."""
-    assert poses_of_repeated(Problem(_platform("DPP", *4 * ["2.25"], "2.26"))) is None
+    assert _repeated(_platform("DPP", *4 * ["2.25"], "2.26")) is None
 
 
 def test_six_different_constraints_are_left_to_counts() -> None:
-    problem = Problem(_platform("DPP", "2.1", "2.2", "2.3", "2.4", "2.5"))
-    assert poses_of_repeated(problem) is None
+    assert _repeated(_platform("DPP", "2.1", "2.2", "2.3", "2.4", "2.5")) is None
+
+
+def _repeated(instance: Instance) -> PoseSet | None:
+    problem = Problem(instance)
+    return poses_of_repeated(problem, Ledger(problem))

@@ -60,7 +60,7 @@ def test_json_has_real_poses_only_unless_asked(result):
 @pytest.mark.parametrize("number", [900, 2500, 3850])
 def test_quaternions_are_those_of_the_rotations(number):
     instance, _ = random_instance(type_by_number(number), np.random.default_rng(number))
-    poses = solve(instance, certify=False)
+    poses = solve(instance)
     assert poses.counts.real
     assert not poses.quaternions[poses.real].imag.any()
     sizes = np.abs(poses.R).max(axis=(1, 2))[:, None]
@@ -85,7 +85,7 @@ def test_residuals_are_those_of_their_poses_in_any_order(result):
 
 
 def test_certification_agrees_with_the_pairing_of_conjugates(result):
-    candidate = solve(result.instance, certify=False)
+    candidate = solve(result.instance)
     np.testing.assert_array_equal(candidate.real, result.real)
 
 

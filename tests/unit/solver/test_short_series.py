@@ -24,21 +24,19 @@ def refused(*_, **__):
     raise AssertionError(message)
 
 
-@pytest.mark.parametrize("certify", [True, False])
-def test_proved_ends_of_short_series_are_the_answer(platform, certify, monkeypatch):
+def test_proved_ends_of_short_series_are_the_answer(platform, monkeypatch):
     monkeypatch.setattr(Problem, "tracked", property(refused))
-    found = solve(platform, certify=certify, starts=SolvedStarts())
+    found = solve(platform, starts=SolvedStarts())
     assert found.proof.by is CountKind.TYPE
     assert len(found.R) == found.certified.sum() == found.expected == 80
     assert found.residuals.max() < 1e-8
 
 
-@pytest.mark.parametrize("certify", [True, False])
-def test_mutual_moments_are_proved_too_without_being_asked(certify, monkeypatch):
+def test_mutual_moments_are_proved_too_without_being_asked(monkeypatch):
     """Paths that are judged by eye take three times as long."""
     monkeypatch.setattr(Problem, "tracked", property(refused))
     legs = random_instance(parse_type("6D 4PP PL LL"), np.random.default_rng(5))[0]
-    found = solve(legs, certify=certify)
+    found = solve(legs)
     assert found.proof.by is CountKind.TYPE
     assert len(found.R) == found.certified.sum() == found.expected
 

@@ -16,11 +16,11 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import AngleUnit
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.residuals import condition_numbers, residuals
+from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.solver import batch as batch_module
 from gspcli.solver import solve, solve_batch, solve_values
 from gspcli.solver.batch import Block
 from gspcli.solver.generate import random_instance
-from gspcli.solver.poses_by_paths import solve_by_tracking
 from gspcli.solver.proof import CountKind
 from gspcli.solver.row_groups import solve_rows
 
@@ -48,7 +48,7 @@ def test_batches_equal_single_solves(name):
     assert len(results) == 5
     for row, poses in zip(values, results, strict=True):
         numbers = {i: Number.of(float(value)) for i, value in enumerate(row)}
-        single = solve(instance.with_values(numbers), certify=False)
+        single = solve(instance.with_values(numbers))
         assert poses.account.expected == single.expected
         assert poses.real.sum() == single.counts.real
         distance = pose_set_distance(
@@ -257,7 +257,7 @@ def test_batches_do_not_depend_on_what_was_solved_before_nor_on_threads():
 def test_batches_are_certified_as_single_platforms_are(name):
     instance = instance_of(name)
     values = _near(instance, 0.05, 4, 15)
-    for row, poses in zip(values, solve_values(instance, values, certify=True), strict=True):
+    for row, poses in zip(values, solve_values(instance, values), strict=True):
         numbers = {i: Number.of(float(value)) for i, value in enumerate(row)}
         single = solve(instance.with_values(numbers))
         assert poses.certified.all()
@@ -286,7 +286,7 @@ def test_the_closed_form_is_certified_on_both_sides_of_planes():
 def test_a_special_geometry_is_certified_by_its_count():
     instance = _three_three()
     values = _near(instance, 0.02, 5, 16)
-    for poses in solve_values(instance, values, certify=True):
+    for poses in solve_values(instance, values):
         assert poses.certified.all()
         assert poses.proof.by is CountKind.GEOMETRY
         assert (poses.account.found, poses.account.at_infinity) == (16, 24)
@@ -296,7 +296,7 @@ def test_special_values_are_proved_too():
     """Legs of one length: what is multiple is not certified."""
     instance = _three_three()
     values = np.tile([2.0, 2.0, 2.0, 2.0, 2.0, 2.0], (4, 1))
-    for poses in solve_values(instance, values, certify=True):
+    for poses in solve_values(instance, values):
         assert poses.account.verdict in ("complete", "infinite", "incomplete")
         assert not (poses.certified & (poses.multiplicity > 1)).any()
 
@@ -372,3 +372,16 @@ def test_an_angle_of_half_a_turn_in_radians_may_be_rounded_up() -> None:
     own[3] = np.nextafter(np.pi, 4)
     (found,) = solve_values(given, own[None])
     assert found.problem is None
+
+
+def test_the_old_argument_for_unproved_poses_changes_nothing():
+    legs = instance_of("6PP")
+    values = np.array([[row.value.value for row in legs.constraints]])
+    with pytest.warns(DeprecationWarning, match="certify is ignored") as seen:
+        found = [
+            solve(legs, certify=False),
+            *solve_values(legs, values, certify=False),
+            solve_batch(legs, values, certify=False),
+        ]
+    assert [warning.filename for warning in seen] == [__file__] * 3
+    assert all(one.certified.all() for one in found)

@@ -70,7 +70,7 @@ def shifted(instance: Instance, platform: float, base: float) -> Instance:
 @pytest.fixture(scope="module")
 def dietmaier() -> tuple[Instance, np.ndarray, np.ndarray]:
     instance = load(data_path("examples", "dietmaier.yaml"))
-    result = solve(instance, certify=False)
+    result = solve(instance)
     return instance, result.R, result.T
 
 

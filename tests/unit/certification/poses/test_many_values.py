@@ -10,7 +10,7 @@ from flint import arb, ctx
 
 from gspcli import _kernel, hexapod
 from gspcli.catalogue.names import parse_type
-from gspcli.certification import decide
+from gspcli.certification import certify
 from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.equations.frames import OWN, Frames
 from gspcli.certification.equations.study import form_hessians
@@ -20,8 +20,8 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import quaternion_from_rotation, study_from_pose
 from gspcli.geometry.residuals import residuals
+from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.solver.generate import random_instance
-from gspcli.solver.poses_by_paths import solve_by_tracking
 from gspcli.solver.study_systems import side_choices
 
 TYPES = (
@@ -76,9 +76,9 @@ def test_what_is_proved_is_what_is_proved_of_each_platform(batch):
     assert (found.complete | ~found.certified.all(axis=1)).all()
     for k in range(len(batch.rows)):
         known = found.certified[k]
-        single = decide(batch.platform(k), found.R[k, known], found.T[k, known])
-        assert single.certified.all()
-        np.testing.assert_array_equal(found.real[k, known], single.real)
+        single = certify(batch.platform(k), found.R[k, known], found.T[k, known])
+        assert all(item.certified for item in single)
+        np.testing.assert_array_equal(found.real[k, known], [item.real for item in single])
         np.testing.assert_array_equal(found.real[k, known], batch.real[k, known])
         np.testing.assert_allclose(found.R[k, known], batch.R[k, known], atol=1e-6)
         np.testing.assert_allclose(found.T[k, known], batch.T[k, known], atol=1e-5, rtol=1e-6)
@@ -146,9 +146,9 @@ def test_poses_far_away_are_proved_with_more_digits(error):
     proofs.numbers[1][:] = np.nan
     frames = OWN
     assert not proofs.decide(lengths[None], np.ones((1, 6)), points, frames).certified.all()
-    single = decide(platform, found.R[0], found.T[0])
-    assert single.certified.all()
-    np.testing.assert_array_equal(single.real, found.real[0])
+    single = certify(platform, found.R[0], found.T[0])
+    assert all(item.certified for item in single)
+    np.testing.assert_array_equal([item.real for item in single], found.real[0])
 
 
 def _irrational(instance: Instance) -> Instance:

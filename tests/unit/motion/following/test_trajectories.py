@@ -126,7 +126,7 @@ def test_builds_for_all_processors_and_any_number_of_threads_agree():
 def test_only_the_proof_keeps_a_mode_from_jumping(hexapod):
     """One step over a gap: Newton's method lands on another mode, which a proof never accepts."""
     instance = gspcli.load(data_path("examples", "dietmaier.yaml"))
-    modes = gspcli.solve(instance, certify=False)
+    modes = gspcli.solve(instance)
     R, T = modes.R[modes.real].real, modes.T[modes.real].real
     rng = np.random.default_rng(0)
     base = np.array([c.value.value for c in instance.constraints])

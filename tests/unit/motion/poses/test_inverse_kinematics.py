@@ -33,7 +33,7 @@ def test_batches_of_any_shape_are_measured_as_single_poses():
 
 def test_example_has_its_values():
     instance = gspcli.load(data_path("examples", "example-6.8.yaml"))
-    poses = gspcli.solve(instance, certify=False)
+    poses = gspcli.solve(instance)
     values = gspcli.measure(instance, poses.R.real, poses.T.real)
     assert np.allclose(values, [c.value.value for c in instance.constraints], atol=1e-12)
 

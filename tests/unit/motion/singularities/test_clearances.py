@@ -72,7 +72,7 @@ def test_weights_and_ranges():
     assert weights is not None
     assert np.allclose(weights, [(c.limits[1].value - c.limits[0].value) / 2 for c in
                                  instance.constraints])  # fmt: skip
-    poses = gspcli.solve(instance, certify=False)
+    poses = gspcli.solve(instance)
     R, T = poses.R[poses.real].real, poses.T[poses.real].real
     one = clearances(instance, R, T)
     assert np.allclose(clearances(instance, R, T, weights=np.full(6, 10)), one / 10, rtol=0.1)
@@ -88,7 +88,7 @@ def test_a_singular_pose_has_no_clearance():
 
 def test_nothing_is_followed_from_a_pose_that_is_exactly_singular():
     instance = gspcli.load(data_path("examples", "singular-pose.yaml"))
-    poses = gspcli.solve(instance, certify=False)
+    poses = gspcli.solve(instance)
     found = clearance(instance, poses.R[0].real, poses.T[0].real)
     assert (found.lower, found.fold) == (0, None)
     # What is known of values holds all the same: none is below zero.
@@ -98,7 +98,7 @@ def test_nothing_is_followed_from_a_pose_that_is_exactly_singular():
 @pytest.mark.parametrize("weights", [None, [1, 1, 5, 90, 90, 90]])
 def test_no_value_goes_beyond_the_end_of_its_range(weights):
     instance = gspcli.load(data_path("examples", "surfaces-ppp.yaml"))
-    poses = gspcli.solve(instance, certify=False)
+    poses = gspcli.solve(instance)
     units = np.ones(6) if weights is None else np.array(weights, float)
     ends = []
     for R, T in zip(poses.R[poses.real].real, poses.T[poses.real].real, strict=True):

@@ -119,7 +119,7 @@ def test_clearances_follow_the_unit_of_length_and_the_points():
 
 def test_a_singular_pose_has_no_clearance():
     instance = gspcli.load(data_path("examples", "singular-pose.yaml"))
-    poses = gspcli.solve(instance, certify=False)
+    poses = gspcli.solve(instance)
     found = pose_clearance(instance, poses.R[0].real, poses.T[0].real)
     assert (found.lower, found.upper, found.R) == (0, np.inf, None)
 

@@ -20,7 +20,7 @@ def test_counts_are_those_of_solve_and_change_at_proved_folds(hexapod):
     found = scan(hexapod, [axis])
     assert found.modes.shape == (11,)
     for value, modes in zip(axis.values, found.modes, strict=True):
-        one = gspcli.solve(gspcli.set_values(hexapod, {1: value}), certify=False)
+        one = gspcli.solve(gspcli.set_values(hexapod, {1: value}))
         assert one.real.sum() == modes
     limits = boundary(found)
     assert not limits.unexplained
@@ -36,9 +36,7 @@ def test_counts_are_those_of_solve_and_change_at_proved_folds(hexapod):
         for fold in here:
             (value,) = fold.values
             sides = [
-                gspcli.solve(
-                    gspcli.set_values(hexapod, {1: value + step}), certify=False
-                ).real.sum()
+                gspcli.solve(gspcli.set_values(hexapod, {1: value + step})).real.sum()
                 for step in (-1e-7, 1e-7)
             ]
             assert sides[1] - sides[0] == fold.change
@@ -49,7 +47,7 @@ def test_two_values(hexapod):
     found = scan(hexapod, axes)
     assert found.modes.shape == found.conditions.shape == (3, 2)
     one = gspcli.set_values(hexapod, ["1=2.6", "4=2.0"])
-    assert found.modes[2, 1] == gspcli.solve(one, certify=False).real.sum()
+    assert found.modes[2, 1] == gspcli.solve(one).real.sum()
     assert found.values_at((2, 1)).tolist() == [2.6, 2.08, 0.93, 2.0, 1.46, 1.73]
 
 

@@ -18,13 +18,11 @@ from gspcli.continuation.tracked_paths import TrackedPaths, track_all
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.conjugates import find_real_points, made_real
 from gspcli.geometry.quaternions import (
-    Field,
     canonical_sign,
-    pose_from_study,
     quaternion_from_rotation,
     unit_quaternion,
 )
-from gspcli.solver.parallel_lines import judge_parallel_lines, polish_parallel_lines
+from gspcli.reality.parallel_lines import judge_parallel_lines, polish_parallel_lines
 from gspcli.solver.pose_set import Motion, PoseSet
 from gspcli.solver.study_systems import target_systems
 
@@ -91,7 +89,7 @@ def poses_by_paths(
     points = np.concatenate([representatives for representatives, _ in pairs])
     real = np.concatenate([real for _, real in pairs])
     multiplicity = np.concatenate([result.multiplicity for result in results])
-    R, T = poses_of(arrangement, points)
+    R, T = arrangement.poses_of(points)
     spurious, undecided = judge_parallel_lines(arrangement, R, T, multiplicity > 1)
     quaternions = canonical_sign(unit_quaternion(points[:, :4]))
     polished, T = polish_parallel_lines(arrangement, R, T, multiplicity == 1)
@@ -119,19 +117,13 @@ def poses_by_paths(
     )
 
 
-def poses_of(arrangement: Arrangement, points: Field) -> tuple[Field, Field]:
-    """Return poses in the frames of the arrangement from Study points, shape (n, 8)."""
-    R, T = pose_from_study(points[:, :4], points[:, 4:])
-    return R, arrangement.restored(R, T)
-
-
 def _motions(
     arrangement: Arrangement, results: list[SystemSolutions]
 ) -> tuple[tuple[Motion, ...], int]:
     """Return the motions, and how many paths end on sets that are none (parallel lines)."""
     motions, beside = [], 0
     for curve in (curve for result in results for curve in result.curves):
-        R, T = poses_of(arrangement, made_real(curve.motion) if curve.real else curve.motion)
+        R, T = arrangement.poses_of(made_real(curve.motion) if curve.real else curve.motion)
         spurious, _ = judge_parallel_lines(arrangement, R, T, np.ones(len(R), dtype=np.bool_))
         # The distances of parallel lines hold all along a motion or almost nowhere.
         if spurious.any():

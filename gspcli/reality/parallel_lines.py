@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import Field, cross, dot, rotation_from_vector
-from gspcli.solver.pose_newton import improved
+from gspcli.reality.pose_newton import improved
 
 #: Unit directions that differ by less are parallel: what is left of double precision at an end
 #: where several paths meet.
