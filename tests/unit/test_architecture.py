@@ -133,7 +133,7 @@ def test_imports_within_a_room_point_one_way(room: str) -> None:
 
 
 #: Lines of a file and of a function at most, and the tables that may have more.
-LONGEST_FILE, LONGEST_FUNCTION = 350, 60
+LONGEST_FILE, LONGEST_FUNCTION = 500, 60
 TABLES = {"tools/build/output_keys.py"}
 
 
