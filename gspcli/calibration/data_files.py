@@ -17,6 +17,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.motion.files.number_tables import NumberTable, wrong_number
 from gspcli.motion.files.pose_files import (
     ANGLES,
+    COLUMNS,
     ENTRIES,
     POSITION,
     QUATERNION,
@@ -31,6 +32,7 @@ Array = NDArray[np.float64]
 
 _INCLINATIONS = ("incl.x", "incl.y")
 _NUMBERS = tuple("123456")
+_EXPECTED = "t, 1 ... 6, x y z, qw qx qy qz or rx ry rz, NAME.x, incl.x or crank.NAME"
 
 
 def read_measurements(
@@ -45,8 +47,8 @@ def read_measurements(
     Columns ``1`` to ``6`` are readings of the constraints (DPH and DHP signed), ``x y z`` and a
     rotation the pose as `gsp measure` reads it, ``P1.x P1.y P1.z`` the position of a point of the
     platform or a target, ``incl.x incl.y`` the inclinations of the platform's axes, ``crank.B1``
-    the angle of a crank. Where cranks have columns a leg without one keeps its stated length. Other
-    columns are left out.
+    the angle of a crank. Where cranks have columns a leg without one keeps its stated length.
+    Columns that are not known are mistakes.
 
     Parameters
     ----------
@@ -64,11 +66,14 @@ def read_measurements(
     SpecError
         With all mistakes, each with line and column.
     """
-    table, targets = NumberTable(text, name, form.units.of(instance)), targets or {}
+    table = NumberTable(text, name, form.units.of(instance), form.ignore)
+    targets = targets or {}
     form = form.of(table)
     # Cells cannot be told apart in rows that have too few.
     table.check()
     groups = _groups(table, instance, targets)
+    dotted = {one for one in table.heading if "." in one or one.isdecimal()}
+    table.refuse_others({"t", *_NUMBERS, *COLUMNS, *dotted}, _EXPECTED)
     n = len(table)
     pivot = np.array(form.pivot)
     readings = np.full((n, 6), np.nan)

@@ -14,7 +14,7 @@ from gspcli.cli.mode_option import HOME, Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Positive
 from gspcli.cli.output import Output, emit, output_options
-from gspcli.cli.pose_options import pose_format, pose_options
+from gspcli.cli.pose_options import ignore_option, pose_format, pose_options
 from gspcli.cli.pose_rows import asked_poses, check_sources
 from gspcli.cli.pose_type import GivenPose, near_option, pose_value_option
 from gspcli.cli.requirements import (
@@ -47,6 +47,7 @@ _ZERO = 1e-12
 @near_option("of a file of values only this one is followed")
 @value_options
 @pose_options
+@ignore_option
 @click.option(
     "--point",
     metavar="X,Y,Z",
@@ -87,6 +88,7 @@ def command(
     near: GivenPose | None,
     euler: str | None,
     pivot: str | None,
+    ignore: tuple[str, ...],
     point: str | None,
     length: float | None,
     load: str | None,
@@ -132,7 +134,9 @@ def command(
         mode = mode or HOME
     instance = load_instance(spec, changes)
     requirements = required(require)
-    asked = asked_poses(instance, rows, mode, pose, near, pose_format(instance, euler, pivot))
+    asked = asked_poses(
+        instance, rows, mode, pose, near, pose_format(instance, euler, pivot, ignore)
+    )
     analysis = _analysis(
         instance, asked, load, stiffness, tolerance, geometry_tolerance, point, length
     )

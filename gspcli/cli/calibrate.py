@@ -11,7 +11,7 @@ from gspcli.cli.mode_option import Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import seed_option
 from gspcli.cli.output import DRAWINGS, FORMATS, Output, emit, output_options, write
-from gspcli.cli.pose_options import pose_format, pose_options, text_of
+from gspcli.cli.pose_options import ignore_option, pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
 from gspcli.errors import GspError, Problem, SpecError
 from gspcli.wording import shown
@@ -75,6 +75,7 @@ if TYPE_CHECKING:
 @mode_option("about which poses are planned.  [default: home]")
 @seed_option(": of --plan")
 @pose_options
+@ignore_option
 @output_options(formats=(*FORMATS, "yaml", *DRAWINGS))
 def command(
     spec: str,
@@ -91,6 +92,7 @@ def command(
     seed: int,
     euler: str | None,
     pivot: str | None,
+    ignore: tuple[str, ...],
     output: Output,
 ) -> None:
     """Find the true numbers of a platform from measured values and poses.
@@ -142,7 +144,7 @@ def command(
     from gspcli.calibration.data_files import read_measurements, targets_of
 
     instance = load_instance(spec)
-    form = pose_format(instance, euler, pivot)
+    form = pose_format(instance, euler, pivot, ignore)
     noise, options = _numbers(sigmas), Options(estimate, hold, robust, prior, hold_unknown)
     seen = None
     if data is not None:

@@ -18,7 +18,7 @@ from gspcli.cli.dynamics_tables import (
 from gspcli.cli.mode_option import Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.cli.pose_options import pose_format, pose_options, text_of
+from gspcli.cli.pose_options import ignore_option, pose_format, pose_options, text_of
 from gspcli.cli.pose_rows import check_sources
 from gspcli.cli.pose_type import GivenPose, near_option, pose_value_option
 from gspcli.cli.progress_bars import working
@@ -59,6 +59,7 @@ _MOST_NAMED = 5
 @near_option("of a file of values only this one is followed")
 @value_options
 @pose_options
+@ignore_option
 @click.option(
     "--forward",
     metavar="FORCES",
@@ -87,6 +88,7 @@ def command(
     near: GivenPose | None,
     euler: str | None,
     pivot: str | None,
+    ignore: tuple[str, ...],
     forward: str | None,
     twist: str | None,
     modal: bool,
@@ -142,9 +144,10 @@ def command(
         raise click.UsageError(message)
     check_sources(spec, rows, mode, pose, near)
     instance = load_instance(spec, changes)
-    form = pose_format(instance, euler, pivot)
+    form = pose_format(instance, euler, pivot, ignore)
     if forward is not None:
-        _forward(instance, forward, start_of(instance, mode, pose, form), twist, output)
+        start = start_of(instance, mode, pose, form)
+        _forward(instance, forward, start, twist, ignore, output)
         return
     requirements = required(require)
     asked = asked_rows(instance, rows, mode, pose, near, form)
@@ -272,6 +275,7 @@ def _forward(
     forces: str,
     start: tuple[Array, Array],
     twist: str | None,
+    ignore: tuple[str, ...],
     output: Output,
 ) -> None:
     import numpy as np
@@ -280,7 +284,7 @@ def _forward(
     from gspcli.dynamics.motion_files import read_forces
     from gspcli.motion.files.number_tables import numbers_of
 
-    table = read_forces(*text_of(forces))
+    table = read_forces(*text_of(forces), ignore)
     angles = np.repeat([instance.units.angle.in_radians, 1.0], 3)
     first = 0.0 if twist is None else angles * numbers_of(twist, (6,), "--twist")
     with working("simulating"):

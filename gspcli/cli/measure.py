@@ -8,7 +8,7 @@ import click
 
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import Column, Output, Table, emit, output_options
-from gspcli.cli.pose_options import pose_format, pose_options, text_of, warn_of_range
+from gspcli.cli.pose_options import ignore_option, pose_format, pose_options, text_of, warn_of_range
 from gspcli.cli.pose_type import GivenPose, pose_value_option
 from gspcli.cli.requirements import (
     judged,
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     help="The angles of the cranks instead; the values of SPEC are kept.",
 )
 @pose_options
+@ignore_option
 @require_option("range, cone, clearance>=0.5, condition<=50")
 @output_options()
 def command(
@@ -49,6 +50,7 @@ def command(
     cranks: bool,
     euler: str | None,
     pivot: str | None,
+    ignore: tuple[str, ...],
     require: str | None,
     output: Output,
 ) -> None:
@@ -57,9 +59,9 @@ def command(
     SPEC is an instance file, POSES a CSV file with a heading, or what `gsp solve --format json`
     prints; one of them may be - for standard input. Columns of POSES: x, y, z and one of
     qw, qx, qy, qz (a quaternion of any length), rx, ry, rz (with --euler, in the angle unit of
-    SPEC) or r11 ... r33 (by rows), for x_base = R x_platform + T; and perhaps t. Others are left
-    out. Headings of other programs are read where they have one meaning: X [mm], Roll, Pitch, Yaw,
-    Time; and decimals with a comma between semicolons.
+    SPEC) or r11 ... r33 (by rows), for x_base = R x_platform + T; and perhaps t. Headings of other
+    programs are read where they have one meaning: X [mm], Roll, Pitch, Yaw, Time; and decimals with
+    a comma between semicolons. A column that is not known is a mistake; --ignore leaves it out.
 
     Each pose is one row with the distances and angles in the units and the order of SPEC. Distances
     to planes (DPH, DHP) are signed: positive on the side to which the normal points. The values of
@@ -78,6 +80,7 @@ def command(
     Examples:
       gsp measure platform.yaml poses.csv -o values.csv
       gsp measure platform.yaml path.csv --euler ZYX --pivot 0,0,-12.5
+      gsp measure platform.yaml path.csv --euler ZYX --ignore "motor *"
       gsp measure platform.yaml --pose 0,0,1.5,1,0,0,0
       gsp measure platform.yaml path.csv --require "range, cone, condition<=50"
       gsp solve platform.yaml --format json | gsp measure platform.yaml -
@@ -97,7 +100,7 @@ def command(
 
     instance = load_instance(spec)
     requirements = required(require)
-    form = pose_format(instance, euler, pivot)
+    form = pose_format(instance, euler, pivot, ignore)
     if pose is None:
         table = read_poses(*text_of(str(poses)), form)
     else:

@@ -38,7 +38,25 @@ def pose_options(function: Function) -> Function:
     )(function)
 
 
-def pose_format(instance: Instance, euler: str | None, pivot: str | None) -> PoseFormat:
+def ignore_option(function: Function) -> Function:
+    """Add ``--ignore``; the command gets ``ignore: tuple[str, ...]``."""
+
+    def names(_: click.Context, __: click.Parameter, texts: tuple[str, ...]) -> tuple[str, ...]:
+        return tuple(name.strip() for text in texts for name in text.split(","))
+
+    return click.option(
+        "--ignore",
+        metavar="COLUMN",
+        multiple=True,
+        callback=names,
+        help="Leave out a column of the file, by its heading (* stands for any text); may be "
+        "repeated, or several between commas.",
+    )(function)
+
+
+def pose_format(
+    instance: Instance, euler: str | None, pivot: str | None, ignore: tuple[str, ...] = ()
+) -> PoseFormat:
     """Return what the options and the instance say of a pose file."""
     from gspcli.geometry.euler import check_sequence
     from gspcli.motion import PoseFormat
@@ -49,6 +67,7 @@ def pose_format(instance: Instance, euler: str | None, pivot: str | None) -> Pos
         pivot_from_text(pivot) if pivot is not None else (0.0, 0.0, 0.0),
         instance.units.angle.in_radians,
         instance.units.length,
+        ignore,
     )
 
 

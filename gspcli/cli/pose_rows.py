@@ -137,7 +137,7 @@ def _of_file(
     from gspcli.motion.files.pose_files import has_poses
 
     text, name = text_of(path)
-    if has_poses(text, name):
+    if has_poses(text, name, form):
         if mode is not None or near is not None:
             option = "--near" if mode is None else "--mode"
             message = f"{option}: found the poses of {name}, expected a file of values to follow"

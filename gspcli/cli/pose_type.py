@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -64,7 +65,8 @@ class GivenPose:
         from gspcli.motion import read_pose, read_poses
 
         if self.text.startswith(_FILE):
-            table = read_poses(*text_of(self.text[1:]), form)
+            # Of one pose nothing can be dropped unseen: all its numbers are needed.
+            table = read_poses(*text_of(self.text[1:]), replace(form, ignore=("*",)))
         else:
             table = read_pose(self.text, form, self.option)
         if len(table.R) != 1:

@@ -9,7 +9,7 @@ import click
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import seed_option
 from gspcli.cli.output import Output, emit, output_options
-from gspcli.cli.pose_options import pose_format, pose_options, text_of
+from gspcli.cli.pose_options import ignore_option, pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
 from gspcli.cli.value_options import Changes, value_options
 from gspcli.cli.worker_options import jobs_option
@@ -30,6 +30,7 @@ _KINDS = ("leg", "coordinate", "joint", "inclinometer")
 @value_options
 @click.option("--relative", is_flag=True, help="The values in the file are added to those of SPEC.")
 @pose_options
+@ignore_option
 @click.option(
     "--random",
     "count",
@@ -89,6 +90,7 @@ def command(
     relative: bool,
     euler: str | None,
     pivot: str | None,
+    ignore: tuple[str, ...],
     count: int | None,
     intervals: tuple[str, ...],
     names: tuple[str, ...],
@@ -129,8 +131,8 @@ def command(
     if rows is not None and (count is not None or intervals):
         message = "give either ROWS, or --random and --within"
         raise click.UsageError(message)
-    if rows is None and (relative or euler or pivot):
-        message = "--relative, --euler and --pivot need ROWS"
+    if rows is None and (relative or euler or pivot or ignore):
+        message = "--relative, --euler, --pivot and --ignore need ROWS"
         raise click.UsageError(message)
     if spec == rows == "-":
         message = "SPEC and ROWS cannot both be standard input"
@@ -140,7 +142,7 @@ def command(
 
     instance = load_instance(spec, changes)
     chosen = _chosen(names, instance)
-    table = _rows(rows, instance, pose_format(instance, euler, pivot), delta=relative)
+    table = _rows(rows, instance, pose_format(instance, euler, pivot, ignore), delta=relative)
     within = dict(map(_interval, intervals)) or None
     with working("solving"):
         result = sensors(

@@ -12,7 +12,7 @@ from gspcli.cli.mode_option import Mode, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import Whole
 from gspcli.cli.output import Output, emit, output_options
-from gspcli.cli.pose_options import pose_format, pose_options, text_of
+from gspcli.cli.pose_options import ignore_option, pose_format, pose_options, text_of
 from gspcli.cli.pose_type import GivenPose, near_option
 from gspcli.cli.progress_bars import working
 from gspcli.cli.real_poses import mode_number
@@ -82,6 +82,7 @@ if TYPE_CHECKING:
 )
 @require_option("range, cone, clearance>=0.5, condition<=50")
 @pose_options
+@ignore_option
 @jobs_option
 @output_options()
 def command(
@@ -101,6 +102,7 @@ def command(
     require: str | None,
     euler: str | None,
     pivot: str | None,
+    ignore: tuple[str, ...],
     jobs: int,
     output: Output,
 ) -> None:
@@ -152,19 +154,19 @@ def command(
 
     instance = load_instance(spec, changes)
     requirements = required(require)
-    form = pose_format(instance, euler, pivot)
+    form = pose_format(instance, euler, pivot, ignore)
     table = read_values(*text_of(values), instance, form, delta=relative).subdivided(steps)
     start = None if near is None else near.read(form)
     if near is None and mode is None and not all_modes and not everything:
         start = table.start
-    number = None if mode is None else mode_number(instance, mode)
+    modes = None if mode is None else [mode_number(instance, mode)]
     with working("following"):
         result = track(
             instance,
             table.values,
             coordinates=table.coordinates,
             t=table.t,
-            modes=None if number is None else [number],
+            modes=modes,
             near=start,
             everything=everything,
             certify=not no_certify,
@@ -174,10 +176,9 @@ def command(
         _refuse_none(result)
     with working("looking at limits"):
         limits = limit_events(result)
-    flags = {"clearance": clear, "pose-clearance": pose_clear}
-    asked = {one.quantity for one in requirements} | {name for name in flags if flags[name]}
+    asked = {one.quantity for one in requirements}
     with working("looking for singularities"):
-        more = _clearances(result, asked)
+        more = _clearances(result, asked, clear=clear, pose_clear=pose_clear)
     rows = result.rows(more)
     verdicts, columns = judged_track(result, limits, requirements, rows)
     shown = track_table(result, rows, limits, columns, track_lines(verdicts, rows, steps))
@@ -218,15 +219,17 @@ def _tell(result: Track, limits: list[LimitEvent], output: Output) -> None:
         say(line)
 
 
-def _clearances(result: Track, asked: set[str]) -> dict[str, Array]:
+def _clearances(
+    result: Track, asked: set[str], *, clear: bool, pose_clear: bool
+) -> dict[str, Array]:
     """Return the clearances that are asked for, by their names in rows, each of shape (m, r)."""
     found = {}
-    if "clearance" in asked:
+    if clear or "clearance" in asked:
         from gspcli.motion.singularities.clearances import clearances, range_weights
 
         weighted = partial(clearances, weights=range_weights(result.instance))
         found["clearance"] = _of_poses(result, weighted)
-    if "pose-clearance" in asked:
+    if pose_clear or "pose-clearance" in asked:
         from gspcli.motion.singularities.pose_clearances import pose_clearances
 
         found["pose_clearance"] = _of_poses(result, pose_clearances)

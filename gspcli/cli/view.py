@@ -13,7 +13,7 @@ import click
 from gspcli.cli.mode_option import Mode, chosen, mode_option
 from gspcli.cli.names import load_instance
 from gspcli.cli.output import DRAWINGS, Output, check_writable, output_options, write
-from gspcli.cli.pose_options import pose_format, pose_options, text_of
+from gspcli.cli.pose_options import ignore_option, pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
 from gspcli.cli.streams import say
 from gspcli.cli.value_options import Changes, value_options
@@ -42,6 +42,7 @@ _PAGE = "html"
     "standard input.",
 )
 @pose_options
+@ignore_option
 @click.option(
     "--live",
     is_flag=True,
@@ -68,6 +69,7 @@ def command(
     track: str | None,
     euler: str | None,
     pivot: str | None,
+    ignore: tuple[str, ...],
     live: bool,
     opened: bool,
     all_modes: bool,
@@ -112,7 +114,7 @@ def command(
 
     view = _view(seen_from)
     instance = load_instance(spec, changes)
-    form = pose_format(instance, euler, pivot)
+    form = pose_format(instance, euler, pivot, ignore)
     tracks = read_tracks(*text_of(track), form) if track is not None else []
     if output.path is None and (opened or sys.stdout.isatty()):
         path = Path(f"{_stem(spec)}.{output.format}")

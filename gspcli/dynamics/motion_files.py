@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -78,7 +80,7 @@ def read_rows(text: str, name: str, instance: Instance, form: PoseFormat) -> Pos
     if text.lstrip()[:1] in ("{", "["):
         found = read_poses(text, name, form)
         return PoseRows(None, found.R, found.T, None)
-    table = NumberTable(text, name, form.units.of(instance))
+    table = NumberTable(text, name, form.units.of(instance), form.ignore)
     if names_poses(table):
         return _pose_rows(table, instance, form)
     values = read_values(text, name, instance, form)
@@ -156,16 +158,24 @@ def motion_of_values(
     return Motion(twists / lengths, accelerations / lengths)
 
 
-def read_forces(text: str, name: str) -> ForceRows:
+def read_forces(text: str, name: str, ignore: Collection[str] = ()) -> ForceRows:
     """Read forces of the drives at times: columns t and F1 ... F6.
+
+    Parameters
+    ----------
+    text, name
+        The content, and how messages name it.
+    ignore
+        Columns that are left out.
 
     Raises
     ------
     SpecError
         With all mistakes, each with line and column.
     """
-    table = NumberTable(text, name)
+    table = NumberTable(text, name, ignore=ignore)
     columns = table.choose(("t", *_FORCES))
+    table.refuse_others({"t", *_FORCES}, "t and F1 ... F6")
     numbers = table.numbers(columns or ())
     if columns and len(numbers) < 2:
         table.note_heading("found one row, expected two at least: a motion needs an end")

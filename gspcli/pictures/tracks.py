@@ -33,8 +33,8 @@ def read_tracks(text: str, name: str, form: PoseFormat) -> list[Poses]:
 
     Poses are as in `gspcli.motion.read_poses`. ``t`` or ``row`` says where a pose lies on its way,
     ``condition``, ``clearance``, ``certified`` and ``status`` what else is known of it. Columns
-    such as ``base.B1.x`` or ``crank.B1`` are coordinates that move; other ones are left out. Rows
-    without a pose, where a mode has ended, are skipped.
+    such as ``base.B1.x`` or ``crank.B1`` are coordinates that move. Columns that are not known are
+    mistakes. Rows without a pose, where a mode has ended, are skipped.
 
     Parameters
     ----------
@@ -48,13 +48,13 @@ def read_tracks(text: str, name: str, form: PoseFormat) -> list[Poses]:
     SpecError
         With all mistakes, each with line and column.
     """
-    table = NumberTable(text, name, form.units)
+    table = NumberTable(text, name, form.units, form.ignore)
     table.leave_out_empty(COLUMNS)
     if not len(table) and not table.problems:
         table.note_heading("found no row with a pose")
     moving = [key for key in table.heading if key.lower().startswith(_MOVING)]
     parameter = next((key for key in _PARAMETERS if key in table.heading), None)
-    poses = poses_in(table, form)
+    poses = poses_in(table, form, {*moving, *"123456"})
     way = None if poses is None or parameter != "t" else poses.t
     if parameter == "row":
         way = table.numbers(["row"])[:, 0]

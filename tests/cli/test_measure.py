@@ -157,3 +157,35 @@ def test_requirements(gsp, tmp_path):
         assert message in run.err
     run = gsp("measure", "@t-top-head", path, "--cranks", "--require", "range")
     assert "--require needs the values, not --cranks" in run.err
+
+
+def test_an_unknown_column_is_an_error_unless_it_is_left_out(gsp, tmp_path):
+    path = tmp_path / "poses.csv"
+    path.write_text("Zeit [s],x,y,z,qw,qx,qy,qz\n4,1,2,3,1,0,0,0\n", encoding="utf-8")
+    run = gsp("measure", HEXAPOD, path)
+    assert (run.code, run.out) == (2, "")
+    assert "poses.csv:1:1: found the unknown column 'Zeit [s]'" in run.err
+    assert gsp("measure", HEXAPOD, path, "--ignore", "Zeit [s]").code == 0
+    for command in ("analyze", "clearance", "track", "dynamics", "sensors", "calibrate"):
+        assert "--ignore" in gsp(command, "--help").out
+    # Of one pose all numbers are needed, and no other is dropped unseen.
+    assert gsp("measure", HEXAPOD, "--pose", f"@{path}").code == 0
+
+
+def test_what_gsp_writes_it_reads(gsp, tmp_path):
+    path = tmp_path / "rows.csv"
+    machine, near = "@workspace-study-cones", ["--near", "0,0,110,1,0,0,0"]
+    pose = "--pose", "0,0,110,1,0,0,0"
+    required = ["--require", "range, cone, condition<=1e9, clearance>=0, pose-clearance>=0"]
+    for written in (
+        ["solve", machine, "--all", *near],
+        ["measure", machine, *pose, *required],
+        ["track", machine, path, *required],
+        ["calibrate", machine, "--plan", "2", "--mode", "home"],
+        ["workspace", machine, "--over", "x", "--boxes", "--gap", "0.5"],
+    ):
+        text = gsp(*written, "--format", "csv").out
+        assert text
+        path.write_text(text, encoding="utf-8")
+        read = "track" if "t,1" in text else "measure"
+        assert gsp(read, machine, path, "--format", "csv").err.count("unknown column") == 0

@@ -122,6 +122,7 @@ _FILES: dict[str, Callable[[Shown], str]] = {
     "poses.csv": _poses,
     "poses.json": _printed("gsp solve platform.yaml --all --format json"),
     "values.csv": lambda shown: "t,1\n0,5.3\n1,5.4\n",
+    "log.csv": lambda shown: "Zeit [s],motor 1,x,y,z,qw,qx,qy,qz\n0,7,0,0,5,1,0,0,0\n",
     "moves.csv": lambda shown: "t,1\n0,5.3\n1,5.4\n",
     "angles.csv": lambda shown: "t,crank.B1\n0,0\n1,5\n",
     "track.csv": lambda shown: run_line("gsp solve platform.yaml --format csv").results,

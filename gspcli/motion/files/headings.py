@@ -29,6 +29,14 @@ _TIMES = ("time", "timestamp")
 #: is ZYX about those of the platform.
 ROLL_PITCH_YAW = {"roll": "rx", "pitch": "ry", "yaw": "rz"}
 SEQUENCE = "ZYX"
+#: Words of other programs in full, from which suggestions for misspelt ones are taken.
+WORDS = (
+    *_TIMES,
+    *ROLL_PITCH_YAW,
+    *(f"{word} {k}" for word in ("leg", "length") for k in range(1, 7)),
+    *(f"{word} {axis}" for word in ("position", "rotation") for axis in "xyz"),
+    *(f"quaternion {axis}" for axis in "wxyz"),
+)
 #: What is written in other programs and has no one meaning, with what to write.
 _AMBIGUOUS = (
     (("a", "b", "c"), "A B C are turns in another order in each program: write rx ry rz"),

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from gspcli.errors import Location, Problem, SpecError
 from gspcli.motion.files.column_units import FileUnits
 from gspcli.motion.files.headings import Heading, hints
+from gspcli.motion.files.known_columns import BESIDE, left_out, unknown
 from gspcli.records import dataclass
 from gspcli.wording import listed, shown, suggestion
 
@@ -53,9 +54,17 @@ class NumberTable:
         How messages name the file.
     units
         In which units the numbers are wanted.
+    ignore
+        Columns that are left out (`gspcli.motion.files.known_columns`).
     """
 
-    def __init__(self, text: str, name: str, units: FileUnits = _ANY_UNITS) -> None:
+    def __init__(
+        self,
+        text: str,
+        name: str,
+        units: FileUnits = _ANY_UNITS,
+        ignore: Collection[str] = (),
+    ) -> None:
         self.name = name
         self.problems: list[Problem] = []
         lines = [
@@ -74,7 +83,16 @@ class NumberTable:
         self._delimiter = next((mark for mark in ",;\t" if mark in heading), "")
         cells = self._cells(heading)
         self._heading_line = lines[0][0]
+        if _are_numbers([cell.text for cell in cells if cell.text]):
+            message = f"found {shown(heading)}, expected a heading before the rows: t,1,2,3,4,5,6"
+            raise SpecError([Problem(Location(name, self._heading_line, 1), "", message)])
         self._columns = [cell.column for cell in cells]
+        self._ignore, self._lacks = ignore, False
+        #: Places of the columns that are left out: here they have no name.
+        self.left_out = left_out([cell.text for cell in cells], ignore, name)
+        cells = [
+            Cell("", cell.column) if k in self.left_out else cell for k, cell in enumerate(cells)
+        ]
         meant = [Heading.of(cell.text) for cell in cells]
         #: The names in the heading as they are called here (`Heading.name`).
         self.heading = tuple(one.name for one in meant)
@@ -142,6 +160,27 @@ class NumberTable:
         column = self._cells(line)[self.heading.index(name)].column
         self.problems.append(Problem(Location(self.name, number, column), "", message))
 
+    def refuse_others(self, known: Collection[str], expected: str) -> None:
+        """Note each column that is not known: it would be left out without a word.
+
+        Parameters
+        ----------
+        known
+            Names as in `heading`, besides those of what `gsp` writes beside poses and values.
+        expected
+            What messages say of these where none is spelt like the one that was found.
+        """
+        if self._lacks:
+            # That message has the whole heading.
+            return
+        for k, text in enumerate(self.written):
+            if k in self.left_out or self.heading[k] in known or self.heading[k] in BESIDE:
+                continue
+            cells = [row[k] for _, line in self._lines if k < len(row := self._texts(line))]
+            if message := unknown(k, text, self.names[k], cells, known, expected, self._ignore):
+                place = Location(self.name, self._heading_line, self._columns[k])
+                self.problems.append(Problem(place, "", message))
+
     def choose(self, *groups: Sequence[str]) -> Sequence[str] | None:
         """Return the group of columns that the heading has; None, and a mistake, for none or two.
 
@@ -173,6 +212,7 @@ class NumberTable:
             hint = f": {missing} is missing{suggestion(missing, self._unknown(groups))}"
         found = " ".join(self.written) or "nothing"
         hint = hints(self.written) or hint
+        self._lacks = True
         self.note_heading(f"found the columns {shown(found)}, expected {expected}{hint}")
         return None
 
@@ -260,6 +300,14 @@ class NumberTable:
     def check(self) -> None:
         """Raise `SpecError` with all mistakes found so far, if there are any."""
         check(self.problems)
+
+
+def _are_numbers(cells: Sequence[str]) -> bool:
+    """Return whether the first line of a file is a row of numbers, not a heading."""
+    if not cells or not all(map(_NUMBER.fullmatch, cells)):
+        return False
+    # A heading can be of these: the numbers of constraints.
+    return not {*cells} <= {*"123456"} or len({*cells}) < len(cells)
 
 
 def wrong_number(text: str) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -54,12 +54,16 @@ class PoseFormat:
         The unit of rx, ry and rz.
     length
         The name of the unit of lengths; empty if it does not matter.
+    ignore
+        Columns that are left out; ``*`` in a name stands for any text
+        (`gspcli.motion.files.known_columns`).
     """
 
     euler: str | None = None
     pivot: tuple[float, float, float] = (0.0, 0.0, 0.0)
     in_radians: float = 1.0
     length: str = ""
+    ignore: tuple[str, ...] = ()
 
     @property
     def units(self) -> FileUnits:
@@ -95,8 +99,9 @@ def read_poses(text: str, name: str, form: PoseFormat) -> PoseTable:
     """Read a list of poses.
 
     CSV has a heading with ``x y z`` (or ``Tx Ty Tz``, as `gsp solve` writes them) and one of
-    ``qw qx qy qz``, ``rx ry rz`` or ``r11 … r33``, and perhaps ``t``; other columns are left out.
-    JSON is what `gsp solve` prints. Headings of other programs are read where they have one meaning
+    ``qw qx qy qz``, ``rx ry rz`` or ``r11 … r33``, and perhaps ``t``. Values and what `gsp` writes
+    beside poses are left out. Columns that are not known are mistakes. JSON is what `gsp solve`
+    prints. Headings of other programs are read where they have one meaning
     (`gspcli.motion.files.headings`): ``X [mm]``, ``Roll``, ``Pitch``, ``Yaw``, ``Time``.
 
     Parameters
@@ -113,16 +118,19 @@ def read_poses(text: str, name: str, form: PoseFormat) -> PoseTable:
     """
     if text.lstrip()[:1] in ("{", "["):
         return _read_json(text, name, form)
-    table = NumberTable(text, name, form.units)
-    poses = poses_in(table, form)
+    table = NumberTable(text, name, form.units, form.ignore)
+    # Values are what poses measure: a plan of `gsp calibrate` has both.
+    poses = poses_in(table, form, "123456")
     table.check()
     assert poses is not None
     return poses
 
 
-def has_poses(text: str, name: str) -> bool:
+def has_poses(text: str, name: str, form: PoseFormat) -> bool:
     """Return whether a file is one of poses, by its heading; else it is one of values."""
-    return text.lstrip()[:1] in ("{", "[") or names_poses(NumberTable(text, name))
+    if text.lstrip()[:1] in ("{", "["):
+        return True
+    return names_poses(NumberTable(text, name, ignore=form.ignore))
 
 
 def names_poses(table: NumberTable) -> bool:
@@ -130,10 +138,17 @@ def names_poses(table: NumberTable) -> bool:
     return any({*names} <= set(table.heading) for names in (POSITION, TRANSLATION))
 
 
-def poses_in(table: NumberTable, form: PoseFormat) -> PoseTable | None:
+def poses_in(table: NumberTable, form: PoseFormat, more: Collection[str] = ()) -> PoseTable | None:
     """Return the poses of a table; None if its columns are not those of poses.
 
     Mistakes are noted in the table; a pose with one has numbers that mean nothing.
+
+    Parameters
+    ----------
+    table, form
+        The table, and what it does not say.
+    more
+        Columns besides those of poses and those that `gsp` writes that are known.
     """
     form = form.of(table)
     position = table.choose(POSITION, TRANSLATION)
@@ -146,6 +161,7 @@ def poses_in(table: NumberTable, form: PoseFormat) -> PoseTable | None:
         table.note_heading(
             "found rx ry rz without the order of the axes: say it with --euler, such as ZYX or xyz"
         )
+    table.refuse_others({"t", *COLUMNS, *more}, "t, x y z, and qw qx qy qz or rx ry rz")
     timed = ["t"] if "t" in table.heading else []
     times, points, turns = table.groups(timed, position or (), rotation or ())
     if rotation is None or (rotation == ANGLES and form.euler is None):

@@ -13,6 +13,7 @@ from gspcli.catalogue.kinds import DLP, DPL, DPP
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import BODIES, Coordinate, choose, nominal_coordinates
+from gspcli.geometry.coordinates import coordinates as all_coordinates
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.ranges import value_range, wrong_value
@@ -21,7 +22,7 @@ from gspcli.motion.files.number_tables import NumberTable
 from gspcli.motion.files.pose_files import PoseFormat, names_poses, poses_in
 from gspcli.motion.poses.inverse_kinematics import measure
 from gspcli.records import dataclass
-from gspcli.wording import nearest, shortened, shown
+from gspcli.wording import shortened
 
 Array = NDArray[np.float64]
 
@@ -70,7 +71,7 @@ def read_values(
     The columns ``1`` to ``6`` are the values of the constraints; a constraint without a column
     keeps that of the instance. Columns with names such as ``base.B1.x``, ``base.L1.direction.z`` or
     ``crank.B1`` are coordinates that move (`gspcli.geometry.coordinates`). A file with columns
-    x, y, z is one of poses (`read_poses`).
+    x, y, z is one of poses (`read_poses`). Columns that are not known are mistakes.
 
     Parameters
     ----------
@@ -88,8 +89,9 @@ def read_values(
     SpecError
         With all mistakes, each with line and column.
     """
-    table = NumberTable(text, name, form.units.of(instance))
+    table = NumberTable(text, name, form.units.of(instance), form.ignore)
     moving = _moving(table, instance)
+    numbers = [str(k) for k in range(1, len(instance.constraints) + 1)]
     coordinates: dict[str, Array] = {}
     start = None
     if names_poses(table):
@@ -100,16 +102,17 @@ def read_values(
                 table.written[table.heading.index(one)],
                 "found a coordinate that moves beside poses, expected values",
             )
-        poses = poses_in(table, form)
+        for one in (one for one in numbers if one in table.heading):
+            column = table.written[table.heading.index(one)]
+            table.note_column(column, "found a value beside poses, expected either (see --ignore)")
+        poses = poses_in(table, form, (*moving, *numbers))
         t = None if poses is None else poses.t
-        values = np.zeros((len(table), len(instance.constraints)))
+        values = np.zeros((len(table), len(numbers)))
         if poses is not None and not table.problems:
             values = measure(instance, poses.R, poses.T)
             start = (poses.R[0], poses.T[0]) if len(poses.R) else None
     else:
         note_legs(table, instance)
-        count = len(instance.constraints)
-        numbers = [str(k) for k in range(1, count + 1)]
         found = [name for name in numbers if name in table.heading]
         if not found and not moving:
             table.choose(numbers)
@@ -126,6 +129,9 @@ def read_values(
         coordinates = {
             one.name: column for one, column in zip(moving.values(), places.T, strict=True)
         }
+        known = {"t", *numbers, *(one.name for one in all_coordinates(instance))}
+        expected = "t, 1 ... 6, base.NAME.x, platform.NAME.x or crank.NAME"
+        table.refuse_others({*known, *filter(_is_judged, table.heading)}, expected)
     if t is None:
         t = np.arange(1.0, len(values) + 1)
     for row in np.flatnonzero(np.diff(t) <= 0):
@@ -149,14 +155,10 @@ def _moving(table: NumberTable, instance: Instance) -> dict[str, Coordinate]:
     found: dict[str, Coordinate] = {}
     numbers = {str(k) for k in range(1, len(instance.constraints) + 1)}
     for written, name in zip(table.written, table.heading, strict=True):
-        first = name.lower().split(".")[0]
-        if first not in _MOVING or "." not in name:
-            # Other columns are left out, but not what was meant to be one of these.
-            if first and "." in name and (meant := nearest(first, _MOVING)):
-                table.note_column(written, f"found {shown(written)}: did you mean {meant}?")
-            if re.fullmatch(r"[0-9]+", name) and name.lstrip("0") not in numbers:
-                message = f"found {shortened(written)}, expected a constraint from 1 to 6"
-                table.note_column(written, message)
+        if re.fullmatch(r"[0-9]+", name) and name.lstrip("0") not in numbers:
+            message = f"found {shortened(written)}, expected a constraint from 1 to 6"
+            table.note_column(written, message)
+        if not _is_judged(name) or "." not in name:
             continue
         try:
             (found[name],) = choose(instance, [name])
@@ -167,6 +169,12 @@ def _moving(table: NumberTable, instance: Instance) -> dict[str, Coordinate]:
     except ArgumentError as error:
         table.note_heading(str(error))
     return found
+
+
+def _is_judged(name: str) -> bool:
+    """Return whether a column is that of a coordinate or a constraint, rightly or wrongly."""
+    head, dot, _ = name.partition(".")
+    return name.isdecimal() or bool(dot and head.lower() in _MOVING)
 
 
 def nominal_values(instance: Instance) -> Array:

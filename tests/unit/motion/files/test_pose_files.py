@@ -18,8 +18,8 @@ def mistakes(text: str, form: PoseFormat = PLAIN) -> list[str]:
     return str(caught.value).splitlines()
 
 
-def test_quaternions_of_any_length_and_other_columns():
-    table = read_poses("no,t,x,y,z,qw,qx,qy,qz\n1,0.5,1,2,3,0,0,0,-4\n", "p", PLAIN)
+def test_quaternions_of_any_length_and_columns_of_our_own():
+    table = read_poses("number,t,x,y,z,qw,qx,qy,qz\n1,0.5,1,2,3,0,0,0,-4\n", "p", PLAIN)
     assert table.t == [0.5]
     assert np.array_equal(table.T, [[1, 2, 3]])
     assert np.allclose(table.R, [np.diag([-1, -1, 1])])

@@ -27,8 +27,11 @@ def test_columns_that_are_nearly_ones_are_mistakes():
     with pytest.raises(SpecError) as caught:
         read_values("t,crnk.B1,7,no.,1\n0,1,2,3,0.1\n", "v", instance, PoseFormat())
     assert str(caught.value).splitlines() == [
-        "v:1:3: found 'crnk.B1': did you mean crank?",
+        "v:1:3: found the unknown column 'crnk.B1': did you mean crank.B1? (--ignore leaves it "
+        "out)",
         "v:1:11: found 7, expected a constraint from 1 to 6",
+        "v:1:13: found the unknown column 'no.', expected t, 1 ... 6, base.NAME.x, "
+        "platform.NAME.x or crank.NAME (--ignore leaves it out)",
     ]
 
 
