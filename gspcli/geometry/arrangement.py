@@ -1,4 +1,4 @@
-"""The numbers of platforms in floating point: their primitives, and the values asked for."""
+"""Platforms in floating point: the primitives and the values of their constraints."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 _SIGNS = {Side.POSITIVE: 1, Side.NEGATIVE: -1, Side.BOTH: 0}
-#: Points so many times as far as usual are left out of the centre of a body.
+#: A point this many times farther away than the others does not count in the centre of a body.
 _FAR = 100.0
 
 
@@ -44,7 +44,7 @@ class Placed(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """The primitives of n constraints on both bodies, of one platform or of many alike.
+    """The primitives of n constraints on both bodies, for one platform or a batch of platforms.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Bodies:
 
 
 class _Layout(NamedTuple):
-    """What follows from the kinds alone; read-only arrays."""
+    """Read-only arrays that depend on the kinds only."""
 
     distances: Index
     angles: Index
@@ -149,7 +149,7 @@ class Arrangement(Bodies):
 
     @cached_property
     def signs(self) -> Index:
-        """The sides to look on: as `sides`, but a distance of zero has only one, shape (n,)."""
+        """The sides to solve for: as `sides`, but 1 for a distance of zero, shape (n,)."""
         return np.where(self.sided & (self.values == 0), 1, self.sides)
 
     @cached_property
@@ -198,21 +198,21 @@ class Arrangement(Bodies):
 
     @cached_property
     def _centred(self) -> tuple[Array, float]:
-        """The means of these points, far ones left out, shape (2, 3), and `extent`."""
+        """The means of these points without far ones, shape (2, 3), and `extent`."""
         return _kernel.centres(self._points, far=_FAR)
 
     @property
     def platform_centre(self) -> Array:
         """Mean of the platform points of the distance constraints, shape (3,).
 
-        Points a hundred times as far from the others as those from each other do not count:
-        coordinates about a mean with them would lose digits.
+        A point does not count if it is a hundred times farther from the others than they are from
+        each other: coordinates about a mean that includes it would lose digits.
         """
         return np.asarray(self._centred[0][0])
 
     @property
     def base_centre(self) -> Array:
-        """Mean of the base points of the distance constraints likewise, shape (3,)."""
+        """Mean of the base points of the distance constraints without far ones, shape (3,)."""
         return np.asarray(self._centred[0][1])
 
     @property
@@ -231,14 +231,14 @@ class Arrangement(Bodies):
 
     @cached_property
     def normalized(self) -> Arrangement:
-        """The same with lengths of order one, and frames at the centres of the points.
+        """The arrangement with lengths of order one and frames at the centres of the points.
 
-        `restored` takes its translations back.
+        `restored` converts translations back to the given frames and unit.
         """
         return self.in_units_of(self.length)
 
     def in_units_of(self, length: float) -> Arrangement:
-        """Return the same in another unit of length, frames at the centres of the points."""
+        """Return the arrangement in another unit of length, frames at the centres of the points."""
         values = self.values.copy()
         values[self.distances] /= length
         platform, base = self._centred[0]

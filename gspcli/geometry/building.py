@@ -1,8 +1,8 @@
 """Instances from Python objects: arrays of joints, or primitives and constraints.
 
-What is made here equals what `gspcli.loads` makes of a file with the same numbers, with primitives
-named P1, L1, H1 and so on in the order of their first use; equal primitives of a body are one,
-shared by the constraints that use it. Numbers are whatever `Number.of` takes, exactly.
+The result equals that of `gspcli.loads` for a file with the same numbers. Primitives are named P1,
+L1, H1 and so on in the order of their first use. Equal primitives of a body are one primitive,
+which its constraints share. A number is anything that `Number.of` takes; it is kept exactly.
 """
 
 from __future__ import annotations
@@ -306,14 +306,14 @@ def instance(
 
 
 class _Names:
-    """Names of the primitives of a body, in the order in which they are met."""
+    """Names of the primitives of a body, in the order of their first use."""
 
     def __init__(self) -> None:
         self.names: dict[Geometry, str] = {}
         self.counts = {"P": 0, "L": 0, "H": 0}
 
     def of(self, geometry: Geometry) -> str:
-        """Return the name of a primitive; equal ones are one."""
+        """Return the name of a primitive; equal primitives have one name."""
         name = self.names.get(geometry)
         if name is None:
             letter = geometry.primitive.value

@@ -1,4 +1,4 @@
-"""Whether an instance is one: six constraints, at most three angles, values in range."""
+"""Checks of an instance: six constraints, at most three angles, values in range."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.primitives import Point
 from gspcli.geometry.ranges import wrong_half_angle, wrong_scale, wrong_value
 
-#: What an offset of a distance to a plane needs.
+#: The error for an offset of a distance to a plane without a side.
 ONE_SIDE = "expected one only with a side: it is added to the signed distance"
 
 
 def expected(instance: Instance) -> Instance:
-    """Return an argument that is an instance, whatever its numbers.
+    """Return an argument if it is an instance; its numbers are not checked.
 
     Raises
     ------
     ArgumentError
-        If it is none.
+        If it is not.
     """
     if not isinstance(instance, Instance):
         message = f"found a {type(instance).__name__}, expected an Instance: load reads one"
@@ -28,7 +28,7 @@ def expected(instance: Instance) -> Instance:
 
 
 def checked(instance: Instance) -> Instance:
-    """Return an instance that is one: six constraints, at most three angles, values in range.
+    """Return an instance if it has six constraints, at most three angles and values in range.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Which points of a set that is closed under conjugation are real."""
+"""Find the real points of a set that is closed under conjugation."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ Complex = NDArray[np.complex128]
 
 
 def find_real_points(points: Complex) -> tuple[Complex, NDArray[np.bool_]]:
-    """Return representatives of the points of a set closed under conjugation; which are real.
+    """Return representatives of the points of a set closed under conjugation, and which are real.
 
-    A point is real if of all points of the set its conjugate is nearest to itself. This
-    decides without a threshold when the points are further apart than their errors.
+    A point is real if, of all points of the set, the point itself is nearest to its conjugate.
+    This needs no threshold if the distances between points exceed their errors.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def find_real_points(points: Complex) -> tuple[Complex, NDArray[np.bool_]]:
     Returns
     -------
     representatives
-        The points with norm 1, those of real ones exactly real; shape (k, n + 1).
+        The points with norm 1; a real point has exactly real coordinates; shape (k, n + 1).
     real
         Shape (k,).
     """

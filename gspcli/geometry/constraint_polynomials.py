@@ -1,13 +1,12 @@
 """The polynomial of each constraint, with its first and second derivatives.
 
-This is the one statement of the ten kinds in floating point; what constraints measure, how far
-they are from their values, how both change with the pose and with the numbers of the platform,
-all follow from it. The polynomials are those of the paper's Section 4, in three vectors: from
-the base's primitive to the platform's ``r = R y + T - x``, the platform's direction or normal
-``w = R u``, and the base's, v; w and v are unit vectors. Everything takes leading batch axes and
-complex numbers.
+The ten kinds are stated here once for floating point. Measured values, residuals and their
+derivatives by the pose and by the numbers of the platform follow from these polynomials. They are
+those of the paper's Section 4, in three vectors: ``r = R y + T - x`` from the primitive of the base
+to that of the platform; the direction or normal of the platform, ``w = R u``; and that of the base,
+v. The vectors w and v are unit vectors. All functions take leading batch axes and complex numbers.
 
-Three more statements stand elsewhere on purpose, as evidence that does not rest on this one:
+Three other statements exist on purpose. They are evidence that does not use this one:
 `gspcli.certification` (the exact equations in ball arithmetic), `gspcli.atlas.modular_equations`
 (modulo a prime), and the programs in bench and tools. The quadrics that paths are tracked on
 (`gspcli.solver.study_systems`, `gspcli.geometry.distance_forms`) are the same polynomials in Study
@@ -66,7 +65,7 @@ def polynomial(kind: Kind) -> ConstraintPolynomial:
     Raises
     ------
     KeyError
-        If the kind is a distance that is none of the six.
+        If the kind is not one of the ten.
     """
     return _POLYNOMIALS[kind] if kind.is_distance else COSINE
 

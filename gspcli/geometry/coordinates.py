@@ -1,4 +1,4 @@
-"""Coordinates of primitives by name, so that they can move: ``base.B1.x``, ``crank.B1``."""
+"""Coordinates of primitives that can be changed by name: ``base.B1.x``, ``crank.B1``."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ class Coordinate:
     Attributes
     ----------
     name
-        Of the coordinate: ``base.B1.x``, ``base.L1.direction.z``, ``platform.H2.normal.x``, or
+        The name: ``base.B1.x``, ``base.L1.direction.z``, ``platform.H2.normal.x``, or
         ``crank.B1`` for the angle of a crank.
     body, primitive
-        Whose it is; the primitive by its name.
+        The body and the name of the primitive.
     vector
         Which field of the primitive, or ``crank``.
     component
@@ -70,7 +70,7 @@ def coordinates(instance: Instance) -> tuple[Coordinate, ...]:
 
 
 def choose(instance: Instance, names: Sequence[str]) -> tuple[Coordinate, ...]:
-    """Return coordinates by their names; capitals matter only where names differ in nothing else.
+    """Return coordinates by name; capitals count only if two names differ in nothing else.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def choose(instance: Instance, names: Sequence[str]) -> tuple[Coordinate, ...]:
 
 
 def nominal_coordinates(instance: Instance, chosen: Sequence[Coordinate]) -> Array:
-    """Return coordinates as the instance states them, shape (n,); cranks are stated at zero."""
+    """Return the coordinates that the instance states, shape (n,); zero for a crank."""
     return np.array(
         [
             0.0

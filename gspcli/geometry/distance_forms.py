@@ -1,4 +1,4 @@
-"""What distances measure, as forms in the Study parameters (e, f), whatever the rotation."""
+"""Measured distances as forms in the Study parameters (e, f), for any rotation."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from gspcli.geometry.quaternions import BODY_TRANSLATION_FORMS, ROTATION_FORMS, 
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
-#: A vector of a constraint; here there are too few numbers for arrays to be quick.
+#: A vector of a constraint: a list is quicker than an array for so few numbers.
 _Vector = list[float]
 
 
 @dataclass(frozen=True, eq=False)
 class Measures:
-    """What the distances measure, as forms in the Study parameters.
+    """The measured distances as forms in the Study parameters.
 
     A form (a, b), shape (4, 8), is ``s^2 e^T a e + s e^T b f`` at the Study point (s e, f).
 
     Attributes
     ----------
     forms
-        All forms, shape (count, 4, 8). N times the heights over planes and the moments of two
-        lines; N times the squared distances of points but for ``4 f.f``, first for spheres and then
-        for cylinders; for each cylinder N times the height along its axis; and N times the three
-        components of the vector product of the directions of two lines.
+        All forms, shape (count, 4, 8), each times N, in this order: heights over planes and moments
+        of two lines; squared distances of points without ``4 f.f``, first for spheres, then for
+        cylinders; the height along the axis of each cylinder; the three components of the vector
+        product of the directions of two lines.
     skew
         Which of the heights are moments of two lines.
     flat, curved
@@ -38,7 +38,7 @@ class Measures:
     spheres
         How many of the squares are those of spheres.
     basis
-        The forms of T or of U if all distances are simplest in those, else None.
+        The forms of T or of U if all distances are simplest in them, else None.
     signs
         The combinations of sides asked for: ``height = sign distance``, shape (s, k).
     """

@@ -19,7 +19,7 @@ _LOCKED = 1e-9
 
 
 def check_sequence(sequence: str) -> str:
-    """Return a sequence of axes as it is if it names three different axes in one case.
+    """Return a sequence of axes unchanged if it names three different axes in one case.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def euler_from_rotation(sequence: str, R: Any) -> Array:
     sign = 1.0 if (j - i) % 3 == 1 else -1.0
     angles = np.empty(R.shape[:-1])
     sine = sign * R[..., i, k]
-    # The cosine is better known than the sine where that is near one.
+    # Where the sine is near one, the cosine is more accurate.
     angles[..., j] = np.arctan2(sine, np.hypot(R[..., i, i], R[..., i, j]))
     locked = np.hypot(R[..., i, i], R[..., i, j]) < _LOCKED
     first = np.arctan2(-sign * R[..., j, k], R[..., k, k])

@@ -1,8 +1,8 @@
-"""What an expression is, and the arithmetic in which one can be evaluated.
+"""The interface of an expression, and the arithmetic in which it can be evaluated.
 
-Everything that is said of exact numbers here is said of their trees: what certainly encloses them
-(`intervals`), how near to zero they can be (`separation`), and which sign they have (`signs`). The
-trees themselves are of `gspcli.geometry.numbers`.
+Three files use only this interface of an exact number: `intervals` encloses it, `separation` bounds
+its distance from zero, and `signs` proves its sign. The trees are made in
+`gspcli.geometry.numbers`.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Expression(Protocol):
 
     @property
     def operation(self) -> str:
-        """What is done with the operands, or which sort of leaf it is."""
+        """The operation on the operands, or the sort of a leaf."""
         ...
 
     @property
@@ -69,7 +69,7 @@ FUNCTIONS: dict[str, Callable[[float], float]] = {
     "acos": math.acos,
     "atan": math.atan,
 }
-#: What keeps rational numbers rational.
+#: Operations with a rational result for rational operands.
 RATIONAL_OPERATIONS: dict[str, Callable[..., Any]] = {
     "+": lambda a, b: a + b,
     "-": lambda a, b: a - b,
@@ -82,7 +82,7 @@ SMALLEST, LARGEST = 1e-60, 1e60
 
 
 def rounded_ratio(numerator: int, denominator: int) -> float:
-    """Return a fraction rounded to a float: infinite if no finite one is as large."""
+    """Return a fraction rounded to a float, infinite above the largest float."""
     try:
         return numerator / denominator
     except OverflowError:

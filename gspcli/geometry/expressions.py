@@ -37,7 +37,7 @@ _TOKEN = re.compile(
     r"|(?P<name>[A-Za-z][A-Za-z0-9]*)|(?P<symbol>[-+*/()]))"
 )
 _MAX_EXPONENT = 100
-#: What other programs call what is no number, or larger than all.
+#: Words of other programs for values that are not finite.
 _NOT_FINITE = {"nan", "inf", "infinity"}
 #: Functions of degrees, by what they are in radians.
 _OF_DEGREES = {"sind": "sin", "cosd": "cos", "tand": "tan"}
@@ -86,7 +86,7 @@ def parsed(text: str, node: Callable[..., Tree]) -> Tree:
     Raises
     ------
     ValueError
-        If it denotes none; the message says what was found and what is expected.
+        If the text denotes no number; the message says what was found and what is expected.
     """
     if not text.strip():
         message = "found nothing, expected a number"
@@ -251,7 +251,7 @@ class _Parser(Generic[Tree]):
 
 
 def _rational_value(operation: str, arguments: tuple[Expression, ...]) -> Fraction | None:
-    """Return the value of an operation on what is not all rational if it is known to be so.
+    """Return the value of an operation with an operand that is not rational, if the value is.
 
     Raises
     ------

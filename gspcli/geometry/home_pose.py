@@ -1,4 +1,4 @@
-"""The pose that an instance file calls home, as it is written there."""
+"""The home pose that an instance file states."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
-#: What a quaternion must be.
+#: The error for a quaternion of zero.
 TURNS = "expected a quaternion [w, x, y, z]: any but zero"
 
 
 @dataclass(frozen=True, init=False)
 class HomePose:
-    """Where a machine is at home; of the real poses for its values the nearest one is meant.
+    """The stated home of a machine; home is the real pose for its values that is nearest to it.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""An instance: a platform of some type with numbers in it, as an instance file states it."""
+"""An instance: a platform with numbers, as an instance file states it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Side(Enum):
-    """On which side of the plane the point of a PH or HP distance lies."""
+    """The side of the plane on which the point of a PH or HP distance lies."""
 
     POSITIVE = "positive"
     NEGATIVE = "negative"
@@ -65,7 +65,7 @@ class Constraint:
     Attributes
     ----------
     kind
-        What is measured between which primitives.
+        The measured quantity and the kinds of the two primitives.
     platform, base
         The primitives, each in the frame of its body.
     value
@@ -76,14 +76,14 @@ class Constraint:
     platform_name, base_name
         The names of the primitives. Equal names on one body are one shared primitive.
     limits
-        The smallest and the largest value that the machine can have there, or None. They restrict
-        motion and say nothing about the poses that the value has.
+        The smallest and the largest value that the machine can reach, or None. They restrict
+        motions and do not change which poses satisfy the value.
     tolerance
-        How far the machine's value may be off, or None if the file does not say.
+        The largest error of the machine's value, or None if the file states none.
     offset, scale
-        A reading (what a file, a table or an encoder says) times ``1 + scale``, plus ``offset``, is
-        the value; None stands for zero. Of a DPH or DHP the offset is added to the signed distance,
-        so that one side must be chosen. `value` and `limits` are values already.
+        The value is a reading (of a file, a table or an encoder) times ``1 + scale``, plus
+        ``offset``; None stands for zero. For DPH and DHP the offset is added to the signed
+        distance, so one side must be chosen. `value` and `limits` are values, not readings.
     """
 
     kind: Kind
@@ -103,9 +103,9 @@ class Constraint:
             object.__setattr__(self, "value", _number(self.value, "value"))
 
     def value_of(self, reading: Number) -> Number:
-        """Return the value that a reading means: with scale and offset, exactly.
+        """Return the value of a reading, with scale and offset, exactly.
 
-        This is where they are honoured: a reading becomes a value as it enters.
+        Every reading that enters the program is converted here.
         """
         if self.scale is not None:
             reading = _combined(reading, "*", self._factor)
@@ -118,7 +118,7 @@ class Constraint:
         return value if self.scale is None else _combined(value, "/", self._factor)
 
     def raised_by(self, difference: Number) -> Number:
-        """Return the value if a number is added to its reading, exactly."""
+        """Return the value after a number is added to its reading, exactly."""
         return self.value_of(_combined(self.reading_of(self.value), "+", difference))
 
     @property
@@ -127,7 +127,7 @@ class Constraint:
 
     @property
     def _added(self) -> str:
-        """How the offset is added: values are not signed, and on the other side it is less."""
+        """The operation that applies the offset: ``-`` on the negative side, where values fall."""
         return "-" if self.side is Side.NEGATIVE else "+"
 
 
@@ -146,7 +146,7 @@ _INVERSE = {"+": "-", "-": "+", "*": "/", "/": "*"}
 
 
 def _combined(number: Number, operation: str, other: Number) -> Number:
-    """Return a number after an operation, as a fraction where it is one; undone where it undoes."""
+    """Return a number after an operation; an operation and its inverse cancel exactly."""
     if number.operation == _INVERSE[operation] and number.arguments[1] == other:
         undone: Number = number.arguments[0]
         return undone
@@ -174,13 +174,12 @@ class Instance:
     name, source
         What the file says of itself, or None.
     further
-        Primitives that no constraint uses: the body (``platform`` or ``base``), the name and the
-        primitive. They are places for sensors.
+        Primitives without a constraint: the body (``platform`` or ``base``), the name and the
+        primitive. Sensors can be attached to them.
     dynamics
-        Masses, inertias and drives, or None if the file does not say. They change no pose.
+        Masses, inertias and drives, or None if the file states none. They change no pose.
     home
-        The pose near which the machine is at home, or None if the file does not say. It says which
-        real pose is meant where one is needed, and changes none.
+        The stated home of the machine, or None. It selects one of the real poses and changes none.
     """
 
     constraints: tuple[Constraint, ...]
@@ -215,12 +214,12 @@ class Instance:
 
     @cached_property
     def coordinates(self) -> list[float]:
-        """The coordinates of a point of each of them, one after the other, in length units."""
+        """The coordinates of a point of each primitive, one after the other, in length units."""
         return [number.value for body in self.primitives for number in body.position]
 
     @cached_property
     def side_choices(self) -> int:
-        """In how many ways the sides left open can be chosen; a distance of zero has one."""
+        """The number of choices for the sides that are not stated; a distance of zero has one."""
         left_open = sum(
             row.kind.has_sides and row.side is Side.BOTH and row.value.value != 0
             for row in self.constraints
@@ -243,7 +242,7 @@ class Instance:
 
     @property
     def title(self) -> str:
-        """Its name, if it has one, and its type."""
+        """The name of the instance, if it has one, and its type."""
         return ": ".join(part for part in (self.name, self.type.id) if part)
 
     def to_json(self) -> dict[str, Any]:
@@ -255,7 +254,7 @@ class Instance:
         }
 
     def on_sides(self, signs: Sequence[int]) -> Instance:
-        """Return the instance with one side of each DPH and DHP: where a sign is 1 or -1."""
+        """Return the instance with one side for each DPH and DHP whose sign is 1 or -1."""
         rows = tuple(
             replace(row, side=Side.POSITIVE if sign > 0 else Side.NEGATIVE)
             if row.kind.has_sides

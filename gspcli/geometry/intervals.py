@@ -1,7 +1,7 @@
 """Intervals that enclose exact numbers, in floating point or with more digits, rounded outwards.
 
-They tell what is certainly not zero: ``sqrt(2)*sqrt(2)-2`` is 4e-16 in floating point, but its
-interval contains zero.
+An interval without zero proves that a number is not zero. ``sqrt(2)*sqrt(2)-2`` is 4e-16 in
+floating point, but its interval contains zero.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Interval:
 
     @classmethod
     def around(cls, *values: float, ulps: int = 1) -> Interval:
-        """Return the hull of values that are rounded by at most so many units in the last place."""
+        """Return the hull of values whose rounding errors are at most so many last places."""
         if not all(map(math.isfinite, values)):
             return cls(-math.inf, math.inf)
         low, high = min(values), max(values)
@@ -33,7 +33,7 @@ class Interval:
 
     @property
     def without_zero(self) -> bool:
-        """Whether zero is certainly not one of the numbers."""
+        """Whether the interval excludes zero."""
         return self.low > 0 or self.high < 0
 
     def __neg__(self) -> Interval:
@@ -66,7 +66,8 @@ class _Intervals:
     def function(self, name: str, argument: Interval) -> Interval:
         if name == "tan":
             return self.function("sin", argument) / self.function("cos", argument)
-        # The library's functions are right to one unit in the last place; two are granted.
+        # The library's functions have an error of at most one unit in the last place; two are
+        # taken.
         function = FUNCTIONS[name]
         if name in ("sin", "cos"):
             middle = Interval.around(function(argument.low), ulps=2)
@@ -83,7 +84,7 @@ INTERVALS = _Intervals()
 
 
 class FineIntervals:
-    """The same with more digits, by mpmath.
+    """Arithmetic of intervals with more digits, by mpmath.
 
     Parameters
     ----------
@@ -91,11 +92,11 @@ class FineIntervals:
         The precision.
     """
 
-    #: Functions between monotone ends are right to far more than half of these bits.
+    #: Bits beyond those of the result; the error of a function is far below half of them.
     _SPARE = 32
 
     def __init__(self, bits: int) -> None:
-        # Its import takes as long as a solve, and hardly any number needs it.
+        # Few numbers need mpmath, and its import takes as long as a solve.
         from mpmath import MPContext
         from mpmath.ctx_iv import MPIntervalContext
 

@@ -1,6 +1,6 @@
-"""What a machine can do: ranges of values and cones of joints, at poses.
+"""Limits of a machine at poses: ranges of values and cones of joints.
 
-Neither restricts the poses that six values have; both restrict which of them the machine can take.
+Limits do not change the poses for six values; they restrict which of them the machine can take.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
-#: What is beyond a limit is so by more than this, relatively (of angles: of a radian).
+#: A value is outside a limit if it is so by more than this part of it (angles: of a radian).
 _ROUNDING = 1e-12
 
 
@@ -33,7 +33,7 @@ class JointCone:
     constraint
         The index of the leg.
     body
-        Where the joint is, ``platform`` or ``base``.
+        The body of the joint, ``platform`` or ``base``.
     name
         The name of the joint.
     cone
@@ -65,7 +65,7 @@ def joint_cones(instance: Instance) -> tuple[JointCone, ...]:
 
 @dataclass(frozen=True)
 class LeftLimit:
-    """A limit that a pose does not keep.
+    """A limit that a pose violates.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class LeftLimit:
     constraint
         The index of the constraint or leg.
     body
-        Where the joint of the cone is; None for a range.
+        The body of the joint of the cone; None for a range.
     """
 
     kind: Literal["range", "cone"]
@@ -152,17 +152,17 @@ def out_of_range(instance: Instance, values: Array) -> NDArray[np.bool_]:
 
 
 def _on_its_side(constraint: Constraint, value: Array) -> Array:
-    """Return values as their range is meant: signed distances on the side that is asked for."""
+    """Return a value to compare with its range: signed distances on the side that is asked for."""
     if not constraint.kind.has_sides or constraint.side is Side.POSITIVE:
         return value
     return np.abs(value) if constraint.side is Side.BOTH else -value
 
 
 def range_shares(instance: Instance, values: Array) -> Array:
-    """Return which share of its range each value takes, shape (..., 6).
+    """Return the position of each value in its range as a share, shape (..., 6).
 
-    0 in the middle of a range, 1 at its ends (and nowhere in a range of one value), more outside,
-    as `out_of_range` says; NaN without a range.
+    The share is 0 in the middle of a range, 1 at its ends and above 1 where `out_of_range` is true.
+    It is 0 at the only value of a range of one value, and NaN without a range.
     """
     shares = np.full(values.shape, np.nan)
     outside = out_of_range(instance, values)
@@ -179,7 +179,7 @@ def range_shares(instance: Instance, values: Array) -> Array:
 def cone_shares(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
     """Return tilts of legs by the half angles of their cones, shape (..., cones); 0 at length zero.
 
-    Above 1 where the cone is left, as `out_of_cone` says.
+    The share is above 1 where `out_of_cone` is true.
     """
     angles = np.array([joint.cone.half_angle.value for joint in joint_cones(instance)])
     shares = np.nan_to_num(tilts(instance, R, T) / angles, nan=0.0)
@@ -187,15 +187,16 @@ def cone_shares(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
 
 
 def _agreeing(shares: Array, outside: NDArray[np.bool_]) -> Array:
-    """Return shares that are above 1 where a limit is left and only there, rounding or not."""
+    """Return shares that are above 1 exactly where a limit is violated, despite rounding."""
     above: Array = np.where(outside, np.maximum(shares, 1 + 2.0**-52), np.minimum(shares, 1.0))
     return above
 
 
 def out_of_cone(instance: Instance, R: ArrayLike, T: ArrayLike) -> NDArray[np.bool_]:
-    """Return which cones are left at poses, shape (..., cones), in the order of `joint_cones`.
+    """Return which cones are violated at poses, shape (..., cones), in the order of `joint_cones`.
 
-    By more than the rounding of doubles. A leg of length zero has no direction and leaves none.
+    A violation exceeds the rounding of doubles. A leg of length zero has no direction and violates
+    none.
     """
     angles = np.array([joint.cone.half_angle.value for joint in joint_cones(instance)])
     room = _ROUNDING / instance.units.angle.in_radians
@@ -206,7 +207,7 @@ def out_of_cone(instance: Instance, R: ArrayLike, T: ArrayLike) -> NDArray[np.bo
 def left_limits(
     instance: Instance, values: Array, R: Array, T: Array
 ) -> list[tuple[LeftLimit, ...]]:
-    """Return the limits that each of n poses does not keep, ranges first.
+    """Return the limits that each of n poses violates, ranges first.
 
     Parameters
     ----------
@@ -226,7 +227,7 @@ def left_limits(
 def within_limits(
     instance: Instance, values: Array, R: ArrayLike, T: ArrayLike
 ) -> NDArray[np.bool_]:
-    """Return at which poses all ranges and cones are kept, shape (...).
+    """Return whether all ranges and cones are kept at poses, shape (...).
 
     Parameters
     ----------

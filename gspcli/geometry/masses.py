@@ -19,12 +19,12 @@ from gspcli.geometry.primitives import Components, Vector, exact_direction, exac
 from gspcli.records import dataclass
 from gspcli.wording import counted, listed, shown, suggestion
 
-#: Principal moments may miss the triangle inequality by this share, which is rounding: those of a
-#: plate reach it.
+#: Rounding may break the triangle inequality of principal moments by this share: a plate has
+#: equality.
 _ROUNDING = 1e-9
 #: The entries of a matrix of inertia in the order of `RigidBody.inertia`.
 _ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-#: Where a mistake is: keys and indices from the top of the file.
+#: The place of a mistake: keys and indices from the top of the file.
 Place: TypeAlias = "tuple[str | int, ...]"
 #: The acceleration of gravity if none is stated.
 GRAVITY = (Number.of(0), Number.of(0), Number.of("-9.81"))
@@ -76,14 +76,14 @@ class RigidBody:
 
 @dataclass(frozen=True, init=False)
 class LegBody:
-    """One of the two bodies of a leg, alike in all directions across the leg.
+    """One of the two bodies of a leg; it has the same inertia about every axis across the leg.
 
     Attributes
     ----------
     mass
         Above zero.
     centre
-        How far its centre of mass is from its joint, along the leg and towards the other joint.
+        The distance of its centre of mass from its joint, along the leg towards the other joint.
     inertia
         About any axis through the centre of mass across the leg.
     axial
@@ -109,13 +109,12 @@ class Leg:
     Attributes
     ----------
     cylinder
-        The body at the joint of the base, or None if it weighs nothing.
+        The body at the joint of the base, or None if it has no mass.
     rod
-        The body at the joint of the platform, likewise.
+        The body at the joint of the platform, or None if it has no mass.
     universal
-        The first axis of the leg's joint at the base if that is a universal joint: a vector fixed
-        in the base, of any length. The joint at the platform is then a ball. None if the leg does
-        not spin about itself.
+        The first axis of a universal joint at the base: a vector fixed in the base, of any length.
+        The joint at the platform is a ball then. None if the leg does not spin about its axis.
     """
 
     cylinder: LegBody | None
@@ -136,15 +135,15 @@ class Leg:
 
 @dataclass(frozen=True, init=False)
 class Drives:
-    """What drives the six values. Each is one number for all of them, or six.
+    """The drives of the six values. Each attribute is one number for all of them, or six.
 
     Attributes
     ----------
     inertia
-        What a drive adds to the inertia of its value: kilogrammes for a distance, an inertia for an
-        angle.
+        The inertia that a drive adds to its value: kilogrammes for a distance, a moment of inertia
+        for an angle.
     stiffness
-        How stiff a drive holds its value, or None if that is not known.
+        The stiffness with which a drive holds its value, or None if it is not stated.
     """
 
     inertia: tuple[Number, ...]
@@ -170,7 +169,7 @@ def _several(value: Real | Sequence[Real], where: str) -> tuple[Number, ...]:
 
 @dataclass(frozen=True, init=False)
 class Dynamics:
-    """What a platform weighs and what drives it.
+    """The masses and the drives of a platform.
 
     Attributes
     ----------
@@ -178,11 +177,11 @@ class Dynamics:
         The moving platform.
     legs
         One leg for all distances of two points, or one for each of them in their order; empty if
-        no leg weighs anything.
+        the legs have no mass.
     drives
         The drives of the six values.
     gravity
-        The acceleration of what falls, in the axes of the base, m/s^2.
+        The acceleration of gravity, in the axes of the base, m/s^2.
     """
 
     platform: RigidBody
@@ -204,12 +203,12 @@ class Dynamics:
 
 
 def mistakes(dynamics: Dynamics, kinds: Sequence[Kind], length: str) -> Iterator[tuple[Place, str]]:
-    """Yield what no platform can have: where, and what was found and expected.
+    """Yield the mistakes: the place of each, and what was found and expected.
 
     Parameters
     ----------
     dynamics
-        What is stated.
+        The stated masses and drives.
     kinds
         The kinds of the constraints.
     length

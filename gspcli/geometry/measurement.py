@@ -1,9 +1,9 @@
-"""What constraints measure at a pose, and its first and second derivatives by the pose.
+"""The measured value of each constraint at a pose, and its derivatives by the pose.
 
 The quantities are those of the paper's Section 4, in floating point and also at complex poses:
-a distance is the complex square root of the complex square. A pose may be anything in leading
-batch axes; the constraints are the last axis of values and the first of each derivative. All
-follow by the chain rule from the polynomials of `gspcli.geometry.constraint_polynomials`.
+a distance is the complex square root of the complex square. Poses have any leading batch axes; the
+constraints are the last axis of values and the first of each derivative. All derivatives follow by
+the chain rule from the polynomials of `gspcli.geometry.constraint_polynomials`.
 
 A twist (omega, tau) moves the pose to ``exp([s omega]x) R`` and ``T + s tau``: a rotation in
 the axes of the base about the origin of the platform, and a translation.
@@ -22,7 +22,7 @@ from gspcli.geometry.quaternions import Field, apply, cross, dot
 
 #: Lines that meet at a smaller angle than this (radians) are measured as parallel ones.
 _PARALLEL = 1e-9
-#: Complex vectors with a larger entry count as long: doubles do not know that they have length one.
+#: A complex unit vector with a larger entry is long: its entries cancel in double precision.
 _LONG = 2.0
 _IDENTITY = np.eye(3)
 
@@ -46,7 +46,7 @@ def jacobian(bodies: Bodies, R: Field, T: Field) -> Field:
     """Return the derivatives of `measured` with respect to a twist, ``(..., n, 6)``.
 
     At a distance or sine of zero the measured value has no derivative, and the row is not
-    finite; parallel lines have that of a point and a line.
+    finite. The distance of parallel lines has the derivative of that of a point and a line.
     """
     placed = bodies.placed(R, T)
     return by_twist(gradients(bodies, placed), placed.arm, placed.w)
@@ -71,9 +71,9 @@ def gradients(bodies: Bodies, placed: Placed) -> Gradient:
 def hessian(bodies: Bodies, R: Field, T: Field) -> Field:
     """Return the second derivatives of `measured` with respect to a twist, ``(..., n, 6, 6)``.
 
-    The symmetric matrix H of which ``t.H t`` is the second derivative by s for each twist t.
-    Where the value has no second derivative (a distance or sine of zero, parallel lines) H is
-    not finite.
+    H is the symmetric matrix such that ``t.H t`` is the second derivative by s for each twist t.
+    It is not finite where the value has no second derivative: at a distance or sine of zero and
+    for parallel lines.
     """
     r, w, arm = bodies.placed(R, T)
     v = np.broadcast_to(bodies.v, w.shape)
@@ -88,7 +88,7 @@ def hessian(bodies: Bodies, R: Field, T: Field) -> Field:
 def curvature(bodies: Bodies, R: Field, T: Field, twists: Field) -> Field:
     """Return the second derivatives of `measured` along constant twists, ``(..., 6) -> (..., n)``.
 
-    These are ``t.H t`` with the matrices of `hessian`, for a seventh of the time.
+    These are ``t.H t`` with the matrices of `hessian`, in a seventh of the time.
     """
     r, w, arm = bodies.placed(R, T)
     v = np.broadcast_to(bodies.v, w.shape)
@@ -114,7 +114,7 @@ def by_twist(gradient: Gradient, arm: Field, w: Field) -> Field:
     gradient
         Its derivatives by r and w.
     arm, w
-        What turns: ``R y`` and ``R u``.
+        The turning vectors ``R y`` and ``R u``.
     """
     turning = cross(arm, gradient.r) + cross(w, gradient.w)
     return np.concatenate((turning, gradient.r), axis=-1)
@@ -126,7 +126,7 @@ def by_twist_twice(gradient: Gradient, hessian: Hessian, arm: Field, w: Field) -
     mixed = _between(r_moves, hessian.rw, w_moves)
     matrix = _between(r_moves, hessian.rr, r_moves) + _between(w_moves, hessian.ww, w_moves)
     matrix = matrix + mixed + np.swapaxes(mixed, -1, -2)
-    # And the acceleration of r is omega x (omega x arm), likewise that of w.
+    # The acceleration of r is omega x (omega x arm), that of w is omega x (omega x w).
     for a, f in ((arm, gradient.r), (w, gradient.w)):
         outer = a[..., :, None] * f[..., None, :]
         bent = (outer + np.swapaxes(outer, -1, -2)) / 2 - dot(a, f)[..., None, None] * _IDENTITY
@@ -155,7 +155,7 @@ def _between(a: Field, matrix: Field, b: Field) -> Field:
 
 @cache
 def _alike(kinds: tuple[Kind, ...]) -> list[tuple[Kind, slice | list[int]]]:
-    """Return each kind with the index of its constraints; slices are much quicker than lists."""
+    """Return each kind with the index of its constraints: a slice where possible, for speed."""
     groups = {kind: [i for i, k in enumerate(kinds) if k is kind] for kind in kinds}
     return [
         (kind, slice(k[0], k[-1] + 1) if k[-1] - k[0] < len(k) else k) for kind, k in groups.items()
@@ -181,14 +181,14 @@ def _value(kind: Kind, r: Field, w: Field, v: Field) -> Field:
 
 
 def _sine_square(w: Field, v: Field) -> tuple[Field, Field]:
-    """Return the squared sine of the angle of directions, and where they are parallel."""
+    """Return the squared sine of the angle of directions, and whether they are parallel."""
     normal = cross(w, v)
     square = dot(normal, normal)
     return square, np.abs(square) < _PARALLEL**2
 
 
 def _angle(law: Law, w: Field, v: Field) -> Field:
-    """Return the angle of directions by half angles, exact also near 0 and 180 degrees."""
+    """Return the angle of directions from half angles, accurate also near 0 and 180 degrees."""
     w = -w if law.sign < 0 else w
     near, far = w - v, w + v
     sine, cosine = dot(near, near), dot(far, far)

@@ -26,7 +26,7 @@ from gspcli.geometry.expressions import parsed
 from gspcli.geometry.signs import nearest
 from gspcli.records import dataclass
 
-#: What a caller may give for a number; NumPy's scalars are registered with `numbers.Real`.
+#: Types that are accepted as a number; NumPy's scalars are registered with `numbers.Real`.
 Real: TypeAlias = "int | float | str | Fraction | Decimal | SupportsFloat | Number"
 
 
@@ -79,11 +79,11 @@ class Number:
 
     @classmethod
     def of(cls, value: Real) -> Number:
-        """Return what a value stands for, exactly.
+        """Return the exact number that a value denotes.
 
-        A float is the shortest decimal that denotes it, as if it had been written in a file:
-        0.1 is a tenth. A text may be an expression such as ``sqrt(3)/2``
-        (`gspcli.geometry.expressions`). Scalars of NumPy are numbers like any other.
+        A float stands for the shortest decimal that denotes it, as in a file: 0.1 is a tenth. A
+        text may be an expression such as ``sqrt(3)/2`` (`gspcli.geometry.expressions`). Scalars of
+        NumPy are accepted.
 
         Raises
         ------
@@ -91,7 +91,7 @@ class Number:
             If the value is no finite number, or its magnitude is out of range.
         """
         if type(value) is float and (SMALLEST <= abs(value) <= LARGEST or not value):
-            # As below, without the many questions: arrays of floats are the usual case.
+            # As below, without the tests of the type: arrays of floats are the usual case.
             return cls("rational", (Fraction(*Decimal(repr(value)).as_integer_ratio()),))
         if isinstance(value, Number):
             return value
@@ -122,7 +122,7 @@ class Number:
     def value(self) -> float:
         """The number rounded to a float, to a few units in its last place.
 
-        Zero only for zero, as far as that is known (`gspcli.geometry.signs`).
+        It is zero only if the number is zero or cannot be told from zero (`gspcli.geometry.signs`).
         """
         exact = self.fraction
         if exact is not None:
@@ -145,7 +145,7 @@ class Number:
         return self.value
 
     def __hash__(self) -> int:
-        # A fraction is slow to hash: it must agree with floats.
+        # The hash of a fraction is slow, since it must equal that of an equal float.
         if self.operation == "rational":
             return hash((self.arguments[0].numerator, self.arguments[0].denominator))
         return hash((self.operation, self.arguments))

@@ -1,4 +1,4 @@
-"""The order of poses that does not depend on how they were found."""
+"""An order of poses that does not depend on the way in which they were found."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ def stable_order(
 ) -> NDArray[np.int64]:
     """Return the permutation that puts poses in order, shape (n,).
 
-    Real ones come first; then by the quaternion, then by the translation, each component in turn,
-    rounded to nine decimals (translations in powers of ten of the typical length), real parts
-    before imaginary parts. Poses that agree in all of these are compared with all their digits.
+    Real poses come first. Then poses are compared by the components of the quaternion and of the
+    translation in turn, real parts before imaginary parts, rounded to nine decimals (translations
+    in powers of ten of the typical length). Poses that agree in all of these are compared with all
+    their digits.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ from gspcli.wording import shown
 Vector = tuple[Number, Number, Number]
 _EXACT = [Number, Number, Number]
 Array = NDArray[np.float64]
-#: What a caller may give for a vector.
+#: Types that are accepted as a vector.
 Components: TypeAlias = "Sequence[Real] | Array"
 
 
@@ -36,12 +36,12 @@ def exact_vector(components: Components, where: str = "") -> Vector:
     components
         A list, a tuple or an array of shape (3,), of what `Number.of` takes.
     where
-        What errors call it.
+        The name of the vector in errors.
 
     Raises
     ------
     ArgumentError
-        If it is no such sequence.
+        If the argument is no sequence of three numbers.
     """
     if type(components) is tuple and [type(part) for part in components] == _EXACT:
         return components
@@ -63,7 +63,7 @@ def exact_vector(components: Components, where: str = "") -> Vector:
 
 
 def exact_direction(components: Components, where: str = "") -> Vector:
-    """Return an exact vector that is not zero; as `exact_vector`."""
+    """Return an exact vector that is not zero; otherwise as `exact_vector`."""
     exact = exact_vector(components, where)
     if not any(number.value for number in exact):
         message = "found the zero vector, expected a direction: any nonzero vector"
@@ -79,7 +79,7 @@ def as_array(exact: Vector) -> Array:
 def unit_vectors(exact: Sequence[Vector]) -> Array:
     """Return the unit vectors along vectors, shape (n, 3)."""
     vectors = np.array([[number.value for number in one] for one in exact])
-    # Scaled first, so that the norm of a tiny or huge vector neither under- nor overflows.
+    # Vectors are scaled first, so that the norm of a tiny or huge one neither under- nor overflows.
     vectors /= np.abs(vectors).max(axis=1, keepdims=True)
     return np.asarray(vectors / np.sqrt(dot(vectors, vectors))[:, None])
 
@@ -90,10 +90,10 @@ def _unit(exact: Vector) -> Array:
 
 @dataclass(frozen=True, init=False)
 class Cone:
-    """How far a joint can tilt: a cone fixed in the body of the joint.
+    """The cone within which a joint can tilt, fixed in the body of the joint.
 
-    Each leg (DPP) from the joint leaves it in a direction, towards the joint at its other end, that
-    makes at most the half angle with the axis.
+    The direction of each leg (DPP), from this joint to the joint at its other end, makes at most
+    the half angle with the axis.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ class Cone:
 
 @dataclass(frozen=True, init=False)
 class Crank:
-    """What turns a point about an axis: the arm of a rotary motor.
+    """The arm of a rotary motor, which turns a point about an axis.
 
     Attributes
     ----------
@@ -157,9 +157,9 @@ class Point:
     position
         Coordinates in the frame of the body; three numbers of any kind are made exact.
     cone
-        How far the legs from it can tilt, or None. It restricts motion, as ranges of values do.
+        The cone of the legs at this point, or None. It restricts motions, as ranges of values do.
     crank
-        What turns it, or None. The position is that at the angle zero.
+        The arm that turns the point, or None. The position is that at the angle zero.
 
     Examples
     --------

@@ -138,7 +138,7 @@ def canonical_sign(e: Field) -> Field:
     parts = np.ascontiguousarray(e).view(np.float64).reshape(-1, 8 if np.iscomplexobj(e) else 4)
     key = parts.round(9)
     first = key[np.arange(len(key)), (key != 0).argmax(axis=1)]
-    # Zero has one sign.
+    # No component is a negative zero.
     signed: Field = e * np.where(first < 0, -1.0, 1.0).reshape(*e.shape[:-1], 1) + 0.0
     return signed
 

@@ -1,4 +1,4 @@
-"""Which values the constraints of each kind can have, and which half angles cones."""
+"""The ranges of the values of each kind of constraint, and of the half angles of cones."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def turns(value: Number, unit: AngleUnit) -> Fraction | float:
     if exact is not None and unit is AngleUnit.DEGREE:
         return exact / 90
     quarters = value.value / _QUARTER[unit]
-    # acos(-1) and pi are the same number however it is rounded.
+    # acos(-1) and pi are the same number with different roundings.
     near = round(quarters)
     return near if math.isclose(quarters, near, rel_tol=4e-16) else quarters
 

@@ -1,9 +1,8 @@
-"""Readings and values: what a machine says, and what is between its primitives.
+"""Readings of a machine, and the values between its primitives.
 
-Readings are what files, tables and encoders say; values are distances and angles. A value is its
-reading times ``1 + scale``, plus ``offset``, of its constraint, which a calibration finds. All that
-solves, proves and measures knows values only: readings become values where they enter, and values
-readings where they are told.
+Files, tables and encoders give readings; values are distances and angles. A value is its reading
+times ``1 + scale``, plus ``offset``; a calibration finds both for each constraint. Solving, proving
+and measuring use values only: readings are converted on input, and values on output.
 """
 
 from __future__ import annotations
@@ -19,14 +18,14 @@ Array = NDArray[np.float64]
 
 
 def offsets(instance: Instance, *, signed: bool = True) -> Array:
-    """Return what is added to readings to make them values, shape (6,).
+    """Return the numbers that are added to readings to give values, shape (6,).
 
     Parameters
     ----------
     instance
         The platform.
     signed
-        Whether distances to planes are signed, or have the side of their constraint.
+        Whether distances to planes are signed; if not, they are on the side of their constraint.
     """
     return np.array(
         [
@@ -39,14 +38,14 @@ def offsets(instance: Instance, *, signed: bool = True) -> Array:
 
 
 def factors(instance: Instance) -> Array:
-    """Return what readings, and their rates, are multiplied by: one plus the scales, shape (6,)."""
+    """Return the factors of readings and of their rates: one plus the scales, shape (6,)."""
     return np.array(
         [1.0 if row.scale is None else 1 + row.scale.value for row in instance.constraints]
     )
 
 
 def values_of(instance: Instance, readings: Array, *, signed: bool = True) -> Array:
-    """Return the values that readings mean, shape (..., 6); see `offsets`."""
+    """Return the values of readings, shape (..., 6); see `offsets`."""
     if not is_corrected(instance):
         return readings
     return readings * factors(instance) + offsets(instance, signed=signed)

@@ -1,4 +1,4 @@
-"""How far platforms are from their values at a pose, and how well a pose is determined.
+"""Residuals of constraints at a pose, and the condition number of a pose.
 
 As `gspcli.geometry.measurement`: poses may be complex and have leading batch axes.
 """
@@ -17,25 +17,25 @@ from gspcli.geometry.quaternions import Field, apply, cross, dot
 
 Array = NDArray[np.float64]
 
-#: The square of a sine below which lines are measured with more digits: doubles lose half as many
-#: as it has zeros.
+#: Squared sine of the angle of two lines below which their distance is measured with more digits:
+#: doubles lose half as many digits as it has zeros.
 _NEARLY_PARALLEL = 1e-8
 _DIGITS = 60
-#: Heights below this part of the lengths that they are made of may have either sign.
+#: A height below this part of the lengths in its sum may have either sign, by rounding.
 _SIGN_KNOWN = 2.0**-45
 #: A singular value of a 6x6 matrix of doubles below this part of the largest may be zero.
 _ROUNDING = 6 * float(np.finfo(np.float64).eps)
-#: Poses whose matrices stay in the cache: ten thousand at once take twice the time.
+#: Poses in one block: their matrices fit into the cache, and larger blocks take twice the time.
 _TOGETHER = 1024
 
 
 def residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
-    """Return how far each constraint is from its value, in the units of the instance.
+    """Return measured minus stated value of each constraint, in the units of the instance.
 
-    Measured on the constraint as stated, ``(..., 3, 3), (..., 3) -> (..., n)``: the distance
-    or angle itself, not its square or cosine. Where the sign of a measured distance means
-    nothing (or both sides are allowed) the nearer sign counts. Poses of many sets of values are
-    measured together if the arrangement has values of shape (..., n).
+    The distance or angle itself counts, not its square or cosine:
+    ``(..., 3, 3), (..., 3) -> (..., n)``. Where a measured distance has no sign, or both sides are
+    allowed, the nearer sign is taken. An arrangement with values of shape (..., n) serves poses
+    of many sets of values.
     """
     values = measured(arrangement, R, T)
     targets = arrangement.targets
@@ -56,11 +56,11 @@ def relative_residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
 
 
 def proved_residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
-    """Return the same at poses next to which the constraints are proved to hold as stated.
+    """Return residuals at poses for which the constraints are proved to hold as stated.
 
-    Lines of a DLL that doubles hardly tell from parallel ones are measured as skew lines with more
-    digits, and as parallel ones where they may be parallel but for rounding: the nearer counts.
-    The poses are meant as the doubles that they are: lines at an angle of s lose as many of the
+    Nearly parallel lines of a DLL are measured as skew lines with more digits. Where rounding alone
+    may separate them from parallel ones they are measured as parallel, too, and the smaller
+    residual counts. The doubles of a pose are taken as exact: lines at an angle of s lose as many
     digits of their distance as s has zeros. ``(b, 3, 3), (b, 3) -> (b, n)``.
     """
     result = residuals(arrangement, R, T)
@@ -82,7 +82,7 @@ def proved_residuals(arrangement: Arrangement, R: Field, T: Field) -> Array:
 
 def _skew_distance(arrangement: Arrangement, R: Field, T: Field, k: int) -> complex | None:
     """Return the distance of two lines that are not exactly parallel, else None."""
-    # Its import takes as long as a solve, and hardly any pose needs it.
+    # Few poses need mpmath, and its import takes as long as a solve.
     from mpmath import MPContext
 
     context = MPContext()
@@ -110,10 +110,10 @@ def sides_of(arrangement: Arrangement, R: Field, T: Field) -> NDArray[np.int64]:
 
 
 def known_sides(arrangement: Arrangement, R: Field, T: Field) -> NDArray[np.int64]:
-    """Return the same, but 0 where a height is too small for doubles to tell its sign.
+    """Return the sides of `sides_of`, but 0 where rounding may change the sign of a height.
 
-    Of poses ``(n, 3, 3), (n, 3)`` rounded to doubles, heights are known to some last places of
-    the largest length that they are made of.
+    For poses ``(n, 3, 3), (n, 3)`` rounded to doubles, the error of a height is some units in the
+    last place of the largest length in its sum.
     """
     extent = max(np.abs(arrangement.y).max(initial=0), np.abs(arrangement.x).max(initial=0))
     size = (1 + np.abs(R).max(axis=(-1, -2))) * extent + np.abs(T).max(axis=-1)
@@ -130,7 +130,7 @@ def condition_numbers(
     whose twists turn about the centre of the platform points, whose turning columns are
     divided by the typical length (that of the arrangement if None is given, else shape (...)),
     and whose rows are scaled to norm one. It depends neither on frames nor on units, and is
-    infinite at a singular pose and at one that doubles cannot tell from it.
+    infinite at a singular pose and at a pose that doubles cannot distinguish from one.
     """
     lengths = np.broadcast_to(arrangement.length if length is None else length, T.shape[:-1])
     if R.ndim > 2 and len(R) > _TOGETHER:
@@ -139,7 +139,8 @@ def condition_numbers(
             [condition_numbers(arrangement, R[k], T[k], lengths[k]) for k in parts]
         )
     unit = lengths[..., None, None]
-    # A measure without a derivative (parallel lines, distance or angle zero) is not finite here.
+    # The row of a value without a derivative (parallel lines, distance or angle zero) is not
+    # finite.
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         rows = jacobian(arrangement, R, T)
         # About the centre c of the platform: T + s (omega x R c moved back) leaves R c + T alone.

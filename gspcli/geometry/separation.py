@@ -1,4 +1,4 @@
-"""How near to zero an algebraic number can be without being zero.
+"""A lower bound of the modulus of an algebraic number that is not zero.
 
 The number is written as U / L with algebraic integers U and L, whose conjugates are at most u and l
 in modulus, of a field of degree D. If U is not zero its norm is a nonzero integer, so that
@@ -18,7 +18,7 @@ from gspcli.geometry.evaluation import Expression
 
 
 class _Bounds(NamedTuple):
-    """Of an expression: u, l, its square roots, and the order of its root of unity."""
+    """The bounds u and l of an expression, its square roots, and the order of its root of unity."""
 
     above: int
     below: int
@@ -29,7 +29,7 @@ class _Bounds(NamedTuple):
 def separation_bits(number: Expression) -> int | None:
     """Return b such that a number is zero or at least ``2^-b`` in modulus.
 
-    None if it is not known to be algebraic.
+    The result is None if the number is not known to be algebraic.
     """
     found = _bounds(number)
     if found is None:
@@ -80,7 +80,7 @@ def _trigonometric(operation: str, angle: Expression) -> _Bounds | None:
 
 
 def multiple_of_pi(number: Expression) -> Fraction | None:
-    """Return the rational factor if a number is a rational multiple of pi, as it is written."""
+    """Return the rational factor if a number is written as a rational multiple of pi."""
     operation, arguments = number.operation, number.arguments
     if operation == "pi":
         return Fraction(1)

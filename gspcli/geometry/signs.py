@@ -1,8 +1,8 @@
-"""The sign of an exact number, and the double next to it, where doubles cannot tell it from zero.
+"""The sign of an exact number, and the nearest double, where doubles do not suffice.
 
-``sqrt(2) - 1.414213562373095`` is 4.9e-17, and zero in floating point; ``sqrt(2)*sqrt(2) - 2`` is
-zero, and 4e-16 in floating point. More digits tell what is not zero, and for algebraic numbers so
-many of them that nothing else is left (`gspcli.geometry.separation`) what is.
+``sqrt(2) - 1.414213562373095`` is 4.9e-17, but zero in floating point; ``sqrt(2)*sqrt(2) - 2`` is
+zero, but 4e-16 in floating point. More digits prove that a number is not zero. An algebraic number
+is zero if its modulus is below the bound of `gspcli.geometry.separation`.
 """
 
 from __future__ import annotations
@@ -49,12 +49,12 @@ def sign_of(number: Expression) -> int | None:
 
 
 def nearest(number: Expression) -> float:
-    """Return the double next to a number, but for a few units in the last place.
+    """Return a double that is within a few units in the last place of a number.
 
     Raises
     ------
     ZeroDivisionError, OverflowError, ValueError
-        If the number does not exist, or cannot be told from one that does not.
+        If the number does not exist, or cannot be distinguished from one that does not.
     """
     interval = _in_doubles(number)
     if interval is None or not _is_narrow(interval.low, interval.high):

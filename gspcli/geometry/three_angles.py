@@ -25,10 +25,11 @@ class StudyPoints(NamedTuple):
     Attributes
     ----------
     points
-        Of any norm, those of real poses exactly real, shape (b, s, n, 8) for s combinations of
-        sides; zero where a set is not in general position.
+        Study points of any norm, shape (b, s, n, 8) for s combinations of sides; exactly real for
+        real poses, zero where a set is not in general position.
     general
-        Which sets are, so that by Bezout's theorem there are no other poses; shape (b,).
+        Which sets are in general position, shape (b,): by Bezout's theorem they have no other
+        poses.
     signs
         The sign of each constraint for each combination, shape (s, 6).
     """
@@ -46,9 +47,9 @@ def study_points(given: Arrangement, distances: Array, values: Array) -> StudyPo
     given
         The geometry with lengths of order one, and frames at the centres of the points.
     distances
-        In its unit, shape (b, 3); those that are zero are so in `given`, too.
+        In the unit of `given`, shape (b, 3); a distance of zero is zero in `given`, too.
     values
-        The sets of values, of which the angles count, shape (b, 6).
+        The sets of values, shape (b, 6); only the angles are used.
     """
     shapes, angles = measures(given), given.angles
     points, general = _kernel.closed_forms(

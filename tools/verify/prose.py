@@ -1,0 +1,185 @@
+"""Check the sentences of docstrings, comments and pages: their length, and words that make riddles.
+
+    python -m tools.verify.prose [FILE ...]
+
+A sentence has at most 35 words. Numbers, programs and files are no persons, so that words such as
+"nobody" and "wants" are refused, with the plain word to write instead. Tables, code and quotations
+in backquotes are not looked at. Prints each finding as FILE:LINE, and ends with 1 if there is one.
+"""
+
+from __future__ import annotations
+
+import ast
+import io
+import re
+import sys
+import tokenize
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from tools.recording import ROOT
+
+#: The longest sentence, in words.
+MOST_WORDS = 35
+
+#: Words that are refused (regular expressions), and what to write instead.
+BANNED = {
+    r"(?:no|any|every|some)body": "name the person (user, reader, caller), or say what is not known",
+    r"whoever": "name the program or the person",
+    r"who(?= (?:can|knows?|judges?|asks?|has|leads?|finds?|found)\b)": "name the person or the program",
+    r"(?:know|known|knows|say|says) no (?:word|words|thing)": "say what the code does not use",
+    r"(?:lead|leads|led|end|ends|ended) nowhere": "say how the path ends: no pose, lost, at infinity",
+    r"as (?:it is|they are)(?= written)": "'as written'",
+    r"as (?:it is|they are)(?=[.,;:)])": "'unchanged', 'as given'",
+    r"what is left(?: out| over)?": "'the rest', 'the remainder', 'the residual'",
+    r"(?:that|which|what|those that) (?:is|are) left": "'the rest', 'the others'",
+    r"by (?:itself|themselves)": "'alone', 'separately', 'automatically'",
+    r"without a word": "'without a message'",
+    r"frighten\w*": "say what is shown, and what is omitted",
+    r"want(?:s|ed)?": "'needs', 'takes', 'asked for'",
+    r"knows": "'has', 'uses', 'depends on'",
+    r"says? of": "'says about'",
+    r"told": "'given', 'stated', 'distinguished'",
+    r"for first": "'first'",
+    r"lonely": "'single'",
+    r"whatever": "'for any', 'independently of'",
+    r"an?other'?s one": "name the thing",
+    r"such a one": "name the thing",
+    r"come(?:s)? of (?:it|them|age)": "say the result",
+    r"has come": "say the state",
+    r"had better": "'should'",
+    r"so to speak": "leave it out",
+    r"as good as": "say how good",
+    r"of age": "leave it out",
+}
+_BANNED = [(re.compile(rf"\b{word}\b", re.IGNORECASE), better) for word, better in BANNED.items()]
+
+#: Sentences that stay: the beginning of a file's path, and a piece of the sentence.
+EXCEPTIONS: tuple[tuple[str, str], ...] = ()
+
+#: Folders and files whose sentences are checked.
+CHECKED = ("tools/verify/prose.py",)
+
+_SOURCES = {".py", ".cpp", ".hpp", ".c", ".js", ".md"}
+#: A line that begins a new sentence though the one before has no full stop.
+_BEGINS = re.compile(r"\s*(?:$|[-*+] |\d+\. |[>|#]|\.\. |```|:\w+)")
+_ENDS = re.compile(r"(?<=[.:;!?])[)\"']*\s+(?=[^a-z])")
+_LEFT_OUT = re.compile(r"``.*?``|`[^`]*`|\[([^\]]*)\]\([^)]*\)|\$[^$]*\$|!\[[^\]]*\]\([^)]*\)")
+
+
+class Finding(NamedTuple):
+    """A sentence to write anew, and why."""
+
+    path: str
+    line: int
+    why: str
+    sentence: str
+
+    def __str__(self) -> str:
+        """Return the line to print."""
+        return f"{self.path}:{self.line}: {self.why}: {self.sentence[:160]}"
+
+
+def python_texts(source: str) -> Iterator[tuple[int, str]]:
+    """Yield docstrings and blocks of comments, each with the number of its first line."""
+    for node in ast.walk(ast.parse(source)):
+        match node:
+            case ast.Module() | ast.ClassDef() | ast.FunctionDef() | ast.AsyncFunctionDef():
+                if node.body and (text := ast.get_docstring(node, clean=False)) is not None:
+                    yield node.body[0].lineno, text
+    last, block = -1, []
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type != tokenize.COMMENT:
+            continue
+        row, text = token.start[0], token.string.lstrip("#!: ")
+        if row != last + 1 and block:
+            yield last - len(block) + 1, "\n".join(block)
+            block = []
+        block.append(text)
+        last = row
+    if block:
+        yield last - len(block) + 1, "\n".join(block)
+
+
+def comment_texts(source: str) -> Iterator[tuple[int, str]]:
+    """Yield blocks of comments of C++, C or JavaScript, each with the number of its first line."""
+    for match in re.finditer(
+        r"/\*.*?\*/|(?:^[ \t]*//.*\n)+|//.*", source, re.DOTALL | re.MULTILINE
+    ):
+        lines = (re.sub(r"^\s*(?://[/!]?|/\*+|\*/?)|\*/", "", x) for x in match[0].splitlines())
+        yield source.count("\n", 0, match.start()) + 1, "\n".join(lines)
+
+
+def page_texts(source: str) -> Iterator[tuple[int, str]]:
+    """Yield the text of a page without its blocks of code and tables, line by line the same."""
+    code = False
+    lines = []
+    for line in source.splitlines():
+        fence = line.lstrip().startswith("```")
+        left_out = code or fence or line.startswith(("    ", "|", "#", "<!--", "gsp:"))
+        lines.append("" if left_out else line)
+        code ^= fence
+    yield 1, "\n".join(lines)
+
+
+def sentences(first: int, text: str) -> Iterator[tuple[int, str]]:
+    """Yield the sentences of a text that begins in a line, each with the number of its line."""
+    start, block = first, []
+    for number, line in enumerate([*text.splitlines(), ""], first):
+        deeper = bool(block) and _indent(line) > _indent(block[-1]) and len(block) == 1
+        if (_BEGINS.match(line) or deeper) and block:
+            yield from _split(start, block)
+            block = []
+        if line.strip():
+            start = start if block else number
+            block.append(line)
+
+
+def _indent(line: str) -> int:
+    return len(line) - len(line.lstrip())
+
+
+def _split(start: int, block: list[str]) -> Iterator[tuple[int, str]]:
+    """Yield the sentences of lines that belong together."""
+    text = _LEFT_OUT.sub(lambda match: match[1] or "X", " ".join(line.strip() for line in block))
+    for sentence in _ENDS.split(text):
+        words = sentence.split()[:3]
+        row = next((i for i, line in enumerate(block) if words and words[0] in line), 0)
+        yield start + row, sentence
+
+
+def findings(path: Path) -> Iterator[Finding]:
+    """Yield what is to be written anew in a file."""
+    source, name = path.read_text(encoding="utf-8"), path.relative_to(ROOT).as_posix()
+    texts = {".py": python_texts, ".md": page_texts}.get(path.suffix, comment_texts)
+    for first, text in texts(source):
+        for line, sentence in sentences(first, text):
+            if any(name.startswith(begin) and piece in sentence for begin, piece in EXCEPTIONS):
+                continue
+            count = sum(any(c.isalpha() for c in word) for word in sentence.split())
+            if count > MOST_WORDS:
+                yield Finding(name, line, f"{count} words", sentence)
+            for banned, better in _BANNED:
+                if found := banned.search(sentence):
+                    yield Finding(name, line, f"{found[0]!r} (better: {better})", sentence)
+
+
+def files(names: list[str]) -> Iterator[Path]:
+    """Yield the files of folders and files that have sentences."""
+    for name in names:
+        path = ROOT / name
+        inside = sorted(path.rglob("*")) if path.is_dir() else [path]
+        yield from (x for x in inside if x.suffix in _SOURCES and "node_modules" not in x.parts)
+
+
+def main(names: list[str]) -> int:
+    """Print the findings in files, or in all that are checked; return the exit code."""
+    found = [finding for path in files(names or list(CHECKED)) for finding in findings(path)]
+    for finding in found:
+        print(finding)
+    return int(bool(found))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
