@@ -1,1 +1,1 @@
-"""What types exist and what is known of each; standard library only."""
+"""The 3850 types and the recorded facts about each; uses the standard library only."""

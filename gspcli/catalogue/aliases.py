@@ -1,4 +1,4 @@
-"""Names that people have for hexapods, by how many points their legs share."""
+"""Usual names of hexapods, such as 6-3, by the number of points that their legs share."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ _TYPE = "6DPP"
 
 @dataclass(frozen=True)
 class Alias:
-    """A name that is not made of kinds.
+    """A name that does not consist of kinds.
 
     Attributes
     ----------
     name
-        As people write it.
+        The usual spelling.
     type_name
         The type, in a spelling that `parse_name` reads.
     pattern
-        Which legs share a point, in the notation of `parse_sharing`; empty if none do.
+        The legs that share a point, in the notation of `parse_sharing`; empty if none do.
     meaning
-        What it is, in words.
+        The description.
     """
 
     name: str
@@ -61,5 +61,5 @@ ALIASES = {
 
 
 def find_alias(text: str) -> Alias | None:
-    """Return what a text names if it is one of `ALIASES`, in either case, with any dash."""
+    """Return the alias with a name, in either case and with any dash; None if there is none."""
     return ALIASES.get(re.sub("[–—]", "-", text.strip().lower()))

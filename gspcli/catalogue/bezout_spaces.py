@@ -75,7 +75,7 @@ def motion_spaces(*, one_sided: bool) -> tuple[BezoutSpace, ...]:
 
 @cache
 def orientation_space(*, one_sided: bool) -> BezoutSpace:
-    """Return the orientations that three angles leave, with the degrees in T for each of them."""
+    """Return the orientations that three angles allow, with the degrees in T for each of them."""
     return _space(
         "orientations in (R), then positions",
         varieties()[ROTATIONS].degree,

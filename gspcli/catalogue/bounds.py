@@ -2,9 +2,9 @@
 
 All of them bound the complex solutions of platforms that have finitely many. The theorems use the
 degrees of Proposition 4.1, the refined bounds the lowest degrees. Bezout's theorem holds on the
-variety of rigid motions in any coordinates, so the refined bound is the least over all recorded
-sets of coordinates and, for 3D3A, the two steps of Section 6: orientations, then positions. The
-angles are linear everywhere and never count.
+variety of rigid motions in any coordinates. So the refined bound is the least over all recorded
+sets of coordinates; for 3D3A also over the two steps of Section 6, orientations and then positions.
+An angle is linear in all coordinates and has the factor 1.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Bound:
     value
         The number.
     explain
-        Gives the reason; the catalogue has thousands of bounds and shows the reasons of few.
+        Returns the reason. It is called only if the reason is shown: there are thousands of bounds.
     """
 
     value: int
@@ -82,7 +82,7 @@ class Bounds:
 
 
 class BoundMeaning(NamedTuple):
-    """What a bound is called, and of what it is one."""
+    """The title of a bound, and the solutions that it counts."""
 
     title: str
     short: str
@@ -91,7 +91,7 @@ class BoundMeaning(NamedTuple):
     """Which number it limits: the theorems leave the side of a plane open (Section 5)."""
 
 
-#: What the bounds mean, by their names, in the order of the catalogue's columns.
+#: The meanings of the bounds by name, in the order of the catalogue's columns.
 BOUND_MEANINGS = {
     "theorem_5_2": BoundMeaning("Theorem 5.2", "Thm 5.2", "two-sided"),
     "theorem_5_3": BoundMeaning("Theorem 5.3", "Thm 5.3", "two-sided"),
@@ -103,12 +103,12 @@ BOUND_MEANINGS = {
 BOUND_NAMES = tuple(BOUND_MEANINGS)
 
 
-#: What the paper's Table 3 counts of the two planes that a DLL gives under each orientation.
+#: Table 3 counts one of the two planes that a DLL gives for each orientation.
 ONE_ORIENTATION = "one orientation of each DLL"
 
 
 def bound_sides(name: str, distances: Sequence[Kind]) -> str:
-    """Return of what a bound of some distances is one: the sides, and the orientations of a DLL."""
+    """Return which solutions a bound counts: the sides, and the orientations of a DLL."""
     sides = BOUND_MEANINGS[name].sides
     return f"{sides}, {ONE_ORIENTATION}" if name == "table_3" and DLL in distances else sides
 
@@ -242,7 +242,7 @@ def _refined(distances: tuple[Kind, ...], *, one_sided: bool) -> Bound:
 
 
 def _excess(distances: tuple[Kind, ...], factors: Sequence[tuple[Kind, int]], degree: int) -> str:
-    """Return what makes Theorem 5.3 larger: degrees of constraints or of the variety."""
+    """Return why the bound of Theorem 5.3 is larger: degrees of constraints or of the variety."""
     lower = dict(factors)
     higher = [
         f"{kind} of degree {paper}"
@@ -260,7 +260,7 @@ def _product(start: int, factors: Sequence[tuple[Kind, int]]) -> int:
 
 
 def _spelled(start: int, factors: Sequence[tuple[Kind, int]]) -> str:
-    """Return how a product comes about, factors of one left out."""
+    """Return a product in words, without factors of one."""
     powers, counts = _powers(factors)
     if not powers:
         return f"{start}, all constraints of degree 1"
@@ -269,7 +269,7 @@ def _spelled(start: int, factors: Sequence[tuple[Kind, int]]) -> str:
 
 
 def _powers(factors: Sequence[tuple[Kind, int]]) -> tuple[list[str], list[str]]:
-    """Return the powers in a product, and where each comes from."""
+    """Return the powers in a product, and the constraints of each."""
     by_factor: dict[int, list[str]] = {}
     for kind, factor in factors:
         if factor > 1:

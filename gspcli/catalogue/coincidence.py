@@ -1,9 +1,9 @@
 """Platforms whose constraints share primitives, listed up to renaming.
 
 The paper asks after Proposition 2.2 how many platforms there are when "the geometric primitives in
-the base and platform could be the same". A *pattern* says which constraints share a primitive: it
-is a bipartite multigraph whose vertices are the primitives of the platform and those of the base,
-each a point, line or plane, and whose six edges are the constraints, each of a kind. No vertex is
+the base and platform could be the same". A *pattern* states which constraints share a primitive. It
+is a bipartite multigraph. Its vertices are the primitives of the platform and those of the base,
+each a point, line or plane; its six edges are the constraints, each of a kind. No vertex is
 isolated, and a pair of primitives carries no kind twice (a pair of lines may carry DLL and ALL).
 Two patterns are the same if renaming the primitives of the platform, and those of the base, turns
 one into the other; platform and base are not exchanged.
@@ -224,8 +224,8 @@ def _least_words(kinds: Sequence[Kind], prefix: tuple[Pair, ...]) -> Iterator[tu
     before = list(zip(kinds, prefix, strict=False))
     fresh_a = 1 + max((a for k, (a, _) in before if k.platform is kind.platform), default=0)
     fresh_b = 1 + max((b for k, (_, b) in before if k.base is kind.base), default=0)
-    # A least word increases within each kind, so a pair never carries a kind twice: of two edges
-    # of one kind the one that is taken later was not smaller, and labels given since only raise it.
+    # A least word increases within each kind, so a pair never carries a kind twice. Of two edges of
+    # one kind the second was not smaller when the first was taken; new labels only raise it.
     floor = prefix[-1] if length and kinds[length - 1] is kind else (0, 0)
     for a in range(fresh_a, 0, -1):
         for b in range(fresh_b, 0, -1):

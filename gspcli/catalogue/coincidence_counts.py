@@ -1,22 +1,23 @@
-"""How many patterns of shared primitives there are, counted without listing them (Burnside).
+"""The number of patterns of shared primitives, without a list of them (Burnside's lemma).
 
-The same patterns as in `gspcli.catalogue.coincidence`, by an independent way. Let the primitives of
-each sort of the platform be permuted by some g, those of the base by h. For every r let F_r be the
-number of slots (pairs of primitives) for a kind that g^r and h^r fix together; it is the product
-of the primitives that g^r fixes on the platform and those that h^r fixes on the base. The multisets
-of slots that (g, h) leaves fixed have the generating function M(x) = exp(sum F_r x^r / r). The
-*sets* have M(x) / M(x^2), since 1 + x^l = (1 - x^2l) / (1 - x^l) for each cycle. Hence the sets of
-m slots for a kind are the sum, over a partition lambda of a and a partition nu of b with
-a + 2b = m, of
+The patterns are those of `gspcli.catalogue.coincidence`; the way is independent of it. Let g
+permute the primitives of each sort of the platform, and h those of the base. For every r let F_r be
+the number of slots (pairs of primitives) for a kind that g^r and h^r fix together. It is the
+product of the number of primitives that g^r fixes and the number of those that h^r fixes. The
+multisets of slots that (g, h) leaves fixed have the generating function M(x) = exp(sum F_r x^r /
+r). The *sets* have M(x) / M(x^2), since 1 + x^l = (1 - x^2l) / (1 - x^l) for each cycle. Hence the
+sets of m slots for a kind are the sum, over a partition lambda of a and a partition nu of b with a
++ 2b = m, of
 
     (1 / z(lambda)) ((-1)^length(nu) / z(nu)) product of F_r over the parts r of lambda and nu,
 
 where z is the order of the centralizer of a permutation of that cycle type. Now take the mean over
-all g and h, with at least as many primitives of each sort as edges. By Burnside's lemma the mean
-over g of the product, over some parts r, of the number of primitives of one sort that g^r fixes
-is the number of partitions of a set into blocks that a permutation with cycles of these lengths
-leaves unchanged. So the number of patterns of a type is a sum over cycle types, one for each kind,
-of a weight times one factor `invariant_partitions` for each sort on each body.
+all g and h, with at least as many primitives of each sort as edges. Let some parts r be given, and
+take the product over them of the number of primitives of one sort that g^r fixes. By Burnside's
+lemma the mean of this product over g is the number of partitions of a set into blocks that a
+permutation with cycles of these lengths does not change. So the number of patterns of a type is a
+sum over cycle types, one for each kind, of a weight times one factor `invariant_partitions` for
+each sort on each body.
 """
 
 from __future__ import annotations
@@ -59,7 +60,7 @@ def count_up_to_swap(gsp_type: GspType) -> Fraction:
 
 
 def count_self_mirrored(gsp_type: GspType) -> int:
-    """Return the number of patterns that exchanging platform and base leaves the same.
+    """Return the number of patterns that do not change if platform and base are exchanged.
 
     Let t exchange the bodies and rename; its square g renames the platform. For odd r, t^r fixes as
     many slots for a kind such as DPP as g^r fixes primitives; for even r, the square of those
@@ -70,7 +71,7 @@ def count_self_mirrored(gsp_type: GspType) -> int:
 
 
 def invariant_partitions(cycle_type: CycleType) -> int:
-    """Return how many partitions of a set into blocks a permutation of it leaves unchanged.
+    """Return the number of partitions of a set into blocks that a permutation does not change.
 
     The permutation moves blocks around in rings. A ring of d blocks holds whole cycles, each of a
     length that d divides, and each cycle but one can start at any of the d blocks.

@@ -1,4 +1,4 @@
-"""What is recorded of each kind of constraint: equations, degrees, loci."""
+"""The recorded facts about each kind of constraint: equations, degrees, loci."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class Locus:
 
 @dataclass(frozen=True)
 class ConstraintFacts:
-    """All that is recorded of one kind of constraint.
+    """The recorded facts about one kind of constraint.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class ConstraintFacts:
     lowest_coordinates
         The smallest coordinates in which they are reached.
     why_lowest
-        Why they are no higher, in words.
+        The reason for the lowest degrees, in words.
     degrees
         The lowest degrees in every set of coordinates that can express the constraint.
     fixed_orientation
@@ -117,7 +117,7 @@ class ConstraintFacts:
 
     @property
     def meaning(self) -> str:
-        """What is measured, in words."""
+        """The measured quantity, in words."""
         quantity = "distance of a" if self.kind.is_distance else "angle between a"
         joint = "from" if self.kind.is_distance else "and"
         platform, base = _NOUNS[self.kind.platform], _NOUNS[self.kind.base]
@@ -126,7 +126,7 @@ class ConstraintFacts:
 
 @cache
 def constraint_facts(kind: Kind) -> ConstraintFacts:
-    """Return what is recorded of a kind of constraint."""
+    """Return the recorded facts about a kind of constraint."""
     return _all_facts()[kind]
 
 

@@ -27,7 +27,7 @@ LETTERS = "apqls"
 
 
 class Method(Enum):
-    """How a generic count was confirmed."""
+    """The way in which a generic count was confirmed."""
 
     GROEBNER = "groebner"
     TRACKING = "tracking"
@@ -64,7 +64,7 @@ class GenericCounts:
 
     @property
     def established(self) -> str:
-        """How the counts are known, in a sentence."""
+        """The proof and the confirmations of the counts, in a sentence."""
         proved = "proved (docs/counts.md)"
         phrases = "; ".join(method.meaning for method in self.confirmed)
         return f"{proved}, and confirmed by {phrases}" if phrases else proved

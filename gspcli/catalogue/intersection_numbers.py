@@ -1,10 +1,10 @@
-"""How many common points general quadrics of six spaces have, from intersection theory.
+"""The number of common points of general quadrics of six spaces, from intersection theory.
 
-The motions are the open part g N != 0 of a smooth projective variety Y, the (e, f, g) with
-e.f = 0, e != 0 and (f, g) != 0 up to (e, f, g) ~ (r e, r t f, t g). Blown up along B_t, and then
-along what is left of B_p and B_q, it is a compactification on which the spaces a, p, q, l and
-the differences of two members of s are without base points, so that the numbers are products of
-divisor classes. The centres are products of projective lines. Proof: docs/counts.md, Theorem 1.
+Y is the smooth projective variety of the (e, f, g) with e.f = 0, e != 0 and (f, g) != 0, up to
+(e, f, g) ~ (r e, r t f, t g). The motions are its open part g N != 0. Blow up Y along B_t, and then
+along the strict transforms of B_p and B_q; these centres are products of projective lines. On the
+result the spaces a, p, q, l and the differences of two members of s have no base points. So the
+numbers are products of divisor classes. Proof: docs/counts.md, Theorem 1.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def _power(base: _OnLines, exponent: int) -> dict[int, int]:
 
 @dataclass(frozen=True)
 class _Centre:
-    """What is blown up: so many lines, with the restrictions of h, x and earlier divisors."""
+    """The centre of a blow-up, a product of lines; restrictions of h, x and earlier divisors."""
 
     lines: int
     h: _OnLines

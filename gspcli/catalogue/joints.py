@@ -3,8 +3,8 @@
 A chain connects the platform to the base and is written from the platform on, as the kinds are.
 Each joint lies on an *axis* of the constraint that the chain realizes: that of the platform's
 primitive, that of the base's, or the leg between them. The velocities that a joint allows are
-screws (angular velocity, velocity of the point at the origin); the freedoms that a chain leaves are
-the rank of its screws at a configuration with rational coordinates, computed without rounding.
+screws (angular velocity, velocity of the point at the origin). The number of freedoms of a chain is
+the rank of its screws, computed without rounding at a configuration with rational coordinates.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class JointKind(Enum):
 
 
 class JointAxis(Enum):
-    """Where a joint of a chain lies.
+    """The place of a joint of a chain.
 
     Attributes
     ----------
@@ -123,7 +123,7 @@ class Chain:
 
     @property
     def driven(self) -> int:
-        """How many joints are driven."""
+        """The number of driven joints."""
         return sum(placed.driven for placed in self.joints)
 
     @property
@@ -179,7 +179,8 @@ def joint_screws(joint: JointKind, line: Line) -> tuple[Screw, ...]:
         return (slide,)
     if joint is JointKind.CYLINDRICAL:
         return (turn, slide)
-    # Two of the products with the axes span the plane: all but that of a component not zero.
+    # The plane is spanned by the products with two axes: without an axis whose component is not
+    # zero.
     skipped = next(i for i in range(3) if direction[i])
     inside = [cross(direction, _UNITS[i]) for i in range(3) if i != skipped]
     return (turn, *map(translation, inside))

@@ -18,16 +18,16 @@ class Primitive(Enum):
 
 
 class Quantity(Enum):
-    """What a constraint measures."""
+    """The quantity that a constraint measures."""
 
     DISTANCE = "D"
     ANGLE = "A"
 
 
 class Law(Enum):
-    """What the polynomial of a constraint is of its value d (paper, Section 4).
+    """The polynomial of a constraint as a function of its value d (paper, Section 4).
 
-    The polynomial of an angle is ``R u . v`` of the unit directions, and the angle of two planes
+    The polynomial of an angle is ``R u . v`` of the unit directions. The angle of two planes is
     that of one normal and the opposite of the other.
     """
 
@@ -62,9 +62,9 @@ class Kind:
     order
         Position in the canonical order of the kinds, from 0.
     law
-        What its polynomial is of the value.
+        The polynomial as a function of the value.
     space
-        The space of quadrics in Study coordinates that its equation is of (docs/counts.md).
+        The space of quadrics in Study coordinates that contains its equation (docs/counts.md).
     is_product
         Whether the equation is a product of two such quadrics, not one.
     """
@@ -109,14 +109,15 @@ class Kind:
         return f"Kind({self.name})"
 
     def __hash__(self) -> int:
-        # Sets and dictionaries of kinds are everywhere; hashing the enums would dominate.
+        # Sets and dictionaries of kinds are frequent; the hash of the enums would take most of the
+        # time.
         return self.order
 
     def __lt__(self, other: Kind) -> bool:
         return self.order < other.order
 
     def __reduce__(self) -> tuple[Callable[[str], Kind], tuple[str]]:
-        # Kinds are compared by identity, also after a way to another process.
+        # Kinds are compared by identity, also after they are sent to another process.
         return _kind, (self.name,)
 
 

@@ -1,4 +1,4 @@
-"""All that is known of a type or family without solving a platform."""
+"""The facts about a type or family that need no solution of a platform."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class KnownBounds:
-    """How many solutions a type or family has, at most and generically.
+    """The bounds and the generic counts of a type or family.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class KnownBounds:
 
     @property
     def identity(self) -> dict[str, Any]:
-        """What identifies the subject, as plain data."""
+        """The identity of the subject as plain data."""
         family = self.subject.family if isinstance(self.subject, GspType) else self.subject
         return {**self.subject.to_json(), "family": family.id}
 
@@ -92,7 +92,7 @@ class KnownBounds:
 
 @dataclass(frozen=True, eq=False)
 class KnownFacts(KnownBounds):
-    """All that is known of a type.
+    """The facts about a type.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class KnownFacts(KnownBounds):
 
     @property
     def method(self) -> str:
-        """How its platforms are solved, in words."""
+        """The method that solves its platforms, in words."""
         if self.subject.angles and len(self.subject.angles) == len(self.subject.distances):
             steps = "eight rotations, then the meeting points of three surfaces (Alg. 6.6)"
             return f"closed form: {steps}"
@@ -115,7 +115,7 @@ class KnownFacts(KnownBounds):
 
     @property
     def sharing_patterns(self) -> int:
-        """In how many ways its constraints may share primitives."""
+        """The number of ways in which its constraints may share primitives."""
         return count_coincident(self.subject)
 
     def to_json(self) -> dict[str, Any]:
@@ -132,7 +132,7 @@ class KnownFacts(KnownBounds):
 
 
 def bound(subject: GspType | Family) -> KnownBounds:
-    """Return what is known of the number of solutions of a type or family.
+    """Return the bounds and the generic counts of a type or family.
 
     Examples
     --------
@@ -144,7 +144,7 @@ def bound(subject: GspType | Family) -> KnownBounds:
 
 
 def show(gsp_type: GspType) -> KnownFacts:
-    """Return all that is known of a type.
+    """Return the facts about a type.
 
     Examples
     --------

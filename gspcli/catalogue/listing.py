@@ -1,4 +1,4 @@
-"""Lists of types with all that is known of each: select, sort, and read as rows or a frame."""
+"""Lists of types with the facts about each: select, sort, and read as rows or a frame."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Value = int | str | None
 
 @dataclass(frozen=True)
 class TypeColumn:
-    """Something known of every type.
+    """A fact about every type.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ def _names(kinds: Iterable[Kind]) -> str:
     return " ".join(kind.short for kind in kinds)
 
 
-#: What is known of a type; the order is that of the CSV.
+#: The facts about a type, in the order of the CSV.
 COLUMNS: tuple[TypeColumn, ...] = (
     TypeColumn("number", "no.", lambda t: t.number),
     TypeColumn("id", "id", lambda t: t.id, numeric=False),

@@ -1,8 +1,8 @@
 """Whole platforms made of chains of joints: freedoms by Kutzbach and Grübler (paper, Section 7).
 
 Each constraint gets a chain; DLL and ALL between the same two lines get one chain with two driven
-joints, as in the paper's Figure 14. Constraints that share a primitive otherwise keep their own
-joints, which then have one centre, axis or plane in common.
+joints, as in the paper's Figure 14. Other constraints that share a primitive have joints of their
+own, with a common centre, axis or plane.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class SharedPrimitive:
 
     @property
     def joints(self) -> str:
-        """How the joints of the chains lie there."""
+        """The arrangement of the joints at the primitive."""
         return _TOGETHER[self.primitive].format(len(self.chains))
 
 
@@ -103,7 +103,7 @@ class Mechanism:
     def mobility(self) -> int:
         """The freedoms by the formula of Kutzbach and Grübler, idle ones included.
 
-        The formula only counts: it does not see constraints that depend on each other.
+        The formula is a count and ignores constraints that depend on each other.
         """
         loops = self.joints - self.links + 1
         return self.joint_freedoms - BODY_FREEDOMS * loops

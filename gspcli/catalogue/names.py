@@ -1,4 +1,4 @@
-"""Reading names of kinds, types and families in every sensible spelling."""
+"""Names of kinds, types and families, read in every usual spelling."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from gspcli.wording import shown, similar
 _CLASSES_BY_ID = {platform_class.id: platform_class for platform_class in CLASSES}
 _SEPARATORS = re.compile(r"[\s,;+]+")
 _NUMBER_DIGITS = 9
-#: A count apart from its kind, as in 6 PP.
+#: A count with a blank before its kind, as in 6 PP.
 _APART = re.compile(r"(?<!\S)([1-6]) +(?=[A-Z]{2,3}(?!\S))")
 _REPEATED = re.compile(r"(\d{1,3})[*x]?([A-Z]{2,3})|([A-Z]{2,3})[*^](\d{1,3})")
 
@@ -120,18 +120,20 @@ def _words(text: str | Sequence[str]) -> list[str]:
 def parse_name(text: str | Sequence[str]) -> GspType | Family:
     """Return the type or family that a name denotes.
 
-    Accepted are a stable number (``17``), six kinds in any order, separated by blanks or commas,
-    with or without leading letters where they are unambiguous (``DPL pl LP all alh AHH``),
-    repetitions (``6PP``, ``6 PP``, ``PL^2``), families: a class with its distances
-    (``3D3A PL PL LP``), and the names in `ALIASES` (``hexapod``, ``6-3``). A family without angles
-    is a type.
+    A name is one of these:
+
+    - a stable number (``17``);
+    - six kinds in any order, separated by blanks or commas (``DPL pl LP all alh AHH``); the first
+      letter may be omitted if the kind is clear, and kinds may be repeated (``6PP``, ``PL^2``);
+    - a family: a class with its distances (``3D3A PL PL LP``); a family without angles is a type;
+    - a name in `ALIASES` (``hexapod``, ``6-3``).
 
     Raises
     ------
     TypeNameError
-        With what is wrong, what is near and how to write it.
+        Says what is wrong, which names are near and how to write a name.
     ArgumentError
-        If it is no text, nor several.
+        If the argument is neither a text nor several texts.
     """
     text = _joined(text)
     alias = find_alias(text)
@@ -185,7 +187,7 @@ def _reject_ambiguity(named: PlatformClass | None, choices: list[tuple[Kind, ...
 def _resolve_by_class(
     named: PlatformClass, choices: list[tuple[Kind, ...]]
 ) -> list[tuple[Kind, ...]]:
-    """Let the class decide which of the names ``LL`` are distances and which are angles."""
+    """Choose by the class which of the names ``LL`` are distances and which are angles."""
     missing = named.distances - sum(len(k) == 1 and k[0].is_distance for k in choices)
     resolved = []
     for kinds in choices:

@@ -1,12 +1,11 @@
 """Patterns of shared primitives that can never fix the platform, with the proof by counting.
 
-Take some primitives, of either body, where the pose puts them, and the motions of the platform that
-leave them all in place (a line along itself, a plane in itself). If each of some constraints
-has an end among those primitives, then such a motion changes none of their values: moving
-the platform's end moves nothing, and moving the base's end is the same motion seen the other way.
-So if the motions have s freedoms, at most 6 - s of these constraints are independent; more than
-6 - s of them make the whole pattern dependent in every pose, and its direct kinematics has
-no solution or infinitely many. An angle sees no more of a line or plane than its direction.
+Choose some primitives of either body, at their places in a pose. Consider the motions of the
+platform that keep all of them in place (a line may slide along itself, a plane in itself). Such a
+motion changes no value of a constraint that has an end among these primitives. If the motions have
+s freedoms, at most 6 - s of these constraints are independent. If there are more than 6 - s of
+them, the whole pattern is dependent in every pose, and its direct kinematics has no solution or
+infinitely many. An angle depends only on the direction of a line or plane.
 
 The converse is a computation, not part of this module: the tests find six independent gradients, in
 exact arithmetic, for patterns without such a part.
@@ -21,13 +20,13 @@ from gspcli.catalogue.coincidence import Connection
 from gspcli.catalogue.types import CONSTRAINTS
 from gspcli.records import dataclass
 
-#: How much of a primitive the constraints see: sort, or "direction" of a line or plane.
+#: The part of a primitive that the constraints use: all of it, or the direction of a line or plane.
 _POINT, _LINE, _PLANE, _DIRECTION = "P", "L", "H", "direction"
 
 
 @dataclass(frozen=True)
 class OverConstraint:
-    """Constraints of which not all can be independent.
+    """Constraints that cannot all be independent.
 
     Attributes
     ----------
@@ -71,7 +70,7 @@ def motion_freedoms(points: int, lines: int, planes: int, directions: int) -> in
     if different == 1 and points == 0:
         return 1 + 3 - 2 * lines - planes
     if different == 1:
-        # The rotation about the parallel through the point, unless a line or point is beside it.
+        # The rotation about the parallel through the point, if there is no line and no other point.
         return int(points == 1 and lines == 0)
     return {0: 6, 1: 3, 2: 1}.get(points, 0)
 
@@ -87,7 +86,7 @@ independent
     return _search(_features(tuple(connections)), (), frozenset())
 
 
-#: A primitive as constraints see it: body and name, the sort, and the constraints that end there.
+#: A primitive: body and name, the part that is used, and the constraints that end there.
 _Feature = tuple[tuple[str, str], str, frozenset[int]]
 
 
@@ -115,7 +114,7 @@ def _features(connections: tuple[Connection, ...]) -> list[_Feature]:
 def _search(
     candidates: list[_Feature], kept: tuple[_Feature, ...], covered: frozenset[int]
 ) -> OverConstraint | None:
-    """Add one more of the candidates in every way that leaves a motion."""
+    """Add one of the candidates in every way that still allows a motion."""
     for position, feature in enumerate(candidates):
         primitive, _, ends = feature
         if any(primitive == other for other, _, _ in kept):

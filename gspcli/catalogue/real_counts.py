@@ -1,9 +1,8 @@
-"""Which numbers of real solutions are known to occur, each with a platform that has it.
+"""The numbers of real solutions that occur, each with a platform that has it.
 
-Between a platform with many real solutions and one with few there are platforms with all numbers
-that occur on the way. So a platform is recorded by how far it is along a straight line: from random
-numbers, which anybody can draw again, to the best witness of its family
-(`gspcli.catalogue.witnesses`).
+The platforms lie on a straight line between two platforms: one with random numbers, which can be
+drawn again from their seed, and the best witness of the family (`gspcli.catalogue.witnesses`). A
+platform is recorded by its place on this line.
 """
 
 from __future__ import annotations
@@ -30,16 +29,16 @@ _LONGEST = 200
 
 @dataclass(frozen=True, slots=True, order=True)
 class Place:
-    """Where a platform is.
+    """The place of a platform on such a line.
 
     Attributes
     ----------
     real
-        How many different real solutions it has, with both sides of each DPH and DHP.
+        The number of different real solutions, with both sides of each DPH and DHP.
     number
-        The number of the random platform from which the line to the best witness begins.
+        The number of the random platform at the beginning of the line.
     share
-        How far along it is: a decimal between 0 and 1.
+        The share of the line before the platform: a decimal between 0 and 1.
     """
 
     real: int
@@ -57,7 +56,7 @@ class Place:
 
 
 def real_counts(subject: GspType | Family) -> tuple[int, ...]:
-    """Return the numbers of real solutions that are known to occur, in ascending order.
+    """Return the numbers of real solutions with a recorded platform, in ascending order.
 
     Each has a platform whose real solutions are proved to exist and to be different. As for the
     largest number (`best_real`), both sides of each DPH and DHP count, and others may occur.
@@ -78,7 +77,7 @@ def spelled(counts: tuple[int, ...]) -> str:
 
 
 def witness_with(family: Family, real: int) -> Witness:
-    """Return a platform of a family with a number of real solutions that is known to occur.
+    """Return the recorded platform of a family with a number of real solutions.
 
     Raises
     ------
@@ -101,7 +100,7 @@ def witness_with(family: Family, real: int) -> Witness:
 
 
 def recorded() -> Iterator[tuple[Family, tuple[Place, ...]]]:
-    """Yield what is recorded, one family of each two mirrored ones."""
+    """Yield the records, one for each two mirrored families."""
     for name, places in _rows().items():
         yield named_family(name), places
 

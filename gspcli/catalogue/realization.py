@@ -67,7 +67,7 @@ class Realization:
 
     @property
     def idle_motion(self) -> str:
-        """What a link between the joints can do with both bodies at rest, or empty."""
+        """The motion of a link between the joints with both bodies at rest, or empty."""
         axes = sample_axes(self.kinds[0])
         found = dependencies(self.chain.screws(axes))
         if not found:
@@ -172,10 +172,10 @@ def alternative(*kinds: Kind) -> Realization:
 def outside(*kinds: Kind) -> Realization:
     """Return the chain of the paper's figures with outside drivers: Figure 8.
 
-    The driven joints are between the base and its primitive, which they move; the measure of the
-    constraint itself is built into the chain and stays. Where the driver is parallel to the
-    leg the chain has the same screws as the one with the driver inside, but not so after a
-    finite motion: the kinematic problem is another one.
+    The driven joints are between the base and its primitive, which they move; the value of the
+    constraint is fixed by the chain. Where the driver is parallel to the leg the chain has the same
+    screws as the chain with the driver inside. After a finite motion it has other screws: the
+    kinematic problem is a different one.
 
     >>> from gspcli.catalogue.kinds import DPL
     >>> outside(DPL).chain.name

@@ -87,7 +87,7 @@ class Family:
         return tuple(GspType(self.distances + chosen) for chosen in angles)
 
     def to_json(self) -> dict[str, int | str | None]:
-        """Return what identifies the family as plain data; it has no number of its own."""
+        """Return the identity of the family as plain data; a family has no number."""
         return {"id": None, "number": None, "class": self.platform_class.id}
 
     def __str__(self) -> str:
@@ -167,7 +167,7 @@ class GspType:
         return GspType(tuple(sorted(kind.mirrored for kind in self.kinds)))
 
     def count(self, *kinds: Kind) -> int:
-        """Return how many of the constraints are of the given kinds."""
+        """Return the number of constraints of the given kinds."""
         return sum(kind in kinds for kind in self.kinds)
 
     @property
@@ -176,7 +176,7 @@ class GspType:
         return tuple((kind.platform, kind.base) for kind in self.kinds)
 
     def to_json(self) -> dict[str, int | str | None]:
-        """Return what identifies the type as plain data."""
+        """Return the identity of the type as plain data."""
         return {"id": self.id, "number": self.number, "class": self.platform_class.id}
 
     def __str__(self) -> str:
@@ -205,7 +205,7 @@ def _position(chosen: tuple[Kind, ...], kinds: tuple[Kind, ...]) -> int:
     position, first = 0, 0
     for left, kind in zip(range(len(chosen) - 1, -1, -1), chosen, strict=True):
         here = kinds.index(kind)
-        # Those that go on with an earlier kind, and then with any not before it.
+        # Multisets with an earlier kind here, and then any kinds that do not precede it.
         position += sum(comb(len(kinds) - k - 1 + left, left) for k in range(first, here))
         first = here
     return position

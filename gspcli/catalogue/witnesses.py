@@ -1,4 +1,4 @@
-"""The best known numbers of real solutions, with the platforms that have them.
+"""The largest known numbers of real solutions, with a platform for each.
 
 They are read from `data/witnesses/`: lower bounds of the largest number of real solutions, each
 with a platform, in exact decimals, whose real solutions have been proved to exist. The kinds of
@@ -30,11 +30,11 @@ class Witness:
     family
         The class and the distances.
     real
-        How many different real solutions it has, with both sides of each DPH and DHP.
+        The number of different real solutions, with both sides of each DPH and DHP.
     rows
         The numbers of each constraint as decimals: those of the platform's primitive, those of
-        the base's (a point; for lines and planes and a direction; for angles the direction
-        only), and the distance, or the angle of the directions in degrees.
+        the base's, and the distance, or the angle of the directions in degrees. A point has its
+        coordinates, a line or plane a point and a direction, and in an angle only the direction.
     """
 
     family: Family
@@ -43,7 +43,7 @@ class Witness:
 
     @property
     def exchanged(self) -> Witness:
-        """The same with platform and base exchanged."""
+        """The witness with platform and base exchanged."""
         kinds = self.family.distances
         distances = mirrored(kinds)
         rows = []
@@ -120,12 +120,13 @@ def witness_text(found: Witness) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """How near the best known numbers of the families of a class come to the generic counts.
+    """The largest known numbers of the families of a class, compared with the generic counts.
 
     Attributes
     ----------
     families, recorded, reached
-        How many there are, have a witness, and have one with all solutions real.
+        The numbers of families: all, those with a witness, and those with a witness whose solutions
+        are all real.
     mean, least
         The share of the generic count that is known to be real, on average over the recorded
         families and where it is smallest; None if none is recorded.
@@ -139,7 +140,7 @@ class Summary:
 
 
 def summary(platform_class: PlatformClass) -> Summary:
-    """Return how near the best known numbers of a class come to the generic counts."""
+    """Return the largest known numbers of a class, compared with the generic counts."""
     every = [(best_real(one), family_counts(one).two_sided) for one in families(platform_class)]
     shares = [real / count for real, count in every if real is not None]
     return Summary(

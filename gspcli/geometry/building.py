@@ -62,7 +62,7 @@ def hexapod(
     length
         The name of the unit of length.
     name, source
-        What the instance says of itself.
+        The name and the source of the platform.
 
     Raises
     ------
@@ -268,7 +268,7 @@ def instance(
     angle
         The unit of angles, ``deg`` or ``rad``.
     name, source
-        What the instance says of itself.
+        The name and the source of the platform.
 
     Raises
     ------

@@ -58,9 +58,9 @@ class ConstraintPolynomial(NamedTuple):
 def polynomial(kind: Kind) -> ConstraintPolynomial:
     """Return the polynomial of a kind.
 
-    It is the square of a DPP, DPL or DLP distance; the signed distance of a DPH or DHP; for a
-    DLL the mutual moment ``r . (w x v)``, which is the signed distance times the sine of the
-    angle of the lines; and ``w . v`` for an angle.
+    It is the square of a DPP, DPL or DLP distance, and the signed distance of a DPH or DHP. For a
+    DLL it is the mutual moment ``r . (w x v)``: the signed distance times the sine of the angle of
+    the lines. For an angle it is ``w . v``.
 
     Raises
     ------

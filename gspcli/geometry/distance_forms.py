@@ -27,10 +27,10 @@ class Measures:
     Attributes
     ----------
     forms
-        All forms, shape (count, 4, 8), each times N, in this order: heights over planes and moments
-        of two lines; squared distances of points without ``4 f.f``, first for spheres, then for
-        cylinders; the height along the axis of each cylinder; the three components of the vector
-        product of the directions of two lines.
+        All forms, shape (count, 4, 8), each times N. First the heights over planes and the moments
+        of two lines. Then the squared distances of points without ``4 f.f``: those for spheres,
+        those for cylinders. Then the height along the axis of each cylinder. Last the three
+        components of the vector product of the directions of two lines.
     skew
         Which of the heights are moments of two lines.
     flat, curved

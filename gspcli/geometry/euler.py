@@ -46,7 +46,7 @@ def rotation_from_euler(sequence: str, angles: Any) -> Array:
         letters turn about the axes of the moving frame, ``ZYX = R_z R_y R_x``, small ones about
         those of the fixed frame, ``zyx = R_x R_y R_z``.
     angles
-        The angles about x, y and z, whatever the order of the axes, in radians, shape (..., 3).
+        The angles about x, y and z (for any order of the axes), in radians, shape (..., 3).
 
     Returns
     -------

@@ -172,7 +172,7 @@ class Instance:
     units
         The units of lengths and angles.
     name, source
-        What the file says of itself, or None.
+        The name and the source that the file states, or None.
     further
         Primitives without a constraint: the body (``platform`` or ``base``), the name and the
         primitive. Sensors can be attached to them.

@@ -122,7 +122,7 @@ class Number:
     def value(self) -> float:
         """The number rounded to a float, to a few units in its last place.
 
-        It is zero only if the number is zero or cannot be told from zero (`gspcli.geometry.signs`).
+        It is zero only if the number is zero, as far as `gspcli.geometry.signs` can prove.
         """
         exact = self.fraction
         if exact is not None:

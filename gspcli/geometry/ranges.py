@@ -30,9 +30,9 @@ def turns(value: Number, unit: AngleUnit) -> Fraction | float:
 def wrong_value(kind: Kind, value: Number, unit: AngleUnit) -> str:
     """Return what is wrong with the value of a constraint, or nothing.
 
-    A distance is at least zero. The angle of two lines or two planes (of their directions or
-    normals) is between 0 and 180 degrees, that of a line and a plane between -90 and 90: positive
-    if the line's direction points to the side of the plane's normal (Section 4).
+    A distance is at least zero. The angle of two lines or two planes is that of their directions
+    or normals, between 0 and 180 degrees. The angle of a line and a plane is between -90 and 90,
+    positive if the line's direction points to the side of the plane's normal (Section 4).
     """
     if kind.is_distance:
         return "expected a distance of at least 0" if value.value < 0 else ""

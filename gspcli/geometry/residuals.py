@@ -126,11 +126,11 @@ def condition_numbers(
 ) -> Array:
     """Return the condition number of each pose, free of units, ``(..., 3, 3) -> (...)``.
 
-    It is the ratio of the largest to the smallest singular value of the 6x6 Jacobian matrix
-    whose twists turn about the centre of the platform points, whose turning columns are
-    divided by the typical length (that of the arrangement if None is given, else shape (...)),
-    and whose rows are scaled to norm one. It depends neither on frames nor on units, and is
-    infinite at a singular pose and at a pose that doubles cannot distinguish from one.
+    It is the ratio of the largest to the smallest singular value of the 6x6 Jacobian matrix.
+    Twists turn about the centre of the platform points, columns of rotations are divided by the
+    typical length (that of the arrangement for None, else shape (...)), and rows are scaled to
+    norm one. The number depends neither on frames nor on units. It is infinite at a singular
+    pose and at a pose that doubles cannot distinguish from one.
     """
     lengths = np.broadcast_to(arrangement.length if length is None else length, T.shape[:-1])
     if R.ndim > 2 and len(R) > _TOGETHER:

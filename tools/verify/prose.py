@@ -25,11 +25,11 @@ MOST_WORDS = 35
 
 #: Words that are refused (regular expressions), and what to write instead.
 BANNED = {
-    r"(?:no|any|every|some)body": "name the person (user, reader, caller), or say what is not known",
+    r"(?:no|any|every|some)body": "name the user, or say what is not known",
     r"whoever": "name the program or the person",
-    r"who(?= (?:can|knows?|judges?|asks?|has|leads?|finds?|found)\b)": "name the person or the program",
+    r"who (?:can|knows?|judges?|asks?|leads?|finds?|found)": "name the user or the program",
     r"(?:know|known|knows|say|says) no (?:word|words|thing)": "say what the code does not use",
-    r"(?:lead|leads|led|end|ends|ended) nowhere": "say how the path ends: no pose, lost, at infinity",
+    r"(?:lead|leads|led|end|ends|ended) nowhere": "say how it ends: no pose, lost, at infinity",
     r"as (?:it is|they are)(?= written)": "'as written'",
     r"as (?:it is|they are)(?=[.,;:)])": "'unchanged', 'as given'",
     r"what is left(?: out| over)?": "'the rest', 'the remainder', 'the residual'",
@@ -63,7 +63,8 @@ CHECKED = ("tools/verify/prose.py",)
 
 _SOURCES = {".py", ".cpp", ".hpp", ".c", ".js", ".md"}
 #: A line that begins a new sentence though the one before has no full stop.
-_BEGINS = re.compile(r"\s*(?:$|[-*+] |\d+\. |[>|#]|\.\. |```|:\w+)")
+_BEGINS = re.compile(r"\s*(?:$|[-*+] |\d+\. |[>|#]|\.\. |```|:\w+|-{3,})")
+_ITEM = re.compile(r"\s*(?:[-*+]|\d+\.) ")
 _ENDS = re.compile(r"(?<=[.:;!?])[)\"']*\s+(?=[^a-z])")
 _LEFT_OUT = re.compile(r"``.*?``|`[^`]*`|\[([^\]]*)\]\([^)]*\)|\$[^$]*\$|!\[[^\]]*\]\([^)]*\)")
 
@@ -127,8 +128,8 @@ def sentences(first: int, text: str) -> Iterator[tuple[int, str]]:
     """Yield the sentences of a text that begins in a line, each with the number of its line."""
     start, block = first, []
     for number, line in enumerate([*text.splitlines(), ""], first):
-        deeper = bool(block) and _indent(line) > _indent(block[-1]) and len(block) == 1
-        if (_BEGINS.match(line) or deeper) and block:
+        other = bool(block) and line.strip() and _is_apart(block[-1], line)
+        if (other or _BEGINS.match(line)) and block:
             yield from _split(start, block)
             block = []
         if line.strip():
@@ -136,8 +137,12 @@ def sentences(first: int, text: str) -> Iterator[tuple[int, str]]:
             block.append(line)
 
 
-def _indent(line: str) -> int:
-    return len(line) - len(line.lstrip())
+def _is_apart(before: str, line: str) -> bool:
+    """Return whether a line has another indentation than the one before, and continues no item."""
+    indents = [len(x) - len(x.lstrip()) for x in (before, line)]
+    is_item = _ITEM.match(before) and indents[1] > indents[0]
+    # The first line of a docstring stands beside its quotation marks.
+    return indents[0] != indents[1] and not is_item
 
 
 def _split(start: int, block: list[str]) -> Iterator[tuple[int, str]]:
