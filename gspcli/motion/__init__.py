@@ -1,4 +1,4 @@
-"""Platforms that move: what poses measure, and what poses do when the values change."""
+"""Platforms that move: values at poses, and poses along changing values."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from gspcli.motion.workspace.travels import Travel, travels
     from gspcli.motion.workspace.workspaces import Workspace
 
-#: What follows modes proves them, too, and what a platform reaches is asked alone: a third of the
-#: time that the rest of this room takes to import, each, spent when it is used.
+#: Names that are imported when they are used: following of modes and workspaces each take a third
+#: of the time that the rest of this room takes to import.
 _HOMES = {
     "Event": "following.tracks",
     "FollowOptions": "following.branch_follower",

@@ -1,7 +1,7 @@
-"""Headings of other programs, where they have one meaning: ``X [mm]``, ``L1``, ``Roll``, ``Time``.
+"""Headings of other programs that have one meaning: ``X [mm]``, ``L1``, ``Roll``, ``Time``.
 
-What they mean is said here and nowhere else; a file is read as if it had our names. Names that
-mean different things in different programs are not guessed: messages say what to write.
+Their meanings are defined only here; a file is read as if it had our names. The meaning of a name
+that differs between programs is not guessed: the message says what to write.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ _POSITION, _ANGLE, _QUATERNION = (
     )
 )
 _TIMES = ("time", "timestamp")
-#: Turns about x, y, z, and their order where nothing else is said: about the axes of the base, that
-#: is ZYX about those of the platform.
+#: Turns about x, y, z. Their default order is xyz about the axes of the base, which is ZYX about
+#: those of the platform.
 ROLL_PITCH_YAW = {"roll": "rx", "pitch": "ry", "yaw": "rz"}
 SEQUENCE = "ZYX"
 #: Words of other programs in full, from which suggestions for misspelt ones are taken.
@@ -37,7 +37,7 @@ WORDS = (
     *(f"{word} {axis}" for word in ("position", "rotation") for axis in "xyz"),
     *(f"quaternion {axis}" for axis in "wxyz"),
 )
-#: What is written in other programs and has no one meaning, with what to write.
+#: Headings of other programs with more than one meaning, and what to write instead.
 _AMBIGUOUS = (
     (("a", "b", "c"), "A B C are turns in another order in each program: write rx ry rz"),
     (("u", "v", "w"), "U V W are turns in one program and axes in another: write rx ry rz"),
@@ -55,10 +55,10 @@ class Heading:
     Attributes
     ----------
     name
-        What the column is called here. Names with a dot are kept as they are written: they name
-        what somebody has named.
+        Our name of the column. A name with a dot is kept as written: it contains a name that the
+        user has chosen.
     word
-        The same as it is written, without a unit.
+        The heading as written, without a unit.
     unit
         What is in brackets, or None.
     is_leg

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 #: One cell, in quotation marks or not, up to a delimiter.
 _CELL = r'[ ]*(?:"((?:[^"]|"")*)"|([^{d}]*?))[ ]*(?:[{d}]|$)'
-#: Decimals with a point or a comma, the line that says what separates cells, units that are kept.
+#: Decimals with a point or a comma, the line that names the delimiter, units that are kept.
 _POINT = re.compile(r"\d\.\d")
 _COMMA = re.compile(r"(?<![\w.,])([+-]?\d*),(\d+)(?![\d.,])")
 _SEPARATOR = re.compile(r"sep=.")
@@ -42,18 +42,18 @@ class NumberTable:
 
     The delimiter is the first of comma, semicolon and tab that the heading has, else blanks.
     Between semicolons or tabs decimals may be written with a comma, if none has a point. Headings
-    of other programs are read where they have one meaning (`headings`), and numbers are converted
-    where the heading names another unit. Empty lines and lines that begin with # are left out.
-    Mistakes are collected in `problems`, so that all of them can be told at once (`check`).
+    of other programs are read if they have one meaning (`headings`), and numbers are converted if
+    the heading names another unit. Empty lines and lines that begin with # are skipped. Mistakes
+    are collected in `problems` and reported together (`check`).
 
     Parameters
     ----------
     text
         The content of the file.
     name
-        How messages name the file.
+        The name of the file in messages.
     units
-        In which units the numbers are wanted.
+        The units to which numbers are converted.
     ignore
         Columns that are left out (`gspcli.motion.files.known_columns`).
     """
@@ -77,7 +77,7 @@ class NumberTable:
                 [Problem(Location(name, 1, 1), "", "found nothing, expected a heading and rows")]
             )
         if _SEPARATOR.fullmatch(lines[0][1]) and len(lines) > 1:
-            # How spreadsheets tell each other what separates cells.
+            # Spreadsheets write the delimiter in a first line of its own.
             del lines[0]
         heading = lines[0][1]
         self._delimiter = next((mark for mark in ",;\t" if mark in heading), "")
@@ -96,13 +96,13 @@ class NumberTable:
         meant = [Heading.of(cell.text) for cell in cells]
         #: The names in the heading as they are called here (`Heading.name`).
         self.heading = tuple(one.name for one in meant)
-        #: The same without units, as they are written.
+        #: The names as written, without units.
         self.names = tuple(one.word for one in meant)
-        #: Of these the columns that are said to be lengths of legs.
+        #: The columns whose heading says that they are lengths of legs.
         self.legs = tuple(one.name for one in meant if one.is_leg)
         self._units = {one.name: one.unit for one in meant if one.unit is not None}
         self._wanted = units
-        #: The same as they are written.
+        #: The headings as written.
         self.written = tuple(cell.text for cell in cells)
         for k, cell in enumerate(cells):
             if cell.text and self.heading.index(self.heading[k]) < k:
@@ -119,7 +119,7 @@ class NumberTable:
                 self.problems.append(Problem(Location(name, number, 1), "", message))
 
     def _read_decimal_commas(self) -> None:
-        """Write decimals with a point where all are written with a comma; places stay the same."""
+        """Replace decimal commas by points if all decimals have commas; columns stay the same."""
         lines = [line for _, line in self._lines]
         if any(map(_POINT.search, lines)) or not any("," in line for line in lines):
             return
@@ -146,7 +146,7 @@ class NumberTable:
         self.problems.append(Problem(Location(self.name, line, cell.column), cell.text, message))
 
     def note_column(self, name: str, message: str) -> None:
-        """Note a mistake of one name in the heading, as it is written."""
+        """Note a mistake of one heading, by its name as written."""
         column = self._columns[self.written.index(name)]
         self.problems.append(Problem(Location(self.name, self._heading_line, column), "", message))
 
@@ -226,13 +226,13 @@ class NumberTable:
         return line.split(self._delimiter or None)
 
     def texts(self, name: str) -> list[str]:
-        """Return the cells of a column as they are written; empty where a row is too short."""
+        """Return the cells of a column as written; empty where a row is too short."""
         place = self.heading.index(name)
         rows = [self._texts(line) for _, line in self._lines]
         return [row[place].strip() if place < len(row) else "" for row in rows]
 
     def leave_out_empty(self, names: Collection[str]) -> None:
-        """Leave out the rows in which all columns of these names are empty."""
+        """Remove the rows in which all columns of these names are empty."""
         columns = [self.texts(name) for name in self.heading if name in names]
         if columns:
             filled = [any(cells) for cells in zip(*columns, strict=True)]
@@ -267,7 +267,7 @@ class NumberTable:
         return np.split(numbers, np.cumsum([len(group) for group in groups[:-1]]), axis=1)
 
     def _factors(self, columns: Sequence[str]) -> list[float]:
-        """Return by what the numbers of columns are multiplied, for the units that are wanted."""
+        """Return the factors that convert the numbers of columns to the units of the table."""
         factors = []
         for name in columns:
             factor = self._wanted.factor(name, self._units.get(name, ""))
@@ -286,7 +286,7 @@ class NumberTable:
         *,
         blanks: bool,
     ) -> list[float]:
-        """Return the numbers of a row, and note the cells that are none."""
+        """Return the numbers of a row, and note the cells that are not numbers."""
         cells, found = self._cells(line), []
         for place, name in zip(places, columns, strict=True):
             text = cells[place].text if place < len(cells) else ""

@@ -1,4 +1,4 @@
-"""Poses in files and on the command line: CSV with a heading, or what `gsp solve` prints.
+"""Poses in files and on the command line: CSV with a heading, or the output of `gsp solve`.
 
 Rotations are quaternions (scalar first, of any length), three angles about axes, or the nine
 entries of R by rows; the position is that of one point of the platform, the pivot.
@@ -32,16 +32,16 @@ TRANSLATION = ("tx", "ty", "tz")
 QUATERNION = ("qw", "qx", "qy", "qz")
 ANGLES = ("rx", "ry", "rz")
 ENTRIES = tuple(f"r{i}{j}" for i in "123" for j in "123")
-#: All columns that say where a platform is.
+#: All columns of a pose.
 COLUMNS = (*POSITION, *TRANSLATION, *QUATERNION, *ANGLES, *ENTRIES)
-#: Entries of R may differ from those of a rotation by this much: they are often rounded to three
-#: decimals. The nearest rotation is taken.
+#: Largest difference of the entries of R from those of a rotation, since they are often rounded to
+#: three decimals. The nearest rotation is taken.
 _ROUNDED = 1e-3
 
 
 @dataclass(frozen=True)
 class PoseFormat:
-    """What a pose file does not say itself.
+    """The conventions that a pose file does not state.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class PoseFormat:
 
     @property
     def units(self) -> FileUnits:
-        """The units in which numbers of files are wanted."""
+        """The units to which numbers of files are converted."""
         return FileUnits(self.length, self.in_radians)
 
     def of(self, table: NumberTable) -> PoseFormat:
@@ -127,7 +127,7 @@ def read_poses(text: str, name: str, form: PoseFormat) -> PoseTable:
 
 
 def has_poses(text: str, name: str, form: PoseFormat) -> bool:
-    """Return whether a file is one of poses, by its heading; else it is one of values."""
+    """Return whether the heading of a file is that of poses; else it is that of values."""
     if text.lstrip()[:1] in ("{", "["):
         return True
     return names_poses(NumberTable(text, name, ignore=form.ignore))
@@ -139,9 +139,9 @@ def names_poses(table: NumberTable) -> bool:
 
 
 def poses_in(table: NumberTable, form: PoseFormat, more: Collection[str] = ()) -> PoseTable | None:
-    """Return the poses of a table; None if its columns are not those of poses.
+    """Return the poses of a table; None if it has no columns of poses.
 
-    Mistakes are noted in the table; a pose with one has numbers that mean nothing.
+    Mistakes are noted in the table; the numbers of a pose with a mistake are meaningless.
 
     Parameters
     ----------
@@ -204,7 +204,7 @@ def read_pose(text: str, form: PoseFormat, name: str = "--pose") -> PoseTable:
 
 
 def pose_columns(count: int) -> tuple[str, ...] | None:
-    """Return the columns of a pose of so many numbers, or None if there is no such."""
+    """Return the columns of a pose with so many numbers, or None if there are none."""
     names = {7: QUATERNION, 6: ANGLES, 12: ENTRIES}.get(count)
     return None if names is None else (*POSITION, *names)
 
@@ -260,7 +260,7 @@ def numbers_of_pose(R: Array, T: Array, form: PoseFormat) -> list[float]:
 
 
 def rotations_of(numbers: Array, form: PoseFormat) -> tuple[Array, list[tuple[int, str]]]:
-    """Return rotations (n, 3, 3) of rows of numbers, and what is wrong with which rows."""
+    """Return rotations (n, 3, 3) of rows of numbers, and the mistakes of rows."""
     wrong: list[tuple[int, str]] = []
     if numbers.shape[1] == len(ANGLES):
         assert form.euler is not None
@@ -271,7 +271,7 @@ def rotations_of(numbers: Array, form: PoseFormat) -> tuple[Array, list[tuple[in
             (int(row), "found a quaternion of length zero, expected that of a rotation")
             for row in np.flatnonzero(sizes == 0)
         ]
-        # Divided by their size, so that the square of none under- or overflows.
+        # Numbers are divided by their size, so that no square under- or overflows.
         scaled = np.where(sizes > 0, numbers / np.where(sizes > 0, sizes, 1.0), 1.0)
         return rotation_from_quaternion(scaled), wrong
     given = numbers.reshape(-1, 3, 3)
@@ -290,7 +290,7 @@ def rotations_of(numbers: Array, form: PoseFormat) -> tuple[Array, list[tuple[in
 
 def _read_json(text: str, name: str, form: PoseFormat) -> PoseTable:
     try:
-        # Integers of any length are read as what they are for us: numbers that may be too large.
+        # Integers of any length are read as floats, which may be infinite.
         document = json.loads(text, parse_int=float)
     except json.JSONDecodeError as error:
         message = f"not JSON: {error.msg}"
@@ -321,7 +321,7 @@ def _read_json(text: str, name: str, form: PoseFormat) -> PoseTable:
 
 
 def _pose(entry: Any) -> tuple[Array, Array] | str:
-    """Return the pose of an entry, or what is wrong with it."""
+    """Return the pose of an entry, or the mistake in it."""
     if not isinstance(entry, dict):
         return f"found {shown(str(entry))}, expected a pose with R and T"
     if entry.get("real") is False:

@@ -1,8 +1,8 @@
-"""What is required of poses, and which of many rows of them is the worst.
+"""Requirements on poses, and the worst of many rows for each requirement.
 
-Requirements are written as ``range, cone, clearance>=0.5, condition<=50``. What a quantity is, and
-whether much or little of it is good, is said here once; who has computed it for n poses asks
-`judge` whether all of them keep what is required.
+Requirements are written as ``range, cone, clearance>=0.5, condition<=50``. `QUANTITIES` defines the
+quantities and whether a large or a small number is better. `judge` takes their numbers for n poses
+and says whether all poses keep the requirements.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 class Quantity(NamedTuple):
-    """Something that may be required of a pose."""
+    """A quantity on which a pose can have a requirement."""
 
     least: bool
     """Whether a requirement says the least that it may be, else the most."""
@@ -60,7 +60,7 @@ class Requirement:
     quantity
         A key of `QUANTITIES`.
     limit
-        The most, or the least, that it may be.
+        The largest, or the smallest, number that is allowed.
     """
 
     quantity: str
@@ -77,9 +77,9 @@ def parse_requirements(text: str, option: str = "--require") -> list[Requirement
     Parameters
     ----------
     text
-        As ``range, cone, clearance>=0.5``; range and cone alone mean that they are kept.
+        Such as ``range, cone, clearance>=0.5``; range and cone have no number.
     option
-        How errors name what was read.
+        The name of the option in errors.
 
     Raises
     ------
@@ -130,20 +130,21 @@ class Parts(NamedTuple):
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether all rows keep a requirement.
+    """Whether all rows keep a requirement, and the worst row.
 
     Attributes
     ----------
     requirement
         The requirement.
     met
-        Whether they do.
+        Whether all rows keep it.
     worst
-        The number in the worst row; NaN if it has none there, which is not met.
+        The number in the worst row; NaN if it could not be computed, which violates the
+        requirement.
     row
         The index of that row.
     part
-        What it is the number of, such as ``constraint 2``; empty where there are no parts.
+        The part with this number, such as ``constraint 2``; empty if there are no parts.
     """
 
     requirement: Requirement
@@ -161,10 +162,10 @@ def judge(
     Parameters
     ----------
     requirements
-        What is required.
+        The requirements.
     quantities
-        The numbers of n poses by the keys of `QUANTITIES`: shape (n,), or in parts. NaN is what
-        could not be computed: the worst of all.
+        The numbers of n poses by the keys of `QUANTITIES`: shape (n,), or in parts. NaN stands for
+        a number that could not be computed, and is the worst.
 
     Raises
     ------

@@ -40,9 +40,9 @@ class ValueTable:
     values
         In the units and order of the instance, DPH and DHP signed, shape (n, 6).
     coordinates
-        Of primitives that move, by name, each of shape (n,).
+        Coordinates of primitives that move, by name, each of shape (n,).
     start
-        The first pose (R, T) of a file of poses; None of values.
+        The first pose (R, T) of a file of poses; None for a file of values.
     """
 
     t: Array
@@ -51,7 +51,7 @@ class ValueTable:
     start: tuple[Array, Array] | None = None
 
     def subdivided(self, steps: int) -> ValueTable:
-        """Return the same trajectory with so many rows for each step between rows."""
+        """Return the trajectory with each step between rows divided into so many steps."""
         if steps == 1:
             return self
         rows = np.arange(len(self.t))
@@ -66,12 +66,13 @@ class ValueTable:
 def read_values(
     text: str, name: str, instance: Instance, form: PoseFormat, *, delta: bool = False
 ) -> ValueTable:
-    """Read a trajectory of values, or of poses, which are measured.
+    """Read a trajectory of values; for a file of poses, return the values that they measure.
 
     The columns ``1`` to ``6`` are the values of the constraints; a constraint without a column
-    keeps that of the instance. Columns with names such as ``base.B1.x``, ``base.L1.direction.z`` or
-    ``crank.B1`` are coordinates that move (`gspcli.geometry.coordinates`). A file with columns
-    x, y, z is one of poses (`read_poses`). Columns that are not known are mistakes.
+    keeps its value in the instance. Columns with names such as ``base.B1.x``,
+    ``base.L1.direction.z`` or ``crank.B1`` are coordinates that move
+    (`gspcli.geometry.coordinates`). A file with columns x, y, z has poses (`read_poses`). Columns
+    that are not known are mistakes.
 
     Parameters
     ----------
@@ -82,7 +83,7 @@ def read_values(
     form
         What a pose file does not say.
     delta
-        Whether the numbers are to be added to the values of the instance.
+        Whether the numbers are added to the values of the instance.
 
     Raises
     ------
@@ -142,7 +143,7 @@ def read_values(
 
 
 def note_legs(table: NumberTable, instance: Instance) -> None:
-    """Note columns that are said to be lengths of legs where a constraint is none."""
+    """Note columns whose heading says length of a leg, for a constraint that is no leg."""
     for number in table.legs:
         kind = instance.constraints[int(number) - 1].kind
         if kind != DPP:
@@ -187,7 +188,7 @@ def nominal_values(instance: Instance) -> Array:
 def _check_meaning(
     table: NumberTable, instance: Instance, values: Array, columns: list[int]
 ) -> None:
-    """Note values that the kinds of their constraints cannot have."""
+    """Note values outside the range of the kind of their constraint."""
     unit, meant = instance.units.angle, values_of(instance, values)
     for k in columns:
         kind = instance.constraints[k].kind

@@ -30,7 +30,7 @@ Index = NDArray[np.int64]
 
 
 class Stop(IntEnum):
-    """How a branch ended; the numbers are those of native/branch_follower.hpp."""
+    """The end of a branch; the numbers are those of native/branch_follower.hpp."""
 
     END = 0
     """After the last row."""
@@ -42,16 +42,16 @@ class Stop(IntEnum):
 
 @dataclass(frozen=True)
 class FollowOptions:
-    """How branches are followed.
+    """Options of following branches.
 
     Attributes
     ----------
     certify
-        Whether each segment is proved to be one branch with no other near it. If not, a branch may
-        jump, and its points are only solutions of Newton's method.
+        Whether each segment is proved to be one branch with no other near it. Without proof a
+        branch may jump to another one: its points are solutions of Newton's method.
     most_halvings
-        How often the step between two rows may be halved; then the branch ends. After 40 the step
-        is 1e-12 of that between the rows.
+        How often the step between two rows may be halved before the branch ends. After 40 halvings
+        the step is 1e-12 of the distance between the rows.
     jobs
         Threads. The answer does not depend on them.
     build
@@ -71,22 +71,22 @@ class Branches:
     Attributes
     ----------
     points
-        Study points of norm one, lengths in the unit of the equations, shape (n, r, 8); NaN beyond
-        where a branch ends.
+        Study points of norm one, lengths in the unit of the equations, shape (n, r, 8); NaN after
+        the end of a branch.
     stop
         A `Stop` each, shape (n,).
     reached, fraction
         The last row reached (from 0), and the part of the step to the next one that was followed
         beyond it, shape (n,).
     last, previous
-        The point there and one before it, shape (n, 8).
+        The last point and one before it, shape (n, 8).
     segments, tries
-        How many segments were kept and how many were tried, shape (n,).
+        The numbers of segments that were proved and that were tried, shape (n,).
     worst
-        The largest value of what must be below one in a proof, shape (n,).
+        The largest measure of a proof (it is below one), shape (n,).
     near, alone
-        How near to ``last`` the proved pose is, and how near no other one is, in units of Study
-        points of norm one, shape (n,).
+        A bound of the distance of ``last`` from the proved pose, and a distance within which there
+        is no other pose, in units of Study points of norm one, shape (n,).
     """
 
     points: Array
@@ -118,7 +118,7 @@ class StudyUnits:
     def poses(self, points: Array) -> tuple[Array, Array]:
         """Return the poses (R, T) of Study points, ``(..., 8) -> (..., 3, 3), (..., 3)``.
 
-        Points at infinity, where a platform that goes far away may end, have none: not finite.
+        The pose of a point at infinity is not finite.
         """
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             R, T = pose_from_study(points[..., :4], points[..., 4:])
@@ -126,9 +126,9 @@ class StudyUnits:
 
 
 def apart(instance: Instance) -> Instance:
-    """Return an instance whose distances of lines are not zero, for values that move from there.
+    """Return an instance whose distances of lines are not zero, for values that move from zero.
 
-    The mutual moment is the equation of lines that meet, but not of a distance that grows.
+    The mutual moment is the equation of lines that meet, but not that of a growing distance.
     """
     zero = {
         k: Number.of(1)
@@ -139,15 +139,15 @@ def apart(instance: Instance) -> Instance:
 
 
 class MovingPlatform(StudyUnits):
-    """An instance whose values move, made ready for following many branches.
+    """An instance whose values move, prepared for following many branches.
 
     Parameters
     ----------
     instance
-        The geometry and units. Its values are not used, except that a DLL of value zero stays so,
-        and that they tell the size of the platform.
+        The geometry and units. Its values give the size of the platform, and a DLL of value zero
+        stays zero; otherwise they are not used.
     local_frames
-        Where the frames of the equations begin: near the bodies, if None is given.
+        The frames of the equations; None stands for frames near the bodies.
     """
 
     #: No coordinates move.
@@ -165,7 +165,7 @@ class MovingPlatform(StudyUnits):
 
     @cached_property
     def system(self) -> MovingSystem:
-        """The same in ball arithmetic."""
+        """The equations in ball arithmetic."""
         return MovingSystem(self._near, ())
 
     def instance_at(self, row: Array) -> Instance:
@@ -235,14 +235,14 @@ class MovingPlatform(StudyUnits):
         values
             Internal values, shape (trajectories, rows, 6).
         trajectory
-            Which of them each branch belongs to, shape (n,).
+            The trajectory of each branch, shape (n,).
         start
             Study points near the branches at the first rows, shape (n, 8).
         options
-            How to follow.
+            The options of following.
         near
-            How near to its start the pose is that is meant, if another may be as near, shape (n,);
-            zero, or None for all, means the one that Newton's method finds.
+            The distance of the pose from its start, if another pose may be as near, shape (n,).
+            Zero, or None for all, stands for the pose that Newton's method finds.
         """
         equations, options = self.equations, options or FollowOptions()
         low, high = self._bounds(values)
@@ -268,12 +268,12 @@ class MovingPlatform(StudyUnits):
         )
 
     def _bounds(self, values: Array) -> tuple[Array, Array]:
-        """Return bounds of c over all trajectories, shapes (6,); of angles the trivial ones."""
+        """Return bounds of c over all trajectories, shapes (6,); the trivial ones for angles."""
         least, most = values.min(axis=(0, 1)), values.max(axis=(0, 1))
         laws = self.equations.laws
         square = laws == Law.SQUARE
         far = np.maximum(np.abs(least), np.abs(most))
-        # Distances do not change sign along a segment unless they do at its ends.
+        # A distance changes its sign along a segment only if its signs at the ends differ.
         low = np.where(square, np.where(least * most > 0, np.minimum(least**2, most**2), 0), least)
         high = np.where(square, far**2, most)
         outward = 1e-12 * far ** np.where(square, 2, 1)

@@ -1,4 +1,4 @@
-"""Branches followed along one trajectory, and how each of them ends."""
+"""Branches followed along one trajectory, and the end of each of them."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ Array = NDArray[np.float64]
 
 #: Points of norm one at the same pose agree to this.
 SAME = 1e-7
-#: Lines at a smaller angle are called nearly parallel (radians), and a platform further away than
-#: so many of its typical lengths far; only in words.
+#: Limits for the words of a reason: lines at a smaller angle (radians) are "nearly parallel", and a
+#: platform farther away than this many typical lengths is "far away".
 _PARALLEL = 1e-2
 _FAR = 10.0
 
@@ -68,7 +68,7 @@ class Run:
 
     @property
     def reversed(self) -> Run:
-        """The same from the last row to the first."""
+        """The run from the last row to the first."""
         return Run(
             self.instance, self.platform, -self.t[::-1], self.values[::-1].copy(), self.options
         )
@@ -87,9 +87,9 @@ class Run:
         return value
 
     def _carried_on(self, branches: Branches, k: int) -> tuple[int, Fold] | None:
-        """Follow a branch on where doubles do not suffice; return the fold where it ends, if any.
+        """Continue a branch where doubles do not suffice; return the fold at its end, if any.
 
-        What is found is added to the branch.
+        The new points are added to the branch.
         """
         closely = False
         while branches.stop[k] == Stop.STEP:
@@ -97,7 +97,7 @@ class Run:
             fold = self._fold(branches, k)
             if fold is not None and self._reaches(branches, k, fold):
                 return row, fold
-            # Parallel lines and poses far away are beyond what more digits can do.
+            # More digits do not help at parallel lines and at poses far away.
             seen = self._seen(row, *self.platform.poses(branches.last[k]))
             if closely or not self.options.certify or (fold is None and seen is not None):
                 return None
@@ -108,7 +108,7 @@ class Run:
     def _follow_closely(self, branches: Branches, k: int, towards: Fold | None) -> None:
         """Follow a branch with residuals in balls, to the next row, and from there as usual.
 
-        Towards a fold there is always hope.
+        A branch towards a fold is never given up early.
         """
         platform, row = self.platform, int(branches.reached[k])
         rows = self.values[row : row + 2]
@@ -151,7 +151,7 @@ class Run:
         return fold
 
     def _reaches(self, branches: Branches, k: int, fold: Fold) -> bool:
-        """Whether it is proved that a branch reaches a fold, without another one before."""
+        """Whether it is proved that a branch reaches a fold and no other fold before it."""
         part, near = float(branches.fraction[k]), float(branches.near[k])
         return bool(fold.sides(branches.last[k][None], part, near)[0])
 
@@ -162,7 +162,7 @@ class Run:
         numbers: NDArray[np.int64],
         k: int,
     ) -> Event:
-        """Return what became of a branch that ended early."""
+        """Return the event at the end of a branch that ended early."""
         row, part = int(branches.reached[k]), float(branches.fraction[k])
         found = folds[k]
         mode = int(numbers[k])
@@ -190,7 +190,7 @@ class Run:
         )
 
     def _seen(self, row: int, R: Array, T: Array) -> str | None:
-        """Return what is seen at a pose where following stopped, if anything."""
+        """Return the reason in words, from the pose at which following stopped, if there is one."""
         if not (np.isfinite(R).all() and np.isfinite(T).all()):
             return "the platform goes far away, to infinity"
         arrangement = Arrangement.of(self.platform.instance_at(self.values[row]))

@@ -19,14 +19,14 @@ class Bends:
     parts
         The equations.
     chord
-        What is known of them along the chords.
+        The bounds of the equations along the chords.
 
     Attributes
     ----------
     values
         Coefficients of powers of tau, shape (n, 7, d, 8, 8).
     errors
-        Bounds of what is left out, shape (n, 7).
+        Bounds of the remainders, shape (n, 7).
     thirds
         Bounds of the third derivatives within `REACH`, shape (n, 7).
     """
@@ -55,7 +55,7 @@ class Bends:
         )
 
     def _product(self, parts: Parts, rows: NDArray[np.intp]) -> None:
-        """Fill in those of ``N A - B^2``."""
+        """Fill in the second derivatives of ``N A - B^2``."""
         chord, at = self._chord, rows + 1
         (a, b), (ga, gb), (ha, hb) = self._forms(parts, rows)
         n, gn = chord.n[:, None], chord.gn[:, None]
@@ -74,7 +74,7 @@ class Bends:
         self.errors[:, at] += 2 * ((mb + ob) * eb + ob * sb + (2 * fb + ub) * ub)
 
     def _lines(self, parts: Parts, rows: NDArray[np.intp]) -> None:
-        """Fill in those of ``A^2 - c (N^2 - B^2)``."""
+        """Fill in the second derivatives of ``A^2 - c (N^2 - B^2)``."""
         chord, at = self._chord, rows + 1
         (a, b), (ga, gb), (ha, hb) = self._forms(parts, rows)
         n, gn = chord.n[:, None], chord.gn[:, None]
@@ -113,7 +113,7 @@ class Bends:
         return a, b, c
 
     def _left_out(self, parts: Parts, rows: NDArray[np.intp]) -> tuple[Array, Array, Array]:
-        """Return bounds of what is left out of these."""
+        """Return bounds of the remainders of the second derivatives."""
         chord = self._chord
         whole = (parts.errors, chord.slope_off, chord.off)
         a, b, c = (np.moveaxis(array[:, rows], 2, 0) for array in whole)

@@ -1,9 +1,8 @@
-"""The equations along the chord between two poses, while all their coefficients move.
+"""The equations along the chord between two poses, while all coefficients move.
 
-They are polynomials in tau, from -1/2 to 1/2 along the chord, with bounds of what is left out: of
-the quadrics (`gspcli.certification.branches.taylor`) and by rounding. No term of one goes through
-more than 500 roundings, so that errors are below 2^-44 times the same expression of the moduli of
-its terms.
+They are polynomials in tau, from -1/2 to 1/2 along the chord, with bounds of the remainders of the
+quadrics (`gspcli.certification.branches.taylor`) and of rounding. No term is rounded more than 500
+times, so errors are below 2^-44 times the same expression of the moduli of its terms.
 """
 
 from __future__ import annotations
@@ -19,10 +18,11 @@ from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
-#: How far from a chord second and third derivatives are bounded, as in native/segment_proof.hpp.
+#: Distance from a chord within which second and third derivatives are bounded, as in
+#: native/segment_proof.hpp.
 REACH = 0.125
 ROUNDING = 2.0**-44
-#: Degree of the quadrics in tau; what is above counts as error.
+#: Degree of the quadrics in tau; higher terms count as error.
 DEGREE = 3
 #: Coefficients of an equation along a chord, of its gradient and of its second derivatives: with
 #: c, it has the degree of two quadrics and c.
@@ -110,7 +110,7 @@ class Chord:
         Coefficients of powers of tau of the equations, shape (n, 7, d), and of their gradients,
         shape (n, 7, d - 1, 8).
     value_errors, slope_errors
-        Bounds of what is left out, shape (n, 7).
+        Bounds of the remainders, shape (n, 7).
     curvatures
         Bounds of second derivatives within `REACH`, shape (n, 7).
     value, gradient, n, gn
@@ -120,7 +120,7 @@ class Chord:
     first_n, most_n
         The same of N, shape (n, 1).
     off, slope_off
-        Bounds of what is left out of A and B and their gradients on the chord, (n, 6, 2).
+        Bounds of the remainders of A and B and of their gradients on the chord, (n, 6, 2).
     moduli
         Not below the same expressions of moduli as A and B, shape (n, 6, 2).
     size
@@ -174,7 +174,7 @@ class Chord:
         #: Bounds in the tube of gradients and values of A and B.
         self.first = middle + self.spectral * reach + moves * wide
         self.most = np.abs(value[..., 0]) + self.first * reach + moves * wide**2 / 2
-        #: Of what is left out of the values and gradients on the chord.
+        #: Bounds of the remainders of values and gradients on the chord.
         self.off = parts.errors * size**2 / 2
         self.slope_off = parts.errors * size
         #: The expressions of moduli.

@@ -1,17 +1,17 @@
 """Proof that a branch follows a chord while all coefficients of the equations move.
 
-The theorem is that of native/segment_proof.hpp. There only the values move, and the quadrics stand
-still; here they are polynomials in tau with bounded remainders
-(`gspcli.certification.branches.taylor`). Written down on its own, for any number of branches at a
-time; where only values move the two can be compared.
+The theorem is that of native/segment_proof.hpp. There only the values move and the quadrics are
+constant; here the quadrics are polynomials in tau with bounded remainders
+(`gspcli.certification.branches.taylor`). This program is independent of the native one and takes
+any number of branches at a time; where only values move the two can be compared.
 
-The theorem holds in any norm. Near singular poses, and where a mode goes far away, it moves mainly
-along the singular direction n in which the equations tell least, and what other directions do to
-their derivatives counts as much as if it moved there. So other norms are tried where the
-Euclidean one does not do: that of y for points ``z + B y``, where the columns of B are the singular
-directions, times powers of their singular values relative to that of n. In these the second
-derivatives themselves are taken, and not only bounds of their sizes: they are large in other
-directions than n.
+The theorem holds in any norm. Near singular poses, and where a mode goes far away, the mode moves
+mainly along n, the singular direction with the smallest singular value. The Euclidean norm counts
+derivatives in all other directions as if the mode moved in them, too. So if a proof fails in this
+norm, other norms are tried: those of y for points ``z + B y``. The columns of B are the singular
+directions, each times a power of its singular value relative to that of n. These norms use the
+second derivatives themselves and not only bounds of their sizes, which are large in other
+directions.
 """
 
 from __future__ import annotations
@@ -39,10 +39,10 @@ Array = NDArray[np.float64]
 #: As in native/segment_proof.hpp.
 LONGEST = 0.5
 _NORM = 1.07
-#: Half the square of what bounds further from a chord than needed may add to a measure.
+#: The most that bounds at a greater distance from a chord may add to a measure.
 _SPARE = 0.005
 _OUTWARD = 1 + 2.0**-30
-#: Singular values relatively below this are taken for zero.
+#: Singular values below this part of the largest are taken for zero.
 _SINGULAR = 2.0**-200
 #: Of the inverse times p, sums of eight products.
 PATCH = 2.0**-49
@@ -54,18 +54,18 @@ EXPONENTS = (0.0, 0.3, 0.5, 0.7, 0.85, 1.0)
 
 @dataclass(frozen=True, eq=False)
 class ChordProofs:
-    """What is known of n chords.
+    """Proofs of n chords.
 
     Attributes
     ----------
     measure
-        Below one: proved.
+        The measure; a chord is proved if it is below one.
     end
-        How near the zeros at both ends are to the points, at least.
+        A bound of the distances of the zeros at both ends from the points.
     uniqueness
-        How near to the chord there is no other zero.
+        There is no other zero within this distance from the chord.
     radius
-        How near to the chord the zeros are all along, at least.
+        A bound of the distance of the zeros from the chord, all along.
     """
 
     measure: Array
@@ -74,9 +74,9 @@ class ChordProofs:
     radius: Array
 
     def joined(self, other: ChordProofs) -> ChordProofs:
-        """Return what two proofs tell together: both are of the same zeros if their balls overlap.
+        """Return the better numbers of two proofs; if their balls overlap the zeros are the same.
 
-        Otherwise the one with the smaller measure.
+        If the balls do not overlap, return the proof with the smaller measure.
         """
         mine = self.measure <= other.measure
         end = np.minimum(self.end, other.end)
@@ -108,22 +108,22 @@ def prove(
     first, last
         The ends, Study points of norm about one, shape (n, 8).
     exact
-        The same equations in balls, for modes that are very near to each other; then all norms are
-        tried.
+        The equations in balls, for modes that are very near to each other; all norms are tried
+        then.
     """
     patch, z, d = on_patch(first, last)
     chord = Chord(parts, z, d)
     for k, one in enumerate(exact or ()):
         chord.values[k], chord.value_errors[k] = one.residuals(z[k], d[k], VALUES)
     matrix = np.concatenate((chord.slopes[:, :, 0], patch[:, None]), axis=1)
-    # A singular matrix gives numbers that prove nothing.
+    # The numbers of a singular matrix prove nothing.
     with np.errstate(all="ignore"):
         found = _prove_in(chord, matrix, np.broadcast_to(np.eye(8), matrix.shape), None)
         if exact is None or (found.measure < EASY).all() or not np.isfinite(matrix).all():
             return found
         bends = Bends(parts, chord)
         _, sizes, right = np.linalg.svd(matrix)
-        # Of a singular matrix there are no weights.
+        # A singular matrix has no weights.
         if not (sizes[:, -1] > _SINGULAR * sizes[:, 0]).all():
             return found
         for exponent in EXPONENTS:
@@ -138,8 +138,8 @@ def prove(
 def on_patch(first: Array, last: Array) -> tuple[Array, Array, Array]:
     """Return a patch p for each chord, its middle and its direction, all of shape (n, 8).
 
-    The chord is ``z + tau d`` with ``p.z = 1`` and ``p.d = 0`` but for rounding, tau from -1/2 to
-    1/2. What is proved is of the zeros x with ``p.x = p.(z + tau d)``, exactly.
+    The chord is ``z + tau d``, tau from -1/2 to 1/2, with ``p.z = 1`` and ``p.d = 0`` up to
+    rounding. The proofs are about the zeros x with ``p.x = p.(z + tau d)``, exactly.
     """
     patch = first + last
     patch = patch / np.linalg.norm(patch, axis=1, keepdims=True)
@@ -165,7 +165,7 @@ def _prove_in(chord: Chord, middle: Array, frame: Array, bends: Bends | None) ->
     matrix = middle @ frame
     regular = np.abs(np.linalg.det(matrix)) > 0
     inverse = np.linalg.inv(np.where(regular[:, None, None], matrix, np.eye(8)))
-    # How much longer x can be than y, and y than x.
+    # Bounds of |x| / |y| and of |y| / |x|.
     longer = np.linalg.norm(frame, ord=2, axis=(1, 2)) * _OUTWARD
     back = np.linalg.inv(frame)
     off = np.linalg.norm(back @ frame - np.eye(8), axis=(1, 2))
@@ -180,7 +180,7 @@ def _prove_in(chord: Chord, middle: Array, frame: Array, bends: Bends | None) ->
     q += norms[:, 1:] @ 0.5 ** np.arange(2, SLOPES)
     q += (np.sum(size * chord.slope_errors, axis=1) + sizes[:, 7] * PATCH) * longer
     constant, linear, rest = _split(chord.values)
-    # What is left at the ends, in the directions in which the inverse is large or not.
+    # The residuals at the ends, in the directions in which the inverse is large and in the others.
     shifts = np.stack([np.einsum("nxr,nr->nx", inner, part) for part in (constant, linear)])
     lost = chord.value_errors + ROUNDING * (np.abs(chord.values) @ 0.5 ** np.arange(VALUES))
     end = np.linalg.norm(shifts, axis=2).T @ (1.0, 0.5) + np.sum(size * lost, axis=1)
@@ -192,7 +192,7 @@ def _prove_in(chord: Chord, middle: Array, frame: Array, bends: Bends | None) ->
         kappa, reach = np.sum(size * chord.curvatures, axis=1), REACH
     else:
         along, third = _second_and_third(inner, frame, bends)
-        # As far as what is added is small in the measure, and the better for uniqueness.
+        # As far as the measure grows little; a larger distance is better for uniqueness.
         far = np.fmin(np.sqrt(left / third), _SPARE / (third * beta))
         reach = np.clip(np.fmax(along / third, far), 4 * radius * longer, REACH)
         kappa = along + third * reach
@@ -213,9 +213,9 @@ def _prove_in(chord: Chord, middle: Array, frame: Array, bends: Bends | None) ->
 
 
 def _second_and_third(inner: Array, frame: Array, bends: Bends) -> tuple[Array, Array]:
-    """Bound the inverse times second and third derivatives in units of y as of x, (n,) each.
+    """Bound the inverse times second and third derivatives in units of y and of x, (n,) each.
 
-    The second on the chord, the third within `REACH` of it.
+    Second derivatives are bounded on the chord, third ones within `REACH` of it.
     """
     size = np.linalg.norm(inner, axis=1)
     moved = np.einsum("nyr,nrdij->ndyij", inner, bends.values)

@@ -1,11 +1,10 @@
-"""Where along a trajectory legs keep their cones, with proof: not only at rows.
+"""The parts of a trajectory on which legs keep their cones, proved between the rows, too.
 
-A mode is followed once more, with every proved part of it kept (`stepping`): on each the pose is
-within a radius of a chord. There the quadric of a cone
-(`gspcli.certification.branches.moving_cones`) is a polynomial along the chord, plus what it can
-change by within the radius. Where its sign is not clear the part is halved, and both halves are
-proved anew; they are parts of the same branch, because they begin or end where it does, with no
-other pose near.
+A mode is followed once more, and each proved part is kept: on it the pose is within a radius of a
+chord. The quadric of a cone (`gspcli.certification.branches.moving_cones`) is a polynomial along
+the chord, plus a bounded change within the radius. If its sign is not clear the part is halved, and
+both halves are proved anew. They belong to the same branch: each shares an end with the part, and
+there is no other pose near that end.
 """
 
 from __future__ import annotations
@@ -37,30 +36,31 @@ from gspcli.records import dataclass
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: How often a step between rows is halved on the way to where a cone is left.
+#: Most halvings of a step between rows in the search for the place at which a cone is violated.
 _HALVINGS = 34
-#: After so many residuals are computed in balls: in doubles poses are not known well enough.
+#: After this many halvings residuals are computed in balls: doubles are not accurate enough.
 _IN_DOUBLES = 16
 #: Parts that are judged at a time.
 _PIECE = 256
-#: As in `chords`: of sums of products, relative to the same expression of moduli.
+#: Rounding of sums of products, relative to the same expression of moduli, as in `chords`.
 _ROUNDING = 2.0**-44
 _OUTWARD = 1 + 2.0**-30
-#: What the ends of chords may move by when they are scaled again.
+#: The change of the ends of chords when they are scaled again.
 _AGAIN = 2.0**-48
 _ENDS = ("first", "last")
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """A part of a mode's way.
+    """A part of the path of a mode.
 
     Attributes
     ----------
     begin, end
         Rows, counted from 0, with fractions.
     states
-        For each cone 1: kept all along, -1: left all along, both proved; 0: neither is.
+        For each cone: 1 if it is proved to be kept all along, -1 if it is proved to be violated all
+        along, else 0.
     """
 
     begin: float
@@ -74,7 +74,7 @@ class ConeProofs:
     Parameters
     ----------
     instance
-        With the cones; where values are zero they are so at all rows, as for `MovingSystem`.
+        The platform with the cones. A value of zero is zero at all rows, as for `MovingSystem`.
     chosen
         The coordinates that move.
     rows
@@ -88,7 +88,7 @@ class ConeProofs:
         self._models: dict[tuple[MovingSystem, int], PartModels] = {}
 
     def stretches(self, points: Array) -> list[list[Stretch]]:
-        """Return what is proved of modes, in order; nothing is said of what is in no stretch.
+        """Return the proved stretches of modes, in order; there may be gaps between them.
 
         Parameters
         ----------
@@ -100,7 +100,8 @@ class ConeProofs:
         ends = np.isfinite(points[:, :, 0]).sum(axis=1)
         begun = np.zeros(len(points), np.int64)
         while True:
-            # Most go on from the first row; where proofs failed it is the row after.
+            # Most begin at the first row; after a failed proof the next one begins at the row after
+            # it.
             row = int(
                 begun[begun < np.minimum(ends, len(self.rows) - 1)].min(initial=len(self.rows))
             )
@@ -115,7 +116,7 @@ class ConeProofs:
             begun[here] += np.maximum(branches.reached, 0) + 1
 
     def _judged(self, row: int, segments: list[Segment]) -> list[tuple[int, Stretch]]:
-        """Return branches and what is known on some segments, counted from a row, by time."""
+        """Return branches and states on some segments, counted from a row, by time."""
         self._models.clear()
         found: list[tuple[int, Stretch]] = []
         queue = segments[::-1]
@@ -155,7 +156,7 @@ class ConeProofs:
         return self._model(system, row, one).piece(one.part, one.level)
 
     def _states(self, row: int, segments: list[Segment]) -> tuple[Index, NDArray[np.bool_]]:
-        """Return the states of the cones, (n, cones), and where halving is of no more use, (n,)."""
+        """Return the states of the cones, (n, cones), and whether halving is useless, (n,)."""
         states = np.zeros((len(segments), len(self.limits.cones)), np.int64)
         hopeless = np.zeros(len(segments), bool)
         pieces = [self._piece(self.limits, row, one) for one in segments]
@@ -165,19 +166,19 @@ class ConeProofs:
         parts = Parts.of(self.limits.shapes, [piece for piece in pieces if piece is not None])
         middle, change, wide, least = _enclosed(parts, [segments[k] for k in known])
         states[known] = np.where(middle > wide, 1, np.where(middle < -wide, -1, 0))
-        # What the pose is not known by does not get less any more.
+        # The uncertainty of the pose does not decrease any more.
         hopeless[known] = ((states[known] != 0) | (change < least)).all(axis=1)
         return states, hopeless
 
     def _halved(self, row: int, segments: list[Segment], *, exact: bool) -> list[list[Segment]]:
-        """Return two halves of each segment, or nothing where they are not proved.
+        """Return two halves of each segment, or None if they are not proved.
 
         Parameters
         ----------
         row
             The one that the rows of the segments are counted from.
         segments
-            Any.
+            The segments.
         exact
             Whether residuals are computed in balls.
         """
@@ -222,7 +223,7 @@ class ConeProofs:
 
 
 def _joined(one: Segment, other: Segment, exact: bool) -> bool:
-    """Whether two segments mean the same pose at an end that they share."""
+    """Whether two segments have the same pose at their common end."""
     scaled = SCALED_EXACTLY if exact else SCALED
     return 4 * one.end + scaled < other.alone or 4 * other.end + scaled < one.alone
 
@@ -235,11 +236,11 @@ def _enclosed(parts: Parts, segments: list[Segment]) -> tuple[Array, Array, Arra
     middle
         Their values in the middle of the chord, shape (n, k).
     change
-        How much they change along it.
+        Bounds of their change along it.
     wide
-        By how much they may differ from the middle on the branch.
+        Bounds of their difference from the middle on the branch.
     least
-        How much of that halving does not lessen.
+        The part of this bound that halving does not reduce.
     """
     first, last = (np.stack([getattr(one, key) for one in segments]) for key in _ENDS)
     _, z, d = on_patch(first, last)

@@ -1,4 +1,4 @@
-"""Where a motion leaves the ranges of values and the cones of joints, and where it comes back."""
+"""The times at which a motion leaves ranges of values and cones of joints, and returns."""
 
 from __future__ import annotations
 
@@ -19,32 +19,34 @@ from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
-#: Beside a fold so much of a step between rows may be left out: parts get too short there.
+#: The part of a step between rows next to a fold that may be skipped: parts get too short there.
 _BESIDE = 1e-7
 
 
 @dataclass(frozen=True)
 class LimitEvent:
-    """A limit that is left or kept again.
+    """A time at which a limit is violated for the first time or kept again.
 
     Attributes
     ----------
     kind
-        ``range`` of a value, the same for all modes, or ``cone`` of a joint.
+        ``range`` for a value (the same for all modes) or ``cone`` for a joint.
     leaves
-        Whether it is left; at the first row also that it is left from the beginning.
+        Whether the limit is violated from here on; at the first row: whether it is so from the
+        start.
     constraint
         The index of the constraint.
     body
-        Where the joint of the cone is.
+        The body of the joint of the cone.
     mode
         The mode whose leg leaves the cone.
     low, high
-        Between which t. Values are linear between rows, so that they leave a range at one t.
+        An interval that contains t. Values are linear between rows, so they leave a range at one t.
     proved
-        Whether it is proved that the limit is kept before and left after, or the reverse. If the
-        track is certified, a cone of which it is not is perhaps left between: the leg comes to its
-        edge, or the mode is nearly singular. If not, cones are only looked at where the rows are.
+        Whether it is proved that the limit is kept before and violated after, or the reverse. An
+        unproved event of a certified track says that a cone may be violated between: the leg comes
+        to its edge, or the mode is nearly singular. Without certification cones are checked at
+        rows.
     """
 
     kind: Literal["range", "cone"]
@@ -58,7 +60,7 @@ class LimitEvent:
 
 
 def limit_events(track: Track) -> list[LimitEvent]:
-    """Return where a trajectory leaves limits and keeps them again, by t."""
+    """Return the events at which a trajectory leaves limits or keeps them again, by t."""
     found = [*_ranges(track), *_cones(track)]
     return sorted(found, key=lambda event: (event.low, event.high, event.constraint))
 
@@ -78,7 +80,7 @@ def _ranges(track: Track) -> list[LimitEvent]:
 
 
 def _pieces(instance: Instance, k: int, t: Array, values: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Return where pieces of the motion of one value begin, and whether they are out of range.
+    """Return the beginnings of pieces of the motion of one value; which are out of range.
 
     The first piece is the first row; between rows a piece ends wherever the value meets an end of
     the range.
@@ -91,7 +93,7 @@ def _pieces(instance: Instance, k: int, t: Array, values: Array) -> tuple[Array,
     first, change = values[:-1, None], np.diff(values)[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
         parts = (ends - first) / change
-    # What is not between the rows is sorted last.
+    # Cuts outside the rows are NaN and are sorted last.
     cuts = np.sort(np.where((parts > 0) & (parts < 1), parts, np.nan), axis=1)
     edge = np.zeros((len(cuts), 1))
     begins = np.hstack((edge, cuts))
@@ -105,7 +107,7 @@ def _pieces(instance: Instance, k: int, t: Array, values: Array) -> tuple[Array,
 
 
 def cones_proved(track: Track) -> bool:
-    """Whether all that is said of cones is proved, for what is between rows, too."""
+    """Whether all statements about cones are proved, also between rows."""
     legs = [joint.constraint for joint in joint_cones(track.instance)]
     return track.certified and len(track.t) > 1 and bool((track.values[:, legs] >= 0).all())
 
@@ -117,7 +119,7 @@ def _cones(track: Track) -> list[LimitEvent]:
 
 
 def _between_rows(track: Track) -> list[LimitEvent]:
-    """Return where cones are left and kept again, proved for all that is between rows."""
+    """Return the events of cones, proved between rows, too."""
     rows = np.column_stack((track.values, track.places))
     found = []
     # Modes that are born on the way are followed back from the last row.
@@ -141,7 +143,7 @@ def _turned(stretches: Sequence[Stretch], rows: int) -> list[Stretch]:
 
 
 def _events(track: Track, m: int, stretches: Sequence[Stretch]) -> list[LimitEvent]:
-    """Return where the m-th mode leaves cones and keeps them again."""
+    """Return the events of the cones of the m-th mode."""
     mode, found = int(track.modes[m]), []
     times = [(_time(track, one.begin), _time(track, one.end)) for one in stretches]
     low, high = _lifetime(track, mode)
@@ -162,12 +164,12 @@ def _time(track: Track, row: float) -> float:
 
 
 def _room(track: Track) -> float:
-    """Return what is left out beside a fold, in units of t."""
+    """Return the time next to a fold that may be skipped, in units of t."""
     return float(_BESIDE * np.diff(track.t).max(initial=0.0))
 
 
 def _lifetime(track: Track, mode: int) -> tuple[float, float]:
-    """Return between which t a mode is known."""
+    """Return the interval of t on which a mode is known."""
     low, high = float(track.t[0]), float(track.t[-1])
     for event in track.events:
         if event.mode == mode:
@@ -182,14 +184,14 @@ def _changes(
     high: float,
     room: float,
 ) -> Iterator[tuple[bool, float, float, bool]]:
-    """Yield whether one cone is left or kept again, between which t, and whether that is proved.
+    """Yield the events of one cone: whether it is left, the interval of t, whether it is proved.
 
     Parameters
     ----------
     times, states
-        What is proved, in order; there may be gaps.
+        The proved stretches, in order; there may be gaps.
     low, high
-        From where to where something should be said, but for `room`.
+        The interval that the stretches should cover, up to `room`.
     """
     state, since, allowed = 1, low, room
     for (begin, end), now in zip(times, states, strict=True):
@@ -205,7 +207,7 @@ def _changes(
 
 
 def _at_rows(track: Track) -> list[LimitEvent]:
-    """Return between which rows cones are left and kept again, as it is seen at rows."""
+    """Return the events of cones that the poses at rows show, each between two rows."""
     cones = joint_cones(track.instance)
     outside = np.zeros((*track.T.shape[:2], len(cones)), bool)
     for rows, instance in track.instances():

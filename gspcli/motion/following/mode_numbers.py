@@ -1,8 +1,8 @@
-"""Which modes there are at a row of a trajectory, with the numbers that `solve` gives them.
+"""The modes at a row of a trajectory, with the numbers that `solve` gives them.
 
-The numbers are those of the real poses for the values that the instance states. A trajectory that
-begins elsewhere has them carried along: the modes are followed, proved, from the stated values to
-the first row. What is there at the first row and is not reached so is new.
+The numbers are those of the real poses for the values that the instance states. If a trajectory
+begins at other values, the modes are followed with proof from the stated values to the first row
+and keep their numbers. A mode at the first row that is not reached in this way is new.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class RowModes:
     numbers
         Their numbers, shape (n,).
     known
-        How many real poses there are for the stated values; those with larger numbers are new.
+        The number of real poses for the stated values; modes with larger numbers are new.
     """
 
     R: Array
@@ -96,7 +96,7 @@ def _carried(
     first: tuple[Array, Array],
     jobs: int,
 ) -> NDArray[np.int64]:
-    """Return the numbers of poses at the second row, 0 where no mode of the first one arrives."""
+    """Return the numbers of poses at the second row; 0 if no mode of the first row arrives."""
     real, sides = found.real, found.sides[found.real]
     R, T = found.R[real].real, found.T[real].real
     begins = (~_open_sides(instance) | (sides * np.sign(rows[0, :6]) >= 0)).all(axis=1)
@@ -109,7 +109,7 @@ def _carried(
         same = along_parallel_lines(at_values(instance, rows[0]), rows[:, :6], R)
         between = MovingPlatform(over_rows(same, rows))
     if not np.array_equal(rows[0], rows[1]):
-        # What becomes of modes that end on the way does not matter: no folds are looked for.
+        # The ends of modes on the way are not needed: no folds are searched for.
         followed = between.follow(
             between.internal(rows)[None],
             np.zeros(len(R), np.int64),

@@ -1,6 +1,6 @@
-"""An instance whose coordinates move as well as its values, made ready for following branches.
+"""An instance whose coordinates and values move, prepared for following branches.
 
-The slower sibling of `MovingPlatform`, which moves values only (`stepping`).
+It is slower than `MovingPlatform`, in which only values move.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Index = NDArray[np.int64]
 
 
 class MovingGeometry(StudyUnits):
-    """An instance whose values and coordinates move, made ready for following branches.
+    """An instance whose values and coordinates move, prepared for following branches.
 
     It is used like `MovingPlatform`; the rows have the six values and then the coordinates, in the
     units of the instance, inside as outside.
@@ -31,7 +31,7 @@ class MovingGeometry(StudyUnits):
     Parameters
     ----------
     instance
-        Units, and whatever does not move.
+        The units and all numbers that do not move.
     chosen
         The coordinates that move.
     """
@@ -43,7 +43,7 @@ class MovingGeometry(StudyUnits):
         super().__init__(self.system.scale, LocalFrames.none())
 
     def internal(self, rows: Array) -> Array:
-        """Return rows as they are."""
+        """Return rows unchanged."""
         return np.ascontiguousarray(rows)
 
     def instance_at(self, row: Array) -> Instance:

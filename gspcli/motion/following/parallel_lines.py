@@ -14,8 +14,9 @@ Array = NDArray[np.float64]
 def along_parallel_lines(instance: Instance, rows: Array, R: Array) -> Instance:
     """Return an instance with points for lines that are parallel at every pose of a trajectory.
 
-    They are if no value changes but those of DLL, and the lines are parallel wherever all others
-    hold. Lines that only pass through parallel positions are left: there their distance jumps.
+    Lines are replaced if only values of DLL change and the lines are parallel at every pose that
+    satisfies the other constraints. Lines that only pass through parallel positions are not
+    replaced: their distance jumps there.
 
     Parameters
     ----------
@@ -30,7 +31,7 @@ def along_parallel_lines(instance: Instance, rows: Array, R: Array) -> Instance:
     still = (np.ptp(rows[:, ~lines], axis=0) == 0).all()
     if not (lines.any() and still and len(R)):
         return instance
-    # What counts is imported where it is needed: few platforms have such lines.
+    # Counting is imported only here: few platforms have such lines.
     from gspcli.certification.counting import with_points_for_lines
     from gspcli.certification.poses.parallel_poses import nearly_parallel
 

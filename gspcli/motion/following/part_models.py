@@ -13,7 +13,7 @@ from gspcli.motion.following.chord_equations import DEGREE
 
 Array = NDArray[np.float64]
 
-#: What a polynomial of one part may leave out, relatively; else the part is halved.
+#: Largest relative remainder of the polynomials on a part; otherwise the part is halved.
 _LEFT_OUT = 2.0**-38
 
 
@@ -36,7 +36,7 @@ class PartModels:
         self.exact = lru_cache(maxsize=256)(self._exact)
 
     def _found(self, part: int, level: int) -> MovingQuadrics | None:
-        """Return the equations on a part, if polynomials leave out little."""
+        """Return the equations on a part, if the remainders of the polynomials are small."""
         size = 2.0**-level
         found = self.system.on_part(self.rows, part * size, (part + 1) * size)
         scale = np.sqrt((found.quadrics[:, :, 0] ** 2).sum(axis=(2, 3)))
@@ -47,7 +47,8 @@ class PartModels:
     def _piece(self, part: int, level: int) -> MovingQuadrics | None:
         """Return the equations on a part, from the longest part around it that has any.
 
-        The part is one of 2^``level``; None if polynomials leave out too much of all these.
+        The part is one of 2^``level``. The result is None if the remainders are too large on all of
+        these parts.
         """
         for k in range(level + 1):
             around = self._of_part(part >> (level - k), k)

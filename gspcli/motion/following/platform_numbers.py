@@ -1,4 +1,4 @@
-"""A platform as the step of a controller knows it: its numbers in units of its size."""
+"""The numbers of a platform for the step of a controller, in units of its size."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ CONTROLLER_KINDS = (
 BODIES = ("platform", "base")
 #: Norms are rounded up.
 _UP = 1 + 2.0**-40
-#: What is beyond a limit is so by more than this, relatively, as `geometry.limits` has it.
+#: A value is outside a limit if it is so by more than this part of it, as in `geometry.limits`.
 _ROUNDING = 1e-12
 #: No value is larger, in units of the size or radians.
 _LARGEST = 1e9
-#: Directions in which the primitives leave the middle open as much as this are left alone.
+#: Directions in which the primitives determine the middle less than this are not used.
 _LOOSE = 0.05
 
 
 @dataclass(frozen=True, eq=False)
 class PlatformNumbers:
-    """What the step of a controller knows of a platform.
+    """The numbers of a platform for the step of a controller.
 
     The fields are those of the struct ``geometry`` in ``gspcli/export/controller/platform.c``, in
     its order and with its meanings.
@@ -136,7 +136,7 @@ def platform_numbers(instance: Instance) -> PlatformNumbers:
 
 
 def _kind(instance: Instance, row: Constraint) -> str:
-    """Return the kind of a constraint as the step names it."""
+    """Return the kind of a constraint by its name in the step."""
     cranked = [body for body in BODIES if getattr(getattr(row, body), "crank", None) is not None]
     if not cranked:
         return row.kind.name
@@ -164,7 +164,7 @@ def _lever(row: Constraint, platform: float, base: float) -> float:
     row
         The constraint.
     platform, base
-        How far its primitives are from the middles of their bodies.
+        The distances of its primitives from the middles of their bodies.
     """
     value = abs(row.value.value)
     if not row.kind.is_distance:
@@ -177,7 +177,7 @@ def _lever(row: Constraint, platform: float, base: float) -> float:
 
 
 class _Place:
-    """Where a primitive is, seen from the middle of its body, in length units."""
+    """The place of a primitive relative to the middle of its body, in length units."""
 
     def __init__(self, geometry: Geometry, is_distance: bool, middle: Exact) -> None:
         crank = geometry.crank if isinstance(geometry, Point) else None
@@ -231,7 +231,7 @@ def _along(a: Exact, direction: Exact) -> Exact:
 def _middle(instance: Instance, body: str) -> Exact:
     """Return the point of a body that is nearest to its primitives: least squares, few digits.
 
-    So that what is subtracted is nearly exact, and twists about it move the primitives little.
+    Coordinates relative to it are nearly exact, and twists about it move the primitives little.
     """
     bodies = [getattr(row, body) for row in instance.constraints if row.kind.is_distance]
     if not bodies:

@@ -1,4 +1,4 @@
-"""The platform at one row of a trajectory, and for following along all rows."""
+"""The platform at one row of a trajectory, and the platform for following along all rows."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 
 def over_rows(instance: Instance, rows: Array) -> Instance:
-    """Return the instance for following along rows: a value of zero stands for zero at all rows."""
+    """Return the instance for following along rows; a value is zero if it is so at all rows."""
     values = rows[:, :6]
     return at_values(instance, values[np.abs(values).argmax(axis=0), np.arange(6)])
 

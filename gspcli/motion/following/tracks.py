@@ -1,4 +1,4 @@
-"""What became of assembly modes along a trajectory: events, and all poses."""
+"""Assembly modes along a trajectory: their events and all their poses."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ _NOTHING: Mapping[str, Array] = MappingProxyType({})
 
 @dataclass(frozen=True, eq=False)
 class Event:
-    """Where a mode ends or begins.
+    """The end or the beginning of a mode.
 
     Attributes
     ----------
     kind
-        ``fold``: proved, the mode and its partner meet and both vanish; ``undecided``: the mode was
-        followed up to here, and neither continued nor proved to end.
+        ``fold``: it is proved that the mode and its partner meet and vanish. ``undecided``: the
+        mode was followed up to here, and was neither continued nor proved to end.
     reason
-        Of what is undecided, what is seen there: that lines of a DLL become parallel, that the
-        platform goes far away, or nothing but that the pose is nearly singular.
+        For an undecided event the observation at its pose: lines of a DLL become parallel, the
+        platform goes far away, or the pose is nearly singular.
     begins
         Whether the mode begins here instead of ending.
     mode
@@ -48,12 +48,13 @@ class Event:
     row
         The row (from 0) before the event.
     low, high
-        Between which t it is: for a fold proved, else where following stopped and the next row.
+        An interval of t: for a fold it is proved to contain the fold, otherwise it leads from the
+        last point of the mode to the next row.
     R, T
         The pose, shapes (3, 3) and (3,); of a fold the singular one. Not finite where the platform
         goes to infinity.
     partner
-        The number of the mode that vanishes with it, if that is among those followed.
+        The number of the mode that vanishes with it, if that mode was followed.
     partner_R, partner_T
         The pose of the partner at the row before (after, if it begins); None if not found.
     """
@@ -97,7 +98,7 @@ class Track:
     instance
         Geometry and units, as given.
     followed
-        The same, with points for lines of a DLL that stay parallel all along.
+        The instance with points for lines of a DLL that stay parallel all along.
     t, values
         The rows, shapes (r,) and (r, 6); the values, with the offsets of the instance added, change
         linearly between them.
@@ -109,19 +110,19 @@ class Track:
         Poses, shapes (m, r, 3, 3) and (m, r, 3); NaN where a mode does not exist or was not
         followed.
     certified
-        Whether every part of every mode is proved to be one branch with no other near it.
+        Whether every part of every mode is proved to be one branch with no other branch near it.
     events
-        Where modes end, and with ``everything`` where they begin.
+        The ends of modes, and with ``everything`` also their beginnings.
     complete
         Whether, with ``everything``, the modes at the last row are exactly the real poses there.
     segments
-        Of how many proved (or followed) parts the modes are made.
+        The number of proved (or followed) parts of all modes.
     poses_at_end
         With ``everything``: all real poses (R, T) at the last row, found without following.
     known
-        How many real poses the instance has for its values: modes with larger numbers are new.
+        The number of real poses for the values of the instance; modes with larger numbers are new.
     coordinates, places
-        The coordinates that move, c of them, and where they are at each row, shape (r, c).
+        The c coordinates that move, and their numbers at each row, shape (r, c).
     """
 
     instance: Instance
@@ -151,7 +152,7 @@ class Track:
         return f"<Track of {kinds}: {size}, {how}, {counted(len(self.events), 'event')}>"
 
     def instances(self) -> Iterator[tuple[slice, Instance]]:
-        """Yield runs of rows with what is followed there, whose values are not used."""
+        """Yield runs of rows, each with the instance that is followed; its values are not used."""
         if not self.coordinates:
             yield slice(None), self.followed
             return
@@ -241,7 +242,7 @@ class Track:
 
     @property
     def new(self) -> list[int]:
-        """The numbers of modes at the first row that are none for the values of the instance."""
+        """The numbers of modes at the first row that do not occur for the instance's values."""
         there = ~np.isnan(self.T[:, 0, 0]) if self.T.shape[1] else np.zeros(0, bool)
         return [mode for mode in self.modes[there].tolist() if mode > self.known]
 

@@ -1,4 +1,4 @@
-"""Assembly modes along a trajectory of values: where each goes, and where it meets another."""
+"""Assembly modes along a trajectory of values: the path of each, and folds of two modes."""
 
 from __future__ import annotations
 
@@ -59,8 +59,8 @@ def track(
     near
         Instead, a pose (R, T): the mode nearest to it.
     everything
-        Whether to compare with all real poses at the last row, and to follow those that were born
-        on the way back to where they begin.
+        Whether to compare with all real poses at the last row, and to follow back modes that begin
+        on the way, to their beginnings.
     certify
         Whether to prove each part.
     seed, jobs
@@ -115,7 +115,7 @@ def track_from(
     *,
     options: FollowOptions | None = None,
 ) -> Track:
-    """Follow given modes while the values change; as `track`, without solving anything.
+    """Follow given modes while the values change; as `track`, but nothing is solved.
 
     Parameters
     ----------
@@ -178,10 +178,10 @@ def _nearest(instance: Instance, first: RowModes, pose: tuple[ArrayLike, ArrayLi
 
 
 def _with_births(run: Run, forward: Track, last: RowModes) -> Track:
-    """Add the modes that are born on the way, followed back from the last row.
+    """Add the modes that begin on the way, followed back from the last row.
 
-    They have the numbers that are carried from the stated values to the last row, unless these
-    are in use, and else are numbered on.
+    Their numbers are those that are carried from the stated values to the last row; if such a
+    number is in use, the mode gets the next free one.
     """
     platform = run.platform
     points = platform.points(last.R, last.T)

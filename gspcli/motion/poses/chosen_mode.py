@@ -1,4 +1,4 @@
-"""Which real pose is meant: a number, or home."""
+"""The choice of a real pose: by its number, or home."""
 
 from __future__ import annotations
 

@@ -21,12 +21,12 @@ _END = 1e-12
 def crank_angles(
     instance: Instance, R: ArrayLike, T: ArrayLike, *, along: bool = True
 ) -> tuple[tuple[Coordinate, ...], Array]:
-    """Return the angles of all cranks of an instance at poses, its values being kept.
+    """Return the angles of all cranks of an instance at poses; its values stay the same.
 
-    The point of a crank is where its circle meets the sphere about the other end of the leg: there
-    are two such points. At the first pose the one is taken that is nearer to where the point is
-    stated, at all others the one that is nearer to that at the pose before; unless poses are taken
-    for themselves.
+    The circle of a crank meets the sphere about the other end of the leg in two points. At the
+    first pose the point nearer to the stated one is taken. At each other pose the point nearer to
+    that at the pose before is taken if poses are a path; otherwise the one nearer to the stated
+    one.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def crank_angles(
     R, T
         Poses, shapes (n, 3, 3) and (n, 3), ``x_base = R x_platform + T``, in length units.
     along
-        Whether they are a way, one after the other.
+        Whether the poses are a path, one after the other.
 
     Returns
     -------

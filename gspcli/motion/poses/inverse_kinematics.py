@@ -16,9 +16,9 @@ Array = NDArray[np.float64]
 
 #: Poses measured at a time: their intermediate arrays stay in the cache of a core.
 _CHUNK = 2000
-#: R R^T is that of a rotation whose entries have three decimals, or of none.
+#: Largest entry of R R^T - 1 for a rotation whose entries are rounded to three decimals.
 _ROTATION = 4e-3
-#: Lines nearer than this part of the typical length meet but for rounding.
+#: Lines nearer than this part of the typical length meet up to rounding.
 _MEETING = 1e-12
 
 
@@ -27,7 +27,7 @@ def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
 
     The values of the instance itself are not used. Distances to planes (DPH and DHP) are signed:
     positive on the side to which the normal points. All other distances are at least zero. Where
-    a constraint has an offset it is taken away: what is returned is what the machine reads.
+    a constraint has an offset it is subtracted: the results are the readings of the machine.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
 
 
 def values_at(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
-    """Return the distances and angles at poses; as `measure`, offsets left alone."""
+    """Return the distances and angles at poses; as `measure`, but without offsets."""
     R, T = checked_poses(R, T)
     arrangement = Arrangement.of(instance)
     rotations, translations = R.reshape(-1, 3, 3), T.reshape(-1, 3)
@@ -67,11 +67,11 @@ def values_at(instance: Instance, R: ArrayLike, T: ArrayLike) -> Array:
 
 
 def value_signs(arrangement: Arrangement, R: Array, T: Array) -> Array:
-    """Return the signs by which what is measured becomes the values of `measure`, shape (..., 6).
+    """Return the signs that convert measured numbers to values of `measure`, shape (..., 6).
 
-    A distance of two lines is the modulus of one that is signed by their orientation: its sign is
-    that one's. Where the lines meet the modulus has no derivative, and the signed distance is
-    taken as it is. All others are 1.
+    A distance of two lines is the modulus of a distance with the sign of their orientation; this
+    sign is returned. Where the lines meet the modulus has no derivative, and 1 is returned. All
+    other signs are 1.
     """
     signs = np.ones((*T.shape[:-1], len(arrangement.kinds)))
     skew = _between_lines(arrangement)

@@ -1,4 +1,4 @@
-"""What poses measure, as an array that becomes a table."""
+"""Values at poses as an array that can be converted to a table."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ if TYPE_CHECKING:
 
 
 class MeasuredValues(np.ndarray[Any, np.dtype[np.float64]]):
-    """Values at poses, shape (..., 6): an array, read-only, that knows its platform.
+    """Values at poses, shape (..., 6): a read-only array with the platform as an attribute.
 
     Attributes
     ----------
     instance
-        The platform; None of what was computed from the values.
+        The platform; None for arrays that were computed from the values.
     """
 
     instance: Instance | None
 
     def __array_finalize__(self, source: NDArray[Any] | None) -> None:
-        """Leave what is computed from the values without a platform."""
+        """Give arrays that are computed from the values no platform."""
         self.instance = None
 
     def __repr__(self) -> str:
@@ -53,7 +53,7 @@ class MeasuredValues(np.ndarray[Any, np.dtype[np.float64]]):
         Parameters
         ----------
         t
-            What tells the rows from each other; without it their numbers from 1.
+            The column t of the rows; without it their numbers from 1.
         """
         assert self.instance is not None
         rows = self._rows()
@@ -73,8 +73,8 @@ class MeasuredValues(np.ndarray[Any, np.dtype[np.float64]]):
 def measure(instance: Instance, R: ArrayLike, T: ArrayLike) -> MeasuredValues:
     """Return the values of all constraints at poses, in the units of the instance.
 
-    As `gspcli.motion.measure`, with the platform beside them: distances to planes (DPH and DHP)
-    are signed, all others at least zero; offsets and scales are taken away.
+    As `gspcli.motion.measure`, with the platform as an attribute. Distances to planes (DPH and DHP)
+    are signed, all others at least zero; the results are readings, without offsets and scales.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Where poses stop being regular: clearances, folds, the discriminant, scans."""
+"""Singular poses: clearances from them, folds, the discriminant, scans."""

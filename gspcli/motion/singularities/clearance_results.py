@@ -1,4 +1,4 @@
-"""How far the values at poses, or the poses, may change: bounds of many poses with their table."""
+"""Clearances of many poses, and of their values, with their table."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: What may change.
+#: The quantities that may change.
 KINDS = ("values", "pose")
 
 
@@ -38,9 +38,9 @@ class Clearances:
     instance
         The platform.
     of
-        What changes: one of `KINDS`.
+        The quantity that changes: one of `KINDS`.
     bounds
-        Those of each pose.
+        The bounds of each pose.
     """
 
     instance: Instance
@@ -54,12 +54,12 @@ class Clearances:
 
     @cached_property
     def lower(self) -> Array:
-        """Proved: nothing singular is nearer, shape (n,); read-only."""
+        """Proved lower bounds: nothing singular is nearer, shape (n,); read-only."""
         return self._column("lower")
 
     @cached_property
     def upper(self) -> Array:
-        """Where something singular was found, infinite where nothing was, shape (n,); read-only."""
+        """Distances of singularities that were found, else infinite, shape (n,); read-only."""
         return self._column("upper")
 
     def _column(self, name: str) -> Array:
@@ -68,7 +68,7 @@ class Clearances:
         return column
 
     def rows(self) -> list[dict[str, Any]]:
-        """Return what is known of each pose, as plain data."""
+        """Return the bounds of each pose, as plain data."""
         return [
             _of_pose(self.instance, one)
             if isinstance(one, PoseClearance)
@@ -89,7 +89,7 @@ class Clearances:
         Parameters
         ----------
         names
-            What each pose is called; without it they have no ``mode``.
+            The name of each pose; without names there is no ``mode``.
         """
         called = [{"mode": None}] * len(self.bounds) if names is None else names
         rows = [{**name, **row} for name, row in zip(called, self.rows(), strict=True)]
@@ -107,7 +107,7 @@ def clearance(
     refine: bool = False,
     progress: Progress = silent,
 ) -> Clearances:
-    """Bound how far values, or the pose, may change before poses meet a singularity.
+    """Bound the change of the values, or of the pose, before the pose meets a singularity.
 
     Parameters
     ----------
@@ -116,14 +116,14 @@ def clearance(
     R, T
         The poses, shapes (n, 3, 3) and (n, 3).
     of
-        ``values`` or ``pose``: what changes.
+        ``values`` or ``pose``: the quantity that changes.
     points
-        Of a pose: the points of the platform, in its frame, whose displacements count, shape
+        For ``pose``: the points of the platform, in its frame, whose displacements count, shape
         (m, 3); by default those of the distances.
     refine
         Whether to look for better bounds: a few seconds a pose.
     progress
-        Told of each pose.
+        Receives the number of each pose.
 
     Raises
     ------
@@ -152,7 +152,7 @@ def clearance(
 
 
 def _of_values(instance: Instance, found: Clearance) -> dict[str, Any]:
-    """Return what is known of how far the values of one mode may change."""
+    """Return the bounds of the clearance of one mode in its values."""
     row = _bounds(found.lower, found.upper, found.ratio)
     if found.values is None:
         return row
@@ -166,7 +166,7 @@ def _of_values(instance: Instance, found: Clearance) -> dict[str, Any]:
 
 
 def _of_pose(instance: Instance, found: PoseClearance) -> dict[str, Any]:
-    """Return what is known of how far one pose may move."""
+    """Return the bounds of the clearance of one pose."""
     row = _bounds(found.lower, found.upper, found.ratio)
     if found.R is None or found.T is None:
         return row

@@ -1,7 +1,8 @@
-"""How far values may change before an assembly mode can meet a singularity.
+"""Clearance: the change of the values within which an assembly mode meets no singularity.
 
-Distances of values are measured in the largest norm, each value divided by its weight: a clearance
-of r means that every value may change by r times its weight, all at once and in any combination.
+The distance of two sets of values is the largest difference of a value, divided by its weight. A
+clearance of r means that all values together may change by up to r times their weights, in any
+combination.
 """
 
 from __future__ import annotations
@@ -31,11 +32,11 @@ Array = NDArray[np.float64]
 #: Halvings of the interval in which the clearance is sought, after a first estimate.
 _HALVINGS = 7
 _REFINEMENTS = 7
-#: Straight lines of values are followed until the weights have been changed so many times.
+#: Straight lines of values are followed up to this many weights.
 _FARTHEST = 1e3
-#: To this part of the way to the end of a range, where a mode can still be followed.
+#: The part of the way to the end of a range up to which a mode is followed.
 _SHORT = 1 - 1e-6
-#: Starting directions for the search of the nearest singularity, and rounds of improving each.
+#: First directions of the search for the nearest singularity, and rounds that improve each.
 _STARTS, _MANY_STARTS, _ROUNDS = 6, 30, 6
 
 
@@ -92,7 +93,7 @@ def _weights(given: ArrayLike | None) -> Array:
 
 
 def _estimate(near: Neighbourhood, widths: Array) -> Array:
-    """Return about twice the largest changes that might be proved, shape (n,)."""
+    """Return about twice the largest changes that can be proved, shape (n,)."""
     size = np.full(len(near.points), 1e-6)
     for _ in range(3):
         box = near.box(size[:, None] * widths)
@@ -106,22 +107,22 @@ def _estimate(near: Neighbourhood, widths: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Clearance:
-    """What is known of the clearance of one mode.
+    """Bounds of the clearance of one mode.
 
     Attributes
     ----------
     lower
-        Proved: nothing singular is nearer.
+        Proved lower bound: nothing singular is nearer.
     upper
-        There is a fold of this mode at this distance, or a value at the end of its range, beyond
-        which there is none; infinite if nothing was found.
+        The distance of a fold of this mode, or of the end of the range of a value; infinite if
+        neither was found.
     values
         The values there, shape (6,), or None.
     fold
         The fold, the last point of the straight line of values to there; None if there is none.
     end
-        Instead, the index of the constraint whose value is at an end of its range, such as a
-        distance of zero; None for a fold.
+        The index of the constraint whose value is at an end of its range, such as a distance of
+        zero; None for a fold.
     """
 
     lower: float
@@ -148,10 +149,9 @@ def clearance(
     """Return proved bounds of the clearance of a pose.
 
     For the upper bound the mode is followed along straight lines of values until it ends in a
-    fold, not farther than to where a value reaches the end of its range: no value is beyond a
-    distance of zero. At the nearest fold the change of the values has the signs of the left null
-    vector of the Jacobian matrix, so each fold gives a better direction; several first directions
-    are tried.
+    fold, or until a value reaches the end of its range, such as a distance of zero. At the nearest
+    fold the change of the values has the signs of the left null vector of the Jacobian matrix. So
+    each fold gives a better direction; several first directions are tried.
 
     Parameters
     ----------
@@ -162,9 +162,9 @@ def clearance(
     weights
         As for `clearances`.
     refine
-        Whether to prove the box in 64 parts, and to try more directions: some seconds.
+        Whether to prove the box in 64 parts and to try more directions, which takes some seconds.
     seed
-        Of those that are random.
+        The seed of the random directions.
     """
     R, T = np.asarray(R, float), np.asarray(T, float)
     units = _weights(weights)
@@ -173,7 +173,7 @@ def clearance(
     best = _range_end(instance, values, units, lower)
     room = best.upper * _SHORT
     if lower == 0:
-        # A singular pose: no branch leads away from it.
+        # No branch leads away from a singular pose.
         return best
     starts = _MANY_STARTS if refine else _STARTS
     seen: set[tuple[int, ...]] = set()
@@ -201,12 +201,12 @@ def clearance(
 def _in_octants(
     instance: Instance, values: Array, R: Array, T: Array, units: Array, low: float, high: float
 ) -> float:
-    """Return a better lower bound: the box is proved in 64 boxes with a corner at the values.
+    """Return a better lower bound: the box is proved as 64 boxes with a corner at the values.
 
-    The mode is followed to the centre of each with proof, within the small box. So the regular
-    solution that a small box has for all its values is the mode at the centre, and back along the
-    way to the common corner, since regular solutions that agree at one point agree all along. For
-    the same reason small boxes have the same solutions on common faces: they do at the corner.
+    The mode is followed with proof to the centre of each small box, within this box. A small box
+    has one regular solution for all its values, and it is the mode at the centre. Regular solutions
+    that agree at one point agree along the whole way, so it is the mode at the common corner, too.
+    For the same reason small boxes have the same solutions on common faces.
     """
     platform = MovingPlatform(apart(instance))
     signs = np.array(list(product((1.0, -1.0), repeat=6)))
@@ -242,7 +242,7 @@ def _directions(
 
 
 def _range_end(instance: Instance, values: Array, units: Array, lower: float) -> Clearance:
-    """Return how far values may change at most: to the nearest end of the range of their kind."""
+    """Return the largest change of values: up to the nearest end of the range of a kind."""
     ranges = [value_range(row.kind, instance.units.angle) for row in instance.constraints]
     ends = np.array(ranges)
     rooms = np.abs(ends - values[:, None]) / units[:, None]
@@ -258,9 +258,9 @@ def _range_end(instance: Instance, values: Array, units: Array, lower: float) ->
 def _along(
     instance: Instance, values: Array, R: Array, T: Array, step: Array, reach: float, most: float
 ) -> tuple[float, Event, Array] | None:
-    """Return how far the fold on a line of values is, the fold, and the signs to look at next.
+    """Return the distance of the fold on a line of values, the fold, and the next signs to try.
 
-    Looked for up to a reach first, and farther up to the most if nothing is there.
+    The search goes up to ``reach`` first, and then up to ``most`` if nothing was found.
     """
     while True:
         ends = np.stack((values, values + reach * step))

@@ -1,4 +1,4 @@
-"""Where the number of modes changes between the nodes of a scan: folds, and curves of them."""
+"""Changes of the number of modes between the nodes of a scan: folds and curves of folds."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from gspcli.records import dataclass
 from gspcli.solver import solve_batch
 
 Array = NDArray[np.float64]
-#: Parts of the ranges: what is nearer to the border of the grid is on it.
+#: A point nearer than this to the border of the grid, in parts of the ranges, is on it.
 _BORDER = 1e-9
 #: Poses of folds that differ by more, as rotations or relatively, are different ones.
 _APART = 1e-6
-#: Random values at which curves are looked for that no edge tells of.
+#: The number of random values at which curves are searched for that cross no edge.
 _SAMPLES = 32
-#: An edge of the grid: along which axis, and its first node.
+#: An edge of the grid: its axis and its first node.
 Edge = tuple[int, tuple[int, ...]]
 
 
@@ -39,14 +39,14 @@ Edge = tuple[int, tuple[int, ...]]
 class Crossing:
     """A proved fold between two neighbouring nodes: a point of the discriminant.
 
-    Mirror images have folds at the same values: each is one, at its own pose.
+    Mirror images have folds at the same values: each counts once, at its own pose.
 
     Attributes
     ----------
     values
         The values that vary, there.
     change
-        How many modes there are more on the side of the greater value: 2 or -2.
+        The change of the number of modes towards the greater value: 2 or -2.
     R, T
         The pose at which two modes meet, shapes (3, 3) and (3,).
     """
@@ -59,7 +59,7 @@ class Crossing:
 
 @dataclasses.dataclass(eq=False)
 class Boundary:
-    """The discriminant as far as it was found.
+    """The part of the discriminant that was found.
 
     Attributes
     ----------
@@ -78,19 +78,19 @@ class Boundary:
 
 
 def boundary(found: Scan, *, seed: int = SEED) -> Boundary:
-    """Return where the number of modes changes; as `boundaries`, at the end."""
+    """Return the last result of `boundaries`."""
     *_, last = boundaries(found, seed=seed)
     return last
 
 
 def boundaries(found: Scan, *, seed: int = SEED) -> Iterator[Boundary]:
-    """Yield what is known of where the number of modes changes, after each edge of the grid.
+    """Yield the boundary that is known so far, after each edge of the grid.
 
-    The modes are followed with proof from the node that has more of them, and where that does not
-    explain the change, from the other one, too: some may end and others be born between. Over two
-    values the discriminant is followed as a curve from each fold so found, and where it crosses
-    edges of the grid, too, its folds are proved there; so only a few edges have to be looked at.
-    Curves that no edge tells of are looked for at random values, without a proof that none is
+    The modes are followed with proof from the node that has more of them. If this does not explain
+    the change, they are followed from the other node, too: some may end and others begin between.
+    Over two values the discriminant is followed as a curve from each fold. Where the curve crosses
+    other edges of the grid its folds are proved, so that only a few edges have to be searched.
+    Curves that cross no edge are searched for at random values; it is not proved that none is
     missed.
     """
     search = _Search(found, seed)
@@ -106,7 +106,7 @@ def boundaries(found: Scan, *, seed: int = SEED) -> Iterator[Boundary]:
 
 
 class _Search:
-    """What is found on the edges of a grid.
+    """The crossings on the edges of a grid.
 
     Parameters
     ----------
@@ -124,18 +124,18 @@ class _Search:
         self._curves = _Curves(found) if len(found.axes) == 2 else None
 
     def change(self, edge: Edge) -> int:
-        """Return how many modes more there are at the end of an edge, as its crossings say."""
+        """Return the change of the number of modes along an edge, by its crossings."""
         return sum(crossing.change for crossing in self._known.get(edge, ()))
 
     def explain(self, edge: Edge, other: tuple[int, ...], wanted: int) -> None:
-        """Look for the folds on an edge to a node that has so many modes more."""
+        """Search for the folds on an edge along which the number of modes changes by ``wanted``."""
         first, last = (edge[1], other) if wanted < 0 else (other, edge[1])
         for start, goal in ((first, last), (last, first)):
             if self.change(edge) != wanted:
                 self._follow(edge, start, goal, wanted)
 
     def look_for_hidden_curves(self) -> None:
-        """Follow curves that no edge tells of, too."""
+        """Follow curves that cross no edge, too."""
         if self._curves is not None:
             for curve in self._curves.hidden(self.result.curves, self._seed):
                 self._enter(curve, new=True)
@@ -145,11 +145,11 @@ class _Search:
     ) -> None:
         """Add the folds in which modes end from one node to another, or the curves through them."""
         ends = np.stack([self._found.values_at(start), self._found.values_at(goal)])
-        # From the first of them, so that no numbers have to be carried along.
+        # From the first node, so that the numbers of modes need not be carried along.
         begin = values_of(self._found.instance, ends[:1])[0]
         path = track(at_values(self._found.instance, begin), ends, seed=self._seed)
         for event in path.events:
-            # Two modes that meet tell of the same fold.
+            # Two modes that meet end in the same fold.
             told = event.partner is not None and event.partner < event.mode
             if event.kind != "fold" or told:
                 continue

@@ -5,9 +5,8 @@ With z a Study point, u a direction and v two of the values, a singular pose is 
     F(z, v) = 0,  p.z = 1,  F'(z, v) u = 0,  p.u = 0,  c.u = 1,
 
 seventeen equations for eighteen unknowns (G. Moore and A. Spence, SIAM J. Numer. Anal. 17, 1980).
-Its solutions are smooth curves also where their projection on the plane of values has a cusp:
-there the curve moves in z and u only. They are followed by Newton's method in small steps: numbers,
-not proofs.
+The solutions are smooth curves also where their projection on the plane of values has a cusp: there
+only z and u change. The curves are followed by Newton's method in small steps, without proof.
 """
 
 from __future__ import annotations
@@ -25,11 +24,11 @@ Array = NDArray[np.float64]
 #: both values are one: the first, the longest and the shortest.
 _FIRST, _LONGEST, _SHORTEST = 5e-3, 2.5e-2, 1e-7
 _MOST_POINTS = 20_000
-#: Newton's method: how often, and when it has converged.
+#: Newton's method: the most steps, and the size of a step after which it has converged.
 _STEPS, _CONVERGED = 5, 1e-9
-#: The cosine of how far a curve may turn in one step.
+#: The cosine of the largest turn of a curve in one step.
 _STRAIGHT = 0.98
-#: At a cusp the values stand still: their part of the unit tangent is below this.
+#: At a cusp the part of the unit tangent in the values is below this.
 _STILL = 1e-4
 
 
@@ -44,7 +43,7 @@ class Curve:
     unknowns
         z, u and the values as parts of their ranges, shape (n, 18).
     cusps
-        Where the curve has a cusp, shape (m, 2).
+        The cusps of the curve, shape (m, 2).
     closed
         Whether the last point is the first.
     """
@@ -55,7 +54,7 @@ class Curve:
     closed: bool
 
     def contains(self, x: Array) -> bool:
-        """Whether a singular pose, shape (18,), is nearer to a point than points to each other."""
+        """Whether a singular pose, shape (18,), is nearer to a point than its neighbours are."""
         square = np.sum((self.unknowns[:, 16:] - x[16:]) ** 2, axis=1)
         for part in (slice(0, 8), slice(8, 16)):
             # z and u are known up to sign, and of norm one.
@@ -75,7 +74,7 @@ class Discriminant:
     varied
         Which two constraints vary, from 0.
     low, high
-        Between which values of these, shape (2,).
+        The ends of their ranges, shape (2,).
     """
 
     def __init__(
@@ -91,7 +90,7 @@ class Discriminant:
         self._base = np.asarray(values, float)
         self._low, self._span = np.asarray(low, float), np.asarray(high - low, float)
         units = platform.internal(np.ones(6))[self.varied]
-        #: What the two values change by, in internal units, across their ranges.
+        #: The widths of the ranges of the two values, in internal units.
         self._widths = units * self._span
 
     def plane(self, x: Array) -> Array:
@@ -157,7 +156,7 @@ class Discriminant:
         x
             The unknowns.
         at
-            Those that patch and gauge are taken from.
+            The unknowns that give the patch and the gauge.
         row
             One more linear equation ``row . x = goal``, shape (18,); the shortest steps if None.
         goal

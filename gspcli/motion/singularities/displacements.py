@@ -1,4 +1,4 @@
-"""Poses about home poses, in coordinates whose length is the extrinsic distance.
+"""Poses about home poses, in coordinates whose norm is the extrinsic distance.
 
 About a pose whose platform points have the centre c, other poses are displacements
 ``x -> c + t + Q (x - c)``. With the quaternion (w, v) of Q, w not negative, the mean of the squared
@@ -7,9 +7,9 @@ axes through c. So the coordinates
 
     s = (t, 2 I^(1/2) v)
 
-have the length of the extrinsic distance of poses (G. Nawratil, Singularity distance for parallel
-manipulators of Stewart Gough type, Advances in Mechanism and Machine Science, 2019): all poses
-within a distance are a ball, however great it is.
+have the extrinsic distance of poses as their norm (G. Nawratil, Singularity distance for parallel
+manipulators of Stewart Gough type, Advances in Mechanism and Machine Science, 2019). All poses
+within a distance are a ball, for any distance.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ class Displacements:
     R, T
         The home poses, shapes (n, 3, 3) and (n, 3).
     points
-        The points of the platform, in its frame, that distances are measured by, (m, 3); by default
-        those of the distance constraints, one for each.
+        The points of the platform, in its frame, whose displacements define the distance, (m, 3);
+        by default those of the distance constraints, one for each.
 
     Raises
     ------
@@ -81,7 +81,7 @@ class Displacements:
 
     @cached_property
     def centres(self) -> Array:
-        """Where the centres of the points are at home, in the base, shape (n, 3)."""
+        """The centres of the points at home, in the base, shape (n, 3)."""
         return np.asarray(self.T + apply(self.R, self.centre))
 
     def turns(self, s: Array) -> Array:

@@ -1,7 +1,7 @@
-"""Where a pose can be when its values change by so much, in any combination: proofs.
+"""Proved enclosures of a pose when its values change within a box.
 
-Let z be a Study point of a pose at values v, Y an approximate inverse of the Jacobian matrix there
-(with the row z for the patch), and let every value change by at most a width. As in
+Let z be a Study point of a pose at values v. Let Y be an approximate inverse of the Jacobian matrix
+at z, with the row z for the patch. Let every value change by at most a width. As in
 native/segment_proof.hpp, with
 
     |Y F(z, w)| <= beta,  |1 - Y F'(z, w)| <= q  for all values w in the box,
@@ -12,11 +12,11 @@ there is for all w exactly one solution within r, the smaller root of
 the box holds no singularity of the mode.
 
 The theorem holds in any norm. Near a singularity z moves mainly along the first singular vector of
-Y, and what matters is the second derivative along it. So several norms are tried, which weigh the
-components of z along the singular vectors by ``(s_1 / s_k)^a``; a ball in these is within that in
-the Euclidean norm.
+Y, and the second derivative along it decides. So several norms are tried, which weigh the
+components of z along the singular vectors by ``(s_1 / s_k)^a``. A ball in such a norm is within the
+ball of the Euclidean norm.
 
-Errors of rounding are bounded as there, with twice the constants.
+Errors of rounding are bounded as in native/segment_proof.hpp, with twice the constants.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
-#: How far from z second derivatives are bounded; z has norm one. The best of these is taken.
+#: Distances from z within which second derivatives are bounded; z has norm one. The best is taken.
 REACHES = (0.125, 0.03, 0.008, 0.002, 0.0005)
 #: The exponents a of the norms. The best is taken, too.
 EXPONENTS = (0.0, 0.3, 0.5, 0.7, 0.85, 1.0)
 _ROUNDING = 2.0**-45
 _OUTWARD = 1 + 2.0**-30
-#: What computed singular vectors and products with them may be off, relatively.
+#: Relative error of computed singular vectors and of products with them.
 _BASIS = 2.0**-46
 #: All combinations of signs up to a common one: the corners of a box, shape (32, 6).
 SIGNS = np.array([(1, *rest) for rest in product((1, -1), repeat=5)], float)
@@ -46,21 +46,21 @@ SIGNS = np.array([(1, *rest) for rest in product((1, -1), repeat=5)], float)
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """What is known of n poses when their values change within a box.
+    """Bounds of n poses when their values change within a box.
 
     Attributes
     ----------
     measure
-        ``q + sqrt(2 kappa beta)``, shape (n,), infinite if it is not below one: else everything
-        here is proved.
+        ``q + sqrt(2 kappa beta)``, shape (n,); infinite if it is not below one. If it is finite,
+        all numbers here are proved.
     q, root
-        Its two terms with the least kappa, whether or not there is a proof, shape (n,).
+        Its two terms with the least kappa, also without a proof, shape (n,).
     radius
-        How far from z the solutions are at most, shape (n,).
+        A bound of the distance of the solutions from z, shape (n,).
     shifts
         To first order, the change of z when a value changes by its width, shape (n, 6, 8).
     rest
-        How far the solutions are at most from that first-order change, shape (n,).
+        A bound of the distance of the solutions from that first-order change, shape (n,).
     """
 
     measure: Array
@@ -91,7 +91,7 @@ class Neighbourhood:
         #: Derivatives of the seven equations, shape (n, 7, 8).
         self.jacobian = platform.jacobian(points, values)
         square = np.concatenate((self.jacobian, points[:, None]), axis=1)
-        # Of a singular matrix nothing is proved.
+        # Nothing is proved about a singular matrix.
         with np.errstate(all="ignore"):
             regular = np.abs(np.linalg.det(square)) > 0
         safe = np.where(regular[:, None, None], square, np.eye(8))
@@ -113,7 +113,7 @@ class Neighbourhood:
         self._n, self._gn = np.sum(e * e, axis=1)[:, None], 2 * e[:, None]
         n, gn = self._n, np.broadcast_to(self._gn, self._ga.shape)
         form = equations.shapes
-        #: What c multiplies in the equations, and its gradient.
+        #: The factor of c in the equations, and its gradient.
         self.factors = np.select(
             [form == Shape.PLAIN, form == Shape.PRODUCT],
             [np.broadcast_to(n, self._a.shape), np.broadcast_to(n**2, self._a.shape)],
@@ -128,7 +128,7 @@ class Neighbourhood:
         self.hessians = self._second_derivatives()
 
     def _second_derivatives(self) -> Array:
-        """Return those of the Study condition and the six equations at the points, (n, 7, 8, 8)."""
+        """Return the matrices of the Study condition and the six equations, (n, 7, 8, 8)."""
         equations = self.platform.equations
         turning = np.diag([2.0] * 4 + [0.0] * 4)
         c = self.platform.coefficients(self.values)[..., None, None]
@@ -156,7 +156,7 @@ class Neighbourhood:
         return first, np.abs(first) + second
 
     def box(self, widths: Array) -> Box:
-        """Return what is known when each value changes by at most a width.
+        """Return the bounds when each value changes by at most a width.
 
         Parameters
         ----------
@@ -254,7 +254,7 @@ class Neighbourhood:
         return np.concatenate((study[:, None], values), axis=1)
 
     def _errors(self, largest: Array) -> tuple[Array, Array]:
-        """Bound what rounding does to the equations and to their gradients, (n, 7) each."""
+        """Bound the rounding of the equations and of their gradients, (n, 7) each."""
         equations = self.platform.equations
         a, b = equations.moduli[:, 0] / 2, equations.moduli[:, 1] / 2
         form = equations.shapes
@@ -268,9 +268,9 @@ class Neighbourhood:
         return value, 4 * value
 
     def _spread(self, whole: Array, largest: Array, reach: float) -> Array:
-        """Bound how much second derivatives differ from those at the points, shape (n, 7).
+        """Bound the difference of second derivatives from those at the points, shape (n, 7).
 
-        Over all values, and within reach: by the third derivatives.
+        The bound holds for all values within reach and uses the third derivatives.
         """
         equations = self.platform.equations
         form = equations.shapes

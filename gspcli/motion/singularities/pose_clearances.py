@@ -1,4 +1,4 @@
-"""How far poses may move before their six screws become dependent.
+"""Clearance of poses: the distance to poses whose six screws are dependent.
 
 Distances of poses are root mean squares of the displacements of the platform's points, the
 extrinsic metric of G. Nawratil, Singularity distance for parallel manipulators of Stewart Gough
@@ -18,32 +18,32 @@ from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
-#: Halvings of the interval in which a radius is sought, and how near its ends need be.
+#: Halvings of the interval of a radius, and the ratio of its ends that suffices.
 _HALVINGS, _CLOSE = 40, 1.01
-#: Rays looked at first, at once and refined; rounds of turning them; nodes on a ray.
+#: Numbers of rays, normally and refined; rounds in which they are turned; nodes on a ray.
 _RAYS, _MANY_RAYS, _ROUNDS, _NODES = 24, 96, 30, 48
-#: How far rays are turned towards the normal, and when they have settled.
+#: Parts of the turn of a ray towards the normal, and the turn below which it has converged.
 _PARTS, _SETTLED = np.array([1.0, 0.5, 0.2]), 1e-5
-#: Half a turn nearly, as the sine of half its angle; where rays begin, relatively, and end, in
-#: typical lengths; halvings of them while they turn, and at the end.
+#: The sine of half the angle of nearly half a turn; the beginning of rays, relatively, and their
+#: end, in typical lengths; halvings of them while they turn, and at the end.
 _FULL, _NEAREST, _FARTHEST, _ROUGH, _FINE = 0.999, 1e-3, 10.0, 20, 45
 #: Relative half width of the segment on which the determinant is proved to change its sign.
 _SEGMENT = 1e-9
-#: Boxes judged at a time, and in all; how near the bounds need be; the best hoped for.
+#: Boxes judged at a time and in all; the ratio of the bounds that suffices; the largest one.
 _PIECE, _BOXES, _NEAR, _WIDEST = 512, 60_000, 1.1, 64
 _DOWN, _UP = 1 - 2.0**-30, 1 + 2.0**-30
 
 
 @dataclass(frozen=True, eq=False)
 class PoseClearance:
-    """What is known of the distance of one pose from singular ones, in length units.
+    """Bounds of the distance of one pose from singular poses, in length units.
 
     Attributes
     ----------
     lower
-        Proved: no nearer pose is singular.
+        Proved lower bound: no nearer pose is singular.
     upper
-        Proved: a pose nearer than this is singular; infinite if none was found.
+        Proved upper bound: a pose nearer than this is singular; infinite if none was found.
     R, T
         A pose within a billionth of `upper` from a singular one, shapes (3, 3) and (3,), or None.
     """
@@ -85,12 +85,12 @@ def pose_clearances(
 
 
 def _balls(home: Displacements) -> Array:
-    """Return radii of balls about the homes that are proved to be free at once, (n,)."""
+    """Return radii of balls about the homes that one test proves to be free, (n,)."""
     forms = ScrewForms(home)
     middle = np.zeros((len(home.T), 6))
     low, high = np.zeros(len(middle)), np.full(len(middle), home.farthest)
     for _ in range(_HALVINGS):
-        # Clearances have any order of magnitude: that first, then the number.
+        # Clearances can have any order of magnitude; it is found first.
         size = np.where(low > 0, (low + high) / 2, high / 4)
         half = np.broadcast_to(size[:, None], middle.shape)
         good = forms.judge(middle, half, cube=False).sign != 0
@@ -111,9 +111,9 @@ def pose_clearance(
 ) -> PoseClearance:
     """Return proved bounds of the distance of a pose from the nearest singular one.
 
-    For the upper bound rays are looked along for a change of the sign of the determinant, and
-    turned towards the normal of the singularities there, where the nearest one lies. For the lower
-    one the ball of poses is divided into boxes, the nearest first, until each is proved to be free.
+    For the upper bound the determinant is searched for a change of its sign along rays, which are
+    turned towards the normal of the singular poses. For the lower bound the ball of poses is
+    divided into boxes, the nearest first, until each box is proved to be free.
 
     Parameters
     ----------
@@ -122,9 +122,9 @@ def pose_clearance(
     R, T
         The pose, shapes (3, 3) and (3,).
     refine
-        Whether to take more rays and boxes: some seconds.
+        Whether to take more rays and boxes, which takes some seconds.
     seed
-        Of the rays.
+        The seed of the rays.
     """
     R, T = np.asarray(R, float)[None], np.asarray(T, float)[None]
     home = Displacements(instance, R, T, points)
@@ -200,7 +200,7 @@ def _nearest(forms: ScrewForms, rays: int, seed: int) -> Array | None:
 
 
 def _first(home: Displacements, directions: Array, most: Array, halvings: int) -> Array:
-    """Return where the determinant first changes its sign on rays, at most so far; or infinity."""
+    """Return where the determinant first changes its sign on rays up to ``most``, or infinity."""
     far = _FARTHEST * home.arrangement.length
     limit = np.minimum(_FULL / np.maximum(home.turns(directions), _FULL / far), most)
     nodes = limit[:, None] * np.geomspace(_NEAREST, 1, _NODES)

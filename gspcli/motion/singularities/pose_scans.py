@@ -1,4 +1,4 @@
-"""How regular the poses of a platform are where one or two of their coordinates vary."""
+"""Determinants and conditions of poses while one or two of their coordinates vary."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from gspcli.motion.singularities.pose_clearances import pose_clearances
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
-#: An edge of the grid: along which axis, and its first node.
+#: An edge of the grid: its axis and its first node.
 Edge = tuple[int, int, int]
 
 _VARIABLE = ("x", "y", "z", "rx", "ry", "rz")
@@ -53,10 +53,10 @@ class PoseScan:
     axes
         One or two coordinates that vary.
     pose
-        The numbers of the pose, of which some vary: x, y, z and a quaternion, or three angles, or
+        The numbers of the pose, some of which vary: x, y, z and a quaternion, or three angles, or
         the nine entries of R.
     form
-        What they do not say.
+        The conventions of these numbers.
     """
 
     instance: Instance
@@ -92,7 +92,7 @@ class PoseScan:
         return pose_columns(len(self.pose)) or ()
 
     def poses(self, places: Array) -> tuple[Array, Array]:
-        """Return the poses (R, T) where the coordinates that vary have values, shape (n, axes)."""
+        """Return the poses (R, T) for numbers of the coordinates that vary, shape (n, axes)."""
         names = self._names
         rows = np.tile(np.asarray(self.pose, dtype=float), (len(places), 1))
         for axis, column in zip(self.axes, places.T, strict=True):
@@ -100,7 +100,7 @@ class PoseScan:
         return poses_of(rows, self.form)
 
     def determinants_at(self, places: Array) -> Array:
-        """Return determinants of the Jacobian matrix, free of units; NaN where it has none, (n,).
+        """Return determinants of the Jacobian matrix without units; NaN where there is none, (n,).
 
         Turns are about the centre of the platform's points, lengths in units of the typical
         length of the instance.
@@ -143,9 +143,9 @@ class PoseScan:
 
     @cached_property
     def singular(self) -> dict[Edge, Array]:
-        """Where the determinant changes its sign on edges of the grid, each shape (axes,).
+        """The changes of the sign of the determinant on edges of the grid, each shape (axes,).
 
-        Found by halving to the last digit; an edge on which it changes twice is not seen.
+        They are found by halving to the last digit. Two changes on one edge are not found.
         """
         signs = np.sign(self.determinants)
         starts, ends, edges = [], [], []
@@ -170,7 +170,7 @@ class PoseScan:
     def curves(self) -> list[Array]:
         """The singular curve through these points, over two coordinates, in parts of shape (n, 2).
 
-        Within a cell of the grid two points are joined; four by the sign in the middle.
+        Two points in a cell of the grid are joined; four are joined by the sign in the middle.
         """
         if len(self.axes) != 2:
             return []

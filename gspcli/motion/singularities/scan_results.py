@@ -1,4 +1,4 @@
-"""The modes where values vary, and the folds between them, with their table."""
+"""The modes on a grid of values, and the folds between its nodes, with their table."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ POSE = ("Tx", "Ty", "Tz", "qw", "qx", "qy", "qz")
 
 @dataclass(frozen=True, eq=False)
 class ScanResult:
-    """What was found where values vary.
+    """The result of a scan of values.
 
     Attributes
     ----------
     found
         The modes at the nodes.
     limits
-        The folds between nodes; empty if not asked for.
+        The folds between nodes; empty if they were not asked for.
     folds
-        Whether tables are of the folds instead of the nodes.
+        Whether tables show the folds instead of the nodes.
     """
 
     found: Scan
@@ -130,7 +130,7 @@ def scan(
     seed: int = SEED,
     workers: Workers = HERE,
 ) -> ScanResult:
-    """Count the real assembly modes where one or two values vary.
+    """Count the real assembly modes while one or two values vary.
 
     Parameters
     ----------
@@ -140,13 +140,13 @@ def scan(
         Increasing values by the numbers of the constraints, from 1, in the units of the instance:
         one or two, shapes (n1,) and (n2,).
     folds
-        Whether to prove where between neighbouring nodes the number changes.
+        Whether to prove the folds between neighbouring nodes with different numbers.
     clearance
         Whether to bound the clearance of each pose, too.
     seed
         As for `solve_values`; nothing depends on it.
     workers
-        Who does the work.
+        The processes that do the work.
 
     Raises
     ------
@@ -170,7 +170,7 @@ def scan(
 
 
 def corrected(asked: Scan) -> tuple[Instance, list[Axis]]:
-    """Return what to scan, with the offsets and scales of the instance in its values."""
+    """Return the scan of values for a scan of readings: with offsets and scales applied."""
     if not is_corrected(asked.instance):
         return asked.instance, list(asked.axes)
     axes = [
@@ -181,7 +181,7 @@ def corrected(asked: Scan) -> tuple[Instance, list[Axis]]:
 
 
 def as_read(asked: Scan, found: Scan, limits: Boundary, *, folds: bool) -> ScanResult:
-    """Return what was found with values as they are read: offsets and scales taken away again."""
+    """Return the results with readings instead of values: offsets and scales are removed."""
     if not is_corrected(asked.instance):
         return ScanResult(found, limits, folds)
     scales, added = _corrections(asked)
@@ -201,7 +201,7 @@ def as_read(asked: Scan, found: Scan, limits: Boundary, *, folds: bool) -> ScanR
 
 
 def check_values(found: Scan, name: str) -> None:
-    """Raise `ArgumentError` if a value is none that its constraint can have."""
+    """Raise `ArgumentError` if a value is outside the range of its kind of constraint."""
     for axis in found.axes:
         kind = found.instance.constraints[axis.constraint].kind
         for value in (axis.values[0], axis.values[-1]):
@@ -212,7 +212,7 @@ def check_values(found: Scan, name: str) -> None:
 
 
 def _corrections(asked: Scan) -> tuple[Array, Array]:
-    """Return what the values of the axes are multiplied by, and what is added to them then."""
+    """Return the factors of the values of the axes, and the numbers that are added to them."""
     chosen = [axis.constraint for axis in asked.axes]
     return factors(asked.instance)[chosen], offsets(asked.instance, signed=False)[chosen]
 

@@ -1,4 +1,4 @@
-"""The six screws of a platform over sets of poses: proofs that they are independent.
+"""Proofs that the six screws of a platform are independent over sets of poses.
 
 Over a ball or box of poses, in the coordinates of `gspcli.motion.singularities.displacements`, the
 rows of the matrix of screws are enclosed by `gspcli.motion.singularities.taylor_forms`. With
@@ -26,20 +26,21 @@ _SQUARINGS = 5
 _OUTWARD = 1 + 2.0**-30
 #: A power of two by which derivatives are scaled.
 _STEP = 2.0**-20
-#: What the length of a side counts besides its share.
+#: The weight of the length of a side beside its share.
 _SIDE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Regular:
-    """What is known of n sets of poses.
+    """Proofs about n sets of poses.
 
     Attributes
     ----------
     sign
-        Of the determinant of all matrices, 0 if they are not proved to be regular, shape (n,).
+        The sign of the determinant of all matrices, 0 if they are not proved to be regular, shape
+        (n,).
     shares
-        How much each coordinate has to do with the bound, shape (n, 6).
+        The contribution of each coordinate to the bound, shape (n, 6).
     """
 
     sign: Array
@@ -79,7 +80,7 @@ class ScrewForms:
         half
             Half sides of boxes, or semi-axes of ellipsoids, shape (n, 6).
         cube
-            Whether boxes are meant, else ellipsoids.
+            Whether the sets are boxes; otherwise they are ellipsoids.
         """
         with np.errstate(all="ignore"):
             rows, linear, rest = self._rows(self._inputs(s, half, cube=cube))
@@ -88,7 +89,7 @@ class ScrewForms:
             rows, rest = np.where(safe, rows, np.eye(6)), np.where(safe, rest, np.inf)
             linear = np.where(safe[..., None], linear, 0.0)
             sign, shares = self._compare(rows, linear, rest, cube=cube)
-        # Where nothing can be said, the longest side counts.
+        # Without a bound the longest side counts.
         return Regular(sign, np.where(safe[:, 0], np.nan_to_num(shares), 0.0) + _SIDE * half)
 
     def _compare(
@@ -123,7 +124,7 @@ class ScrewForms:
         count, at, a = len(s), self.home, self.arrangement
         e = at.quaternions(s)
         R = rotation_from_quaternion(e) @ at.R
-        # The derivatives of t and v. What rounding does to boxes is within the last factor.
+        # The derivatives of t and v. The last factor contains the rounding of boxes.
         half = half * _OUTWARD
         shift, turn = np.zeros((count, 1, 3, 6)), np.zeros((count, 1, 3, 6))
         shift[:, 0, range(3), range(3)] = half[:, :3]
@@ -131,10 +132,10 @@ class ScrewForms:
         zero, nothing = np.zeros((count, 1, 3)), np.zeros((count, 1))
         v = self._turn(e, Form(zero, turn, nothing, cube))
         far = v.reach
-        # One less w of the turn from the middle.
+        # 1 - w for the turn from the middle.
         flat = far**2 / (1 + np.sqrt(1 - far**2)) * _OUTWARD
         w = Form(np.ones((count, 1, 1)), np.zeros((count, 1, 1, 6)), flat, cube)
-        # Near half a turn w is known less well.
+        # Near half a turn w is less accurate.
         blurred = ROUNDING * (1 + 1 / e[:, :1])
 
         def turned(vectors: Array, sizes: Array) -> Form:

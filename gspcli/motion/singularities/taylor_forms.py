@@ -1,4 +1,4 @@
-"""Vectors that depend on six parameters, enclosed to first order over a set about zero.
+"""First-order enclosures of vectors that depend on six parameters, over a set about zero.
 
 A form stands for all functions that differ from ``value + linear . x`` by vectors of norm at most
 `rest` for all x of the set: the unit ball, or the cube with sides of two. Errors of rounding are
@@ -17,22 +17,22 @@ from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
-#: More than what an operation on three numbers and their six derivatives rounds, relatively.
+#: A bound of the relative rounding error of an operation on three numbers and their derivatives.
 ROUNDING = 2.0**-48
 
 
 @dataclass(frozen=True, eq=False)
 class Form:
-    """Enclosures of vectors of d components; numbers are vectors of one.
+    """Enclosures of vectors with d components; a number is a vector with one.
 
     Attributes
     ----------
     value
-        At zero, shape (..., d).
+        The value at zero, shape (..., d).
     linear
-        The derivatives there, shape (..., d, 6).
+        The derivatives at zero, shape (..., d, 6).
     rest
-        A bound of the norm of all that is left out, shape (...).
+        A bound of the norm of the remainder, shape (...).
     cube
         Whether x is in the cube, else in the ball.
     """
@@ -56,7 +56,7 @@ class Form:
 
     @property
     def reach(self) -> Array:
-        """A bound of how far the vector is from its value, shape (...)."""
+        """A bound of the distance of the vector from its value, shape (...)."""
         return np.asarray(self._slope + self.rest)
 
     @property
@@ -65,7 +65,7 @@ class Form:
         return np.asarray(np.linalg.norm(columns, ord=1 if self.cube else 2, axis=-1))
 
     def loosened(self, more: Array) -> Form:
-        """Return the same with a greater rest."""
+        """Return the form with a greater rest."""
         return Form(self.value, self.linear, self.rest + more, self.cube)
 
     def __add__(self, other: Form) -> Form:
@@ -92,7 +92,7 @@ class Form:
         return self._product(other, lambda a, b: dot(a, b)[..., None])
 
     def _product(self, other: Form, times: Callable[[Array, Array], Array]) -> Form:
-        """Return a bilinear product that is not longer than the product of the norms."""
+        """Return a bilinear product whose norm is at most the product of the norms."""
         value = times(self.value, other.value)
         linear = np.stack(
             [

@@ -1,4 +1,4 @@
-"""How many assembly modes there are where one or two values vary, and where that changes."""
+"""The number of assembly modes while one or two values vary."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from gspcli.workers import HERE, Workers
 
 Array = NDArray[np.float64]
 
-#: Instead of a number of modes: not all poses were found, or none were sought.
+#: Marks instead of a number of modes: not all poses were found, or none were searched for.
 UNKNOWN, MISSING = -1, -2
-#: Nodes that are done together.
+#: Nodes of one piece of work.
 _PIECE = 1000
 
 
@@ -71,7 +71,7 @@ class Scan:
 
     @classmethod
     def empty(cls, instance: Instance, axes: Sequence[Axis], *, clearance: bool = False) -> Scan:
-        """Return a scan whose nodes are all missing.
+        """Return a scan without any results.
 
         Raises
         ------
@@ -92,11 +92,11 @@ class Scan:
 
     @property
     def pieces(self) -> int:
-        """In how many pieces the work is done."""
+        """The number of pieces of the work."""
         return -(-self.modes.size // _PIECE)
 
     def enter(self, piece: Piece) -> None:
-        """Enter what was found at some nodes."""
+        """Enter the results at some nodes."""
         rows = slice(piece.number * _PIECE, piece.number * _PIECE + len(piece.modes))
         self.modes.reshape(-1)[rows] = piece.modes
         self.conditions.reshape(-1)[rows] = piece.conditions
@@ -125,7 +125,7 @@ class Scan:
 
 @dataclass(frozen=True)
 class Piece:
-    """What was found at `_PIECE` nodes: modes, conditions and clearances, or empty."""
+    """The results at `_PIECE` nodes: modes, conditions and clearances, or empty."""
 
     number: int
     modes: tuple[int, ...]
@@ -161,7 +161,7 @@ def scan(
     seed: int = SEED,
     workers: Workers = HERE,
 ) -> Scan:
-    """Count the real poses at all nodes of a grid, all poses being found at each.
+    """Count the real poses at all nodes of a grid; all poses are found at each node.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ def scan(
     seed
         As for `solve_values`.
     workers
-        Who does the work.
+        The processes that do the work.
 
     Raises
     ------

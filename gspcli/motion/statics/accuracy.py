@@ -1,4 +1,4 @@
-"""How far a platform can be from its pose when its values are off by tolerances."""
+"""Errors of a pose that follow from tolerances of its values."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Accuracy:
-    """Errors of n poses: of the rotation (rx, ry, rz, in radians), and of the position of a point.
+    """Errors of n poses: rotation (rx, ry, rz, in radians), and position of a point.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Accuracy:
     worst_turn, worst_shift
         The largest angle of rotation and the largest distance of the point, likewise, shape (n,).
     bound, bound_turn, bound_shift
-        Proved bounds of the same, second order and rounding included; infinite where the tolerances
+        Proved bounds of these errors, with second order and rounding; infinite if the tolerances
         are too large for a proof.
     rms
         Root mean squares of the errors if the values' errors are independent, with the tolerances
@@ -58,9 +58,9 @@ def accuracy(given: Wrenches, tolerances: ArrayLike) -> Accuracy:
     Parameters
     ----------
     given
-        The poses, shape (n, ...), and the point whose position is meant.
+        The poses, shape (n, ...), and the point whose position has errors.
     tolerances
-        How far each value may be off, in the units of the instance, shape (6,).
+        The largest error of each value, in the units of the instance, shape (6,).
 
     Raises
     ------
@@ -108,7 +108,7 @@ def _bounds(instance: Instance, given: Wrenches, limits: Array) -> tuple[Array, 
     with np.errstate(invalid="ignore"):
         half = np.arcsin(np.minimum(whole / least, 1.0))
         turn = 2 * half
-        # The angle is this much more than twice its sine of the half.
+        # The ratio of the angle to twice the sine of its half.
         more = np.where(half > 0, half / np.maximum(np.sin(half), 1e-300), 1.0)
         turns = 2 * parts / least[:, None] * more[:, None]
     shift, shifts = _shifts(platform, given, points, box.shifts, box.rest, box.radius, least)

@@ -1,4 +1,4 @@
-"""How far a platform is from its pose when its geometry is not quite as stated."""
+"""Errors of a pose that follow from errors of the geometry."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class GeometrySlopes:
-    """Derivatives of what constraints measure by the numbers of the primitives.
+    """Derivatives of measured values by the numbers of the primitives.
 
     Attributes
     ----------
     names
-        What each of the m columns is: ``platform.P1.x``, a coordinate of the point of a primitive
-        in the frame of its body, or ``base.L2.tilt1``, a small rotation of a direction or normal
+        The names of the m columns: ``platform.P1.x`` for a coordinate of the point of a primitive
+        in the frame of its body; ``base.L2.tilt1`` for a small rotation of a direction or normal
         about one of two axes perpendicular to it.
     tilts
         Which columns are rotations (radians), shape (m,); the others are lengths.
     slopes
         Derivatives of the values of `measure` (lengths and radians), shape (..., 6, m). A primitive
-        that several constraints share is one.
+        that several constraints share has one set of columns.
     """
 
     names: tuple[str, ...]
@@ -85,7 +85,7 @@ def geometry_slopes(instance: Instance, R: Array, T: Array) -> GeometrySlopes:
 
 
 def _motions(primitive: Geometry) -> list[tuple[str, Array, bool]]:
-    """Return what can be off: its name, the change of the point or of the direction, and which."""
+    """Return the errors of a primitive: name, change of the point or direction, and which one."""
     found = [(axis, row, False) for axis, row in zip("xyz", np.eye(3), strict=True)]
     if not isinstance(primitive, Point):
         across = np.linalg.svd(primitive.unit[None])[2][1:]
@@ -97,10 +97,10 @@ def _motions(primitive: Geometry) -> list[tuple[str, Array, bool]]:
 
 @dataclass(frozen=True, eq=False)
 class GeometryAccuracy:
-    """Errors of n poses from those of the geometry: rx, ry, rz in radians and of a point.
+    """Errors of n poses (rx, ry, rz in radians, and a point) from errors of the geometry.
 
-    All are exact to first order in the errors of the geometry, except that the last two may be too
-    large: the worst cases of the three axes need not come together.
+    All are exact to first order in the errors of the geometry, except for the last two. These may
+    be too large: the worst cases of the three axes need not occur together.
 
     Attributes
     ----------
@@ -120,17 +120,17 @@ class GeometryAccuracy:
 
 
 def geometry_accuracy(given: Wrenches, coordinates: float, tilts: float = 0.0) -> GeometryAccuracy:
-    """Return the errors of poses when the geometry is off and the values are as stated.
+    """Return the errors of poses from errors of the geometry; the values are as stated.
 
     Parameters
     ----------
     given
         The poses, shape (n, ...), and the point whose position is meant.
     coordinates
-        How far each coordinate of the point of each primitive may be off, in length units.
+        The largest error of each coordinate of the point of each primitive, in length units.
     tilts
-        How far each direction and normal may be turned about each of two axes perpendicular to it,
-        in the angle unit of the instance.
+        The largest rotation of each direction and normal about each of two axes perpendicular to
+        it, in the angle unit of the instance.
 
     Raises
     ------
@@ -144,7 +144,7 @@ def geometry_accuracy(given: Wrenches, coordinates: float, tilts: float = 0.0) -
     found = geometry_slopes(given.instance, given.R, given.T)
     radian = given.instance.units.angle.in_radians
     sizes = np.where(found.tilts, tilts * radian, coordinates)
-    # The values stay: what the geometry adds to them, the pose takes away.
+    # The values stay constant: the change by the geometry and the change by the pose cancel.
     columns = -given.inverse @ found.slopes * sizes
     worst = np.abs(columns).sum(axis=2)
     bounds = [

@@ -1,4 +1,4 @@
-"""What a pose does to small motions and to forces: screws, Jacobian matrices, statics, stiffness.
+"""Small motions and forces at a pose: screws, Jacobian matrices, statics, stiffness.
 
 A twist is (omega, v): the angular velocity, in radians, and the velocity of a stated point, both in
 the axes of the base. A wrench is (force, moment) about that point. All functions take leading batch
@@ -22,13 +22,13 @@ from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
-#: Beyond this condition number the inverse matrix means nothing.
+#: Above this condition number the inverse matrix has no correct digits.
 _CONDITION = 1e14
 
 
 @dataclass(frozen=True, eq=False)
 class Wrenches:
-    """The six constraints at poses, as the wrenches that they exert.
+    """The six constraints at poses as wrenches.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Wrenches:
     point
         The point, fixed in the base, that twists and wrenches are about, shape (..., 3).
     length
-        What divides lengths, and multiplies angles, where both are compared.
+        The unit of length in which lengths and angles are compared.
     jacobian
         Derivatives of the values, as `measure` gives them, with respect to the twist (omega, v),
         shape (..., 6, 6): lengths and radians. Row k is the wrench (moment, force) of constraint k
@@ -102,8 +102,8 @@ class Wrenches:
     def conditions(self) -> Array:
         """The condition numbers of the poses with the length as the unit, shape (...).
 
-        They are those of `gsp solve` (`condition_numbers`): of the matrix about the centre of the
-        platform with rows of norm one, wherever the point is.
+        They are those of `gsp solve` (`condition_numbers`): for the matrix about the centre of the
+        platform with rows of norm one. They do not depend on the point.
         """
         return condition_numbers(Arrangement.of(self.instance), self.R, self.T, self.length)
 
@@ -121,7 +121,7 @@ class Wrenches:
         return np.asarray(np.where(regular[..., None, None], inverse, np.nan))
 
     def reactions(self, force: ArrayLike, moment: ArrayLike, at: ArrayLike) -> Array:
-        """Return what the constraints exert to hold a load, shape (..., 6).
+        """Return the reactions of the constraints that hold a load, shape (..., 6).
 
         Forces for distances, positive if the constraint pushes towards a greater value (a leg under
         compression); moments for angles, in units of force times length.
@@ -148,8 +148,8 @@ class Wrenches:
         Returns
         -------
         constraint, direction, reaction
-            Index of the constraint, shape (...), the direction of the force, (..., 3), and what the
-            constraint exerts then, (...).
+            Index of the constraint, shape (...), the direction of the force, (..., 3), and the
+            reaction of the constraint, (...).
         """
         columns = -self.inverse[..., 3:, :]
         sizes = np.linalg.norm(columns, axis=-2)
@@ -174,11 +174,11 @@ class Wrenches:
         return matrix
 
     def least_stiffness(self, each: ArrayLike) -> Array:
-        """Return the least force that shifts the point, by the shift, shape (...).
+        """Return the least ratio of a force at the point to its shift, shape (...).
 
-        The platform is free to turn while a force at the point pushes it in the direction in which
-        it gives way most: the inverse of the largest eigenvalue of the compliance of the point. NaN
-        at singular poses.
+        The platform is free to turn, and the force has the direction of the largest shift. The
+        number is the inverse of the largest eigenvalue of the compliance of the point. NaN at
+        singular poses.
 
         Parameters
         ----------
@@ -208,7 +208,7 @@ def wrenches(
     point: ArrayLike | None = None,
     length: float | None = None,
 ) -> Wrenches:
-    """Return what the constraints do at poses.
+    """Return the constraints at poses as wrenches.
 
     Parameters
     ----------
@@ -218,7 +218,7 @@ def wrenches(
         The poses, shapes (..., 3, 3) and (..., 3).
     point
         A point fixed in the base, shape (..., 3); by default the mean of the platform's points of
-        distances, where the platform is.
+        distances, at the pose.
     length
         The unit in which lengths and angles are compared; by default the typical length of the
         instance (`Arrangement.length`).
@@ -226,8 +226,9 @@ def wrenches(
     Raises
     ------
     ArgumentError
-        If the length is not positive, or a value has no derivative at a pose: a distance of zero to
-        a point or line, parallel lines of a DLL, an angle at an end of its range.
+        If the length is not positive, or if a value has no derivative at a pose. These are a
+        distance of zero to a point or line, parallel lines of a DLL, and an angle at an end of its
+        range.
     """
     arrangement = Arrangement.of(instance)
     R, T = np.asarray(R, float), np.asarray(T, float)

@@ -1,9 +1,8 @@
-"""Boxes of poses, judged and divided, until the volume of a workspace is known well enough.
+"""The workspace as boxes of poses, which are judged and divided until its volume is accurate.
 
-From a pose to values nothing has to be solved: a pose can be reached if its values are in their
-ranges and its legs in their cones. Boxes of poses are judged by interval arithmetic with all
-rounding bounded (native/reach.cpp), and those of which nothing is proved are halved in each
-direction until they are few enough.
+A pose can be reached if its values are in their ranges and its legs in their cones; no equation has
+to be solved for this. Boxes of poses are judged by interval arithmetic with bounded rounding
+(native/reach.cpp). Undecided boxes are halved in each direction until their volume is small enough.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ from gspcli.progress import Progress, silent
 Array = NDArray[np.float64]
 
 _DEEPEST = 20
-#: Boxes judged at a time: then Ctrl-C is heard, and whether the bounds are near enough is seen.
+#: Boxes judged at a time; between two calls Ctrl-C and the bounds of the volume are checked.
 _CHUNK = 50_000
 
 
@@ -52,7 +51,7 @@ def workspace(
     instance
         The platform; constraints without a range and joints without a cone limit nothing.
     R, T
-        The home pose, shapes (3, 3) and (3,); what does not vary is as there.
+        The home pose, shapes (3, 3) and (3,); the parameters that do not vary have its numbers.
     free
         Parameters that vary, one to six: x, y, z, the position of the pivot, and rx, ry, rz,
         angles from home about axes parallel to those of the base.
@@ -61,20 +60,20 @@ def workspace(
     sequence
         The order of the three turns, as `gspcli.geometry.euler` has it.
     within
-        For some free parameters the interval to look in, in the units of the instance. Needed for
-        x, y, z if no leg (DPP) has a range.
+        The interval of some free parameters, in the units of the instance. It is needed for x, y, z
+        if no leg (DPP) has a range.
     connected
-        Only what can be reached from home by poses that are not singular.
+        Whether only the part that can be reached from home by poses that are not singular counts.
     tolerance
-        Boxes are divided until the bounds of the volume differ by this, relatively, or
+        Boxes are divided until the relative difference of the bounds of the volume is at most this,
     most_boxes
-        until so many were judged.
+        or until this many were judged.
     jobs
         Threads; the answer does not depend on them.
     progress
-        Told of each level.
+        Receives the bounds after each level.
     stop
-        Asked now and then whether to be content with what is proved so far.
+        Called from time to time; if it returns True, the result so far is returned.
 
     Raises
     ------
@@ -171,7 +170,7 @@ class _Division:
         inner = self._share(self.inner)
         still = self._share(waiting)
         for k, (keys, left, level) in enumerate(waiting):
-            # Of shares that are weighted, or parts of a connected set, not known before the end.
+            # Weighted shares, and parts of a connected set, are known only at the end.
             near = still <= tolerance * (1 - 10 * ROUNDING) * (inner + still)
             simple = not (self.boxes.regular or self.weighted)
             if stop() or (near and simple):
@@ -183,7 +182,7 @@ class _Division:
             still += self._share(self.open[before[1] :]) - self._share([(keys, left, level)])
 
     def _share(self, boxes: list[Layer]) -> float:
-        """Return how much of the whole box some boxes are."""
+        """Return the share of some boxes in the whole box."""
         return sum(math.ldexp(len(keys), -len(self.free) * level) for keys, _, level in boxes)
 
     def _judge(self, level: int, keys: Keys, left: Conditions, *, split: bool) -> None:
@@ -213,7 +212,7 @@ class _Division:
         )
 
     def _keep_connected(self, result: Workspace) -> None:
-        """Forget boxes that cannot be connected with home."""
+        """Remove boxes that cannot be connected with home."""
         near = {
             level: np.concatenate(
                 (

@@ -16,7 +16,7 @@ Layer: TypeAlias = "tuple[Keys, Conditions, int]"
 
 
 class BoxSet(NamedTuple):
-    """Boxes by their keys in the grid of their level, with what is left or known of each."""
+    """Boxes by their keys in the grid of their level, with the conditions of each."""
 
     keys: Keys
     conditions: Conditions

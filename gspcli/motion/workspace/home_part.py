@@ -1,7 +1,7 @@
-"""Which boxes of poses are connected with home by poses that are not singular.
+"""The boxes of poses that are connected with home by poses that are not singular.
 
-The determinant of the Jacobian matrix keeps its sign on such a set. Boxes whose sign is proved to
-be that of home and that share a side are connected; boxes that only touch may be.
+The determinant of the Jacobian matrix keeps its sign on such a set. Two boxes that share a side,
+both with the proved sign of home, are connected; boxes that only touch may be connected.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class HomePart:
         self._sign = found.inside_signs[0] & NEGATIVE
 
     def split(self, inner: BoxSet, open_: BoxSet) -> tuple[BoxSet, BoxSet]:
-        """Return the inner boxes that are connected with home, and all that may be, besides."""
+        """Return the inner boxes that are connected with home, and the other boxes that may be."""
         inner, open_ = (boxes.chosen(self._same_sign(boxes.conditions)) for boxes in (inner, open_))
         reached = self._connected(inner, touching=False)
         near = self._connected(inner.and_also(open_), touching=True)
@@ -93,11 +93,11 @@ class HomePart:
         low, high = self.bounds[self.indices].T
         part = (self.boxes.home[self.indices] - low) / (high - low) * 2.0 ** boxes.levels[:, None]
         place = places(boxes.keys, len(self.indices))
-        # At a corner rounding decides: half an ulp more does no harm, for home has room about it.
+        # At a corner rounding decides. A margin does no harm: the box about home keeps the limits.
         room = 1e-12 * np.maximum(1.0, part)
         return np.asarray(((part >= place - room) & (part <= place + 1 + room)).all(axis=1))
 
     def _same_sign(self, conditions: Conditions) -> NDArray[np.bool_]:
-        """Return which boxes are not proved to have the other sign of the determinant."""
+        """Return which boxes are not proved to have the opposite sign of the determinant."""
         proved = (conditions & REGULAR) == 0
         return np.asarray(~(proved & ((conditions & NEGATIVE) != self._sign)))

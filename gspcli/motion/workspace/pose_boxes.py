@@ -22,15 +22,16 @@ Conditions = NDArray[np.uint32]
 #: Position of the pivot in the base, and angles about the axes of the base, from home.
 PARAMETERS = ("x", "y", "z", "rx", "ry", "rz")
 REGULAR, NEGATIVE = np.uint32(_kernel.REGULAR), np.uint32(_kernel.NEGATIVE)
-#: A matrix further from a rotation than this is none.
+#: Largest difference of a given matrix from a rotation.
 _ROTATION = 1e-9
 _RANGES = 6
 
 
 class Judged(NamedTuple):
-    """Boxes of a grid: those proved to keep all limits, and those of which nothing is proved.
+    """Boxes of a grid: those proved to keep all limits, and the undecided ones.
 
-    The others are proved to violate one. Keys hold the places in the grid, see `PoseBoxes.places`.
+    All other boxes are proved to violate a limit. Keys encode places in the grid, see
+    `PoseBoxes.places`.
     """
 
     inside: Keys
@@ -40,7 +41,7 @@ class Judged(NamedTuple):
 
 
 class PoseBoxes:
-    """The poses about a home pose, by six parameters, and the limits that they keep or leave.
+    """The poses about a home pose, by six parameters, and the limits that they keep or violate.
 
     The parameters are the position of the pivot in the base and three angles, in radians, about
     axes parallel to those of the base: the rotation is ``E R`` with E by `rotation_from_euler`.
@@ -61,7 +62,7 @@ class PoseBoxes:
     Raises
     ------
     ArgumentError
-        If the home pose is none.
+        If the home pose is not a pose.
     """
 
     def __init__(
@@ -90,11 +91,11 @@ class PoseBoxes:
         if np.abs(given @ given.T - np.eye(3)).max() > _ROTATION or np.linalg.det(given) < 0:
             message = "found a matrix that is no rotation"
             raise ArgumentError(message, "R")
-        # What is proved is about the rotation of these four doubles.
+        # Proofs are about the rotation of these four doubles.
         self.quaternion = quaternion_from_rotation(given)
         self.R: Array = rotation_from_quaternion(self.quaternion)
         self.home = np.concatenate((T + self.R @ self.pivot, np.zeros(3)))
-        # Balls take long to import: only what proves boxes waits for them.
+        # Ball arithmetic takes long to import; it is needed for proofs of boxes only.
         from gspcli.certification.numbers.limit_balls import limit_balls
 
         self._balls = limit_balls(instance, self.quaternion.tolist(), self.pivot.tolist())
@@ -107,7 +108,7 @@ class PoseBoxes:
 
     @property
     def middle(self) -> str:
-        """The middle one of the three angles, which half a turn is enough of."""
+        """The second of the three angles, for which half a turn covers all rotations."""
         return PARAMETERS[self._order[4]]
 
     @property
@@ -118,7 +119,7 @@ class PoseBoxes:
         return np.uint32(sum(1 << bit for bit in bits) | (int(REGULAR) if self.regular else 0))
 
     def names(self, conditions: int) -> list[str]:
-        """Return in words which conditions some bits are."""
+        """Return the conditions of some bits in words."""
         found = [f"range of {k + 1}" for k in range(_RANGES) if conditions >> k & 1]
         found += [
             f"cone of {cone.constraint + 1} ({cone.body})"
@@ -183,10 +184,10 @@ class PoseBoxes:
         free
             The indices of the free parameters, d of them.
         level
-            Which grid.
+            The level of the grid.
         keys, left
-            Boxes, shape (n,), and the conditions that are not yet proved for them; if `split`, of
-            the grid before, and their 2^d parts are judged.
+            Boxes, shape (n,), and the conditions that are not yet proved for them. With `split`
+            they are boxes of the level before, and their 2^d parts are judged.
         jobs
             Threads; the answer does not depend on them.
         """
@@ -213,7 +214,7 @@ class PoseBoxes:
 
 
 def places(keys: Keys, dimensions: int) -> NDArray[np.int64]:
-    """Return the places in the grid that keys stand for, ``(n,) -> (n, d)``."""
+    """Return the places in the grid of keys, ``(n,) -> (n, d)``."""
     bits = 64 // dimensions
     mask = np.uint64(2**bits - 1)
     columns = [(keys >> np.uint64(d * bits)) & mask for d in range(dimensions)]

@@ -1,4 +1,4 @@
-"""How far a platform can go from home along each axis: the table that makers of hexapods print."""
+"""The travel of a platform from home along each axis: the table that makers of hexapods print."""
 
 from __future__ import annotations
 
@@ -19,31 +19,31 @@ from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
-#: Where nothing bounds the position it is looked for as far as this, in typical lengths.
+#: The search ends at this many typical lengths if nothing bounds the position.
 _FAR = 100.0
 #: The interval in which a travel ends is halved until it is this part of the whole.
 _FINEST = 2.0**-46
 _DEEPEST = 46
-#: More open intervals than this are not divided: a limit is kept by almost nothing.
+#: More open intervals than this are not divided: a limit is nearly violated along the whole axis.
 _MOST_OPEN = 500
 
 
 @dataclass(frozen=True)
 class Travel:
-    """How far one parameter can change from home while the others stay.
+    """The travel of one parameter from home while the others stay constant.
 
     Attributes
     ----------
     axis
         The parameter, one of x, y, z, rx, ry, rz.
     reached
-        How far down and up every pose on the way is proved to keep the limits, from home, in the
+        The changes down to which and up to which every pose is proved to keep the limits, in the
         units of the instance: a number at most 0 and one at least 0.
     ends
-        Where at the latest it is proved that a limit is left; infinite if that was not found
-        (a whole turn; for positions a hundred typical lengths).
+        The changes before which a limit is proved to be violated; infinite if no such change was
+        found (within a whole turn, or a hundred typical lengths for positions).
     stops
-        What is undecided between the two: the limits that end the travel, in words.
+        The limits that end the travel, in words: those undecided between the two.
     """
 
     axis: str
@@ -61,14 +61,15 @@ def moved(
     sequence: str = "ZYX",
     in_radians: float = 1.0,
 ) -> tuple[Array, Array]:
-    """Return a pose whose parameters differ from another one's.
+    """Return a pose whose parameters differ from those of another pose.
 
     Parameters
     ----------
     R, T
         The pose, shapes (3, 3) and (3,).
     offset
-        What is added to some of x, y, z, rx, ry, rz; angles turn about axes of the base.
+        The numbers that are added to some of x, y, z, rx, ry, rz; angles turn about axes of the
+        base.
     pivot, sequence
         As in `gspcli.motion.workspace.box_division.workspace`.
     in_radians
@@ -94,7 +95,7 @@ def travels(
     sequence: str = "ZYX",
     connected: bool = False,
 ) -> list[Travel]:
-    """Return how far each parameter can change from home while the others stay.
+    """Return the travel of each parameter from home while the others stay constant.
 
     Parameters
     ----------
@@ -108,7 +109,7 @@ def travels(
     pivot
         A point of the platform, in its frame, shape (3,).
     sequence
-        The order of the turns, as `gspcli.geometry.euler` has it; of one turn alone no matter.
+        The order of the turns, as in `gspcli.geometry.euler`; a single turn has no order.
     connected
         Whether a singular pose ends the travel.
 
@@ -145,7 +146,7 @@ def travels(
 
 
 def violations(instance: Instance, R: Array, T: Array) -> list[str]:
-    """Return in words which limits a pose leaves, by more than rounding."""
+    """Return the limits that a pose violates by more than rounding, in words."""
     values = values_at(instance, R, T)
     readings = readings_of(instance, values)
     found = []
@@ -168,7 +169,7 @@ def violations(instance: Instance, R: Array, T: Array) -> list[str]:
 
 
 def _way(boxes: PoseBoxes, k: int, direction: int) -> tuple[float, float, tuple[str, ...]]:
-    """Return how far one parameter goes one way, where it ends at the latest, and what ends it."""
+    """Return the travel of a parameter in one direction, a bound, and the limits at its end."""
     bounds = boxes.bounds_at((0.0, 0.0, 0.0))
     home = boxes.home
     far = np.pi
@@ -190,7 +191,7 @@ def _divided(
 ) -> tuple[float, float, tuple[str, ...]]:
     width = float(bounds[k, 1] - bounds[k, 0])
     sign: np.uint32 | None = None
-    # Intervals as (start, end, conditions left) from home in parts of the width, keys of the open.
+    # Intervals (start, end, open conditions) from home in parts of the width; keys of open ones.
     inner: list[tuple[float, float]] = []
     keys, left = np.zeros(1, np.uint64), np.array([boxes.conditions])
     gap, stops = 1.0, 0
@@ -223,7 +224,7 @@ def _divided(
 
 
 def _starts(keys: NDArray[np.uint64], level: int, direction: int) -> Array:
-    """Return where intervals begin, seen from home, in parts of the whole."""
+    """Return the distances of intervals from home, in parts of the whole."""
     place = keys.astype(np.float64)
     if direction < 0:
         place = 2.0**level - 1 - place
@@ -231,7 +232,7 @@ def _starts(keys: NDArray[np.uint64], level: int, direction: int) -> Array:
 
 
 def _first_gap(intervals: list[tuple[float, float]]) -> float:
-    """Return up to where sorted intervals cover everything from 0."""
+    """Return the end of the part from 0 that sorted intervals cover without a gap."""
     end = 0.0
     for start, stop in intervals:
         if start > end:

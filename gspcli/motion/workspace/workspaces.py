@@ -1,4 +1,4 @@
-"""Which poses keep the ranges and cones of a platform: boxes of them, proved, and their volume."""
+"""The poses that keep the ranges and cones of a platform: proved boxes, and their volume."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Volumes are sums of many products in floating point, with errors far below this, relatively.
+#: Relative error of volumes: they are sums of many products in floating point, far more accurate.
 ROUNDING = 1e-9
 #: Parameters that differ by less, in lengths of the platform and radians, are the same.
 _SAME = 1e-7
@@ -31,8 +31,8 @@ _SAME = 1e-7
 class Workspace:
     """Poses that keep all limits, between two sets of boxes.
 
-    Every pose of an inner box keeps them, and every pose outside the inner and the open boxes
-    violates one; both are proved.
+    It is proved that every pose of an inner box keeps the limits, and that every pose outside the
+    inner and the open boxes violates one.
 
     Attributes
     ----------
@@ -41,13 +41,13 @@ class Workspace:
     free
         The parameters that vary, of `PARAMETERS`, d of them; the others are those of home.
     connected
-        Whether only what is connected with home by poses that are not singular is meant.
+        Whether only the part counts that is connected with home by poses that are not singular.
     bounds
         The box that was divided, shape (d, 2); lengths, and radians.
     inner_keys, inner_levels, open_keys, open_levels
         Boxes by their keys in the grid of their level.
     judged
-        How many boxes were judged.
+        The number of boxes that were judged.
     """
 
     boxes: PoseBoxes
@@ -66,7 +66,7 @@ class Workspace:
         return f"<Workspace of {kinds}: {low:.6g} to {high:.6g} {self.measure}>"
 
     def rows(self) -> list[dict[str, Any]]:
-        """Return how far the set reaches in each parameter, as plain data."""
+        """Return the extent of the set in each parameter, as plain data."""
         rows = []
         for name, ends in zip(self.free, self.extents.tolist(), strict=True):
             (low, high), (least, most) = (
@@ -77,13 +77,13 @@ class Workspace:
         return rows
 
     def to_frame(self) -> pd.DataFrame:
-        """Return how far the set reaches in each parameter (pandas is imported now)."""
+        """Return the extent of the set in each parameter (pandas is imported now)."""
         import pandas as pd
 
         return pd.DataFrame(self.rows())
 
     def to_json(self) -> dict[str, Any]:
-        """Return what `gsp workspace` has of the volume, as plain data."""
+        """Return the numbers of the volume that `gsp workspace` prints, as plain data."""
         low, high = self.volume
         return {
             "volume": {"lower": low, "upper": high, "unit": self.measure, "gap": self.gap},
@@ -100,7 +100,7 @@ class Workspace:
 
     @cached_property
     def units(self) -> Array:
-        """What the parameters are divided by to be in the units of the instance, shape (d,)."""
+        """The divisors that convert parameters to the units of the instance, shape (d,)."""
         radian = self.instance.units.angle.in_radians
         return np.array([radian if name.startswith("r") else 1.0 for name in self.free])
 
@@ -111,7 +111,7 @@ class Workspace:
 
     @cached_property
     def open(self) -> Array:
-        """Boxes of which nothing is proved, likewise; with the inner ones they contain the set."""
+        """Undecided boxes, shape (n, d, 2); together with the inner boxes they contain the set."""
         return self._corners(self.open_keys, self.open_levels) / self.units[:, None]
 
     @cached_property
@@ -146,7 +146,7 @@ class Workspace:
 
     @cached_property
     def extents(self) -> Array:
-        """How far the set reaches in each parameter: proved to reach and to end, shape (d, 2, 2).
+        """The extent of the set in each parameter, proved from both sides, shape (d, 2, 2).
 
         The first pair is the interval that the inner boxes span, the second one that contains the
         set; NaN if there are no boxes.
@@ -159,7 +159,7 @@ class Workspace:
         return found
 
     def judged_at(self, points: ArrayLike) -> NDArray[np.int8]:
-        """Return where points lie: 1 in an inner box, 0 in an open one, -1 outside, shape (n,).
+        """Return the place of points: 1 in an inner box, 0 in an open one, -1 outside, shape (n,).
 
         Parameters
         ----------
@@ -187,7 +187,7 @@ class Workspace:
         return found
 
     def judged_poses(self, R: ArrayLike, T: ArrayLike) -> NDArray[np.int8]:
-        """Return where poses lie, as `judged_at`; -1 where a parameter is not free, and another.
+        """Return the place of poses as `judged_at`; -1 if a parameter that is not free differs.
 
         Parameters
         ----------
@@ -221,7 +221,7 @@ class Workspace:
             )
         corners = self._corners(keys, levels)
         sides = corners[:, :, 1] - corners[:, :, 0]
-        # The middle angle of the three counts by the difference of its sine.
+        # The measure of the second angle is the difference of its sine.
         middle = self.free.index(self.boxes.middle)
         sides[:, middle] = np.sin(corners[:, middle, 1]) - np.sin(corners[:, middle, 0])
         return float(sides.prod(axis=1).sum() / (8 * math.pi**2))
