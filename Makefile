@@ -33,9 +33,10 @@ demo: $(STAMP) ## the paper's tables checked, its platform and Dietmaier's solve
 test: $(STAMP) ## the test suite (some minutes on two cores)
 	$(BIN)/python -m pytest -q -n auto -m 'not slow'
 
-lint: $(STAMP) ## style of the code
+lint: $(STAMP) ## style of the code and of its sentences
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
+	$(BIN)/python -m tools.verify.prose
 
 types: $(STAMP) ## static types of the package
 	$(BIN)/mypy

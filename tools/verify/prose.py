@@ -2,9 +2,9 @@
 
     python -m tools.verify.prose [FILE ...]
 
-A sentence has at most 35 words. Numbers, programs and files are no persons, so that words such as
-"nobody" and "wants" are refused, with the plain word to write instead. Tables, code and quotations
-in backquotes are not looked at. Prints each finding as FILE:LINE, and ends with 1 if there is one.
+A sentence has at most 35 words. Numbers, programs and files are no persons: words such as `nobody`
+and `wants` are refused, and the plain word to write instead is named. Tables, code and text
+in backquotes are not checked. Prints each finding as FILE:LINE, and ends with 1 if there is one.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ BANNED = {
     r"(?:lead|leads|led|end|ends|ended) nowhere": "say how it ends: no pose, lost, at infinity",
     r"as (?:it is|they are)(?= written)": "'as written'",
     r"as (?:it is|they are)(?=[.,;:)])": "'unchanged', 'as given'",
-    r"what is left(?: out| over)?": "'the rest', 'the remainder', 'the residual'",
-    r"(?:that|which|what|those that) (?:is|are) left": "'the rest', 'the others'",
+    r"what (?:is|are) left(?: out| over)?": "'the rest', 'the remainder', 'the residual'",
+    r"(?:that|which) (?:is|are) left(?! (?:out|open))": "'the rest', 'the others'",
     r"by (?:itself|themselves)": "'alone', 'separately', 'automatically'",
     r"without a word": "'without a message'",
     r"frighten\w*": "say what is shown, and what is omitted",
@@ -59,7 +59,7 @@ _BANNED = [(re.compile(rf"\b{word}\b", re.IGNORECASE), better) for word, better 
 EXCEPTIONS: tuple[tuple[str, str], ...] = ()
 
 #: Folders and files whose sentences are checked.
-CHECKED = ("tools/verify/prose.py",)
+CHECKED = ("gspcli/catalogue", "gspcli/geometry", "tools/verify/prose.py")
 
 _SOURCES = {".py", ".cpp", ".hpp", ".c", ".js", ".md"}
 #: A line that begins a new sentence though the one before has no full stop.

@@ -1,0 +1,74 @@
+"""The check of sentences finds long ones and riddles, in code and in pages."""
+
+from pathlib import Path
+
+import pytest
+
+from tools.recording import ROOT
+from tools.verify import prose
+
+LONG = "word " * 36
+
+
+def found(text: str, suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Return what is found in a file: line and reason."""
+    monkeypatch.setattr(prose, "ROOT", tmp_path)
+    path = tmp_path / f"file{suffix}"
+    path.write_text(text, encoding="utf-8")
+    return [f"{finding.line} {finding.why.split(' (')[0]}" for finding in prose.findings(path)]
+
+
+@pytest.mark.parametrize(
+    ("suffix", "text", "expected"),
+    [
+        (".py", '"""The end, which nobody knows."""\n', ["1 'nobody'", "1 'knows'"]),
+        (".py", f'"""Title.\n\n{LONG}.\n"""\n', ["3 36 words"]),
+        (".py", f"x = 1  # {LONG}\n", ["1 36 words"]),
+        (".py", "# The rest is skipped.\n#: Whatever comes.\n", ["2 'Whatever'"]),
+        (".py", "nobody = 'nobody knows'\n", []),
+        (
+            ".cpp",
+            "int x; // as it is.\n/* The path\n * ends nowhere. */\n",
+            ["1 'as it is'", "2 'ends nowhere'"],
+        ),
+        (".md", "# Nobody\n\nThe `nobody` of [a page](nobody.md).\n\n    nobody\n", []),
+        (".md", f"Text.\n\n- {LONG}\n", ["3 36 words"]),
+        (".md", "```\nnobody\n```\n\nand somebody\n", ["5 'somebody'"]),
+    ],
+)
+def test_what_is_found(
+    suffix: str,
+    text: str,
+    expected: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert found(text, suffix, tmp_path, monkeypatch) == expected
+
+
+def test_parameters_and_items_are_sentences_of_their_own() -> None:
+    text = "Title.\n\nx\n    one two\ny\n    three\n- an item\n  goes on\n"
+    assert [sentence for _, sentence in prose.sentences(1, text)] == [
+        "Title.",
+        "x",
+        "one two",
+        "y",
+        "three",
+        "- an item goes on",
+    ]
+
+
+def test_what_is_checked_exists() -> None:
+    assert all((ROOT / name).exists() for name in prose.CHECKED)
+
+
+def test_exceptions_are_needed() -> None:
+    texts = {
+        path.relative_to(ROOT).as_posix(): path.read_text()
+        for path in prose.files(list(prose.CHECKED))
+    }
+    for begin, piece in prose.EXCEPTIONS:
+        assert any(
+            name.startswith(begin) and piece in " ".join(text.split())
+            for name, text in texts.items()
+        )
