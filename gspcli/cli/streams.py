@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import codecs
 import errno
+import io
 import os
 import re
 import sys
 from contextlib import suppress
-from typing import TextIO
+from typing import Any, TextIO
 
 import click
 
@@ -37,14 +38,48 @@ def open_streams() -> None:
     """Make the standard streams of this process such that all text can be written to them.
 
     A closed one is replaced by a file that cannot be read or written, standard error by one that
-    swallows everything; so no other file takes its number.
+    swallows everything; so no other file takes its number. Standard output is written whole, or an
+    error is raised: also where Python does not buffer it (PYTHONUNBUFFERED), and would take no
+    notice that a full disk or a pipe has taken a part only.
     """
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         if getattr(sys, name) is None:
             setattr(sys, name, _instead(number))
+    whole = io.BufferedWriter(_Whole(sys.stdout.fileno()))
+    sys.stdout = io.TextIOWrapper(
+        whole,
+        sys.stdout.encoding,
+        sys.stdout.errors,
+        line_buffering=sys.stdout.isatty(),
+    )
     for stream in (sys.stdout, sys.stderr):
         settings = manner(stream.encoding)
         stream.reconfigure(**settings)  # type: ignore[union-attr]
+
+
+class _Whole(io.RawIOBase):
+    """A file that is written to by its number; a pipe that would not wait is waited for."""
+
+    def __init__(self, number: int) -> None:
+        self._number = number
+
+    def fileno(self) -> int:
+        return self._number
+
+    def writable(self) -> bool:
+        return True
+
+    def isatty(self) -> bool:
+        return os.isatty(self._number)
+
+    def write(self, data: Any) -> int:
+        while True:
+            try:
+                return os.write(self._number, data)
+            except BlockingIOError:
+                import select
+
+                select.select([], [self._number], [])
 
 
 def manner(encoding: str) -> dict[str, str]:

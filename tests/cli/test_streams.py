@@ -220,3 +220,34 @@ def test_files_that_never_end_are_refused(gsp, words, monkeypatch) -> None:
     assert run.code == 2
     assert run.err.rstrip().endswith(" MB")
     assert "/dev/zero: cannot be read: it has more than " in run.err
+
+
+UNBUFFERED = {"PYTHONUNBUFFERED": "1"}
+
+
+@pytest.mark.parametrize("words", ["enumerate", "enumerate --format json", "view @dietmaier"])
+@pytest.mark.parametrize("environment", [{}, UNBUFFERED])
+def test_an_output_that_is_cut_is_an_error(
+    words: str, environment: dict[str, str], tmp_path: Path
+) -> None:
+    # A file of at most 8 blocks stands for a disk with a little room.
+    run = shell(f"ulimit -f 8; $GSP {words} > {tmp_path / 'cut'}", **environment)
+    assert run.returncode == 2
+    assert run.stderr.decode().endswith(FULL.replace("No space left on device", "File too large"))
+
+
+@pytest.mark.parametrize("environment", [{}, UNBUFFERED])
+def test_a_pipe_that_does_not_wait_is_waited_for(environment: dict[str, str]) -> None:
+    command = [sys.executable, "-m", "gspcli", "enumerate", "--format", "csv"]
+    whole = shell("$GSP enumerate --format csv").stdout
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    with subprocess.Popen(command, stdout=writer, env=os.environ | environment) as process:
+        os.close(writer)
+        # The pipe is full before anything is read.
+        with pytest.raises(subprocess.TimeoutExpired):
+            process.wait(timeout=1)
+        with os.fdopen(reader, "rb") as file:
+            assert file.read() == whole
+    assert len(whole) > 1 << 16
+    assert process.returncode == 0
