@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.masses import Drives, Dynamics, Leg, LegBody, RigidBody
     from gspcli.geometry.numbers import Number
     from gspcli.geometry.primitives import Cone, Line, Plane, Point
+    from gspcli.machines.api import import_machine
     from gspcli.motion import Follower, track
     from gspcli.motion.poses.measured_values import measure
     from gspcli.motion.singularities.clearance_results import clearance
@@ -104,6 +105,7 @@ _HOMES = {
     "fit_readings": "gspcli.sensing",
     "forward_dynamics": "gspcli.dynamics",
     "hexapod": "gspcli.geometry.building",
+    "import_machine": "gspcli.machines.api",
     "instance": "gspcli.geometry.building",
     "inverse_dynamics": "gspcli.dynamics",
     "load": "gspcli.spec",
@@ -180,6 +182,7 @@ __all__ = [
     "fit_readings",
     "forward_dynamics",
     "hexapod",
+    "import_machine",
     "instance",
     "inverse_dynamics",
     "load",

@@ -14,3 +14,5 @@ MAX_PRECISION = 1024
 #: Work that an exact count may take, in billions of multiplications modulo a prime, each of which
 #: takes a second or two: while a platform is solved; if a function asks for it; with `gsp count`.
 PATIENCE, COUNT_LIMIT, LONG_COUNT = 2.0, 5.0, 60.0
+#: Digits of imported numbers, and the share of a machine's size up to which axes are taken to meet.
+IMPORTED_DIGITS, MEETING_SHARE = 12, 1e-4

@@ -23,6 +23,7 @@ BY_HEADING: dict[str, dict[str, str]] = {
     },
     "One platform": {
         "new": "Write a random instance of a type, with at least one real pose, as YAML.",
+        "import": "Read a machine from the file of another program and write its instance file.",
         "example": "List the instance files that come with gsp, or print one.",
         "check": "Check instance files and say which platforms they describe.",
         "count": "Count the complex solutions of a platform exactly, without finding them.",

@@ -4,7 +4,7 @@ The platform is a free body; each constraint is a chain of joints from the base 
 to the platform. The coordinate of the joint ``value_k`` is what constraint k measures, in metres or
 radians. A joint equality ``hold_k`` holds it: its first coefficient is the change of the value
 (``model.eq_data``), so that moving it moves the platform; without it (``data.eq_active``) the
-actuator ``drive_k`` pulls towards the same change.
+actuator ``drive_k`` pulls towards the same change. The text ``gsp`` is the instance itself.
 """
 
 from __future__ import annotations
@@ -23,6 +23,9 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.lengths import METRES
 from gspcli.geometry.primitives import Line, Plane
+from gspcli.machines.markup import parse
+from gspcli.machines.stored import DIGEST, INSTANCE, digest
+from gspcli.spec.writing import dumps
 
 Array = NDArray[np.float64]
 
@@ -78,7 +81,11 @@ class _Model:
         self._bodies()
 
     def text(self) -> str:
-        """Return the XML."""
+        """Return the XML, with the instance in it."""
+        plain = parse(ET.tostring(self.root, encoding="unicode"), "")
+        custom = ET.SubElement(self.root, "custom")
+        ET.SubElement(custom, "text", name=INSTANCE, data=dumps(self.instance))
+        ET.SubElement(custom, "text", name=DIGEST, data=digest(plain))
         ET.indent(self.root)
         unit = self.instance.units.length
         known = unit in METRES

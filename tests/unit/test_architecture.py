@@ -26,6 +26,7 @@ LAYERS = {
     "sensing": 5.2,
     "dynamics": 5.2,
     "motion": 5,
+    "machines": 5,
     "solver": 4,
     "certification": 3,
     "continuation": 3,

@@ -1,0 +1,69 @@
+"""`gsp import`: a machine from the file of another program."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from gspcli.cli.number_types import Whole
+from gspcli.cli.output import Output, file_option, write
+from gspcli.cli.streams import say
+from gspcli.defaults import IMPORTED_DIGITS, MEETING_SHARE
+
+
+@click.command()
+@click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
+@click.option("--base", metavar="NAME", help="Which body is the base.  [default: found]")
+@click.option("--platform", metavar="NAME", help="Which is the platform.  [default: found]")
+@click.option(
+    "--meet",
+    type=click.FloatRange(0, 1, max_open=True),
+    default=MEETING_SHARE,
+    show_default=True,
+    metavar="SHARE",
+    help="Take axes to meet that pass each other at up to this share of the machine's size.",
+)
+@click.option(
+    "--digits",
+    type=Whole(3, 17),
+    default=IMPORTED_DIGITS,
+    show_default=True,
+    metavar="N",
+    help="Digits of the numbers that are written; the machine's size has the first.",
+)
+@file_option("yaml")
+def command(
+    file: Path,
+    base: str | None,
+    platform: str | None,
+    meet: float,
+    digits: int,
+    output: Output,
+) -> None:
+    """Read a machine from the file of another program and write its instance file.
+
+    {formats}
+
+    Stderr has one line for each constraint that was found, and says what was assumed and what
+    the file leaves open. A machine that has not six constraints is refused with what it has.
+    Nothing but the file, and what is named here beside it, is opened: no mesh, no other model.
+
+    \b
+    Examples:
+      gsp import robot.xml -o machine.yaml
+      gsp import robot.xml --base world --platform top_plate > machine.yaml
+      gsp import robot.xml | gsp solve -
+    """
+    from gspcli.machines.api import import_machine
+
+    found = import_machine(file, base=base, platform=platform, meet=meet, digits=digits)
+    say(f"{file}: {found.described}")
+    for line in (*found.chains, *found.notes):
+        say(line)
+    write(output, found.text)
+
+
+command.help = str(command.help).format(
+    formats="FILE is a model for MuJoCo (MJCF), which must be installed.",
+)

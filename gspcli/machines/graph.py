@@ -1,0 +1,298 @@
+"""A machine as its own file has it: bodies, and joints between them.
+
+All readers make a `Graph`, and `recognition` reads nothing else. Lengths are in the unit of the
+graph, angles in radians.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.errors import GspError
+from gspcli.geometry.quaternions import rotation_from_vector
+from gspcli.machines.frames import about, frame, inverse, place, turn
+from gspcli.records import dataclass
+from gspcli.wording import counted
+
+Array = NDArray[np.float64]
+
+#: Singular values of the equations of a graph below this share are none.
+_NONE = 1e-6
+
+
+class NoPlatform(GspError):
+    """What a file describes is not a platform with six constraints; the text says what it is."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One freedom of a joint (a hinge or a slide), or a ball.
+
+    Attributes
+    ----------
+    letter
+        R for a hinge, P for a slide, S for a ball.
+    axis
+        Unit vector, shape (3,), in the frame of the joint's first body; zero for a ball.
+    point
+        A point of the axis, or the centre, shape (3,), there.
+    at
+        The joint's coordinate in the configuration of the file.
+    low, high
+        The range of the coordinate; infinite where there is none.
+    driven
+        Whether a motor moves it.
+    name
+        What the file calls it.
+    """
+
+    letter: str
+    axis: Array
+    point: Array
+    at: float = 0.0
+    low: float = -math.inf
+    high: float = math.inf
+    driven: bool = False
+    name: str = ""
+
+    def motion(self, change: Array | float) -> Array:
+        """Return the motion by a change of the coordinate; of a ball, a rotation vector."""
+        if self.letter == "P":
+            return frame(T=self.axis * change)
+        if self.letter == "S":
+            R = rotation_from_vector(np.asarray(change, float))
+        else:
+            R = about(self.axis, float(change))
+        return frame(R, self.point - R @ self.point)
+
+    def moved(self, X: Array) -> Part:
+        """Return it in another frame."""
+        return replace(self, axis=turn(X, self.axis), point=place(X, self.point))
+
+    def backwards(self) -> Part:
+        """Return it as it is from the second body: the coordinate is the same, the axis turned."""
+        return replace(self, axis=-self.axis)
+
+    @property
+    def screws(self) -> Array:
+        """The twists that it allows, rotation first, shape (1 or 3, 6)."""
+        if self.letter == "P":
+            return np.concatenate((np.zeros(3), self.axis))[None]
+        axes = np.eye(3) if self.letter == "S" else self.axis[None]
+        return np.concatenate((axes, np.cross(self.point, axes)), axis=1)
+
+
+def ball(point: Array, name: str = "") -> Part:
+    """Return a ball joint about a point, shape (3,), in the frame of the first body."""
+    return Part("S", np.zeros(3), np.asarray(point, float), name=name)
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A joint between two bodies; without parts it is rigid.
+
+    Attributes
+    ----------
+    name
+        What the file calls it.
+    first, second
+        The bodies.
+    relative
+        The pose of the second in the first in the configuration of the file, with the joint closed.
+    parts
+        From the first body to the second; each axis is where it is in that configuration.
+    closure
+        Whether the file has it as the closure of a loop, and not as a branch of its tree.
+    gap
+        How far that closure is open in the configuration of the file.
+    """
+
+    name: str
+    first: str
+    second: str
+    relative: Array
+    parts: tuple[Part, ...] = ()
+    closure: bool = False
+    gap: float = 0.0
+
+    @property
+    def letters(self) -> str:
+        """Its parts as RRP; ``fixed`` without any."""
+        return "".join(part.letter for part in self.parts) or "fixed"
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A body.
+
+    Attributes
+    ----------
+    name
+        What the file calls it.
+    pose
+        In the world, in the configuration of the file, shape (4, 4).
+    mass
+        Kilogrammes; None if the file does not say.
+    centre
+        Of mass, in its frame, shape (3,).
+    inertia
+        About the centre, in its axes, shape (3, 3).
+    """
+
+    name: str
+    pose: Array
+    mass: float | None = None
+    centre: Array = field(default_factory=lambda: np.zeros(3))
+    inertia: Array = field(default_factory=lambda: np.zeros((3, 3)))
+
+
+@dataclass(frozen=True, eq=False)
+class Graph:
+    """A machine.
+
+    Attributes
+    ----------
+    format
+        Of the file, as MJCF.
+    name
+        What the file calls the machine.
+    bodies
+        By their names.
+    joints
+        In the order of the file.
+    world
+        The body that does not move, if the file has one.
+    length
+        The unit of length.
+    drives_known
+        Whether the file says which joints are driven.
+    has_home
+        Whether it states a pose of the platform.
+    gravity
+        The acceleration of what falls, shape (3,), if it says so.
+    notes
+        What was not read, assumed or left out.
+    exact
+        Coordinates of points as they are written, by the doubles next to them.
+    remarks
+        What is said of a joint of a name that an instance file has no place for.
+    """
+
+    format: str
+    name: str
+    bodies: Mapping[str, Body]
+    joints: tuple[Joint, ...]
+    world: str | None = None
+    length: str = "m"
+    drives_known: bool = False
+    has_home: bool = True
+    gravity: Array | None = None
+    notes: tuple[str, ...] = ()
+    exact: Mapping[tuple[float, ...], tuple[str, ...]] = field(default_factory=dict)
+    remarks: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def loops(self) -> int:
+        """How many independent loops there are."""
+        return len(self.joints) - len(self.bodies) + len(set(self._components().values()))
+
+    def _components(self) -> dict[str, str]:
+        return components(self.bodies, ((joint.first, joint.second) for joint in self.joints))
+
+    def mobility(self, *, held: bool = False) -> int:
+        """Return the freedoms in the configuration of the file, of one body against the others.
+
+        Parameters
+        ----------
+        held
+            Whether the driven parts are held.
+        """
+        names = list(self.bodies)
+        column = {name: 6 * i for i, name in enumerate(names)}
+        placed = [
+            (joint, [part.moved(self.bodies[joint.first].pose) for part in joint.parts])
+            for joint in self.joints
+        ]
+        size = extent([part.point for _, parts in placed for part in parts])
+        rows = []
+        for joint, parts in placed:
+            free = [scaled(part, size).screws for part in parts if not (held and part.driven)]
+            screws = np.concatenate((np.zeros((1, 6)), *free))
+            _, values, V = np.linalg.svd(screws)
+            for across in V[int((values > _NONE).sum()) :]:
+                row = np.zeros(6 * len(names))
+                row[column[joint.second] : column[joint.second] + 6] += across
+                row[column[joint.first] : column[joint.first] + 6] -= across
+                rows.append(row)
+        count = 6 * (len(names) - 1)
+        if not rows:
+            return count
+        return count - int((np.linalg.svd(np.array(rows), compute_uv=False) > _NONE).sum())
+
+    def described(self) -> str:
+        """Return what it consists of, in one line."""
+        kinds = Counter(joint.letters for joint in self.joints)
+        joints = ", ".join(f"{count} {letters}" for letters, count in sorted(kinds.items()))
+        driven = sum(part.driven for joint in self.joints for part in joint.parts)
+        drives = counted(driven, "drive") if self.drives_known else "no drives named"
+        said = f"{len(self.bodies)} bodies, {counted(len(self.joints), 'joint')} ({joints}), "
+        said += f"{counted(self.loops, 'loop')}, {drives}"
+        if len(self.bodies) > _MOST_ANALYSED:
+            return said
+        said += f", mobility {self.mobility()}"
+        return f"{said}, {self.mobility(held=True)} with the drives held" if driven else said
+
+
+#: Of more bodies the mobility is not computed.
+_MOST_ANALYSED = 150
+
+
+def components(nodes: Iterable[str], edges: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """Return for each node one of those with which it is joined, the same for all of them."""
+    parent = {node: node for node in nodes}
+
+    def root(node: str) -> str:
+        while parent[node] != node:
+            parent[node] = parent[parent[node]]
+            node = parent[node]
+        return node
+
+    for first, second in edges:
+        parent[root(second)] = root(first)
+    return {node: root(node) for node in parent}
+
+
+def split(joints: Iterable[Joint]) -> Iterator[Joint]:
+    """Yield joints of at most one part each; the bodies between them have names with a ``#``."""
+    for joint in joints:
+        previous, last = joint.first, len(joint.parts) - 1
+        for i, part in enumerate(joint.parts[:-1]):
+            between = f"{joint.name}#{joint.second}#{i + 1}"
+            yield replace(joint, first=previous, second=between, relative=np.eye(4), parts=(part,))
+            previous = between
+        yield replace(joint, first=previous, parts=joint.parts[max(last, 0) :])
+
+
+def scaled(part: Part, size: float) -> Part:
+    """Return a part with lengths in units of a size."""
+    return replace(part, point=part.point / size)
+
+
+def extent(points: Iterable[Array]) -> float:
+    """Return the diagonal of the box around points; 1 if there is none."""
+    found = np.array(list(points)).reshape(-1, 3)
+    size = float(np.linalg.norm(np.ptp(found, axis=0))) if len(found) else 0.0
+    return size if size > 0 else 1.0
+
+
+def opposite(joint: Joint) -> Joint:
+    """Return a joint of at most one part from its second body to its first."""
+    X = inverse(joint.relative)
+    parts = tuple(part.moved(X).backwards() for part in joint.parts)
+    return replace(joint, first=joint.second, second=joint.first, relative=X, parts=parts)

@@ -1,0 +1,1 @@
+"""One reader a format: from the text of a file to a graph."""

@@ -1,0 +1,279 @@
+"""A graph as a platform with six constraints, or what it is instead.
+
+There is no table of chains. The drives are held; what then is rigid is one body; two bodies on
+which three or more chains end are the base and the platform; `chain_constraints` finds what each
+chain holds. Six constraints are a platform. Where the file does not name drives, the usual ones are
+tried, and it is said which.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.defaults import MEETING_SHARE
+from gspcli.machines.chain_constraints import held_constraints
+from gspcli.machines.clusters import Clusters, unhindered
+from gspcli.machines.driven_values import Found, with_drives
+from gspcli.machines.frames import inverse
+from gspcli.machines.graph import Graph, Joint, NoPlatform, Part, extent
+from gspcli.machines.kinds import measured
+from gspcli.machines.structure import Chain, ChainPart, Structure, structure
+from gspcli.records import dataclass
+from gspcli.wording import counted, nearest, shown
+
+Array = NDArray[np.float64]
+
+#: What the configuration of a file misses by more than this share of the size is said.
+_EXACT = 1e-9
+#: Axes at a smaller angle than this (radians) are parallel: they meet nowhere.
+_PARALLEL = 1e-6
+#: Bodies of a machine, and joints at one of them, at most.
+_MOST_BODIES = 1500
+
+
+@dataclass(frozen=True, eq=False)
+class Machine:
+    """A platform that was recognized.
+
+    Attributes
+    ----------
+    graph
+        Where.
+    structure
+        Its base, its platform and its chains.
+    constraints
+        Six.
+    pose
+        Of the platform in the base, as the file states it, shape (4, 4).
+    size
+        The diagonal of the box around all joints.
+    gap
+        How far the constraints are from their values at that pose: lengths, and angles times the
+        size.
+    notes
+        What was assumed, and what the file leaves open.
+    carried
+        The bodies of the file that move with the platform, and their poses in it.
+    """
+
+    graph: Graph
+    structure: Structure
+    constraints: tuple[Found, ...]
+    pose: Array
+    size: float
+    gap: float
+    notes: tuple[str, ...]
+    carried: tuple[tuple[str, Array], ...]
+
+
+def recognized(
+    graph: Graph,
+    *,
+    base: str | None = None,
+    platform: str | None = None,
+    meet: float = MEETING_SHARE,
+) -> Machine:
+    """Return the platform that a graph is.
+
+    Parameters
+    ----------
+    graph
+        The machine.
+    base, platform
+        The bodies that are to be these; found if None.
+    meet
+        Share of the size up to which axes that should meet are taken to meet.
+
+    Raises
+    ------
+    NoPlatform
+        If it is none: with what it is, and what would make it one.
+    """
+    if len(graph.bodies) > _MOST_BODIES:
+        message = f"found {len(graph.bodies)} bodies, expected at most {_MOST_BODIES}"
+        raise NoPlatform(message)
+    for body in (base, platform):
+        if body is not None and body not in graph.bodies:
+            near = nearest(body, graph.bodies)
+            expected = f"did you mean {shown(near)}?" if near else _names(graph)
+            raise NoPlatform(f"found no body {shown(body)}: {expected}")
+    joints = unhindered(graph)
+    reasons: list[str] = []
+    for held, assumed in _drives(graph, joints, base):
+        try:
+            return _recognized(Clusters.made(graph, joints, held), assumed, base, platform, meet)
+        except NoPlatform as error:
+            reasons.append(f"{assumed}: {error}" if assumed else str(error))
+    raise NoPlatform("\n".join([graph.described(), *dict.fromkeys(reasons)][:3]))
+
+
+def _names(graph: Graph) -> str:
+    names = list(graph.bodies)
+    more = f" and {len(names) - 8} more" if len(names) > 8 else ""
+    return f"the bodies are {', '.join(map(shown, names[:8]))}{more}"
+
+
+def _drives(
+    graph: Graph, joints: tuple[Joint, ...], base: str | None
+) -> Iterator[tuple[set[int], str]]:
+    """Yield sets of joints that may be the drives, and what is then assumed."""
+    if graph.drives_known:
+        yield {k for k, joint in enumerate(joints) if any(p.driven for p in joint.parts)}, ""
+        return
+    said = "the file names no drives; taken for drives:"
+    slides = {k for k, joint in enumerate(joints) if joint.letters == "P"}
+    if slides:
+        # Hinges are not tried then: that read another machine than the one that was meant.
+        yield slides, f"{said} all slides"
+        yield set(), f"{said} none"
+        return
+    free = Clusters.made(graph, joints, set())
+    try:
+        bodies = [structure(free, base, None).base]
+    except NoPlatform:
+        # Arms that carry several rods are bodies on which chains end, too.
+        degree = Counter(end for k in free.passive for end in free.ends(k))
+        bodies = [body for body, count in degree.most_common(6) if count >= 3]
+    for body in bodies:
+        hinges = {
+            k for k in free.passive if joints[k].letters == "R" and free.of[body] in free.ends(k)
+        }
+        if hinges:
+            yield hinges, f"{said} the hinges at {shown(body)}"
+    yield set(), f"{said} none"
+
+
+def _recognized(
+    clusters: Clusters, assumed: str, base: str | None, platform: str | None, meet: float
+) -> Machine:
+    graph = clusters.graph
+    shape = structure(clusters, base, platform)
+    points = [p.part.point for c in shape.chains for p in c.parts if p.part.letter != "P"]
+    size = extent(points or [chain.pose[:3, 3] for chain in shape.chains])
+    met = [_meeting(chain, size, meet) for chain in shape.chains]
+    shape = replace(shape, chains=tuple(chain for chain, _, _ in met))
+    found: list[Found] = []
+    problems, count = [], 0
+    for chain in shape.chains:
+        held, number = held_constraints(chain, meet)
+        count += number
+        if len(held) < number:
+            kinds = ", ".join(h.kind for h in held) or "none"
+            problems.append(
+                f"{chain.name} holds {number}, of which only {kinds} is of the ten kinds"
+            )
+        found += [with_drives(h, chain, graph.length) for h in held]
+    if count != 6 or problems:
+        missed = max((missed for _, _, missed in met), default=0.0)
+        raise NoPlatform(_refusal(shape, count, problems, missed, size, graph.length))
+    notes = [*graph.notes, *([assumed] if assumed else [])]
+    moved = max(moved for _, moved, _ in met)
+    if moved > _EXACT * size:
+        notes.append(f"axes that pass each other at up to {moved:.2g} {graph.length} are taken "
+                     "to meet")  # fmt: skip
+    slack = max(f.held.change * (size if f.kind[0] == "A" else 1.0) for f in found)
+    if slack > 1e-7 * size:
+        notes.append(f"constraints hold within {slack:.2g} {graph.length}: the file has few digits")
+    bodies = graph.bodies
+    pose = inverse(bodies[shape.base].pose) @ bodies[shape.platform].pose
+    if not graph.has_home:
+        pose = shape.chains[0].pose
+    gap = max(_missed(f, pose, size) for f in found)
+    if graph.has_home and gap > _EXACT * size:
+        notes.append(f"the pose that the file states misses the values by {gap:.2g} {graph.length}")
+    return Machine(
+        graph, shape, tuple(found), pose, size, gap, tuple(notes), _carried(clusters, shape)
+    )
+
+
+def _missed(found: Found, pose: Array, size: float) -> float:
+    held = found.held
+    off = abs(float(measured(held.kind, held.platform, held.base, pose)[0, 0]) - held.value)
+    return off * (size if held.kind[0] == "A" else 1.0)
+
+
+def _refusal(
+    shape: Structure, count: int, problems: list[str], missed: float, size: float, length: str
+) -> str:
+    """Return why the chains are no six constraints, and what would make them that."""
+    kinds = Counter(chain.letters for chain in shape.chains)
+    chains = ", ".join(f"{number} {letters}" for letters, number in kinds.items())
+    said = f"found {len(shape.chains)} chains ({chains}) from the base {shown(shape.base)} to the "
+    said += f"platform {shown(shape.platform)}, which hold {count} constraints, expected six"
+    if missed > 0:
+        share = missed / size * 1.1
+        return said + (
+            f"; the axes at one end of a leg pass each other at {missed:.3g} {length}: "
+            f"--meet {share:.1g} takes them to meet"
+        )
+    if count > 6 and all(p.part.letter != "S" for chain in shape.chains for p in chain.parts):
+        said += "; with a ball joint at one end, or a hinge along each leg, it would hold fewer"
+    elif count > 6:
+        said += f": {counted(count - 6, 'constraint')} too many"
+    elif count < 6:
+        said += ": name the drives, or the platform is not held"
+    return f"{said}; {problems[0]}" if problems else said
+
+
+def _carried(clusters: Clusters, shape: Structure) -> tuple[tuple[str, Array], ...]:
+    """Return the bodies that no joint and no drive separates from the platform."""
+    cluster = clusters.of[shape.platform]
+    carried = []
+    for body in clusters.members(cluster):
+        steps = clusters.path(shape.platform, body)
+        if not any(k in clusters.held for k, _ in steps):
+            X = np.eye(4)
+            for step in steps:
+                X = X @ clusters.step(step).relative
+            carried.append((body, X))
+    return tuple(carried)
+
+
+def _meeting(chain: Chain, size: float, meet: float) -> tuple[Chain, float, float]:
+    """Return a chain whose neighbouring hinge axes meet where they nearly do.
+
+    And by how much they were moved, and by how much axes that were not moved miss each other.
+    """
+    moved = missed = 0.0
+    parts: list[ChainPart] = []
+    for run in _runs(chain.parts):
+        axes = [p.part for p in run]
+        if not 2 <= len(run) <= 3 or any(_parallel(a, b) for a, b in pairwise(axes)):
+            parts += run
+            continue
+        across = [np.eye(3) - np.outer(a.axis, a.axis) for a in axes]
+        rights = np.sum([A @ a.point for A, a in zip(across, axes, strict=True)], axis=0)
+        centre = np.linalg.solve(np.sum(across, axis=0), rights)
+        off = 2 * max(float(np.linalg.norm(np.cross(centre - a.point, a.axis))) for a in axes)
+        if off <= meet * size:
+            moved = max(moved, off)
+            run = [replace(p, part=replace(p.part, point=centre)) for p in run]
+        else:
+            missed = max(missed, off)
+        parts += run
+    return replace(chain, parts=tuple(parts)), moved, missed
+
+
+def _runs(parts: tuple[ChainPart, ...]) -> Iterator[list[ChainPart]]:
+    """Yield passive hinges in a row together, and all other parts by themselves."""
+    run: list[ChainPart] = []
+    for p in parts:
+        if p.part.letter == "R" and not p.held:
+            run.append(p)
+            continue
+        if run:
+            yield run
+        run = []
+        yield [p]
+    if run:
+        yield run
+
+
+def _parallel(first: Part, second: Part) -> bool:
+    return float(np.linalg.norm(np.cross(first.axis, second.axis))) < _PARALLEL

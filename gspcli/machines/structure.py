@@ -1,0 +1,296 @@
+"""Which body is the base and which the platform, and which chains of joints join them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Collection, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.machines.clusters import Clusters, Step
+from gspcli.machines.graph import Joint, NoPlatform, Part, extent
+from gspcli.records import dataclass
+from gspcli.wording import counted, listed, shown
+
+Array = NDArray[np.float64]
+
+#: What names of bases and of platforms contain.
+_BASE_WORDS = ("base", "ground", "bottom", "fixed", "world")
+_PLATFORM_WORDS = ("top", "platform", "head", "effector", "moving", "plate")
+
+
+@dataclass(frozen=True, eq=False)
+class ChainPart:
+    """A part of a joint in a chain.
+
+    Attributes
+    ----------
+    part
+        The part in the frame of the base, in the configuration of the file.
+    held
+        Whether it is held: driven.
+    where
+        On which side of the passive joints it is: ``base``, ``inside`` or ``platform``.
+    """
+
+    part: Part
+    held: bool
+    where: str
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """What joins the base and the platform.
+
+    Attributes
+    ----------
+    name
+        The name of its drive, else of its first joint.
+    parts
+        From the base to the platform.
+    pose
+        Of the platform in the base as the chain has it, shape (4, 4).
+    """
+
+    name: str
+    parts: tuple[ChainPart, ...]
+    pose: Array
+
+    @property
+    def letters(self) -> str:
+        """Its parts, as U-P*-S is R-R-P*-S; a star marks those that are held."""
+        return "-".join(p.part.letter + "*" * p.held for p in self.parts)
+
+    @property
+    def size(self) -> float:
+        """The diagonal of the box around its joints."""
+        return extent([*(p.part.point for p in self.parts), self.pose[:3, 3]])
+
+
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """Two bodies and what joins them.
+
+    Attributes
+    ----------
+    base, platform
+        The bodies.
+    chains
+        From the base to the platform.
+    reason
+        Why this one is the base.
+    """
+
+    base: str
+    platform: str
+    chains: tuple[Chain, ...]
+    reason: str
+
+
+def structure(clusters: Clusters, base: str | None, platform: str | None) -> Structure:
+    """Return the base, the platform and the chains of a machine.
+
+    Parameters
+    ----------
+    clusters
+        The machine while its drives are held.
+    base, platform
+        The bodies that are to be these, if it is known.
+
+    Raises
+    ------
+    NoPlatform
+        If there are no two bodies on which at least three chains end.
+    """
+    asked = [body for body in (base, platform) if body is not None]
+    hubs, passive = _hubs(clusters, asked)
+    hanging = set(clusters.passive) - set(passive)
+    first, second, reason = _ordered(clusters, hubs, hanging, base, platform)
+    walks = _walks(clusters, passive, first, second)
+    starts = [_start(clusters, walk[0]) for walk in walks]
+    ends = [_end(clusters, walk[-1]) for walk in walks]
+    bottom = base or _own_body(clusters, first, starts)
+    top = platform or _own_body(clusters, second, ends)
+    chains = tuple(_chain(clusters, bottom, top, walk) for walk in walks)
+    return Structure(bottom, top, chains, reason)
+
+
+def _start(clusters: Clusters, step: Step) -> str:
+    joint = clusters.joints[step[0]]
+    return joint.first if step[1] else joint.second
+
+
+def _end(clusters: Clusters, step: Step) -> str:
+    joint = clusters.joints[step[0]]
+    return joint.second if step[1] else joint.first
+
+
+def _hubs(clusters: Clusters, asked: Sequence[str]) -> tuple[list[str], list[int]]:
+    """Return the two clusters on which chains end, and the joints of the chains.
+
+    What hangs on one joint, as an antenna does, is left out.
+    """
+    keep = {clusters.of[body] for body in asked}
+    passive = list(clusters.passive)
+    while True:
+        degree = Counter(end for k in passive for end in clusters.ends(k))
+        hanging = {c for c, count in degree.items() if count == 1 and c not in keep}
+        left = [k for k in passive if not hanging & set(clusters.ends(k))]
+        if len(left) == len(passive):
+            break
+        passive = left
+    hubs = [cluster for cluster, count in degree.most_common() if count >= 3]
+    if len(hubs) != 2:
+        found = ", ".join(f"{shown(hub)} ({degree[hub]} chains)" for hub in hubs[:6]) or "none"
+        if len(hubs) > 6:
+            found += f" and {len(hubs) - 6} more"
+        message = f"found bodies on which three chains or more end: {found}; expected two, "
+        raise NoPlatform(message + "a base and a platform")
+    return hubs, passive
+
+
+def _ordered(
+    clusters: Clusters,
+    hubs: list[str],
+    hanging: Collection[int],
+    base: str | None,
+    platform: str | None,
+) -> tuple[str, str, str]:
+    """Return the cluster of the base, that of the platform, and what the choice rests on."""
+    first, second = hubs
+    if base is not None or platform is not None:
+        asked = [None if body is None else clusters.of[body] for body in (base, platform)]
+        for body, cluster in zip((base, platform), asked, strict=True):
+            if cluster is not None and cluster not in hubs:
+                ends = listed(map(shown, hubs), "and")
+                message = f"found no three chains that end on {shown(str(body))}, but on {ends}"
+                raise NoPlatform(message)
+        if asked[0] == asked[1]:
+            message = f"found {shown(str(base))} and {shown(str(platform))} rigid together"
+            raise NoPlatform(message)
+        swapped = asked[0] == second or asked[1] == first
+        return (second, first, "as asked for") if swapped else (first, second, "as asked for")
+    tests: tuple[tuple[str, Callable[[Clusters, str], float]], ...] = (
+        ("it does not move", _on_the_world),
+        ("the world hangs on it", lambda c, hub: _near_the_world(c, hub, hanging)),
+        ("by its name", _named_base),
+        ("the file begins with it", _above),
+        ("it is heavier", _mass),
+    )
+    for reason, test in tests:
+        here, there = test(clusters, first), test(clusters, second)
+        if here != there:
+            return (first, second, reason) if here > there else (second, first, reason)
+    return first, second, "the file has it first"
+
+
+def _on_the_world(clusters: Clusters, hub: str) -> float:
+    world = clusters.graph.world
+    return world is not None and clusters.of[world] == hub
+
+
+def _near_the_world(clusters: Clusters, hub: str, hanging: Collection[int]) -> float:
+    """Whether the world hangs on a hub, by joints that belong to no chain."""
+    seen, waiting = {hub}, [hub]
+    while waiting:
+        here = waiting.pop()
+        for k in hanging:
+            ends = clusters.ends(k)
+            if here in ends and not seen.issuperset(ends):
+                waiting += set(ends) - seen
+                seen.update(ends)
+    world = clusters.graph.world
+    return world is not None and clusters.of[world] in seen
+
+
+def _named_base(clusters: Clusters, hub: str) -> float:
+    names = [name.lower() for name in clusters.members(hub)]
+    return sum(any(word in name for word in _BASE_WORDS) for name in names) - sum(
+        any(word in name for word in _PLATFORM_WORDS) for name in names
+    )
+
+
+def _above(clusters: Clusters, hub: str) -> float:
+    count = 0
+    for k in clusters.passive:
+        if not clusters.joints[k].closure:
+            first, second = clusters.ends(k)
+            count += (first == hub) - (second == hub)
+    return count
+
+
+def _mass(clusters: Clusters, hub: str) -> float:
+    return sum(clusters.graph.bodies[body].mass or 0.0 for body in clusters.members(hub))
+
+
+def _walks(
+    clusters: Clusters, passive: Collection[int], first: str, second: str
+) -> list[list[Step]]:
+    """Return the passive joints of each chain from the first cluster to the second."""
+    touching: dict[str, list[int]] = {}
+    for k in passive:
+        for end in clusters.ends(k):
+            touching.setdefault(end, []).append(k)
+    walks, used = [], set()
+    for start in touching[first]:
+        here, walk, k = first, list[Step](), start
+        while k not in used:
+            used.add(k)
+            ends = clusters.ends(k)
+            forwards = ends[0] == here
+            walk.append((k, forwards))
+            here = ends[1] if forwards else ends[0]
+            if here in (first, second):
+                break
+            k = next((other for other in touching[here] if other != k), k)
+        if walk and here == first:
+            joints = "-".join(clusters.joints[k].letters for k, _ in walk)
+            message = f"found a chain that begins and ends on {shown(first)}: {joints}"
+            raise NoPlatform(message)
+        if walk:
+            walks.append(walk)
+    return walks
+
+
+def _own_body(clusters: Clusters, cluster: str, ends: Sequence[str]) -> str:
+    """Return the body of a cluster from which the drives of the chains are fewest.
+
+    A drive between it and the ends of all chains would move nothing against another.
+    """
+    members = clusters.members(cluster)
+    if not members:
+        message = f"found only {counted(0, 'body')} at one end of the chains"
+        raise NoPlatform(message)
+
+    def drives(body: str) -> int:
+        return sum(clusters.drives_between(body, end) for end in ends)
+
+    fewest = min(map(drives, members))
+    own = [body for body in members if drives(body) == fewest]
+    world = clusters.graph.world
+    if world in own:
+        return str(world)
+    return max(own, key=lambda body: (clusters.graph.bodies[body].mass or 0.0, body == cluster))
+
+
+def _chain(clusters: Clusters, base: str, platform: str, walk: list[Step]) -> Chain:
+    legs: list[tuple[Joint, bool, str]] = []
+
+    def through(start: str, end: str, where: str) -> None:
+        path = clusters.path(start, end)
+        legs.extend((clusters.step(step), step[0] in clusters.held, where) for step in path)
+
+    through(base, _start(clusters, walk[0]), "base")
+    for position, step in enumerate(walk):
+        legs.append((clusters.step(step), False, "inside"))
+        if position + 1 < len(walk):
+            through(_end(clusters, step), _start(clusters, walk[position + 1]), "inside")
+    through(_end(clusters, walk[-1]), platform, "platform")
+    X, parts = np.eye(4), []
+    for joint, held, where in legs:
+        parts += [ChainPart(part.moved(X), held, where) for part in joint.parts]
+        X = X @ joint.relative
+    driven = (p.part.name for p in parts if p.held and p.part.name)
+    name = next(driven, clusters.joints[walk[0][0]].name)
+    return Chain(name, tuple(parts), X)
