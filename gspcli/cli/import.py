@@ -52,7 +52,7 @@ def command(
     \b
     Examples:
       gsp import robot.xml -o machine.yaml
-      gsp import robot.xml --base world --platform top_plate > machine.yaml
+      gsp import robot.xml --base world --platform table > machine.yaml
       gsp import robot.xml | gsp solve -
     """
     from gspcli.machines.api import import_machine

@@ -63,7 +63,9 @@ def test_the_joints_of_a_model_of_gsp_have_its_modes(read, name: str) -> None:
     poses = np.concatenate(
         (before.R[before.real].real.reshape(-1, 9), metre * before.T[before.real].real), axis=1
     )
-    own = np.concatenate((after.R[after.real].real.reshape(-1, 9), after.T[after.real].real), axis=1)
+    own = np.concatenate(
+        (after.R[after.real].real.reshape(-1, 9), after.T[after.real].real), axis=1
+    )
     apart = np.abs(poses[:, None] - own[None]).max(axis=2)
     # Each mode of the import is one of the original, and no two are the same one.
     assert (apart.min(axis=0) < 1e-6).all()
