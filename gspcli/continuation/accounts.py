@@ -1,10 +1,10 @@
-"""Where every path of one system ended: re-tracking, endgame, classification.
+"""The ends of all paths of one system: re-tracking, endgame, classification.
 
-A result in which all paths end at distinct regular solutions needs nothing of this. Otherwise
-paths that failed, or that ended at the same regular solution, which only a jump from one path to
-another can cause, are tracked again with smaller steps; paths that stopped in front of the target
-go through the endgame; and if some are still lost, everything is done again along other random
-paths. The account with the fewest lost paths counts.
+If all paths end at distinct regular solutions, nothing of this is needed. Otherwise some paths are
+tracked again with smaller steps: those that failed, and those that ended at the same regular
+solution, because one of them has jumped. Paths that stopped before the target go through the
+endgame. If some are still lost, all is repeated along other random paths. The account with the
+fewest lost paths counts.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def classify_endpoints(
     jobs: int,
     options: AccountOptions = ACCOUNTS,
 ) -> Endpoints:
-    """Return where all paths to one target end, from their first results (1, P)."""
+    """Return the ends of all paths to one target, from their first results (1, P)."""
     best = None
     for attempt in range(options.attempts):
         origin = random_start(start, seed, attempt)
@@ -68,7 +68,7 @@ def classify_endpoints(
 
 
 def _completed(ends: Endpoints, other: Endpoints, regular: NDArray[np.bool_]) -> Endpoints:
-    """Add regular solutions that only another attempt found: one lost path ends at each."""
+    """Add regular solutions from another attempt: one lost path ends at each."""
     lost = ends.account.lost
     if not lost or not len(other.points):
         return ends
@@ -148,10 +148,10 @@ class _Attempt:
         self.error[index] = regular_error(self.correction[index])
 
     def _find_singular_ends(self) -> NDArray[np.int64]:
-        """Put the ends of the paths that are not regular; return their winding numbers.
+        """Store the ends of the paths that are not regular; return their winding numbers.
 
-        Zero marks the others, and -1 those that stay unknown. What doubles cannot follow is
-        followed with more digits.
+        Zero marks regular paths, and -1 paths whose end stays unknown. Paths that doubles cannot
+        follow are followed with more digits.
         """
         winding = np.where(self.regular, 0, -1)
         for options in (CAREFUL, EXTENDED):
@@ -163,8 +163,8 @@ class _Attempt:
                 self.origin, self.target, points, options.waypoint, options, self.options.endgame
             )
             known = ends.error < self.options.end_error
-            # Two solutions so near to each other that every circle is around the branch point
-            # too: what Newton's method found stands.
+            # Two solutions are so near to each other that every circle contains the branch point,
+            # too: the result of Newton's method is kept.
             nearly = ~known & self._simple(self.status[index], self.points[index])
             self.regular[index[nearly]] = True
             self.points[index[known]] = ends.points[known]
@@ -175,7 +175,7 @@ class _Attempt:
         return winding
 
     def _waypoints(self, index: NDArray[np.intp], options: TrackerOptions) -> ComplexArray:
-        """Return the points of some paths where the endgame starts; NaN if not reached."""
+        """Return the points of some paths at which the endgame starts; NaN if not reached."""
         points: ComplexArray = self.points[index]
         away = np.flatnonzero(options.digits > 16 | (self.left[index] != options.waypoint))
         if len(away):
@@ -212,7 +212,7 @@ class _Attempt:
             members = finite[group]
             first = members[np.argmin(self.condition[members])]
             if self.regular[first]:
-                # One path each: any other has jumped.
+                # One path leads to each solution: all others have jumped.
                 lost += len(members) - 1
                 rows.append((first, 1))
                 continue
@@ -245,7 +245,7 @@ class _Attempt:
         )
 
     def _separated(self, members: NDArray[np.intp]) -> bool:
-        """Put two paths with a double end at two near regular solutions, if there are such."""
+        """Replace a double end of two paths by two near regular solutions, if there are two."""
         guesses = split(self.target, self.points[members[0]])
         if guesses is None or not np.isfinite(guesses).all():
             return False
@@ -263,7 +263,7 @@ class _Attempt:
     def _tangents(
         self, point: ComplexArray, rng: np.random.Generator
     ) -> tuple[ComplexArray, ComplexArray]:
-        """Return a point, real if one is found, of the solution set at an end, and its tangents."""
+        """Return a point of the solution set at an end, real if possible, and its tangents."""
         along = tangents(self.target, point, rng)
         candidate = real_point(self.target, point) if along.shape[1] else None
         if candidate is not None:

@@ -9,7 +9,7 @@ from gspcli.continuation.quadrics import ComplexArray, FloatArray
 from gspcli.continuation.systems import System
 from gspcli.records import dataclass
 
-#: What rounding leaves of e.e of points of norm one where it is zero.
+#: Below this e.e of a point of norm one is zero up to rounding.
 _INFINITE = 1e-14
 
 
@@ -56,7 +56,7 @@ DIMENSION = DimensionOptions()
 def _scaled_jacobians(
     target: System, points: ComplexArray, options: DimensionOptions
 ) -> ComplexArray:
-    """Return the Jacobian matrices (n, 8, 8) with rows of length 1, the last the point's patch.
+    """Return the Jacobian matrices (n, 8, 8) with rows of length 1; the last row is the patch.
 
     Rows that vanish up to rounding stay small: the gradient of one equation may be zero.
     """
@@ -75,7 +75,7 @@ def kernel(
 ) -> ComplexArray:
     """Return an orthonormal basis (8, k) of the kernel of the Jacobian matrix at a solution.
 
-    The point itself, which is always in it, is left out.
+    The point itself, which is always in the kernel, is not included.
     """
     rows = _scaled_jacobians(target, point[None], options)[0]
     # A real basis if there is one.
@@ -118,11 +118,11 @@ def correct(
 def split(
     target: System, point: ComplexArray, options: DimensionOptions = DIMENSION
 ) -> ComplexArray | None:
-    """Return first guesses (2, 8) of the two solutions that a double one may really be.
+    """Return first guesses (2, 8) of two solutions that rounding has merged to a double one.
 
     Along the kernel v of the Jacobian matrix the equations are ``u.F(z) + s^2 u.F''(v, v) / 2``,
-    u from the left kernel: two solutions at ``z + s v`` and ``z - s v`` if z is only between
-    them. None if the kernel has not dimension one.
+    u from the left kernel. If z lies between two solutions, they are ``z + s v`` and ``z - s v``.
+    The result is None if the dimension of the kernel is not one.
     """
     basis = kernel(target, point, options)
     if basis.shape[1] != 1:
@@ -149,8 +149,8 @@ def tangents(
     """Estimate the tangent directions of the solution set at a solution.
 
     Points at a small distance in random directions of the kernel are moved to nearby solutions.
-    At an isolated solution they return to it or do not converge; on a solution set of dimension
-    d they arrive at points around it whose differences span d directions. Evidence, no proof.
+    At an isolated solution they return to it or do not converge. On a solution set of dimension d
+    they arrive at points whose differences span d directions. This is evidence and no proof.
 
     Returns
     -------
@@ -170,7 +170,7 @@ def tangents(
     distance = np.linalg.norm(shifts, axis=1)
     relative = distance / options.distance
     near = converged & (relative > options.least) & (relative < options.most)
-    # The whole solution set around is singular; another isolated solution in general is not.
+    # All of a solution set is singular; another isolated solution in general is not.
     for i in np.flatnonzero(near):
         near[i] = kernel(target, moved[i], options).shape[1] > 0
     if not basis.shape[1] or near.sum() < count // options.tries:
@@ -204,13 +204,13 @@ def sample_motions(
     points
         Solutions on them, shape (n, 8).
     directions
-        For each one of its `tangents`, shape (n, 8).
+        A tangent (`tangents`) at each point, shape (n, 8).
 
     Returns
     -------
     list of ndarray
-        For each a motion that begins with the point, shape (at most steps + 1, 8), norm 1; real
-        if the point and the direction are. It ends before infinity.
+        A motion from each point, shape (at most steps + 1, 8), norm 1; real if the point and the
+        direction are. It ends before infinity.
     """
     real = np.asarray(~(points.imag.any(axis=1) | directions.imag.any(axis=1)))
     motions = [[point] for point in points]
@@ -241,7 +241,7 @@ def sample_motions(
 def real_point(
     target: System, point: ComplexArray, options: DimensionOptions = DIMENSION
 ) -> ComplexArray | None:
-    """Look for a real finite solution near a complex one.
+    """Search for a real finite solution near a complex one.
 
     Returns
     -------
@@ -251,7 +251,7 @@ def real_point(
     """
     if not target.is_real:
         return None
-    # The phase that leaves the least imaginary part.
+    # The phase with the smallest imaginary part.
     phase = np.exp(-0.5j * np.angle((point**2).sum()))
     candidate = (phase * point).real.astype(np.complex128)
     moved, converged = correct(target, candidate[None] / np.linalg.norm(candidate), options)

@@ -1,9 +1,9 @@
 """The Cauchy endgame: the ends of paths where the Jacobian matrix degenerates.
 
-Near t = 1 a path is a power series in ``(1 - t)^(1/w)`` with the winding number w. Followed once
-around t = 1 it arrives at another of the w paths of its cycle, after w rounds at itself, and by
-Cauchy's theorem the mean of the points on the way is the end itself. In Study coordinates of a
-fixed affine chart this holds at infinity too.
+Near t = 1 a path is a power series in ``(1 - t)^(1/w)`` with the winding number w. After one round
+about t = 1 it arrives at another of the w paths of its cycle, and after w rounds at itself. By
+Cauchy's theorem the end is the mean of the points on the way. In Study coordinates of a fixed
+affine chart this holds at infinity, too.
 """
 
 from __future__ import annotations
@@ -72,17 +72,17 @@ def find_ends(
 ) -> WindingEnds:
     """Find the ends of paths from their points at ``t = 1 - radius``.
 
-    The circle is made smaller until the ends computed from all points and from every other point
-    on it agree, which they do when no other branch point is inside or near it.
+    The circle is made smaller until the end from all its points and the end from every other point
+    agree. They agree if no other branch point is inside the circle or near it.
 
     Parameters
     ----------
     start, target
         The systems at t = 0 and t = 1.
     points
-        Shape (k, 8); the ends of those that are NaN stay unknown.
+        Shape (k, 8); the end of a point that is NaN stays unknown.
     radius
-        Where `points` are.
+        The distance of the points from t = 1.
     tracker, options
         Settings.
     """
@@ -131,7 +131,7 @@ def _circle(
     for rounds in range(1, options.max_winding + 1):
         for here, there in pairwise([*corners, corners[0]]):
             results = track(here, there, samples[-1], options=tracker)
-            # The sample of a path that failed becomes NaN; it never returns.
+            # A path that fails has a NaN sample and never returns.
             arrived = (results.status[0] == PathStatus.REGULAR)[:, None]
             moved = np.where(arrived, results.points[0], np.nan)
             with np.errstate(invalid="ignore"):

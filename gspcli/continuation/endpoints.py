@@ -1,4 +1,4 @@
-"""The ends of all paths of one system, and when they are all regular."""
+"""The ends of all paths of one system, and the test that all are regular."""
 
 from __future__ import annotations
 
@@ -41,10 +41,10 @@ class AccountOptions:
 
 
 ACCOUNTS = AccountOptions()
-#: Where the solutions have been counted, so that lost ones are missed.
+#: Options if the number of solutions is known, so that a lost path is noticed.
 COUNTED = AccountOptions(attempts=2)
-#: For systems that are known to have infinitely many solutions: of the others only simple ones are
-#: asked for, and nobody says that these are all.
+#: Options for systems with infinitely many solutions: only simple isolated solutions are searched
+#: for, and completeness is not claimed.
 BESIDE_CURVES = AccountOptions(attempts=2, endgame=EndgameOptions(max_winding=6))
 
 
@@ -73,14 +73,14 @@ class Endpoints:
 
     @property
     def doubts(self) -> tuple[int, bool]:
-        """How much is not known; less is better."""
+        """The numbers of unknown ends, to compare attempts: smaller is better."""
         return self.account.lost, self.suspect
 
 
 @lru_cache(maxsize=256)
 def random_start(start: StartSystem, seed: int, attempt: int) -> System:
     """Return the start system with its factors multiplied by random phases: another path."""
-    # Not NumPy's generator, which takes longer to load than to solve most systems.
+    # The import of NumPy's generator takes longer than the solution of most systems.
     draws = Random(f"{seed} {attempt}")
     turns = np.array([[draws.random() for _ in range(EQUATIONS)] for _ in range(2)])
     g, h = np.exp(2j * np.pi * turns)
@@ -95,7 +95,7 @@ def all_regular(results: PathResults, simple: NDArray[np.bool_] | None = None) -
     results
         The ends of all paths.
     simple
-        Which of them are simple solutions, shape (B, P); by the kernel's own numbers if None.
+        Which of them are simple solutions, shape (B, P); computed by the kernel if None.
     """
     error = regular_error(results.correction)
     known = clearly_simple(results) if simple is None else simple

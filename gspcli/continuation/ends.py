@@ -1,6 +1,6 @@
-"""Telling ends of paths apart, and finite ends from those at infinity.
+"""Comparison of ends of paths with each other and with infinity.
 
-Every end comes with an error: a length, of points of norm 1, within which it is certainly meant.
+Every end has an error: a bound, for points of norm 1, of its distance from the solution.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from gspcli.continuation.quadrics import ComplexArray, FloatArray
 
 SINGULAR_ERROR = 1e-7
 """Error of ends found by the endgame; solutions that are nearer to each other count as one."""
-# Any vector will do: |z.v| is a function of the point that does not depend on its phase.
+# Any vector v suffices: |z.v| is a function of the point that does not depend on its phase.
 _KEY = np.exp(1j * np.arange(8) ** 2) / np.sqrt(8)
 
 
@@ -22,10 +22,10 @@ def regular_error(correction: FloatArray) -> FloatArray:
 
 
 def infinite(points: ComplexArray, error: FloatArray) -> NDArray[np.bool_]:
-    """Return which points (..., 8) have N = e.e = 0 within a twentieth of their errors (...).
+    """Return which points (..., 8) are at infinity: N = e.e is below a twentieth of their errors.
 
-    The errors are generous, so that no two ends at one solution count as two. Here that would
-    take solutions that are merely far away, at 1e5 times the size of the platform, for infinite.
+    The errors are larger than needed, so that two ends at one solution are never counted as two.
+    With the whole error, solutions at 1e5 times the size of the platform would count as infinite.
     """
     e, error = points[..., :4], error / 20
     size = np.sqrt((e.real**2 + e.imag**2).sum(axis=-1))
@@ -35,7 +35,7 @@ def infinite(points: ComplexArray, error: FloatArray) -> NDArray[np.bool_]:
 def may_coincide(
     points: ComplexArray, error: FloatArray
 ) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """Sort points (B, P, 8) by a continuous invariant; say which neighbours may be the same.
+    """Sort points (B, P, 8) by a continuous invariant; return which neighbours may be the same.
 
     Returns
     -------
@@ -51,7 +51,7 @@ def may_coincide(
 
 def distances(points: ComplexArray, point: ComplexArray) -> FloatArray:
     """Return the sines of the angles between points (n, 8) and a point, all of norm 1."""
-    # Not from the cosine, whose rounding hides angles below 1e-8.
+    # The cosine is not used: its rounding hides angles below 1e-8.
     return np.asarray(np.linalg.norm(points - np.outer(points @ point.conj(), point), axis=1))
 
 

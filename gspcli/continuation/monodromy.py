@@ -1,9 +1,9 @@
 """Generic solution counts from nothing: monodromy loops and trace tests.
 
 All pairs (system in six given spaces, solution) form an irreducible variety, because the systems
-through a given point form a linear space. So loops in the space of systems permute the solutions
-of one generic system transitively, and one solution, made by choosing the system through a
-chosen point, leads to all. That all are there is confirmed by trace tests.
+through a given point form a linear space. So loops in the space of systems permute the solutions of
+a generic system transitively, and one solution leads to all. The first one is a chosen point,
+through which the system is chosen. Trace tests confirm that no solution is missing.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _MAX_LOOPS = 500
 
 
 class MonodromyError(Exception):
-    """The loops did not come to rest, or the trace test failed."""
+    """The loops went on to find solutions, or the trace test failed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +101,7 @@ def move(
 
 
 def _merge(points: ComplexArray, others: ComplexArray) -> ComplexArray:
-    """Return the points and those others that are none of them."""
+    """Return the points, and the others that are not among them."""
     for other in others:
         if np.abs(points.conj() @ other).max() < 1 - 1e-10:
             points = np.vstack([points, other])
@@ -121,7 +121,7 @@ def solve_generic(spaces: str, rng: np.random.Generator) -> GenericSolutions:
     Raises
     ------
     MonodromyError
-        If the loops do not come to rest or a trace test fails.
+        If the loops go on to find solutions, or a trace test fails.
     """
     point = random_point(rng)
     base = _through(point, spaces, random_quadrics(spaces, rng))
@@ -149,10 +149,11 @@ def trace_defects(
 ) -> NDArray[np.float64]:
     """Return the relative defect of one trace test for each space present.
 
-    Five equations define a curve. On it, in the chart where a quadric k of the sixth equation's
-    space is 1, the solutions of ``g + s k = 0`` are the sections with parallel hyperplanes, so
-    the sum of another coordinate m / k over *all* of them is an affine function of s, and over
-    part of them in general is not (if the curve is irreducible; each space's curve is tried).
+    Five equations define a curve. Take the chart in which a quadric k of the sixth equation's space
+    is 1. There the solutions of ``g + s k = 0`` are the sections of the curve with parallel
+    hyperplanes. So the sum of another coordinate m / k over *all* of them is an affine function of
+    s. If the curve is irreducible, the sum over a part of them in general is not. The curve of each
+    space is tried.
 
     Returns
     -------

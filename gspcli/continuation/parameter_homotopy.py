@@ -1,4 +1,4 @@
-"""From the solutions of one system to those of another near it, or of many."""
+"""Paths from the solutions of one system to those of another system of its structure."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from gspcli.continuation.tracker import track
 from gspcli.continuation.tracker_options import DEFAULT, TrackerOptions
 from gspcli.records import dataclass
 
-#: Angles of the random phases: not zero, lest a path between real systems meets a fold, and not
-#: larger than they need to be, because a short path has fewer steps.
+#: Angles of the random phases. With zero a path between real systems can meet a fold; with larger
+#: angles a path is longer and has more steps.
 _PHASES = (0.3, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """Solutions of a system that were followed from those of another, in their order."""
+    """Solutions of a system, in the order of those of the system from which they were followed."""
 
     points: ComplexArray
     """Shape (n, 8), scaled to N = e.e = 1."""
@@ -37,9 +37,9 @@ def follow(
 ) -> Followed | None:
     """Follow solutions of one system to another of the same structure, along a complex path.
 
-    Which solution goes where depends on the random path; if the points are all solutions of a
-    system with as many as any, they lead to all of the target. Only what is plain is done: paths
-    that end at infinity or at each other are not looked into, as `solve_system` does.
+    The random path decides which solution leads to which. If the points are all solutions of a
+    system with the generic number of solutions, they lead to all solutions of the target. Paths
+    that end at infinity or at each other are not analysed, unlike in `solve_system`.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def follow(
     return Followed(_finite(results.points[0]), results.condition[0])
 
 
-# Ends at infinity become something without meaning.
+# Ends at infinity give meaningless numbers.
 @np.errstate(divide="ignore", invalid="ignore")
 def _finite(points: ComplexArray) -> ComplexArray:
     return np.asarray(points / np.sqrt((points[..., :4] ** 2).sum(axis=-1, keepdims=True)))

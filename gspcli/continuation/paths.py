@@ -1,4 +1,4 @@
-"""What became of every path: the one account that every method of solution gives."""
+"""The account of all paths, which every method of solution returns."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Verdict = Literal["complete", "infinite", "incomplete"]
 
 
 class Basis(StrEnum):
-    """What an account rests on."""
+    """The basis of an account."""
 
     PATHS = "paths"
     """Every path was followed to its end."""
@@ -21,15 +21,15 @@ class Basis(StrEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class PathAccount:
-    """Where the expected solutions of a system, or of several, are.
+    """The ends of the expected solutions of one system or of several.
 
-    Accounts of different systems add: ``sum(accounts, PathAccount(expected=0))``. An account
-    times n is that of n systems alike. A sum rests on `Basis.COUNT` if a part of it does.
+    Accounts of different systems add: ``sum(accounts, PathAccount(expected=0))``. An account times
+    n is that of n equal systems. The basis of a sum is `Basis.COUNT` if that of a part is.
 
     Attributes
     ----------
     expected
-        The generic count: how many paths there are.
+        The generic count: the number of paths.
     found
         Paths that end at finite isolated solutions: the sum of their multiplicities.
     at_infinity
@@ -37,12 +37,12 @@ class PathAccount:
     on_curves
         Paths that end on positive-dimensional solution sets.
     spurious
-        Paths that end where the equations hold and a constraint does not: the lines of a DLL
-        are parallel, at another distance.
+        Paths that end at a solution of the equations that violates a constraint: the lines of a
+        DLL are parallel, at another distance.
     lost
         Paths whose end is not known.
     basis
-        What the account rests on.
+        The basis of the account.
 
     Raises
     ------
@@ -80,7 +80,7 @@ class PathAccount:
         return "incomplete" if self.lost else "complete"
 
     def __add__(self, other: PathAccount) -> PathAccount:
-        """Return the account of both."""
+        """Return the account of both systems."""
         counted = Basis.COUNT in (self.basis, other.basis)
         return PathAccount(
             expected=self.expected + other.expected,
@@ -93,7 +93,7 @@ class PathAccount:
         )
 
     def __mul__(self, times: int) -> PathAccount:
-        """Return the account of several systems alike."""
+        """Return the account of several equal systems."""
         return PathAccount(
             expected=self.expected * times,
             found=self.found * times,

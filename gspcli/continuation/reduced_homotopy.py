@@ -1,8 +1,8 @@
-"""Quadrics of which only the multiples of N move, with fewer unknowns than other systems.
+"""A homotopy with fewer unknowns for quadrics of which only the multiples of N move.
 
-Without products, and without mutual moments of lines, each equation is linear in the monomials of
-e, in the six coordinates of ``w = e ^ f`` and in ``h = f.f``, times N the value. What is solved for
-by linear algebra need not be followed (native/reduced_homotopy.hpp).
+Without products and without mutual moments of lines each equation is linear in the monomials of e,
+in the six coordinates of ``w = e ^ f``, in ``h = f.f`` and in N times the value. Quantities that
+linear algebra eliminates need not be followed (native/reduced_homotopy.hpp).
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from gspcli.records import dataclass
 
 #: Pivots below this part of the largest entry are zero, ...
 _ZERO = 1e-12
-#: ... and in between and this they are too small to divide by.
+#: ... and pivots between that and this part are too small to divide by.
 _SMALL = 1e-3
-#: So many quantities may be free: with more nothing is gained.
+#: The most free quantities; with more there is no gain.
 _MOST_FREE = 3
 
 
@@ -42,16 +42,15 @@ class ReducedEnds(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ReducedHomotopy:
-    """Six quadrics, solved for some of the quantities w and h.
+    """Six quadrics that are solved for some of the quantities w and h.
 
     Attributes
     ----------
     pivots, free
-        The quantities that are solved for, and the others.
+        The quantities that are eliminated, and the others.
     forms, slopes, combinations
-        Equation j says: its pivot plus the slopes times the free quantities plus its form in
-        e_i e_j is its value times N; its value is row j of the combinations times the values.
-        Shapes (6, 10), (6, free), (6, 6).
+        Equation j is: pivot + slopes . free quantities + form in e_i e_j = N value. The value is
+        row j of the combinations times the values. Shapes (6, 10), (6, free), (6, 6).
     """
 
     pivots: NDArray[np.int32]
@@ -62,10 +61,10 @@ class ReducedHomotopy:
 
     @classmethod
     def of(cls, quadrics: FloatArray) -> ReducedHomotopy | None:
-        """Return six quadrics (6, 27), without their values, solved.
+        """Return six quadrics (6, 27), without their values, solved for pivots.
 
-        None if they depend on more than w and h, on h and w alone by too little to solve for
-        them, or on so few quantities that nothing is gained.
+        The result is None in three cases: the quadrics depend on more than w and h, the pivots are
+        too small, or so few quantities can be eliminated that there is no gain.
         """
         mixed = quadrics[:, 10:26].reshape(-1, 4, 4)
         # e.f vanishes.
@@ -92,7 +91,7 @@ class ReducedHomotopy:
         """Return Study points (..., 8) in the coordinates of the homotopy, (..., 4 + free)."""
         e, f = study[..., :4], study[..., 4:]
         norm = np.sqrt((np.abs(e) ** 2).sum(axis=-1, keepdims=True))
-        # Points with e = 0 are no poses; no path leads on from them.
+        # Points with e = 0 are no poses; they give NaN.
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             e, f = e / norm, f / norm
         outer = e[..., :, None] * f[..., None, :]
@@ -111,7 +110,7 @@ class ReducedHomotopy:
         options: TrackerOptions = FROM_START,
         jobs: int = 1,
     ) -> ReducedEnds:
-        """Track solutions for some values to those for many others along straight lines.
+        """Track solutions for some values to those for many other values, along straight lines.
 
         Parameters
         ----------
@@ -120,7 +119,7 @@ class ReducedHomotopy:
         starts
             Their solutions, shape (S, P, 4 + free).
         start
-            From which of them paths go to each target, shape (B,).
+            The solved system from which paths lead to each target, shape (B,).
         values
             The values of the targets, shape (B, 6).
         options, jobs
@@ -151,22 +150,22 @@ def ends_from_start(
 ) -> ComplexArray | None:
     """Return the ends of the paths from a start system to six quadrics.
 
-    Both are solved for the same quantities, and all that is left moves along straight lines.
+    Both are solved for the same quantities; the other coefficients move along straight lines.
 
     Parameters
     ----------
     start
-        Of their structure, no products.
+        A start system of the same structure, without products.
     quadrics
         Coefficients, shape (6, 27); lengths of order one.
     options
-        How long the steps are.
+        The options of the tracker.
 
     Returns
     -------
     ComplexArray or None
-        Study points of any norm, shape (paths, 8), not a number where a path is lost; None if the
-        quadrics are not solved as those of the start are, because they are special.
+        Study points of any norm, shape (paths, 8); NaN for a lost path. None if special quadrics
+        cannot be solved for the quantities of the start.
     """
     found = _kernel.track_reduced(
         start.system.coefficients.g,
@@ -186,9 +185,10 @@ def ends_from_start(
 
 
 def _solved(quantities: FloatArray) -> tuple[NDArray[np.intp], FloatArray] | None:
-    """Return pivots, and the combinations of rows that solve for them (Gauss and Jordan).
+    """Return pivots, and the combinations of rows that solve for them (Gauss-Jordan).
 
-    The rows without a pivot come last. None if a pivot is neither zero nor large enough.
+    The rows without a pivot come last. The result is None if a pivot is neither zero nor large
+    enough.
     """
     rows = np.concatenate((quantities, np.eye(len(quantities))), axis=1)
     width = quantities.shape[1]

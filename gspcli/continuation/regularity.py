@@ -1,11 +1,10 @@
-"""Whether Newton's method stands at a simple solution, or at what rounding cannot tell from none.
+"""The test that a result of Newton's method is a simple solution, despite rounding.
 
-Rounding of the coefficients and what is left of Newton's step move a solution to first order by
-some d. The solution is simple beyond doubt if the second-order terms move it much less than that:
-``|J^-1 F''(d, d)| << |d|``, which is how Kantorovich's theorem is applied. Of a double solution
-that rounding has split, both are of one size; nor does it help there that Newton's step is small.
-The same is true where both factors of a product vanish, although the Jacobian matrix with its
-rows divided by the size of what cancels in them is well-conditioned.
+Rounding of the coefficients and the residual of Newton's step move a solution to first order by
+some d. The solution is clearly simple if the second-order terms move it much less: ``|J^-1 F''(d,
+d)| << |d|``, the condition of Kantorovich's theorem. At a double solution that rounding has split
+both are of one size, also if Newton's step is small. The same holds where both factors of a product
+vanish, although the Jacobian matrix with scaled rows is well-conditioned there.
 """
 
 from __future__ import annotations
@@ -23,15 +22,15 @@ from gspcli.continuation.systems import EQUATIONS, System
 from gspcli.continuation.tracker import PathResults, PathStatus
 
 _ROUNDING = 4e-16
-#: Largest ratio of second to first order that is beyond doubt: of bounds, and of estimates.
+#: Largest ratio of second to first order of a clearly simple solution: for bounds, for estimates.
 _CLEARLY = 1e-3
 _LIMIT = 0.1
-#: How many changes of the equations by rounding are tried.
+#: The number of changes of the equations by rounding that are tried.
 _CHANGES = 8
 
 
 def clearly_simple(results: PathResults) -> NDArray[np.bool_]:
-    """Return which ends (B, P) are simple solutions by the kernel's own numbers."""
+    """Return which ends (B, P) are simple solutions by the numbers of the kernel."""
     step = results.correction + _ROUNDING * results.condition
     bounded = results.curvature * step < _CLEARLY
     return np.asarray((results.status == PathStatus.REGULAR) & bounded)
@@ -45,8 +44,8 @@ def simple(target: System, points: ComplexArray) -> NDArray[np.bool_]:
 def nonlinearity(target: System, points: ComplexArray) -> FloatArray:
     """Return the ratio of second to first order at points (P, 8); infinite or NaN if singular.
 
-    e and f are measured in units of their own size, so that solutions far away, whose e is small,
-    are not taken for singular ones.
+    The units of e and f are their sizes, so that a solution far away, whose e is small, does not
+    count as singular.
     """
     unit = np.repeat(
         np.stack([np.linalg.norm(part, axis=1) for part in (points[:, :4], points[:, 4:])], 1),
@@ -55,13 +54,13 @@ def nonlinearity(target: System, points: ComplexArray) -> FloatArray:
     )
     jacobian = target.jacobians(points)
     size = np.linalg.norm(jacobian * unit[:, None, :], axis=2)
-    # One row more, for the scale of the point.
+    # A row is added for the scale of the point.
     patch = (points / np.where(unit > 0, unit, 1.0)).conj()[:, None, :]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         rows = jacobian * unit[:, None, :] / size[:, :, None]
         inverse = _inverse(np.concatenate([rows, patch], axis=1))[:, :, :-1] / size[:, None, :]
         values = target.values(points)[:, None, :] + _changes(target, points)
-        # Of each change, (P, changes, 8).
+        # The first-order move for each change, (P, changes, 8).
         first = values @ inverse.swapaxes(1, 2)
         second = np.stack(
             [target.bends(points, first[:, k] * unit) for k in range(_CHANGES)],
@@ -72,7 +71,7 @@ def nonlinearity(target: System, points: ComplexArray) -> FloatArray:
 
 
 def _inverse(matrices: ComplexArray) -> ComplexArray:
-    """Return the inverses (P, 8, 8), infinite where there is none."""
+    """Return the inverses (P, 8, 8); infinite for singular matrices."""
     try:
         return np.asarray(np.linalg.inv(matrices))
     except np.linalg.LinAlgError:

@@ -1,4 +1,4 @@
-"""The few of many paths that fail or run into others, followed again before anything else."""
+"""A second attempt at the few of many paths that fail or end at the end of another path."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from gspcli.continuation.tracker_options import CAREFUL
 
 Array = NDArray[np.bool_]
 
-#: At most this part of the paths is a few.
+#: The largest part of the paths that is followed again.
 _FEW = 0.02
 
 
 def collided(points: ComplexArray, error: FloatArray, regular: Array) -> Array:
-    """Return which of some regular ends (P, 8), with errors (P,), another path shares, (P,)."""
+    """Return which regular ends (P, 8), with errors (P,), another path shares, shape (P,)."""
     together = np.zeros(len(points), dtype=np.bool_)
     index = np.flatnonzero(regular)
     for group in clusters(points[index], error[index]):
@@ -33,15 +33,15 @@ def collided(points: ComplexArray, error: FloatArray, regular: Array) -> Array:
 def retracked(
     origin: System, target: System, points: ComplexArray, first: PathResults, jobs: int
 ) -> PathResults:
-    """Return first results (1, P) in which the few paths that went wrong are followed again.
+    """Return first results (1, P) after a second attempt at the few paths that went wrong.
 
-    Of hundreds of paths one may fail, or jump; with smaller steps it does not. If they
-    are many, the target is not one of those for which that is worth it.
+    One of hundreds of paths may fail or jump; with smaller steps it does not. If many paths go
+    wrong, the target is special, and the first results are returned.
     """
     error = regular_error(first.correction[0])
     known = clearly_simple(first)[0]
     wrong = collided(first.points[0], error, known)
-    # Those that have failed, and those at which Newton's method has not settled.
+    # Paths that have failed, and paths at whose end Newton's method has not converged.
     wrong |= ~known & (first.status[0] != PathStatus.SINGULAR)
     if not 0 < wrong.sum() <= max(2, _FEW * len(wrong)):
         return first

@@ -1,4 +1,4 @@
-"""The solutions of one system: where all paths to it end."""
+"""The solutions of one system: the ends of all paths to it."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from gspcli.records import dataclass
 class SolutionCurve:
     """A positive-dimensional part of the solution set that paths ended on.
 
-    The evidence is numerical: the Jacobian matrix has a kernel, and moving along it and
-    correcting on a slice arrives at other solutions.
+    The evidence is numerical: the Jacobian matrix has a kernel, and a move along it with a
+    correction on a slice arrives at other solutions.
     """
 
     dimension: int

@@ -23,14 +23,13 @@ def solve_system(
     Parameters
     ----------
     target
-        What to solve.
+        The system.
     seed
-        Source of the random complex paths. Another seed gives the same set of solutions.
+        The seed of the random complex paths. Another seed gives the same set of solutions.
     jobs
         Threads. The result does not depend on them.
     options
-        Settings of the first attempt; what it loses is tracked again with `CAREFUL` and
-        `PARANOID`.
+        Settings of the first attempt; lost paths are tracked again with `CAREFUL` and `PARANOID`.
 
     Raises
     ------
@@ -49,8 +48,8 @@ def solve_systems(
 ) -> Iterator[SystemSolutions]:
     """Yield the solutions of many systems, in order, as they become known.
 
-    Each result is the same as `solve_system` gives. Consecutive systems of one structure are
-    tracked together, which is what makes this quicker than a loop.
+    Each result is that of `solve_system`. Consecutive systems of one structure are tracked
+    together, which is quicker than a loop.
     """
     for tracked_paths in track_all(targets, seed=seed, jobs=jobs, options=options):
         yield tracked_paths.solutions()

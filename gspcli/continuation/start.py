@@ -1,8 +1,8 @@
-"""Start systems: generic systems of every structure with all their solutions.
+"""Start systems: a generic system of every structure with all its solutions.
 
-Stored are the 119 monomials of six spaces up to the exchange of p and q. What they need else is
-derived: the exchange, and for products ``G H = tau N^2`` the start ``tau = 0`` with generic G and
-H, whose solutions are those of the 2^m systems with one factor of each product.
+The data contain 119 monomials of six spaces, up to the exchange of p and q. The other start systems
+are derived: by the exchange, and for products ``G H = tau N^2`` as the system with ``tau = 0`` and
+generic G and H. Its solutions are those of the 2^m systems with one factor of each product.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def canonical_monomials() -> list[str]:
 def pack_points(points: ComplexArray) -> ComplexArray:
     """Return Study points (n, 8) as stored: divided by e0, without it, in a fixed order."""
     affine = points[:, 1:] / points[:, :1]
-    # Rounded, because solutions of some monomials share their rotation.
+    # Keys are rounded, because solutions of some monomials share their rotation.
     keys = np.round(affine.real, 5)
     return affine[np.lexsort(keys.T[::-1])].astype(np.complex64)
 
@@ -65,7 +65,7 @@ def distinct(points: ComplexArray) -> bool:
 
 @cache
 def _stored() -> tuple[ComplexArray, ComplexArray, dict[str, slice]]:
-    """Return the factors (2, 6, 5, 27), all points (n, 8), and where each monomial's are."""
+    """Return the factors (2, 6, 5, 27), all points (n, 8), and the points of each monomial."""
     manifest = json.loads(data_path(FOLDER, "manifest.json").read_text(encoding="utf-8"))
     factors = np.load(data_path(FOLDER, "factors.npy")).astype(np.complex128)
     affine = np.load(data_path(FOLDER, "points.npy")).astype(np.complex128)

@@ -1,4 +1,4 @@
-"""Systems of six equations on the Study quadric: what the solver is asked to solve."""
+"""Systems of six equations on the Study quadric."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ _OF_DEGREE = np.eye(3)[DEGREE_IN_F]
 
 @dataclass(frozen=True, order=True)
 class Structure:
-    """The shape of a system: which space of quadrics each equation is of, and which are products.
+    """The structure of a system: the space of quadrics of each equation, and which are products.
 
     Parameters
     ----------
     spaces
         Six letters of ``apqls`` (`gspcli.continuation.quadrics`).
     products
-        For each equation whether it is ``G H = tau N^2`` (else ``G = 0``).
+        Whether each equation is ``G H = tau N^2``; otherwise it is ``G = 0``.
 
     Raises
     ------
@@ -68,7 +68,7 @@ class Structure:
         return tuple(sorted(range(EQUATIONS), key=key.__getitem__))
 
     def canonical(self) -> Structure:
-        """Return the same structure with its equations in canonical order."""
+        """Return the structure with its equations in canonical order."""
         return self._canonical
 
     @cached_property
@@ -80,7 +80,7 @@ class Structure:
 
 
 class Coefficients(NamedTuple):
-    """The numbers of one system, or of many along leading axes."""
+    """The coefficients of one system, or of many along leading axes."""
 
     g: ComplexArray
     """Quadrics or first factors, shape (..., 6, 27)."""
@@ -96,7 +96,7 @@ class Coefficients(NamedTuple):
         return size_g, size_h
 
     def normalized(self) -> Coefficients:
-        """Return the same equations with every factor scaled to norm 1."""
+        """Return the equations with every factor scaled to norm 1."""
         return self.divided(*self.sizes())
 
     def divided(self, g: FloatArray, h: FloatArray) -> Coefficients:
@@ -156,7 +156,7 @@ class FineCoefficients(NamedTuple):
 
     @classmethod
     def of(cls, numbers: Coefficients) -> FineCoefficients:
-        """Return the sums next to numbers of any precision: arrays of objects, no leading axes."""
+        """Return the sums nearest to numbers of any precision (arrays of objects, no leading axes)."""
         columns = [_split(x) for x in numbers]
         return cls(*(Coefficients(*(x[part] for x in columns)) for part in _PARTS))
 
@@ -169,7 +169,7 @@ _PARTS = slice(0, 1), slice(1, 4)
 
 
 def _split(numbers: NDArray[Any]) -> ComplexArray:
-    """Return the four doubles whose sum is next to each number, leading axis (4,)."""
+    """Return four doubles whose sum is nearest to each number, leading axis (4,)."""
     parts = []
     for _ in range(4):
         parts.append(numbers.astype(np.complex128))
@@ -181,7 +181,7 @@ def _split(numbers: NDArray[Any]) -> ComplexArray:
 class System:
     """Six equations ``G_i = 0`` or ``G_i H_i = tau_i N^2`` on the Study quadric ``e.f = 0``.
 
-    `System.of` checks what comes from outside.
+    `System.of` checks its arguments.
 
     Attributes
     ----------
@@ -204,8 +204,8 @@ class System:
     ) -> System:
         """Return the system with the given coefficients.
 
-        They are real or complex and need no particular scale, but T, U and rho should be measured
-        from origins near the geometry: an origin at a distance of 1e6 costs six digits.
+        They are real or complex, of any scale. The origins of T, U and rho should be near the
+        geometry: an origin at a distance of 1e6 costs six digits.
 
         Parameters
         ----------
@@ -215,9 +215,9 @@ class System:
             Quadrics, shape (6, 27).
         h
             Second factors, shape (6, 27); rows of equations that are no products are ignored.
-            May be left out if there are no products.
+            It may be omitted if there are no products.
         tau
-            Right-hand sides of the products, shape (6,); likewise.
+            Right-hand sides of the products, shape (6,); they may be omitted like h.
 
         Raises
         ------
@@ -255,7 +255,7 @@ class System:
         return System(self.structure.canonical(), coefficients)
 
     def normalized(self) -> System:
-        """Return the same equations with every factor scaled to norm 1."""
+        """Return the equations with every factor scaled to norm 1."""
         return System(self.structure, self.coefficients.normalized())
 
     def scaled(self, g: ComplexArray, h: ComplexArray) -> System:
@@ -268,7 +268,7 @@ class System:
 
     @property
     def is_real(self) -> bool:
-        """Whether no coefficient has an imaginary part."""
+        """Whether all coefficients are real."""
         return not any(x.imag.any() for x in self.coefficients)
 
     @property

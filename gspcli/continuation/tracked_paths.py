@@ -1,4 +1,4 @@
-"""The paths to one system, followed as carefully as somebody asks who can judge their ends."""
+"""The paths to one system, tracked with 16, 32 or 64 digits."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ from gspcli.continuation.tracker_options import (
 )
 from gspcli.records import dataclass
 
-#: Newton's method converges where its last correction is not longer than this part of e.
+#: Newton's method has converged if its last correction is at most this part of e.
 _CONVERGES = 1e-3
-#: From so near to the target on doubles may not tell paths from each other, and 32 digits not.
+#: Distances from the target below which doubles, and 32 digits, may not distinguish paths.
 _NEAR, _NEARBY = 1e-3, 1e-8
-#: Steps within which most paths arrive that do not end at infinity, from near the target on.
+#: Steps from near the target within which most paths arrive that do not end at infinity.
 _FEW_STEPS = 12
 _BATCH = 256
 _BATCH_PATHS = 65_536
@@ -47,21 +47,21 @@ _BATCH_PATHS = 65_536
 
 @dataclass(frozen=True, eq=False)
 class PathEnds:
-    """Where k paths ended, simple solutions or not.
+    """The ends of k paths, simple solutions or not.
 
     Attributes
     ----------
     points
         Study points in the coordinates of the target, of any norm, shape (k, 8).
     low
-        What more digits than those of doubles add to them, shape (k, 3, 8); (k, 0, 8) if there are
-        none.
+        The digits beyond doubles: three more doubles to add, shape (k, 3, 8); (k, 0, 8) if there
+        are none.
     simple
-        Which are beyond doubt simple solutions of the system in doubles, shape (k,).
+        Which are clearly simple solutions of the system in doubles, shape (k,).
     converged
-        At which Newton's method converges, with these digits, shape (k,).
+        Whether Newton's method converges, with these digits, shape (k,).
     digits
-        With how many digits they were computed.
+        The number of digits of the computation.
     """
 
     points: ComplexArray
@@ -82,7 +82,7 @@ class PathEnds:
 
 
 def joined_ends(parts: Sequence[PathEnds]) -> PathEnds:
-    """Return ends of several parts, computed with as many digits, in one."""
+    """Return the ends of several parts with equal numbers of digits as one."""
     return PathEnds(
         np.concatenate([part.points for part in parts]),
         np.concatenate([part.low for part in parts]),
@@ -104,11 +104,11 @@ class TrackedPaths:
     scale
         The unit of f in them (`Coefficients.balanced`).
     sizes
-        By what their factors were divided, shape (6,) each.
+        The divisors of their factors, shape (6,) each.
     results
         The first attempt at all paths, (1, P).
     is_regular
-        Whether all of them end at distinct finite regular solutions, as well as doubles tell.
+        Whether all of them end at distinct finite regular solutions, by doubles.
     seed, jobs
         Source of random paths; threads.
     """
@@ -145,7 +145,7 @@ class TrackedPaths:
     def distinct_simple(self) -> ComplexArray:
         """Return the ends of the first attempt that no other path shares, shape (k, 8).
 
-        They are finite and beyond doubt simple solutions of the system in doubles.
+        They are finite and clearly simple solutions of the system in doubles.
         """
         results = self._results
         points, error = results.points[0], regular_error(results.correction[0])
@@ -155,19 +155,19 @@ class TrackedPaths:
         return ends
 
     def balanced(self, given: Coefficients) -> Coefficients:
-        """Return the equations, given to more digits, in the form in which they are tracked.
+        """Return equations with more digits in the form in which they are tracked.
 
         Parameters
         ----------
         given
-            In canonical order: arrays of objects, no leading axes.
+            The coefficients in canonical order: arrays of objects, no leading axes.
         """
         return given.in_units(np.array(self.scale)).divided(*self._sizes)
 
     def track(
         self, index: NDArray[np.intp], target: FineCoefficients, *, digits: int, attempt: int = 0
     ) -> Iterator[tuple[NDArray[np.intp], PathEnds]]:
-        """Follow some paths with more digits up to the target itself, from where fewer may err.
+        """Track some paths with more digits up to the target, from where fewer digits may fail.
 
         Parameters
         ----------
@@ -178,12 +178,12 @@ class TrackedPaths:
         digits
             32 or 64.
         attempt
-            Another number leads the same start points along other paths.
+            Another number gives other paths from the same start points.
 
         Yields
         ------
-        Which of these paths have arrived after few steps, and their ends; then the same of the
-        others, arrived or not. Most paths to infinity never do.
+        The paths that arrive after few steps, and their ends; then the other paths, arrived or not,
+        and their ends. Most paths to infinity never arrive.
         """
         origin = random_start(self._start, self.seed, attempt)
         points, left = self._near(origin, target, index)
@@ -191,10 +191,10 @@ class TrackedPaths:
             yield from self._in_parts(origin, target, points, None, left, DEEP)
             return
         nearby = System(origin.structure, target.nearby(origin.coefficients, _NEARBY))
-        # Of the shorter way less is left.
+        # The rest of the shorter way.
         rest = (left - _NEARBY) / (1 - _NEARBY)
         there = track(origin, nearby, points, left=rest, options=EXTENDED, jobs=self._jobs)
-        # From there, so that the last part of the way is not too short for the exponents of series.
+        # The way begins there, so that its last part is not too short for the exponents of series.
         yield from self._in_parts(
             nearby, target, there.points[0], there.low[0], np.ones(len(points)), DEEPEST
         )
@@ -208,7 +208,7 @@ class TrackedPaths:
         left: FloatArray,
         options: TrackerOptions,
     ) -> Iterator[tuple[NDArray[np.intp], PathEnds]]:
-        """Yield which paths arrive after few steps, and their ends, then the same of the others.
+        """Yield the paths that arrive after few steps, and their ends, then the other paths.
 
         Parameters
         ----------
@@ -235,7 +235,7 @@ class TrackedPaths:
                 yield rest, ends
                 return
             yield rest[arrived], ends.take(arrived)
-            # Where they were stopped they go on.
+            # The others continue from where they stopped.
             rest, limit = rest[~arrived], options.max_steps
             points, low, left = (
                 x[0, ~arrived] for x in (results.points, results.low, results.left)
@@ -244,7 +244,7 @@ class TrackedPaths:
     def _near(
         self, origin: System, target: FineCoefficients, index: NDArray[np.intp]
     ) -> tuple[ComplexArray, FloatArray]:
-        """Return where some paths are as far as doubles can follow them, and what is left."""
+        """Return the last points of some paths that doubles can reach, and the rest of the way."""
         near = System(origin.structure, target.nearby(origin.coefficients, _NEAR))
         points = self._start.points[index]
         results = track(origin, near, points, options=CAREFUL, jobs=self._jobs)
@@ -253,7 +253,7 @@ class TrackedPaths:
         return there, np.where(arrived, _NEAR, 1.0)
 
     def solutions(self, options: AccountOptions = ACCOUNTS) -> SystemSolutions:
-        """Return where all paths end, by the means of numerical path tracking alone."""
+        """Return the ends of all paths by numerical path tracking only."""
         if self.is_regular:
             ends = regular_ends(self._results, 0)
         else:
@@ -267,7 +267,7 @@ class TrackedPaths:
         low = results.low[0].copy() if len(results.low) else np.zeros((len(points), 0, 8), complex)
         for part in (points, low):
             part[..., 4:] *= self.scale
-        # Where it was not run the correction is negative.
+        # The correction is negative if Newton's method was not run.
         correction, e = results.correction[0], np.abs(results.points[0, :, :4]).max(axis=1)
         converged = (correction >= 0) & (correction < _CONVERGES * e)
         return PathEnds(points, low, clearly_simple(results)[0], converged, digits)
@@ -282,8 +282,7 @@ def track_all(
 ) -> Iterator[TrackedPaths]:
     """Yield the first attempt at the paths of many systems, in order.
 
-    Consecutive systems of one structure are tracked together, which is what makes this quicker
-    than a loop.
+    Consecutive systems of one structure are tracked together, which is quicker than a loop.
 
     Parameters
     ----------
@@ -315,7 +314,7 @@ def first_attempts(
     options: TrackerOptions,
     jobs: int,
 ) -> Iterator[tuple[PathResults, bool]]:
-    """Yield where paths from solutions of a system lead, for each of B targets.
+    """Yield the ends of paths from the solutions of a system to each of B targets.
 
     Parameters
     ----------
@@ -324,8 +323,8 @@ def first_attempts(
 
     Yields
     ------
-    The ends (1, P), the few paths that went wrong followed again, and whether all are distinct
-    finite regular solutions, as well as doubles tell.
+    The ends (1, P), after a second attempt at the few paths that went wrong, and whether all are
+    distinct finite regular solutions, by doubles.
     """
     results = track(origin, targets, points, options=options, jobs=jobs)
     for i, regular in enumerate(all_regular(results).tolist()):

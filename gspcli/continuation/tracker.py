@@ -15,7 +15,7 @@ from gspcli.records import dataclass
 
 
 class PathStatus(IntEnum):
-    """How a path ended."""
+    """The end of a path."""
 
     REGULAR = 0
     """It reached the target, and Newton's method was run there."""
@@ -27,7 +27,7 @@ class PathStatus(IntEnum):
     front of the target that have passed no waypoint."""
 
 
-#: No computer has a use for more.
+#: At most this many threads are started.
 MOST_THREADS = 256
 
 
@@ -73,9 +73,9 @@ def track(
 ) -> PathResults:
     """Track solutions of one system to each of many targets along straight lines.
 
-    The coefficients run along the line from `start` to each target as they are given: scale and
-    multiply them by random phases before. Nothing is said about paths that run into each other
-    or jump: compare the number of distinct ends with that of the paths.
+    The coefficients move along the line from `start` to each target; scale them and multiply them
+    by random phases before. Paths that meet or jump are not detected: compare the number of
+    distinct ends with that of the paths.
 
     Parameters
     ----------
@@ -86,17 +86,17 @@ def track(
     points
         Solutions of the start system, shape (P, 8), nonzero.
     more
-        Three doubles to be added to each number of a single target, if they are known to more than
-        16 digits; leading axis (3,).
+        Three doubles to add to each number of a single target, for more than 16 digits; leading
+        axis (3,).
     low
-        What is to be added to the points, likewise, shape (P, 3, 8).
+        Three doubles to add to each coordinate of the points, shape (P, 3, 8).
     left
-        How much of the way, 1 - t, is left at the points, shape (P,): they are solutions there;
-        all of it if not given. Where nothing is left, Newton's method improves the point.
+        The rest of the way, 1 - t, at the points, shape (P,): they are solutions at t. It is 1 by
+        default. If it is 0, Newton's method improves the point.
     options
         Settings.
     jobs
-        Threads, of which no more are started than help; the result does not depend on them.
+        The most threads; the result does not depend on them.
     build
         Name of a build of the kernel (``portable``, ``avx2``, ``avx512``); the quickest if empty.
 
@@ -135,5 +135,5 @@ def track(
 
 
 def helpful(jobs: int, paths: int) -> int:
-    """Return how many of so many threads can be of help: no more than there are paths."""
+    """Return the number of threads to start: at most the number of paths."""
     return max(1, min(jobs, paths, MOST_THREADS))

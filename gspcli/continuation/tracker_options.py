@@ -1,7 +1,7 @@
-"""Settings of the path tracker, and the presets that are used.
+"""Settings of the path tracker, and its presets.
 
-How many paths each preset loses, of random platforms, `python -m tools.verify.presets` measures;
-the table is in docs/path-tracking.md.
+`python -m tools.verify.presets` measures the number of paths that each preset loses for random
+platforms; the table is in docs/path-tracking.md.
 """
 
 from __future__ import annotations
@@ -47,11 +47,11 @@ class TrackerOptions:
 
 #: The first attempt at paths from a stored start system.
 DEFAULT = TrackerOptions()
-#: The second, of paths that are lost or have jumped.
+#: The second attempt, for paths that are lost or have jumped.
 CAREFUL = TrackerOptions(
     predictor_tolerance=1e-6, contraction=0.02, radius_fraction=0.4, late_steps=1000
 )
-#: The last with 16 digits.
+#: The last attempt with 16 digits.
 PARANOID = TrackerOptions(
     predictor_tolerance=1e-8,
     contraction=0.01,
@@ -59,14 +59,14 @@ PARANOID = TrackerOptions(
     max_steps=10_000,
     late_steps=10_000,
 )
-#: From a solved system to others of its structure: longer steps and fewer terms. What they lose is
-#: seen, and followed again.
+#: From a solved system to others of its structure: longer steps and fewer terms. Lost paths are
+#: detected and followed again.
 SHORT = replace(DEFAULT, predictor_tolerance=3e-3, contraction=0.1, short_series=True)
-#: With 32 digits, up to where the endgame begins.
+#: With 32 digits, up to the beginning of the endgame.
 EXTENDED = replace(CAREFUL, digits=32)
-#: With 32 digits as near to the target as these can tell, for ends that are judged in more digits.
+#: With 32 digits, as near to the target as they allow, for ends that are proved with more digits.
 DEEP = replace(EXTENDED, arrival=1e-12, waypoint=0.0, nearest=1e-28, min_step=1e-30, max_steps=150)
-#: The same with 64.
+#: `DEEP` with 64 digits.
 DEEPEST = replace(
     DEFAULT,
     contraction=0.02,
@@ -78,7 +78,7 @@ DEEPEST = replace(
     max_steps=200,
 )
 
-# Equations that are solved for some unknowns first (`reduced_homotopy`); what is lost is seen.
+# Equations that are solved for some unknowns first (`reduced_homotopy`); lost paths are detected.
 
 #: From a stored start system, or from the start of a geometry to others with complex values.
 FROM_START = replace(
@@ -88,7 +88,7 @@ FROM_START = replace(
 LONG_STEPS = replace(FROM_START, predictor_tolerance=1e-2, contraction=0.25)
 #: From a planar platform with complex values to others: of 60, the former lose paths of 11 to 28.
 MEDIUM_STEPS = replace(FROM_START, predictor_tolerance=1e-3, contraction=0.07)
-#: From the start of a geometry to real values near it, on which nothing but values moves.
+#: From the start of a geometry to real values near it; only values move.
 VALUE_STEPS = replace(FROM_START, predictor_tolerance=2e-2, contraction=0.35, radius_fraction=0.8)
-#: The same again for what these lose.
+#: For paths that `VALUE_STEPS` lose.
 SHORT_STEPS = replace(FROM_START, predictor_tolerance=1e-4, contraction=0.05, max_steps=1000)
