@@ -156,7 +156,7 @@ class FineCoefficients(NamedTuple):
 
     @classmethod
     def of(cls, numbers: Coefficients) -> FineCoefficients:
-        """Return the sums nearest to numbers of any precision (arrays of objects, no leading axes)."""
+        """Return the sums nearest to numbers of any precision: arrays of objects, no batch axes."""
         columns = [_split(x) for x in numbers]
         return cls(*(Coefficients(*(x[part] for x in columns)) for part in _PARTS))
 
