@@ -1,6 +1,6 @@
 """Proofs that approximate poses are solutions, in ball arithmetic (python-flint, only here).
 
-What is named here is imported when it is used: many proofs need no balls.
+The names are imported when they are used: many proofs need no balls.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""Proofs of branches: arcs, folds, Taylor polynomials and cones, for poses that move."""
+"""Proofs about poses that move: branches, folds, Taylor polynomials and cones."""

@@ -4,13 +4,13 @@ An arc has a centre, a direction v and a gauge g. For each s with ``|s| <= reach
 
     F(z, t) = 0,  p.z = 1,  g.((z, t) - centre) = s,
 
-nine of them, are shown to have exactly one solution in a box about ``centre + s v`` (Krawczyk's
-test, for all s at once), and the matrix M of their derivatives to be regular in the box: so all
-solutions in it are one smooth curve. Boxes are as wide in each unknown as the test wants them, and
-M is taken as a polynomial in s: what it does along the curve is multiplied by the inverse before it
-is bounded, because near other singular poses M changes much, and the product does not.
+(nine in number) are proved to have exactly one solution in a box about ``centre + s v``, by
+Krawczyk's test for all s together. The matrix M of their derivatives is proved to be regular in the
+box. So all solutions in the box are one smooth curve. The width of the box in each unknown is
+chosen by the test. M is a polynomial in s, which is multiplied by the inverse before it is bounded:
+near other singular poses M changes much along the curve, and the product changes little.
 
-Arcs that overlap in a solution are of the same curve, which therefore can be followed where t
+Arcs that overlap in a solution belong to the same curve. So a curve can be followed also where t
 hardly changes along it.
 """
 
@@ -30,29 +30,29 @@ Array = NDArray[np.float64]
 
 #: z and t.
 _UNKNOWNS = 9
-#: The gauge that is time.
+#: The gauge of a fixed time.
 _NOW = [*[arb(0)] * (_UNKNOWNS - 1), arb(1)]
-#: How often a box is widened.
+#: The most widenings of a box.
 _WIDENINGS = 8
 #: A box has at least this width.
 _LEAST = 2.0**-90
-#: Newton's method: its most steps, and a step that is small enough.
+#: Newton's method: the most steps, and the size of the last one.
 _STEPS, _CONVERGED = 12, 2.0**-70
-#: Of the power method, for weights.
+#: Iterations of the power method for the weights.
 _ITERATIONS = 12
-#: Of the curve: the most arcs, the shortest one, and how much of one is used.
+#: The most arcs of a curve, the shortest one, and the part of an arc that is used.
 _MOST, _SHORTEST, _USED = 120, 2.0**-60, 0.9375
 
 
 class Arc:
-    """The solutions near a point of the curve, ``|s| <= reach`` in a direction, once they `hold`.
+    """The solutions near a point of the curve, for ``|s| <= reach`` along a direction.
 
     Parameters
     ----------
     equations
         Of the curve.
     centre
-        Near a solution; nine exact numbers, as `direction` and `gauge`.
+        A point near a solution: nine exact numbers, like `direction` and `gauge`.
     direction, gauge
         v and g.
     """
@@ -68,7 +68,7 @@ class Arc:
         self.centre, self.direction, self.gauge = list(centre), list(direction), list(gauge)
         (values, rows), (_, bent) = equations.along(centre, direction, 1)
         self.inverse = arb_mat([*rows.tolist(), self.gauge]).mid().inv().mid()
-        #: What the equations are at ``centre + s v``: coefficients of powers of s, times Y.
+        #: Coefficients of the powers of s of the equations at ``centre + s v``, times Y.
         self.residuals = [
             self._solved(values, arb(0)),
             self._solved(self._times(rows), self._slack),
@@ -77,7 +77,7 @@ class Arc:
 
     @property
     def _slack(self) -> arb:
-        """By how much g.v is not one."""
+        """The difference of g.v from one."""
         return _dot(self.gauge, self.direction) - 1
 
     def _times(self, rows: arb_mat) -> list[arb]:
@@ -94,9 +94,9 @@ class Arc:
         Parameters
         ----------
         reach
-            How far along the direction; exact.
+            The largest ``|s|``; exact.
         wanted
-            How wide about it the box is, at least.
+            The least width of the box.
         """
         self.reach = reach
         self.powers = [arb(1), arb(0, reach), arb(reach**2 / 2, reach**2 / 2)]
@@ -139,7 +139,7 @@ class Arc:
         self.norm, self.sizes = _contraction(self.defect)
 
     def contains(self, x: Sequence[arb]) -> bool:
-        """Whether all points of a ball are in the box: its solutions are on the curve."""
+        """Whether all points of a ball are in the box, so that its solutions are on the curve."""
         s, apart = self.place(x)
         near = all(a.abs_upper() < w for a, w in zip(apart, self.widths, strict=True))
         return near and bool(s.abs_upper() < self.reach)
@@ -196,7 +196,7 @@ class Arc:
 def corrected(
     equations: CurveSystem, guess: Sequence[arb], gauge: Sequence[arb]
 ) -> list[arb] | None:
-    """Return a point very near the curve with g.x as it is, by Newton's method; None if none."""
+    """Return a point very near the curve with the same g.x, by Newton's method, or None."""
     x = [value.mid() for value in guess]
     for _ in range(_STEPS):
         ((values, rows),) = equations.along(x, gauge, 0)
@@ -210,7 +210,7 @@ def corrected(
 
 
 def tangent(equations: CurveSystem, x: Sequence[arb], gauge: Sequence[arb]) -> list[arb] | None:
-    """Return about the tangent of the curve at x, of length one and with g.v > 0."""
+    """Return an approximate tangent of the curve at x, of length one and with g.v > 0."""
     ((_, rows),) = equations.along(x, gauge, 0)
     v = _step(rows, gauge, [*[arb(0)] * (_UNKNOWNS - 1), arb(1)])
     if v is None:
@@ -220,7 +220,7 @@ def tangent(equations: CurveSystem, x: Sequence[arb], gauge: Sequence[arb]) -> l
 
 
 def at_time(equations: CurveSystem, guess: Sequence[arb]) -> list[arb] | None:
-    """Return nine balls with exactly one solution, at the time of a guess; None if none is proved.
+    """Return nine balls with exactly one solution, at the time of a guess; None without proof.
 
     The time is exact.
     """
@@ -235,16 +235,16 @@ def at_time(equations: CurveSystem, guess: Sequence[arb]) -> list[arb] | None:
 
 
 def towards(equations: CurveSystem, pose: Sequence[arb], latest: arb) -> Iterator[list[arb]]:
-    """Yield points of the curve on from a pose, with t proved to increase all the way to each.
+    """Yield points of the curve after a pose; t is proved to increase from the pose to each.
 
     Parameters
     ----------
     equations
         Of the curve.
     pose
-        Nine balls with exactly one solution, at a time that is exact, the last of them.
+        Nine balls with exactly one solution; the last one, the time, is exact.
     latest
-        When t is greater there are no more.
+        The iteration ends when t is greater.
 
     Yields
     ------
@@ -298,9 +298,9 @@ def _larger(a: arb, b: arb) -> arb:
 
 
 def _contraction(matrix: arb_mat) -> tuple[float, Array]:
-    """Return a bound of a norm of a matrix: that of the largest component in units of weights.
+    """Return a bound of a norm of a matrix: the maximum norm with weights.
 
-    Any weights will do; the best are those of Perron's vector of the moduli.
+    The bound holds for any weights; those of Perron's vector of the moduli are the best.
     """
     moduli = floats_above(matrix.entries()).reshape(_UNKNOWNS, _UNKNOWNS)
     weights = np.ones(_UNKNOWNS)

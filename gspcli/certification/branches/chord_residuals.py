@@ -1,9 +1,9 @@
 """Residuals of the equations along a chord, in ball arithmetic.
 
-Near a fold the proof of a segment (`gspcli.motion.following.chords`) multiplies residuals with an
-inverse matrix that is large, twice. In doubles residuals are known to 1e-14, so that modes are told
-apart down to distances of 1e-5 or so. Derivatives are not multiplied like that. So it is enough to
-know the residuals better, and this is what is done here.
+Near a fold the proof of a segment (`gspcli.motion.following.chords`) multiplies residuals twice
+with a large inverse matrix. Residuals in doubles have errors of 1e-14, so modes can be
+distinguished down to distances of about 1e-5. Derivatives are not multiplied twice. So more
+accurate residuals suffice; they are computed here.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from gspcli.records import dataclass
 Array = NDArray[np.float64]
 
 _PRECISION = 192
-#: Of the polynomials in tau that stand for what moves.
+#: Degree of the polynomials in tau for the coefficients that move.
 _DEGREE = 3
 
 
@@ -86,7 +86,7 @@ class ExactChords:
         values
             Coefficients of powers of tau, shape (7, count).
         errors
-            Bounds of what is left out, for ``|tau| <= 1/2``, shape (7,).
+            Bounds of the remainders for ``|tau| <= 1/2``, shape (7,).
         """
         with flint.ctx.workprec(_PRECISION):
             point = [arb_poly([a, b]) for a, b in zip(z.tolist(), d.tolist(), strict=True)]

@@ -1,6 +1,6 @@
-"""The equations of poses that move, along lines, and those of folds, in ball arithmetic.
+"""The equations of moving poses along lines, and the equations of folds, in ball arithmetic.
 
-With z a Study point and t the time, the curve of solutions is that of the eight equations
+With z a Study point and t the time, the curve of solutions is given by eight equations:
 
     F(z, t) = 0,  p.z = 1.
 
@@ -8,7 +8,7 @@ With u a direction, a fold is a zero of the seventeen equations
 
     F(z, t) = 0,  p.z = 1,  F'(z, t) u = 0,  p.u = 0,  c.u = 1.
 
-`folds` and `arcs` have the proofs.
+The proofs are in `folds` and `arcs`.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class CurveSystem:
     rows
         The values, and the coordinates that move, at t = 0 and t = 1.
     point
-        p, of which the direction is taken.
+        The point whose direction is p.
     """
 
     def __init__(self, system: MovingSystem, rows: tuple[Array, Array], point: Array) -> None:
@@ -57,7 +57,7 @@ class CurveSystem:
         self.patch = unit(point)
         self._norm = self._hessian({study.NORM: arb(1)})
         self._study = self._hessian({study.STUDY: arb(1)})
-        #: Those that do not move, by equation and quadric.
+        #: The constant Hessian matrices, by equation and quadric.
         self._still: dict[tuple[int, int], arb_mat] = {}
 
     def _hessian(self, form: dict[int, arb]) -> arb_mat:
@@ -69,7 +69,7 @@ class CurveSystem:
         return arb_mat(8, 8, entries)
 
     def _hessians(self, k: int, j: int, form: dict[int, Element], count: int) -> list[arb_mat]:
-        """Return the coefficients of powers of t of a Hessian matrix; one, if it does not move."""
+        """Return the coefficients of powers of t of a Hessian matrix: one if it is constant."""
         if any(isinstance(x, arb_series) for x in form.values()):
             return [
                 self._hessian({i: _part(x, power) for i, x in form.items()})
@@ -87,13 +87,13 @@ class CurveSystem:
         x, v
             The line: (z, t) is ``x + s v``; nine balls each.
         order
-            Of the polynomial in s.
+            The order of the polynomial in s.
 
         Returns
         -------
         list
-            The coefficients of the powers of s: each in a ball that contains it for all x and v. So
-            that of the order, with a box for x, is as in Lagrange's remainder.
+            The coefficients of the powers of s, each in a ball that contains it for all x and v.
+            With a box for x the last coefficient is that of Lagrange's remainder.
         """
         line = _Line(x[:8], v[:8], v[8], order + 1)
         n = line.quadric([self._norm])
@@ -167,7 +167,7 @@ class _Function:
 
 
 class _Line:
-    """Polynomials in s along ``z = x + s v``, ``t = rate s``, of so many coefficients."""
+    """Polynomials in s along ``z = x + s v``, ``t = rate s``, with a number of coefficients."""
 
     def __init__(self, x: Sequence[arb], v: Sequence[arb], rate: arb, count: int) -> None:
         self.rate, self.count = rate, count
@@ -237,7 +237,7 @@ def _equation(
 
 
 def toeplitz(coefficients: Sequence[arb]) -> arb_mat:
-    """Return the matrix by which rows of coefficients are multiplied by a polynomial."""
+    """Return the matrix that multiplies rows of coefficients by a polynomial."""
     count = len(coefficients)
     return arb_mat(
         [[coefficients[j - i] if j >= i else arb(0) for j in range(count)] for i in range(count)]

@@ -1,4 +1,4 @@
-"""Proof of a fold: where two branches of solutions meet while the values move, and both end.
+"""Proof of a fold: two branches of solutions meet while the values move, and both end.
 
 With z a Study point, u a direction and t the time, a fold is a zero of the seventeen equations
 
@@ -8,10 +8,11 @@ With z a Study point, u a direction and t the time, a fold is a zero of the seve
 turning point: t has an extremum along the curve of solutions, which passes through it in the
 direction u. Krawczyk's test in balls proves exactly one zero in a box.
 
-That a mode reaches the fold is proved on the curve of solutions (`Fold.sides`, `arcs`). An arc of
-it through the fold is proved in a larger box, and that t bends one way on all of it: so t has no
-other extremum there, and increases up to the fold or decreases from it on. The pose is in that box,
-or the curve is followed from the pose in further arcs, on which t increases, until it is.
+The proof that a mode reaches the fold uses the curve of solutions (`Fold.sides`, `arcs`). An arc
+through the fold is proved in a larger box, together with a constant sign of the second derivative
+of t. So t has no other extremum on the arc: it increases up to the fold or decreases after it. The
+pose is in this box, or the curve is followed from the pose in further arcs, on which t increases,
+up to it.
 """
 
 from __future__ import annotations
@@ -33,11 +34,11 @@ Array = NDArray[np.float64]
 
 _PRECISION = 160
 _STEPS = 12
-#: Newton's method has converged when a step is below this.
+#: Newton's method has converged if a step is below this.
 _CONVERGED = 2.0**-100
-#: How near to the zero Krawczyk's box is.
+#: The radius of Krawczyk's box about the zero.
 _RADIUS = 2.0**-80
-#: The curve through a fold is tried to be proved in boxes down to this length.
+#: The shortest box in which the curve through a fold is tried to be proved.
 _SHORTEST = 2.0**-60
 
 
@@ -48,14 +49,14 @@ class Fold:
     Attributes
     ----------
     low, high
-        Floats between which the part of the step at which it is lies.
+        Floats; the part of the step before the fold lies between them.
     point, direction
         The Study point there, and the direction u of the two branches, shape (8,); rounded.
     bends
         The sign of the second derivative of t along the branches: -1 if both end at the fold, 1
         if both begin there.
     equations, zero
-        Of which it is a zero, and the zero, within 2^-80.
+        The equations, and their zero within 2^-80.
     """
 
     low: float
@@ -74,15 +75,16 @@ class Fold:
         points
             Study points, shape (n, 8).
         part
-            The part of the step at which they are.
+            The part of the step before the poses.
         radius
-            So near to each of them, in norm one, is exactly one pose, the one that is meant.
+            Within this distance from each point, of norm one, there is exactly one pose: the one in
+            question.
 
         Returns
         -------
         list
-            For each pose -1 or 1, on which of the two branches it is: the mode that it belongs to
-            reaches the fold, without a singularity before; or 0, if that is not proved.
+            For each pose -1 or 1 for its branch, if it is proved that the mode of the pose reaches
+            the fold without a singularity before; else 0.
         """
         with flint.ctx.workprec(_PRECISION):
             return [_side(self, point, arb(part), arb(radius)) for point in points]
@@ -101,10 +103,10 @@ def prove_fold(
         The values, and the coordinates that move, at both ends of a step between rows, in the units
         of the instance; they are taken as exact.
     part
-        About where between them, from 0 to 1.
+        The approximate place between them, from 0 to 1.
     point, direction
-        A Study point near the fold, in units of `length_scale`, and about the direction in which
-        the branch moves there, shape (8,).
+        A Study point near the fold, in units of `length_scale`, and the approximate direction of
+        the branch there, shape (8,).
     """
     with flint.ctx.workprec(_PRECISION):
         equations = FoldSystem(system, rows, point)
@@ -152,7 +154,7 @@ def _krawczyk(system: FoldSystem, x: list[arb]) -> Fold | None:
 
 
 def _side(fold: Fold, point: Array, part: arb, radius: arb) -> int:
-    """Return on which branch of a fold a pose is, or 0; see `Fold.sides`."""
+    """Return the branch of a fold with a pose, or 0; see `Fold.sides`."""
     equations = fold.equations
     y = [arb(value) for value in point.tolist()]
     scale = _dot(equations.patch, y)
@@ -174,14 +176,14 @@ def _side(fold: Fold, point: Array, part: arb, radius: arb) -> int:
 
 
 class _Turn:
-    """The curve through a fold, with no other fold on it.
+    """A part of the curve through a fold, with no other fold on it.
 
     Parameters
     ----------
     fold
-        Where its centre is.
+        The fold at its centre.
     pose
-        Nine balls, to which it is to extend, if that can be proved.
+        Nine balls that it should reach, if this can be proved.
     """
 
     def __init__(self, fold: Fold, pose: list[arb]) -> None:
@@ -199,14 +201,14 @@ class _Turn:
         return arc.holds(self.reach, wanted) and arc.contains(self.fold) and arc.bends() != 0
 
     def proved_nearer(self) -> bool:
-        """Whether it is proved at all, if need be for a shorter arc."""
+        """Whether an arc is proved, a shorter one if necessary."""
         while not self.proved and self.reach > _SHORTEST:
             self.reach = self.reach / 8
             self.proved = self._proved([arb(0)] * 9)
         return self.proved
 
     def side(self, place: list[arb]) -> int:
-        """Return on which side of the fold all solutions in balls are, on the curve; or 0."""
+        """Return the side of the fold on which all solutions in balls are on the curve, or 0."""
         if not self.proved or not self.arc.contains(place):
             return 0
         s = self.arc.place(place)[0] - self.arc.place(self.fold)[0]

@@ -1,8 +1,8 @@
-"""Cones of joints along a trajectory: quadrics whose sign says whether a leg keeps its cone.
+"""Cones of joints along a trajectory, as quadrics that are positive if a leg keeps its cone.
 
-The leg of a DPP is as long as its value, so that it is within its cone exactly if its height along
-the axis is at least the value times the cosine of the half angle. Times N that is one quadric, as
-of a distance to a plane, with coefficients that move as those of the equations do (`taylor`).
+The length of a leg (DPP) is its value. So it is within its cone if and only if its height along the
+axis is at least the value times the cosine of the half angle. Times N this is a quadric like that
+of a distance to a plane, with coefficients that move like those of the equations (`taylor`).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from gspcli.geometry.limits import JointCone, joint_cones
 
 
 class MovingCones(MovingSystem):
-    """The cones of an instance, instead of its equations: positive where a leg keeps its cone.
+    """The quadrics of the cones of an instance: positive where a leg keeps its cone.
 
     Distances must not be negative.
 
@@ -49,7 +49,7 @@ class MovingCones(MovingSystem):
         b, _ = self._placed("base", row.base_name, row.base, moving)
         given = [ball(number) for number in joint.cone.axis]
         axis = [entry / norm(given) for entry in given]
-        # The leg leads away from the joint.
+        # The direction of the leg is away from the joint.
         height = (
             base_height(a, b, axis)
             if joint.body == "base"

@@ -1,4 +1,4 @@
-"""The equations of an instance without its values: real quadrics in doubles, with bounds.
+"""The equations of an instance without its values: real quadrics in doubles, with error bounds.
 
 For values that move, each constraint is one of these, with N = e.e and a number c that is the
 square of the value, the value itself, or the cosine or sine of an angle:
@@ -41,12 +41,12 @@ from gspcli.records import dataclass
 Array = NDArray[np.float64]
 
 _PRECISION = 128
-#: Norms of matrices computed in doubles are off by less than this, relatively.
+#: A bound of the relative error of norms of matrices that are computed in doubles.
 _NORM_ERROR = 1e-9
 
 
 class Shape(IntEnum):
-    """Which equation a constraint is; the numbers are those of native/branch_follower.hpp."""
+    """The form of an equation; the numbers are those of native/branch_follower.hpp."""
 
     PLAIN = 0
     PRODUCT = 1
@@ -54,7 +54,7 @@ class Shape(IntEnum):
 
 
 class Law(IntEnum):
-    """How the value gives c; the numbers are those of native/branch_follower.hpp."""
+    """The function that gives c for a value; numbers as in native/branch_follower.hpp."""
 
     SQUARE = 0
     LINEAR = 1
@@ -93,7 +93,7 @@ class MovingEquations:
     def spectral_between(self, low: Array, high: Array) -> Array:
         """Bound the norms of the Hessian matrices of A - c N for all c in intervals, shape (6,).
 
-        The norm is convex in c, so largest at an end.
+        The norm is convex in c, so it is largest at an end.
 
         Parameters
         ----------
@@ -109,7 +109,7 @@ class MovingEquations:
 def moving_equations(instance: Instance) -> MovingEquations:
     """Return the equations of an instance without its values.
 
-    A DLL whose value is exactly zero is the plain equation ``A = 0``: its lines meet.
+    A DLL whose value is exactly zero has the plain equation ``A = 0``: its lines meet.
     """
     with flint.ctx.workprec(_PRECISION):
         rows, _ = ball_equations(instance)
@@ -143,7 +143,7 @@ Equation = tuple[Shape, Law, float, list[Form]]
 def ball_equations(instance: Instance) -> tuple[list[Equation], list[arb]]:
     """Return shape, law, sign and quadrics of each equation, and the units of the values.
 
-    At the working precision; a value times its unit is what the law takes.
+    The working precision is used. The argument of the law is a value times its unit.
     """
     given = statements(instance)
     equations = [
@@ -171,7 +171,7 @@ def moving_equation(
     u, v
         Unit directions or normals; empty for points.
     is_zero
-        Whether the value is zero, always.
+        Whether the value is always zero.
     """
     if not kind.is_distance:
         law = Law.COSINE if kind.law.is_cosine else Law.SINE

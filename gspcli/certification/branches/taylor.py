@@ -2,9 +2,9 @@
 
 Between two rows every number of a trajectory is a linear function of s, from 0 to 1: values,
 coordinates of points, components of directions, angles of cranks. The coefficients of the quadrics
-(`moving`) are then analytic functions of s. On a part of the way, with tau from -1/2 to 1/2, each
-is a polynomial in tau plus a remainder that Lagrange's form bounds: the next coefficient of its
-power series, computed with a ball that contains the whole part for s.
+are then analytic functions of s. On a part of the way, with tau from -1/2 to 1/2, each is a
+polynomial in tau plus a remainder. Lagrange's form bounds the remainder: it is the next coefficient
+of the power series, computed with a ball for s that contains the whole part.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
-#: Of the polynomials.
+#: Degree of the polynomials.
 DEGREE = 6
 _PRECISION = 128
 #: A ball, or a power series with balls for coefficients.
@@ -41,19 +41,19 @@ Element = Any
 class MovingQuadrics:
     """The equations on a part of the way between two rows.
 
-    They are ``A = 0``, ``N A = B^2`` and ``A^2 = c (N^2 - B^2)``; unlike in `moving`, A is that
-    without the value, less c N, where the form is plain or a product, and c is zero there.
+    They are ``A = 0``, ``N A = B^2`` and ``A^2 = c (N^2 - B^2)``. In the first two forms A contains
+    the term -c N, unlike in `parametric_quadrics`, and c is zero.
 
     Attributes
     ----------
     quadrics
         Hessian matrices of A and B: coefficients of powers of tau, shape (6, 2, d, 8, 8).
     errors
-        Bounds of the spectral norms of what is left out, shape (6, 2).
+        Bounds of the spectral norms of the remainders, shape (6, 2).
     factors
         c as a polynomial, shape (6, d).
     factor_errors
-        Bounds of what is left out there, shape (6,).
+        Bounds of the remainders of c, shape (6,).
     end
         The quadrics, shape (6, 2, 8, 8), and c, shape (6,), at tau = 1/2, with all terms.
     """
@@ -65,14 +65,14 @@ class MovingQuadrics:
     end: tuple[Array, Array]
 
     def restricted(self, begin: float, end: float, degree: int) -> MovingQuadrics:
-        """Return the same on a part of it, with polynomials of lower degree.
+        """Return the equations on a shorter part, with polynomials of lower degree.
 
         Parameters
         ----------
         begin, end
             The part, between -1/2 and 1/2.
         degree
-            What is above is counted as error.
+            The degree; higher terms count as error.
         """
         count = self.quadrics.shape[2]
         powers = _shift((begin + end) / 2, end - begin, count)
@@ -115,7 +115,7 @@ class MovingSystem:
     Parameters
     ----------
     instance
-        Units, and whatever does not move.
+        The units and all numbers that do not move.
     chosen
         The coordinates that move.
     """
@@ -127,7 +127,7 @@ class MovingSystem:
         values = [constraint.value.value for constraint in instance.constraints]
         row = np.concatenate((values, nominal_coordinates(instance, self.chosen)))
         still = self.equations((row, row), arb(0), arb(0), 0)
-        #: Of the equations, shape (6,).
+        #: The shapes of the equations, shape (6,).
         self.shapes = np.array([equation[0] for equation, _ in still], np.int32)
 
     def equations(
@@ -143,7 +143,7 @@ class MovingSystem:
         at, width
             The variable of the series is (s - at) / width.
         order
-            Of the series.
+            The order of the series.
         """
         with _capped(order + 1):
             first, last = ([arb(x) for x in row.tolist()] for row in rows)
@@ -256,7 +256,7 @@ class MovingSystem:
 
 
 def _rounded(series: Element, spread: Element) -> tuple[Array, float]:
-    """Return coefficients of a series in doubles, and a bound of all that is left out."""
+    """Return coefficients of a series in doubles, and a bound of the remainder."""
     nearest = np.zeros(DEGREE + 1)
     if not isinstance(series, arb_series):
         nearest[0] = value = float(series)
@@ -288,7 +288,7 @@ def _turned(point: list[Element], crank: Crank, angle: Element) -> list[Element]
 
 @contextmanager
 def _capped(count: int) -> Iterator[None]:
-    """Cut power series off after so many coefficients."""
+    """Truncate power series after a number of coefficients."""
     before = flint.ctx.cap
     flint.ctx.cap = count
     try:

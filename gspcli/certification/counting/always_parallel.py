@@ -1,18 +1,19 @@
-"""Lines that are parallel at every pose: of a plate on a table the posts and the bores.
+"""Lines that are parallel at every pose, such as posts and bores of a plate on a table.
 
-There the equation of a DLL holds at any distance (docs/counts.md), and the constraint is that of a
-point of one line and the other line. Whether it is so is a question to the constraints that are no
-DLL: on all components of their solution set, of dimension m if there are m DLL, the lines must be
-parallel. In place of the DLL come m spheres about random points: the six equations have finitely
-many solutions, some on every component, and the lines are parallel at all of them.
+For parallel lines the equation of a DLL holds at any distance (docs/counts.md), and the constraint
+is that of a point of one line and the other line. Whether lines are always parallel depends on the
+other constraints. If there are m DLL, the others have a solution set of dimension m, and the lines
+must be parallel on all its components. To test this, m spheres about random points replace the DLL.
+The six equations then have finitely many solutions, some on every component, and the lines are
+parallel at all of them.
 
-The spheres mislead with a probability below ``4 m deg / 2^60``, deg the degree of the solution set.
+The test is wrong with a probability below ``4 m deg / 2^60``, deg the degree of the solution set.
 Proof: let W be a component on which the lines are not parallel, and B the part where they are, or
-the part at infinity; dim B < m. The resultant of W, the spheres and the function whose zero is B
-is of degree deg W in the coefficients of each sphere, hence of degree at most 2 deg W in its two
-points and radius, and is zero if the spheres meet in B. It is not zero for all spheres, because
-1, R, T, U and rho generate their coefficients, so that they have no point in common. For any others
-W has a solution on the spheres, and none of them is in B.
+the part at infinity; dim B < m. Take the resultant of W, the spheres and the function whose zero is
+B. Its degree is deg W in the coefficients of each sphere, hence at most 2 deg W in its two points
+and radius. It is zero if the spheres meet in B. It is not zero for all spheres, because 1, R, T, U
+and rho generate their coefficients, so that they have no point in common. For any others W has a
+solution on the spheres, and none of them is in B.
 """
 
 from __future__ import annotations
@@ -33,9 +34,9 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Point
 from gspcli.records import dataclass
 
-#: Further primes are taken until they all mislead with a probability below this, at most so many.
+#: Primes are added until the probability that all of them are wrong is below this; the most primes.
 _ENOUGH, _MOST_PRIMES = 1e-12, 3
-#: Coordinates and radii of the spheres are drawn from so many bits.
+#: Bits of the random coordinates and radii of the spheres.
 _RANDOM_BITS = 60
 #: Coordinates in which spheres are linear.
 _ALL = max(DEGREES)
@@ -43,7 +44,7 @@ _ALL = max(DEGREES)
 
 @dataclass(frozen=True)
 class ParallelLines:
-    """Which DLL of a platform have lines that are parallel at every pose.
+    """The DLL of a platform whose lines are parallel at every pose.
 
     Attributes
     ----------
@@ -52,7 +53,7 @@ class ParallelLines:
     error
         A bound of the probability that this is wrong.
     work
-        Multiplications it took.
+        The number of multiplications.
     """
 
     constraints: tuple[int, ...]
@@ -60,13 +61,13 @@ class ParallelLines:
     work: int
 
     def confirmed(self, other: ParallelLines) -> ParallelLines:
-        """Return what two independent computations say together."""
+        """Return the result of two independent computations, with the product of their errors."""
         both = tuple(k for k in self.constraints if k in other.constraints)
         return ParallelLines(both, self.error * other.error, self.work + other.work)
 
 
 def always_parallel(instance: Instance, seed: int, max_work: int) -> ParallelLines:
-    """Return which lines of a platform are parallel wherever the constraints that are no DLL hold.
+    """Return which lines of a platform are parallel at all solutions of the other constraints.
 
     Parameters
     ----------
@@ -75,7 +76,7 @@ def always_parallel(instance: Instance, seed: int, max_work: int) -> ParallelLin
     seed
         The primes and the spheres are derived from it and from the instance.
     max_work
-        Multiplications after which none are known.
+        The most multiplications; None is returned after them.
     """
     found = _modulo_a_prime(instance, f"{seed} spheres", seed, max_work)
     for index in range(1, _MOST_PRIMES):
@@ -90,8 +91,8 @@ def _modulo_a_prime(instance: Instance, text: str, seed: int, max_work: int) -> 
     dll = [k for k, row in enumerate(instance.constraints) if row.kind is DLL]
     others = [row for row in instance.constraints if row.kind is not DLL]
     randomness = Randomness(text)
-    # The lines come behind the six equations, for their numbers modulo the same prime, which is
-    # another one for other spheres.
+    # The lines follow the six equations, so that their numbers are modulo the same prime. Other
+    # spheres have another prime.
     spheres = [_sphere(randomness) for _ in dll]
     rows = (*others, *spheres, *(instance.constraints[k] for k in dll))
     platform = ModularPlatform(replace(instance, constraints=rows), seed)
@@ -120,7 +121,7 @@ def _modulo_a_prime(instance: Instance, text: str, seed: int, max_work: int) -> 
 
 
 def by_points(instance: Instance, lines: Sequence[int]) -> Instance:
-    """Return an instance with points for lines: the same where those are parallel.
+    """Return an instance with points for lines; it is equivalent where the lines are parallel.
 
     Parameters
     ----------

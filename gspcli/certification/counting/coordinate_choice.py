@@ -1,8 +1,8 @@
-"""Which coordinates of the rigid motions make the equations of a platform simplest.
+"""The choice of the coordinates of rigid motions with the simplest equations of a platform.
 
-Besides R a set has T, U = R^T T or both, and rho = T.T beside both. PH is linear in (R, T), HP in
-(R, U), PP with rho; PL needs T, LP needs U, and each of them and of LL is a quadric. Those that are
-not linear in a set are quadrics in it, too, except PL without T and LP without U.
+A set contains R, and T or U = R^T T or both; with both it may contain rho = T.T. PH is linear in
+(R, T), HP in (R, U), PP in sets with rho. PL needs T, LP needs U; PL, LP and LL are quadrics. A
+constraint that is not linear in a set is a quadric in it, except PL without T and LP without U.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from gspcli.catalogue.kinds import DHP, DLP, DPH, DPL, DPP, Kind
 
 
 class Blocks(IntFlag):
-    """Blocks of coordinates besides R, as the kernel numbers them."""
+    """Blocks of coordinates besides R, with the numbers of the kernel."""
 
     TRANSLATION = 1
     BODY = 2
@@ -29,7 +29,7 @@ _NEEDED = {DPL: _T, DLP: _U}
 
 
 def quadrics(blocks: Blocks, kinds: Sequence[Kind]) -> int:
-    """Return how many of the constraints are quadrics in a set of coordinates."""
+    """Return the number of constraints that are quadrics in a set of coordinates."""
     return sum(
         kind.is_distance and (kind not in _LINEAR or _LINEAR[kind] not in blocks) for kind in kinds
     )

@@ -1,4 +1,4 @@
-"""Polynomials in the variables of an elimination, and the functions of a motion as such."""
+"""Polynomials in the variables of an elimination; the functions of a motion as polynomials."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def add_product(polynomial: Polynomial, first: Polynomial, second: Polynomial, f
 
 
 def small_fraction(residue: int, prime: int) -> arb:
-    """Return the fraction of small numbers that a residue stands for."""
+    """Return the fraction of small integers with a residue."""
     for denominator in range(1, _MAX_DENOMINATOR):
         numerator = residue * denominator % prime
         numerator -= prime if numerator > prime // 2 else 0

@@ -1,4 +1,4 @@
-"""The three counts of a platform, of its type, its geometry and itself, with their proofs."""
+"""The three counts of a platform (type, geometry, exact) with their proofs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class PlatformCounts:
-    """How many complex poses a platform has, exactly.
+    """The exact numbers of complex poses of a platform.
 
     Attributes
     ----------
@@ -27,9 +27,9 @@ class PlatformCounts:
     seed
         Of the random prime.
     geometry, exact
-        The counts with almost all values, and of this very platform; None if not counted.
+        The counts for almost all values and for the values of the instance; None if not counted.
     refusal
-        Why one was not counted, or nothing.
+        The reason why a count is missing, or empty.
     """
 
     instance: Instance
@@ -49,11 +49,11 @@ class PlatformCounts:
 
     @property
     def type_count(self) -> int:
-        """What almost every platform of the type has, for the sides asked for."""
+        """The generic count of the type for the sides asked for."""
         return self.instance.expected
 
     def to_frame(self) -> pd.DataFrame:
-        """Return one row: the counts, and how probably a prime has misled; imports pandas."""
+        """Return one row: the counts, and bounds of the probability of errors; imports pandas."""
         import pandas as pd
 
         document = self.to_json()
@@ -102,7 +102,7 @@ def count(instance: Instance, *, effort: float = LONG_COUNT, seed: int = SEED) -
     instance
         The platform.
     effort
-        Billions of multiplications after which to give up.
+        The most multiplications, in billions.
     seed
         Of the random prime.
     """

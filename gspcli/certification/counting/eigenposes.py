@@ -1,8 +1,8 @@
 """Poses from the eigenvectors of multiplication matrices, without any path.
 
-The algebra of solutions is computed in as many digits as wanted along the elimination that a prime
-has shown; the values of the normal monomials at the solutions are the eigenvectors of a linear
-form's multiplication. Poses far away are found as well as near ones.
+The algebra of solutions is computed with any number of digits; the elimination follows the one
+modulo a prime. The eigenvectors of the multiplication by a linear form are the values of the normal
+monomials at the solutions. Poses far away are found like near ones.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ from gspcli.defaults import COUNT_LIMIT, SEED
 from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
 
-#: The coefficients of the linear form whose eigenvectors are sought are below this number.
+#: The coefficients of the linear form are below this number.
 _COEFFICIENTS = 64
 
 
 @dataclass(frozen=True)
 class ApproximatePose:
-    """A complex pose in high precision, without any bound of its error.
+    """A complex pose in high precision, without a bound of its error.
 
     Attributes
     ----------
@@ -70,18 +70,17 @@ def poses_by_elimination(
     instance
         The platform.
     bits
-        The working precision. Poses at distances L, or errors of the data at which they appear,
-        cost a multiple of log2(L) of it.
+        The working precision. A pose at a distance L needs a multiple of log2(L) bits.
     near
-        If so many poses on a choice of sides, half of them at least, are much nearer than the
-        others, these others are yielded first, in a fraction of the time.
+        The number of poses on a choice of sides, at least half of all, that are much nearer than
+        the others. The others are then yielded first, in a fraction of the time.
     seed, limit
         As in `exact_count`.
 
     Yields
     ------
-    As many as there are solutions with multiplicity, those of multiple ones badly approximated;
-    none if there are infinitely many, or the elimination cannot be followed.
+    As many poses as there are solutions with multiplicity; multiple ones are inaccurate. None if
+    there are infinitely many, or if the elimination cannot be followed.
     """
     try:
         platform = ModularPlatform(instance, seed)
@@ -114,7 +113,7 @@ def poses_by_elimination(
             continue
         far = algebra.dimension - near
         for number in (far, 0) if 0 < far <= near else (0,):
-            # The caller works in his own precision.
+            # The caller may use another precision.
             with _precision(bits):
                 poses = _poses(algebra, matrix, number)
             yield from poses
@@ -152,7 +151,7 @@ def _sum(terms: Sum) -> acb:
 
 
 def _poses(algebra: FollowedElimination, matrix: arb_mat, far: int) -> list[ApproximatePose]:
-    """Return so many poses that are far away, or all; none if there are too few digits."""
+    """Return a number of poses far away, or all poses; none if there are too few digits."""
     coordinates = algebra.coordinates()
     entries = sorted({0}.union(*coordinates))
     try:

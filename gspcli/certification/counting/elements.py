@@ -18,11 +18,11 @@ HALF = Fraction(1, 2)
 
 
 class NoElementError(ValueError):
-    """A number lies outside the ring; the message says which part of it."""
+    """A number is not in the ring; the message names the part that is not."""
 
 
 class Term(NamedTuple):
-    """What a term is, but for its rational factor.
+    """A term without its rational factor.
 
     Attributes
     ----------
@@ -42,14 +42,14 @@ class Term(NamedTuple):
     pi: int
 
     def __hash__(self) -> int:
-        """Return a hash; those of fractions, which take an inverse modulo a prime, are slow."""
+        """Return a hash without hashes of fractions, which are slow."""
         turn, radians = self.turn, self.radians
         return hash((self.radicand, turn.numerator, radians.numerator, radians.denominator))
 
 
 ONE = Term(1, Fraction(0), Fraction(0), 0)
 Sum = Mapping[Term, Fraction]
-#: The denominator of elements that need none.
+#: The denominator one.
 WHOLE: Sum = {ONE: Fraction(1)}
 
 
@@ -59,7 +59,7 @@ def _square_root(n: int) -> int | None:
 
 
 def collected(pairs: Iterable[tuple[Term, Fraction]]) -> dict[Term, Fraction]:
-    """Return the sum of terms, those whose roots have a rational quotient as one."""
+    """Return the sum of terms; terms whose roots have a rational quotient are joined."""
     result: dict[Term, Fraction] = {}
     for given, factor in pairs:
         term = given
@@ -134,21 +134,21 @@ class Element:
 
     @property
     def is_zero(self) -> bool:
-        """Whether it is zero as a sum of terms; sums of roots of unity may hide other zeros."""
+        """Whether the sum of terms is empty; a sum of roots of unity may be zero otherwise."""
         return not self.numerator
 
     @property
     def fraction(self) -> Fraction | None:
-        """The rational number that it is as a sum of terms, if it is one."""
+        """The rational number, if the sum of terms is one."""
         if not self.numerator:
             return Fraction(0)
         if self.denominator is WHOLE and len(self.numerator) == 1:
-            # Usual, and without hashes of terms.
+            # The usual case, without hashes of terms.
             [(term, factor)] = self.numerator.items()
             if term is ONE:
                 return factor
         if self.denominator.keys() == {ONE}:
-            # Terms with different roots are kept apart, so nothing else is rational.
+            # Terms with different roots are not joined, so no other element is rational.
             if self.numerator.keys() != {ONE}:
                 return None
             return self.numerator[ONE] / self.denominator[ONE]

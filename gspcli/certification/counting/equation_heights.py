@@ -1,4 +1,4 @@
-"""How large the numbers in the equations of a platform are, in bits."""
+"""Bounds of the heights of the numbers in the equations of a platform, in bits."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from gspcli.certification.counting.motion_equations import (
     with_moments,
 )
 
-#: A function of a motion that is no coordinate is a sum of at most so many products of two.
+#: A function of a motion that is no coordinate is a sum of at most this many products of two.
 _PRODUCTS = 3
-#: What the sums and constants in an equation add to the heights of its numbers, at most; twice for
-#: PL, LP and LL, which are squares.
+#: The most that sums and constants in an equation add to the heights of its numbers; twice this for
+#: PL, LP and LL, which contain squares.
 _CONSTANTS = 24
 
 
@@ -83,7 +83,7 @@ def _constraint_height(row: ExactConstraint) -> float:
 
 
 def lines_height(row: ExactConstraint, bits: int) -> float:
-    """Return a bound of the height of what is zero where the lines of a DLL are parallel.
+    """Return a bound of the height of the conditions for parallel lines of a DLL.
 
     That is of ``w . (R u x v)`` with random integers w of so many bits, times a coordinate or not,
     and of the distance of parallel lines (`motion_equations.parallel_lines`).
@@ -93,7 +93,7 @@ def lines_height(row: ExactConstraint, bits: int) -> float:
 
 
 def _fraction(element: Element) -> fmpq:
-    # Quicker than the fractions of Python.
+    # This is quicker than the fractions of Python.
     value = element.fraction
     assert value is not None
     return fmpq(value.numerator, value.denominator)

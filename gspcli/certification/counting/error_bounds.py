@@ -1,9 +1,9 @@
-"""How likely a random prime is to give other counts than the rational numbers.
+"""Bounds of the probability that a random prime gives wrong counts.
 
-A count modulo a prime is wrong only if the prime divides one of certain integers that depend on the
-platform alone: minors of Macaulay's matrices, whose rows are the products of the equations and
-monomials up to a degree (docs/exact-counts.md has the proof). Hadamard's inequality bounds their
-bits, and so many bits make few primes above 2^60.
+A count modulo a prime is wrong only if the prime divides one of certain integers, which depend on
+the platform only. They are minors of Macaulay's matrices, whose rows are the products of the equations
+and monomials up to a degree (proof: docs/exact-counts.md). Hadamard's inequality bounds their bits,
+and an integer with these bits has few prime factors above 2^60.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from gspcli.records import dataclass
 PRIMES = 27_000_000_000_000_000
 #: The logarithm to base 2 of the smallest of them.
 _BITS = 60
-#: The coefficients of linear forms and combinations are drawn from as many numbers at least.
+#: The coefficients of linear forms and combinations are drawn from at least this many numbers.
 _DRAWN_FROM = 2.0**60
 #: A combination of commutators is a polynomial of degree 3 in random numbers: a bound of the
 #: probability that one of fewer than a hundred vanishes by chance.
@@ -54,16 +54,16 @@ def field_degree(requirements: Requirements) -> int:
 
 @dataclass(frozen=True)
 class MinorBits:
-    """Bits of the integers that a prime divides if it misleads.
+    """Bits of the integers of which a prime with a wrong count is a factor.
 
     Attributes
     ----------
     height
-        Of every equation.
+        The height of every equation.
     variety
-        The motions in the coordinates that are used.
+        The variety of the motions in the chosen coordinates.
     moments
-        Further coordinates.
+        The number of further coordinates.
     """
 
     height: float
@@ -72,14 +72,15 @@ class MinorBits:
 
     @classmethod
     def of(cls, constraints: Sequence[ExactConstraint], blocks: Blocks) -> MinorBits:
-        """Return those of a platform in some coordinates."""
+        """Return the bits for a platform in some coordinates."""
         moments = sum(row.kind is DLL for row in constraints)
         return cls(equation_height(constraints), varieties()[_COORDINATES[blocks]], moments)
 
     def finite(self, reach: int) -> float:
         """Return the bits for a finite count that was found with products up to a degree.
 
-        For each degree e up to it and each d below one minor, of the columns of degree above d.
+        For each degree e up to this degree and each d below e there is one minor: that of the
+        columns of degree above d.
         """
         degrees = self._degrees(reach)
         rows = [self._rows(e) for e in range(degrees.stop)]
@@ -90,24 +91,24 @@ class MinorBits:
         return sum(self._monomials(e) * self._rows(e) for e in self._degrees(reach))
 
     def distinct(self, reach: int, points: int) -> float:
-        """Return the bits for how many of some points are distinct: discriminants."""
+        """Return the bits for the number of distinct points: discriminants."""
         each = 2 * max(points - 1, 0) * points
         return each * self._entries(reach, points)
 
     def vanishing(self, reach: int, points: int, conditions: int) -> float:
-        """Return the bits for where conditions vanish: characteristic polynomials' coefficients."""
-        # Linear in coordinates, or squares of such.
+        """Return the bits for zeros of conditions: coefficients of characteristic polynomials."""
+        # Conditions are linear in coordinates, or squares of linear functions.
         return conditions * points * (2 * self._entries(reach, points) + self.height)
 
     def _degrees(self, reach: int) -> range:
         return range(2, reach + (_MOMENT_EXCESS if self.moments else 0) + 1)
 
     def _monomials(self, degree: int) -> int:
-        """Return how many monomials there are up to a degree."""
+        """Return the number of monomials up to a degree."""
         return math.comb(self.variety.ambient_dimension + self.moments + degree, degree)
 
     def _functions(self, degree: int) -> int:
-        """Return how many of them are independent on the motions."""
+        """Return the number of monomials up to a degree that are independent on the motions."""
         dimension = self.variety.dimension + self.moments
         return sum(
             coefficient * math.comb(dimension + degree - k, dimension)
@@ -118,7 +119,7 @@ class MinorBits:
     def _rows(self, degree: int) -> float:
         """Return the bits of independent products of equations up to a degree.
 
-        So many are of the constraints, when those of the motions come first.
+        This is the number of products of the constraints' equations, after those of the motions.
         """
         return self.height * self._functions(degree) + _OF_MOTIONS * self._monomials(degree)
 
@@ -131,7 +132,7 @@ class MinorBits:
 
 @dataclass(frozen=True)
 class ErrorBounds:
-    """Bounds of the probability that a random prime has other counts, for one platform."""
+    """Bounds of the probability that a random prime has wrong counts, for one platform."""
 
     bits: MinorBits
     degree: int
@@ -141,7 +142,7 @@ class ErrorBounds:
     def of(
         cls, constraints: Sequence[ExactConstraint], requirements: Requirements, blocks: Blocks
     ) -> ErrorBounds:
-        """Return those of a platform with exact numbers in some coordinates."""
+        """Return the bounds for a platform with exact numbers in some coordinates."""
         is_rational = all(x.fraction is not None for row in constraints for x in row.numbers)
         bits = MinorBits.of(constraints, blocks)
         return cls(bits, field_degree(requirements), is_rational)
@@ -152,29 +153,29 @@ class ErrorBounds:
         return min(1.0, self._probability(bits) + COMMUTATOR_TESTS)
 
     def distinct(self, reach: int, points: int) -> float:
-        """Return the bound for the number of distinct ones, given that the count is right."""
+        """Return the bound for the number of distinct solutions, if the count is right."""
         # A form separates the points unless a difference of two vanishes on it, and a projection
         # of the sequence loses a factor of the minimal polynomial, of at most their number.
         form = (points * points + 2 * points) / _DRAWN_FROM
         return min(1.0, self._probability(self.bits.distinct(reach, points)) + form)
 
     def spurious(self, reach: int, points: int, moments: int) -> float:
-        """Return the bound for how many are spurious, given that the counts are right."""
-        # For each set of DLLs and each of its subsets: of how many a condition is zero or not.
+        """Return the bound for the number of spurious solutions, if the counts are right."""
+        # For each set of DLL and each subset the number of solutions with certain zero conditions.
         pairs: int = 3**moments
         form = pairs * (points * points + 3 * points) / _DRAWN_FROM
         conditions = 2 * moments * pairs
         return min(1.0, self._probability(self.bits.vanishing(reach, points, conditions)) + form)
 
     def vanishing(self, reach: int, points: int, conditions: int) -> float:
-        """Return the bound for conditions that vanish at all of so many points."""
-        # With a random vector each: it can hide a point where the condition does not vanish.
+        """Return the bound for conditions that vanish at all of a number of points."""
+        # Each condition has a random vector: it may vanish by chance at a point.
         form = conditions * points / _DRAWN_FROM
         bits = self.bits.vanishing(reach, points, conditions)
         return min(1.0, self._probability(bits) + form)
 
     def _probability(self, bits: float) -> float:
-        # A transcendental number has a random image: its minors are polynomials of degrees below
+        # A transcendental number has a random image. Minors are polynomials in it, of degrees below
         # their bits, and vanish with a probability below degree / 2^60.
         of_images = 0.0 if self.is_rational else bits / _DRAWN_FROM
         return self.degree * bits / _BITS / PRIMES + of_images

@@ -1,4 +1,4 @@
-"""How many poses a platform has, exactly: finitely many or not, distinct, with multiplicity."""
+"""The exact number of solutions of a platform: finite or not, with multiplicity, distinct."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
 
 BILLION = 10**9
-#: Further primes are taken until they all mislead with a probability below this, at most so many.
+#: Primes are added until the probability that all of them are wrong is below this; the most primes.
 _ENOUGH, _MOST_PRIMES = 1e-9, 6
-#: From this generic count on a small prime is tried first: it takes a third of the time.
+#: From this generic count on a small prime is tried first, which takes a third of the time.
 _LARGE_COUNT = 100
 
 
@@ -33,15 +33,16 @@ class SideCount:
     Attributes
     ----------
     signs
-        For each constraint 1 or -1: on which side of the plane the point lies; 1 for all others.
+        The side of the plane of each constraint, 1 or -1; 1 for constraints without a plane.
     solutions, distinct, spurious, spurious_distinct
-        As in `ExactCount`; also None if only another choice of sides is known to be infinite.
+        As in `ExactCount`; also None if another choice of sides is infinite and this was not
+        counted.
     parallel
         Indices of the DLL whose lines are parallel at every pose. Each is counted as the distance
-        of a point of its line, because its own equation holds at any distance.
+        of a point of its line: the equation of the DLL holds at any distance.
     parts
-        The poses by which lines of a DLL are parallel, if these are so on infinitely many solutions
-        of the equations, but not at every pose; the last part may be infinite.
+        The poses by the DLL whose lines are parallel, if lines are parallel on infinitely many
+        solutions of the equations, but not at every pose. The last part may be infinite.
     """
 
     signs: tuple[int, ...]
@@ -54,43 +55,43 @@ class SideCount:
 
     @property
     def infinite_part(self) -> PartCount | None:
-        """A part of infinitely many poses as they are stated, if one is known."""
+        """A part with infinitely many poses that satisfy the stated constraints, if known."""
         return next((part for part in self.parts if part.solutions is None), None)
 
 
 @dataclass(frozen=True)
 class ExactCount:
-    """How many complex solutions the equations of an instance have (paper, Section 4).
+    """The number of complex solutions of the equations of an instance (paper, Section 4).
 
-    Where the lines of a DLL are parallel at every pose its equation is that of a point and a line.
+    If the lines of a DLL are parallel at every pose, its equation is that of a point and a line.
 
     Attributes
     ----------
     finite
-        Whether they are finite in number.
+        Whether their number is finite.
     solutions
         Their number with multiplicity, for the sides asked for; None if infinite.
     distinct
         The number of distinct ones; None if infinite, or too much work.
     error
-        0.0 if `finite` and `solutions` are proved outright; else a bound of the probability that
-        the random prime has misled.
+        0.0 if `finite` and `solutions` are proved for certain; else a bound of the probability that
+        the random prime gave a wrong result.
     distinct_error
-        The same for `distinct`, `spurious` and `spurious_distinct`.
+        The error of `distinct`, `spurious` and `spurious_distinct`.
     proved_lower
-        So many isolated solutions, with multiplicity, there are in any case.
+        A lower bound of the isolated solutions with multiplicity, proved for certain.
     proved_distinct
-        So many distinct isolated solutions there are in any case.
+        A lower bound of the distinct isolated solutions, proved for certain.
     sides
         The counts for each choice of sides; solutions on both sides at once do not occur.
     spurious, spurious_distinct
-        How many of them are no poses: the lines of a DLL are parallel, where its equation holds at
-        any distance, and not at its distance. None if not known, or infinite.
+        The number of solutions that are no poses: the lines of a DLL are parallel, so that its
+        equation holds at any distance, and have another distance. None if unknown or infinite.
     has_lone_lines
-        Whether the lines of no two DLL can be parallel at once. Then no platform of the geometry
-        has another solution beside as many distinct simple ones as the geometry's count.
+        Whether the lines of no two DLL can be parallel together. Then a platform of the geometry
+        that has as many distinct simple solutions as the count of the geometry has no other one.
     primes
-        The primes that were used: more than one only where one is not enough.
+        The primes that were used; more than one only if one was not enough.
     """
 
     finite: bool
@@ -110,7 +111,7 @@ class ExactCount:
 def count_equations(
     instance: Instance, seed: int, max_work: int, *, values_free: bool
 ) -> ExactCount:
-    """Return how many solutions the equations of an instance have.
+    """Return the number of solutions of the equations of an instance.
 
     Parameters
     ----------
@@ -119,15 +120,15 @@ def count_equations(
     seed
         The primes and everything random are derived from it and from the instance.
     max_work
-        Multiplications after which to give up.
+        The most multiplications.
     values_free
         Whether the values are random instead of those of the instance.
 
     Raises
     ------
     NotCountedError
-        If the numbers of the instance have no homomorphism to a prime field that is known to be
-        one, or if it is too much work.
+        If no homomorphism of the numbers of the instance to a prime field is known, or if the work
+        exceeds the limit.
     """
     found = _quick_count(instance, seed, max_work, values_free=values_free)
     if found is not None:
@@ -147,7 +148,7 @@ def count_equations(
 def _quick_count(
     instance: Instance, seed: int, max_work: int, *, values_free: bool
 ) -> ExactCount | None:
-    """Return the count if it is large, and so general that a small prime proves it; else None."""
+    """Return the count if it is large and a small prime proves it; else None."""
     if generic_counts(instance.type).one_sided < _LARGE_COUNT:
         return None
     platform = ModularPlatform(instance, seed, values_free=values_free)
@@ -162,14 +163,14 @@ def _quick_count(
 
 @dataclass(frozen=True)
 class _Result:
-    """The counts for a choice of sides modulo a prime, and how many solutions are spurious."""
+    """The counts for a choice of sides modulo a prime, with those of spurious solutions."""
 
     counted: ResidueCount
     spurious: tuple[int, int] | None
 
 
 def _results(platform: ModularPlatform, max_work: int, *, same: bool) -> list[_Result]:
-    """Count the solutions modulo a prime for each choice of sides, or one for all alike."""
+    """Count the solutions modulo a prime for each choice of sides, or for one if all are alike."""
     results: list[_Result] = []
     lines = platform.parallel_lines()
     for signs in platform.choices[:1] if same else platform.choices:
@@ -253,15 +254,15 @@ def _side(signs: tuple[int, ...], result: _Result) -> SideCount:
 
 
 def _errors(found: _Result, platform: ModularPlatform) -> tuple[float, float]:
-    """Return what misleads with which probability: the count; what is distinct, what spurious."""
+    """Return bounds of the probability of a wrong count, and of wrong distinct or spurious ones."""
     result, error = found.counted, _proved_error(found.counted, platform)
-    # As many distinct values as solutions prove the solutions distinct, and where none is spurious
-    # modulo a prime none is.
+    # As many distinct values as solutions prove that solutions are distinct. If no solution is
+    # spurious modulo a prime, none is.
     is_distinct = result.distinct == result.solutions
     is_spurious = found.spurious is not None and found.spurious != (0, 0)
     if error is not None and is_distinct and not is_spurious:
         return error, 0.0
-    if platform.bits != LARGE:  # It counts for nothing but what it proves.
+    if platform.bits != LARGE:  # Such a count is used only for its lower bounds.
         return 1.0 if error is None else error, 1.0
     bounds = ErrorBounds.of(platform.exact, platform.requirements, platform.blocks)
     reach, points = result.reach, result.solutions
@@ -274,19 +275,20 @@ def _errors(found: _Result, platform: ModularPlatform) -> tuple[float, float]:
 
 
 def _proved_error(result: ResidueCount, platform: ModularPlatform) -> float | None:
-    """Return 0, or next to it, if one prime proves that there are just so many solutions.
+    """Return 0, or nearly 0, if one prime proves the number of solutions; else None.
 
-    If no solution is at infinity modulo the prime, none is, and the theorem of Bezout applies: the
-    degree of the coordinates' variety (data/varieties.json) times those of the equations. Isolated
-    solutions modulo the prime come from solutions; if they are as many as the generic count, these
-    are all (docs/counts.md), and only the random tests of the border basis may have misled.
+    If no solution is at infinity modulo the prime, none is, and Bezout's theorem applies: the
+    number is the degree of the coordinates' variety (data/varieties.json) times those of the
+    equations. Isolated solutions modulo the prime come from solutions. If they are as many as the
+    generic count, there are no others (docs/counts.md), and only the random tests of the border
+    basis may be wrong.
     """
     blocks, kinds = platform.blocks, platform.kinds
     if result.outcome is not Ending.FINITE:
         return None
     if not result.has_falls and result.solutions == DEGREES[blocks] << quadrics(blocks, kinds):
         return 0.0
-    # The equation of a DLL of distance zero is the root of the generic one.
+    # The equation of a DLL of distance zero is the square root of the generic one.
     halved = sum(row.kind is DLL and row.is_zero for row in platform.rows)
     if result.solutions << halved == generic_counts(GspType.of(kinds)).one_sided:
         return 0.0 if result.all_commutators else COMMUTATOR_TESTS

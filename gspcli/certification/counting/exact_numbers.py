@@ -1,7 +1,7 @@
 """The numbers and angles of instance files as exact elements.
 
-A square root is taken of rational elements only. Inverse functions have no element; cosines and
-sines of whole multiples of them do.
+Square roots are taken of rational elements only. Values of inverse functions are not in the ring,
+but cosines and sines of their integer multiples are.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def element(number: Number) -> Element:
 
 
 def squared(number: Number) -> Element:
-    """Return the square of a number; there is one of any square root of an element.
+    """Return the square of a number; square roots of all elements have one.
 
     Raises
     ------
@@ -96,7 +96,7 @@ _NONE = Fraction(0)
 
 @dataclass(frozen=True)
 class Angle:
-    """An angle in radians: a multiple of pi, a rational number, and whole multiples of arcs.
+    """An angle in radians: a multiple of pi, a rational number, and integer multiples of arcs.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class Angle:
         Raises
         ------
         NoElementError
-            If it is none of the ring.
+            If the angle is not in the ring.
         """
         arguments = number.arguments
         if number.fraction is not None:
@@ -142,7 +142,7 @@ class Angle:
 
     @property
     def is_constant(self) -> bool:
-        """Whether there are no arcs in it."""
+        """Whether it contains no arcs."""
         return not self.arcs
 
     def times(self, factor: Element) -> Angle:
@@ -178,7 +178,7 @@ class Angle:
         """Return q and r of the constant part ``2 pi q + r``."""
         numerator, denominator = self.constant.numerator, self.constant.denominator
         if denominator is WHOLE and len(numerator) == 1 and _PI_TERM in numerator:
-            # Usual.
+            # The usual case.
             return numerator[_PI_TERM] / 2, _NONE
         radians = self.constant.fraction
         if radians is not None:
@@ -212,7 +212,7 @@ class Angle:
 def _factor_of_pi(number: Number) -> Fraction | None:
     """Return the factor of pi in a product or quotient of it and fractions, else None.
 
-    Degrees are usually written so, and that is quicker than sums of terms.
+    Degrees have this form, and it is quicker than sums of terms.
     """
     arguments = number.arguments
     match number.operation:

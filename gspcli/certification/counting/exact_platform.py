@@ -1,4 +1,4 @@
-"""What the equations of an instance need of its numbers, exactly and modulo primes."""
+"""The numbers in the equations of an instance, exactly and modulo primes."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ class ExactConstraint:
     Attributes
     ----------
     kind
-        Its kind.
+        The kind.
     a, b
         A point of the platform and of the base primitive.
     u, v
         Direction or normal of either, of any length; empty for points.
     value
-        What the equation needs of the value: the square of the distance; for DPH and DHP the
-        distance times the length of the normal; for angles the value of ``R u . v``.
+        The number in the equation: the square of the distance; for DPH and DHP the distance times
+        the length of the normal; for angles the value of ``R u . v``.
     sides
-        The factors 1 and -1 of the value to look at: both for a DPH or DHP of both sides.
+        The signs of the value: both 1 and -1 for a DPH or DHP of both sides.
     """
 
     kind: Kind
@@ -50,13 +50,13 @@ class ExactConstraint:
 
     @property
     def numbers(self) -> Iterator[Element]:
-        """All its numbers."""
+        """All numbers of the constraint."""
         yield from (*self.a, *self.b, *self.u, *self.v, self.value)
 
 
 @dataclass(frozen=True)
 class EvaluatedConstraint:
-    """A constraint with numbers of some arithmetic, on one side.
+    """A constraint with numbers in some arithmetic, on one side.
 
     The attributes are those of `ExactConstraint`; `is_zero` is whether the exact value is zero.
     """
@@ -84,7 +84,7 @@ def exact_constraints(
     instance
         The instance.
     values_free
-        Whether its values are left out of account: all become 1.
+        Whether its values are ignored: all become 1.
 
     Raises
     ------

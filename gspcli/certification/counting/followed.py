@@ -1,8 +1,8 @@
-"""The elimination that a prime has shown, in real numbers of any precision.
+"""The elimination in real numbers of any precision, with the pivots found modulo a prime.
 
-Which rows are independent, where they lead, and what vanishes exactly is known from the prime; so
-only linear systems with invertible matrices are left to solve. The results are approximate: no
-error is bounded here, because what is found with them is certified afterwards.
+The computation modulo the prime shows which rows are independent, their pivots and which entries
+are exactly zero. So only linear systems with invertible matrices have to be solved. The results are
+approximate and their errors are not bounded: the poses that follow from them are certified later.
 """
 
 from __future__ import annotations
@@ -40,14 +40,14 @@ def _degree(monomial: int) -> int:
 
 
 class FollowedElimination:
-    """The algebra of solutions: normal monomials and how variables multiply them.
+    """The algebra of solutions: normal monomials and their products with the variables.
 
     Parameters
     ----------
     equations
         The equations with balls as coefficients.
     trace
-        How the elimination went modulo a prime.
+        The record of the elimination modulo a prime.
     """
 
     def __init__(self, equations: MotionEquations, trace: EliminationTrace) -> None:
@@ -59,7 +59,7 @@ class FollowedElimination:
         self._start = [0]
         self._position = {0: 0}
         self._known: dict[int, Vector] = {}
-        #: Of each step what its rows have become.
+        #: The reduced rows of each step.
         self._reduced: list[Callable[[int], Polynomial]] = []
         self._generators = self._first_generators(equations, trace)
         for step in trace.steps:
@@ -67,14 +67,14 @@ class FollowedElimination:
 
     @property
     def dimension(self) -> int:
-        """How many solutions there are."""
+        """The number of solutions."""
         return len(self.normal)
 
     def multiplication(self, form: Sequence[int]) -> arb_mat:
-        """Return the matrix by which a linear form multiplies the normal monomials.
+        """Return the matrix of the multiplication of the normal monomials by a linear form.
 
-        Its right eigenvectors are the normal monomials' values at the solutions, and its
-        eigenvalues the form's.
+        Its right eigenvectors are the values of the normal monomials at the solutions; its
+        eigenvalues are those of the form.
         """
         size = self.dimension
         rows = [[arb(0)] * size for _ in range(size)]
@@ -129,7 +129,7 @@ class FollowedElimination:
         return result
 
     def _quadric(self, function: Function) -> Polynomial:
-        """Return a function of the motion; those that are no coordinates are products of them."""
+        """Return a function of the motion, as a product of coordinates if it is not one."""
         result: Polynomial = {}
         for position, coefficient in function.items():
             value = arb(coefficient)
@@ -183,7 +183,7 @@ class FollowedElimination:
         leading = self.normal[width - 1 - pivot]
         polynomial = {leading: ONE}
         for column, value in zip(others, row, strict=True):
-            # Before the pivot there is exactly zero.
+            # Entries before the pivot are exactly zero.
             if column > pivot and column >= top:
                 polynomial[self.normal[width - 1 - column]] = value
         self._generators.append(polynomial)
@@ -227,7 +227,7 @@ class FollowedElimination:
             add(row, width - 1, value)
         elif monomial in column_of:
             add(row, column_of[monomial], value)
-        elif _degree(monomial) <= degree:  # else it is exactly zero
+        elif _degree(monomial) <= degree:  # otherwise it is exactly zero
             i = self._divisor(monomial)
             rest = self._normal_form(monomial - self._units[i])
             self._add_multiplied(row, rest, i, value, degree, column_of, width)
@@ -260,7 +260,7 @@ class FollowedElimination:
         return self._known[monomial] if position is None else {position: ONE}
 
     def _divisor(self, monomial: int) -> int:
-        """Return a variable that divides, the first one whose quotient is known; as the kernel."""
+        """Return the first variable that divides and whose quotient is known, as in the kernel."""
         dividing = [i for i in range(self.variables) if monomial >> (_BITS * i) & _MASK]
         for i in dividing:
             rest = monomial - self._units[i]

@@ -5,8 +5,9 @@ mapped generator by generator:
 
 * roots of unity of order N to the powers of one of that order, for primes p = 1 mod N;
 * square roots of primes that divide N to their Gauss sums in these roots of unity, because they
-  lie in the same field; square roots of pairwise coprime other numbers, none of them a square,
-  are independent of all the rest, and go to any square root modulo p;
+  lie in the same field;
+* square roots of other numbers, pairwise coprime and no squares, to any square root modulo p,
+  because they are independent of all the rest;
 * ``exp(i g)``, g rational, and pi are transcendental (Lindemann), and go to random residues. Both
   at once are refused: whether they are independent is not known.
 
@@ -25,17 +26,17 @@ from flint import fmpz, nmod
 
 from gspcli.certification.counting.elements import ONE, WHOLE, Element, NoElementError, Sum, Term
 
-#: Bits of the primes by which counts are established, and of those that are tried before.
+#: Bits of the primes that prove counts, and of the primes that are tried before.
 LARGE, SMALL = 61, 30
 #: A larger order leaves too few primes to choose from at random.
 _MAX_ORDER = 2**40
 _MAX_SMALL_ORDER = 2**22
-#: Each independent square root exists modulo every other prime only.
+#: Each independent square root exists modulo half of the primes only.
 _MAX_ROOTS = 14
 
 
 class Randomness:
-    """Integers derived from a text: the same text gives the same ones."""
+    """Integers derived from a text: equal texts give equal integers."""
 
     def __init__(self, text: str) -> None:
         self._key = text.encode()
@@ -49,7 +50,7 @@ class Randomness:
 
 
 class Requirements:
-    """What a prime must have so that some elements have images.
+    """The conditions on a prime under which some elements have images.
 
     Parameters
     ----------
@@ -59,7 +60,7 @@ class Requirements:
     Raises
     ------
     NoElementError
-        If there is no such homomorphism that is known to be one.
+        If no such homomorphism is known.
     """
 
     def __init__(self, elements: Iterable[Element]) -> None:
@@ -95,7 +96,7 @@ class Requirements:
 
     @property
     def independent_roots(self) -> int:
-        """How many square roots do not lie in the field of the roots of unity."""
+        """The number of square roots that are not in the field of the roots of unity."""
         return sum(n not in self.order_primes for n in self.radicands)
 
     @cached_property
@@ -122,7 +123,7 @@ class Requirements:
         for prime in self.order_primes:
             _refine(base, prime)
         roots = (math.isqrt(n) for n in base)
-        # A square in the base is replaced by its root until it is none.
+        # A square in the base is replaced by its root until it is not a square.
         result = []
         for n, root in zip(base, roots, strict=True):
             while root * root == n:
@@ -132,7 +133,7 @@ class Requirements:
 
 
 def _refine(base: list[int], n: int) -> None:
-    """Add a number to pairwise coprime ones: all then are products of powers of the base."""
+    """Add a number to pairwise coprime ones, so that all are products of powers of the base."""
     pending = [n]
     while pending:
         n = pending.pop()
@@ -157,9 +158,9 @@ class Homomorphism:
     Parameters
     ----------
     requirements
-        Of the numbers.
+        The conditions of the numbers.
     prime
-        One for which they hold.
+        A prime that meets them.
     randomness
         Chooses among the possible images.
     """
@@ -187,7 +188,7 @@ class Homomorphism:
         Raises
         ------
         ZeroDivisionError
-            If its denominator is zero modulo the prime.
+            If the denominator is zero modulo the prime.
         """
         numerator = element.numerator
         if element.denominator is WHOLE and len(numerator) == 1:
@@ -260,7 +261,7 @@ class Homomorphism:
 def homomorphisms(
     requirements: Requirements, text: str, bits: int = LARGE
 ) -> Iterator[Homomorphism]:
-    """Yield homomorphisms to random primes of so many bits, derived from a text."""
+    """Yield homomorphisms to random primes with a number of bits, derived from a text."""
     randomness = Randomness(text)
     lowest = 2 ** (bits - 1)
     order, denominators = requirements.order, requirements.denominators

@@ -35,14 +35,14 @@ from gspcli.certification.numbers.balls import dot
 from gspcli.errors import IncompleteError
 from gspcli.geometry.instance import Instance
 
-#: Primes that are tried where one divides a denominator.
+#: The most primes that are tried if one divides a denominator.
 _ATTEMPTS = 5
-#: Of more DLL `ModularPlatform.has_lone_lines` says nothing.
+#: With more DLL `ModularPlatform.has_lone_lines` is not decided.
 _MOST_LINES = 3
 
 
 class NotCountedError(IncompleteError):
-    """The solutions of an instance could not be counted; says why."""
+    """The solutions of an instance could not be counted; the message gives the reason."""
 
 
 class ModularPlatform:
@@ -57,7 +57,7 @@ class ModularPlatform:
     values_free
         Whether the values are random instead of those of the instance.
     index
-        Another one gives another prime.
+        Another index gives another prime.
     bits
         Bits of the prime: `LARGE` or, where `Requirements.has_small_primes`, `SMALL`.
 
@@ -71,7 +71,7 @@ class ModularPlatform:
     exact
         The constraints with exact numbers.
     requirements
-        What primes must have.
+        The conditions on primes.
     choices
         Choices of sides: for each constraint 1 or -1.
     bits
@@ -123,7 +123,7 @@ class ModularPlatform:
         return equations(on_sides(self.rows, signs))
 
     def parallel_lines(self) -> list[tuple[MotionEquation, MotionEquation]]:
-        """Return for each DLL what is zero where its lines are parallel, and have its distance."""
+        """Return for each DLL the conditions for parallel lines, and for their distance."""
         in_base = Blocks.TRANSLATION in self.blocks
         return [
             parallel_lines(
@@ -137,10 +137,10 @@ class ModularPlatform:
 
     @property
     def has_lone_lines(self) -> bool:
-        """Whether no two pairs of lines of a DLL can be parallel at once, or anti-parallel.
+        """Whether no two pairs of lines of a DLL can be parallel, or anti-parallel, together.
 
-        For that the lines of both bodies must enclose the same angle. What differs modulo a prime
-        differs.
+        They can be only if the lines of both bodies enclose the same angle. Numbers that differ
+        modulo a prime are different.
         """
         rows = [row for row in self.rows if row.kind is DLL]
         return len(rows) <= _MOST_LINES and not any(
@@ -171,7 +171,7 @@ def on_sides(
 
 
 def _identity(instance: Instance) -> str:
-    """Return a text that says all numbers of an instance."""
+    """Return a text that contains all numbers of an instance."""
     parts = [instance.units.angle.value]
     for row in instance.constraints:
         parts += [row.kind.name, row.side.value, str(row.value)]

@@ -1,4 +1,4 @@
-"""The constraints as equations between functions of a motion, in any exact arithmetic.
+"""The constraints as equations in functions of a motion, in any exact arithmetic.
 
 The functions are 1, R (by rows), T, U, rho and T x R, in the order of
 `gspcli.certification.equations.study`, and the mutual moments of the line pairs behind them. An
@@ -21,7 +21,7 @@ from gspcli.records import dataclass
 #: A linear combination: coefficients of the functions, by their position.
 Function = dict[int, Any]
 
-#: How many functions there are without moments.
+#: The number of functions without moments.
 FUNCTIONS = study.COUNT - 1
 
 
@@ -72,7 +72,7 @@ def equations(constraints: Sequence[EvaluatedConstraint]) -> MotionEquations:
 
 
 def with_moments(given: MotionEquations) -> MotionEquations:
-    """Return equations with the definitions of the moments behind them."""
+    """Return equations followed by the definitions of the moments."""
     definitions = [
         MotionEquation({**moment, FUNCTIONS + k: -1}) for k, moment in enumerate(given.moments)
     ]
@@ -82,7 +82,7 @@ def with_moments(given: MotionEquations) -> MotionEquations:
 def parallel_lines(
     row: EvaluatedConstraint, weights: Sequence[Any], *, in_base: bool
 ) -> tuple[MotionEquation, MotionEquation]:
-    """Return what is zero where the lines of a DLL are parallel, and where they have its distance.
+    """Return functions that vanish if the lines of a DLL are parallel, or have its distance.
 
     Parameters
     ----------

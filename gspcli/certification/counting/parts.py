@@ -1,14 +1,13 @@
-"""The poses as they are stated, counted by which lines of them are parallel.
+"""The poses that satisfy the stated constraints, counted by the DLL with parallel lines.
 
-The equation of a DLL holds wherever its lines are parallel, at any distance. So the poses are
-counted in parts: for each set of DLL those where just the lines of these are parallel, and have
-their distances, which is linear in R and quadratic in T or U; for each of the others a coordinate
-more is the inverse of ``w . (R u x v)``, w random, which is zero where its lines are parallel. No
-pose is in two parts.
+The equation of a DLL holds at any distance if its lines are parallel. So the poses are counted in
+parts, one for each set of DLL: exactly the lines of these are parallel and have their distances,
+which is linear in R and quadratic in T or U. Each other DLL adds a coordinate: the inverse of ``w .
+(R u x v)``, w random, which is zero for parallel lines. No pose is in two parts.
 
-A part is also cut with random hyperplanes. They miss what has fewer dimensions, and meet what has
-as many: one hyperplane that meets a part proves it infinite, often with far less work than an
-elimination without one (docs/exact-counts.md has the bounds of the error).
+A part is also cut with random hyperplanes. Their number is the dimension of a part that they meet;
+a part of lower dimension they miss. One hyperplane that meets a part proves it infinite, often with
+far less work than an elimination without hyperplanes (error bounds: docs/exact-counts.md).
 """
 
 from __future__ import annotations
@@ -41,11 +40,11 @@ from gspcli.certification.equations import study
 from gspcli.geometry.instance import Instance
 from gspcli.records import dataclass
 
-#: Random vectors and hyperplanes have coefficients of so many bits.
+#: Bits of the coefficients of random vectors and hyperplanes.
 _RANDOM_BITS = 60
 #: The height of a hyperplane: at most 17 coefficients.
 _HYPERPLANE_HEIGHT = _RANDOM_BITS + 5.0
-#: Further primes are taken until they all mislead with a probability below this, at most so many.
+#: Primes are added until the probability that all of them are wrong is below this; the most primes.
 _ENOUGH, _MOST_PRIMES = 1e-9, 16
 #: Largest dimension of a set of motions.
 _MOST_DIMENSIONS = 6
@@ -53,20 +52,20 @@ _MOST_DIMENSIONS = 6
 
 @dataclass(frozen=True)
 class PartCount:
-    """The poses at which the lines of some DLL are parallel, and those of no others.
+    """The poses at which the lines of some DLL are parallel, and the lines of no other DLL.
 
     Attributes
     ----------
     parallel
         The indices of these DLL.
     solutions, distinct
-        How many there are, with multiplicity and without; None if infinitely many. With parallel
-        lines the multiplicity is that of a solution of more than six equations. Cut with
-        hyperplanes the distinct ones are not counted.
+        Their numbers with and without multiplicity; None if infinite. With parallel lines the
+        multiplicity is that of a solution of more than six equations. With hyperplanes the distinct
+        poses are not counted.
     error
-        A bound of the probability that the random primes have misled.
+        A bound of the probability that the result of the random primes is wrong.
     work
-        Multiplications.
+        The number of multiplications.
     primes
         The primes that were used.
     """
@@ -80,9 +79,9 @@ class PartCount:
 
 
 def count_parts(instance: Instance, seed: int, max_work: int) -> tuple[PartCount, ...]:
-    """Count the poses of an instance with one choice of sides by which lines are parallel.
+    """Count the poses of an instance with one choice of sides by the DLL with parallel lines.
 
-    If a part is infinite it is the last one. Whether the first is, a hyperplane says.
+    An infinite part is the last one. A hyperplane decides whether the first part is infinite.
 
     Parameters
     ----------
@@ -96,8 +95,8 @@ def count_parts(instance: Instance, seed: int, max_work: int) -> tuple[PartCount
     Raises
     ------
     NotCountedError
-        If numbers have no homomorphism to a prime field, if it is too much work, or if primes
-        disagree.
+        If numbers have no homomorphism to a prime field, if the work exceeds the limit, or if
+        primes disagree.
     """
     lines = [k for k, row in enumerate(instance.constraints) if row.kind is DLL]
     edge = on_a_hyperplane(instance, seed, max_work)
@@ -117,7 +116,7 @@ def count_parts(instance: Instance, seed: int, max_work: int) -> tuple[PartCount
 def on_a_hyperplane(instance: Instance, seed: int, max_work: int) -> PartCount:
     """Return the poses without parallel lines on a random hyperplane.
 
-    If there are any, they are infinitely many everywhere, and called so.
+    If there are any, the platform has infinitely many poses, and the count says so.
 
     Parameters and errors are those of `count_parts`.
     """
@@ -128,7 +127,7 @@ def on_a_hyperplane(instance: Instance, seed: int, max_work: int) -> PartCount:
 def dimension(instance: Instance, seed: int, max_work: int) -> tuple[int, float]:
     """Return the dimension of the set of poses without parallel lines, and a bound of the error.
 
-    Parameters and errors are those of `count_parts`; -1 is the dimension of no poses.
+    Parameters and errors are those of `count_parts`. The dimension is -1 if there are no poses.
     """
     for slices in range(_MOST_DIMENSIONS + 1):
         part = _part(instance, (), slices, seed, max_work)
@@ -145,7 +144,7 @@ def dimension(instance: Instance, seed: int, max_work: int) -> tuple[int, float]
 def _part(
     instance: Instance, parallel: tuple[int, ...], slices: int, seed: int, max_work: int
 ) -> PartCount:
-    """Count a part, cut with some hyperplanes, modulo as many primes as it needs."""
+    """Count a part, cut with some hyperplanes, modulo as many primes as needed."""
     found: PartCount | None = None
     for index in range(_MOST_PRIMES):
         platform = ModularPlatform(instance, seed, index=index)
@@ -235,7 +234,7 @@ def _equations(
 
 
 def _inverse(function: MotionEquation, place: int, prime: int) -> MotionEquation:
-    """Return that the product of a linear function and a coordinate is one."""
+    """Return the equation that the product of a linear function and a coordinate is one."""
     quarter = nmod(4, prime) ** -1
     plus, minus = (function.linear | {place: sign} for sign in (1, -1))
     return MotionEquation({study.NORM: -1}, [(quarter, plus), (-quarter, minus)])
@@ -253,21 +252,22 @@ def _error(
     slices: int,
     moments: int,
 ) -> float:
-    """Return a bound of the probability that a part, cut with hyperplanes, has another count."""
+    """Return a bound of the probability that the count of a part with hyperplanes is wrong."""
     bounds = ErrorBounds.of(platform.exact, platform.requirements, platform.blocks)
     lines = [row for row in platform.exact if row.kind is DLL]
     heights = [lines_height(row, _RANDOM_BITS) for row in lines]
     heights += [_HYPERPLANE_HEIGHT] if slices else []
     height = max([bounds.bits.height, *heights])
     bounds = replace(bounds, bits=replace(bounds.bits, height=height, moments=moments))
-    # Of six equations solutions modulo the prime come from solutions; of more they need not.
+    # Solutions of six equations modulo the prime come from solutions; those of more need not.
     is_lifted = not parallel and not slices
     is_finite = counted.outcome is Ending.FINITE
     finite = is_finite and (is_lifted or counted.solutions == 0)
     errors = [bounds.count(counted.reach, finite=finite)]
     if is_finite and counted.distinct not in (None, counted.solutions):
         errors.append(bounds.distinct(counted.reach, counted.solutions))
-    # A random vector hides a solution without parallel lines, a hyperplane contains a component.
+    # A random vector may vanish at lines that are not parallel; a hyperplane may contain a
+    # component.
     blocks, kinds = platform.blocks, platform.kinds
     most = DEGREES[blocks] << quadrics(blocks, kinds)
     errors.append((len(lines) - len(parallel) + slices) * most / 2.0**_RANDOM_BITS)

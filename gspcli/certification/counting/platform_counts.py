@@ -1,4 +1,4 @@
-"""How many poses a platform has: its equations counted, those of parallel lines put right."""
+"""The number of poses of a platform: a count of its equations, corrected for parallel lines."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def exact_count(
     limit: float | None = COUNT_LIMIT,
     suspect: bool = True,
 ) -> ExactCount | None:
-    """Return how many solutions an instance has, or None if that could not be computed.
+    """Return the number of solutions of an instance, or None if it could not be computed.
 
     Parameters
     ----------
@@ -39,15 +39,15 @@ def exact_count(
     seed
         The prime and everything random is derived from it and from the instance.
     limit
-        Work after which to give up, in billions of multiplications modulo the prime (a second or
-        two each); None for none.
+        The most work, in billions of multiplications modulo the prime (a second or two each); None
+        for no limit.
     suspect
-        Whether it is worth as much again to look for infinitely many solutions by a hyperplane.
+        Whether to search for infinitely many solutions by a hyperplane first, with the same limit.
 
     Returns
     -------
     ExactCount or None
-        None where `count_exactly` raises.
+        None if `count_exactly` raises an error.
     """
     try:
         return count_exactly(instance, seed=seed, limit=limit, suspect=suspect)
@@ -58,7 +58,7 @@ def exact_count(
 def geometry_count(
     instance: Instance, *, seed: int = SEED, limit: float | None = COUNT_LIMIT
 ) -> ExactCount | None:
-    """Return how many solutions an instance's geometry has with generic values, or None.
+    """Return the number of solutions of a geometry with generic values, or None.
 
     Parameters and result are as in `exact_count`.
     """
@@ -75,21 +75,21 @@ def count_exactly(
     limit: float | None = COUNT_LIMIT,
     suspect: bool = True,
 ) -> ExactCount:
-    """Return how many solutions an instance has.
+    """Return the number of solutions of an instance.
 
     Parameters are as in `exact_count`.
 
     Raises
     ------
     NotCountedError
-        If the numbers of the instance have no homomorphism to a prime field that is known to be
-        one, or if it is more work than `limit`.
+        If no homomorphism of the numbers of the instance to a prime field is known, or if the work
+        exceeds `limit`.
     """
     max_work = work_limit(limit)
     try:
         found = count_equations(instance, seed, max_work, values_free=False)
     except NotCountedError:
-        # That there are infinitely many can be far less work.
+        # The proof that there are infinitely many can be far less work.
         infinite = _infinite(instance, seed, max_work) if suspect else None
         if infinite is None:
             raise
@@ -102,10 +102,10 @@ def count_exactly(
 def count_geometry(
     instance: Instance, *, seed: int = SEED, limit: float | None = COUNT_LIMIT
 ) -> ExactCount:
-    """Return how many solutions an instance's geometry has with generic values.
+    """Return the number of solutions of a geometry with generic values.
 
-    Parameters and errors are as in `count_exactly`. All choices of sides are alike, so one is
-    counted.
+    Parameters and errors are as in `count_exactly`. All choices of sides have the same count, so
+    only one is counted.
     """
     return count_equations(instance, seed, work_limit(limit), values_free=True)
 
@@ -113,16 +113,16 @@ def count_geometry(
 def dimension_exactly(
     instance: Instance, *, seed: int = SEED, limit: float | None = COUNT_LIMIT
 ) -> tuple[int, float]:
-    """Return the dimension of the set of poses over the complex numbers, and how sure that is.
+    """Return the dimension of the set of poses over the complex numbers, with an error bound.
 
     Parameters and errors are those of `count_exactly`; the instance has one choice of sides.
 
     Returns
     -------
     dimension
-        That of the poses at which no lines of a DLL are parallel; -1 if there are none.
+        The dimension of the poses at which no lines of a DLL are parallel; -1 if there are none.
     error
-        A bound of the probability that the random prime and the random hyperplanes have misled.
+        A bound of the probability that the random prime and hyperplanes gave a wrong result.
     """
     return dimension(instance, seed, work_limit(limit))
 
@@ -130,10 +130,10 @@ def dimension_exactly(
 def with_points_for_lines(
     instance: Instance, *, seed: int = SEED, limit: float | None = COUNT_LIMIT
 ) -> Instance | None:
-    """Return the instance with points for lines that are parallel at every pose, None without any.
+    """Return the instance with points for lines that are parallel at every pose, or None.
 
-    Parameters are those of `exact_count`; the instance has one choice of sides. It is also None
-    where nobody could tell.
+    Parameters are those of `exact_count`; the instance has one choice of sides. The result is None
+    if there are no such lines, or if this could not be decided.
     """
     try:
         lines = always_parallel(instance, seed, work_limit(limit))
@@ -148,7 +148,7 @@ def work_limit(limit: float | None) -> int:
 
 
 def _infinite(instance: Instance, seed: int, max_work: int) -> ExactCount | None:
-    """Return the count of a platform of which a hyperplane meets the poses, else None."""
+    """Return the count of a platform whose poses meet a random hyperplane, else None."""
     platform = ModularPlatform(instance, seed)
     for signs in platform.choices:
         try:
@@ -185,11 +185,11 @@ class _Side:
     Attributes
     ----------
     side
-        The numbers.
+        The counts.
     error, distinct_error
-        As of `ExactCount`; None for those of the count of all sides.
+        As in `ExactCount`; None if they are those of the count of all sides.
     proved_lower, proved_distinct
-        As of `ExactCount`, if they are not in the count of all sides.
+        As in `ExactCount`, if they are not in the count of all sides.
     """
 
     side: SideCount
@@ -200,9 +200,9 @@ class _Side:
 
 
 def _side_count(instance: Instance, side: SideCount, seed: int, max_work: int) -> _Side:
-    """Return the count of the poses for a choice of sides, not only of solutions of equations.
+    """Return the count of the poses for a choice of sides, without spurious solutions.
 
-    It is that of points for lines that are always parallel; of others that in parts.
+    Lines that are always parallel are replaced by points; otherwise the poses are counted in parts.
     """
     if side.solutions is not None:
         return _Side(side)
@@ -223,7 +223,7 @@ def _side_count(instance: Instance, side: SideCount, seed: int, max_work: int) -
 
 
 def _in_parts(instance: Instance, side: SideCount, seed: int, max_work: int) -> _Side:
-    """Return the count by which lines are parallel; that of the equations if it is not known."""
+    """Return the count in parts; that of the equations if it could not be computed."""
     try:
         parts = count_parts(instance, seed, max_work)
     except NotCountedError:
@@ -249,7 +249,7 @@ def _joined(found: ExactCount, sides: Sequence[_Side]) -> ExactCount:
         known = [getattr(side, name) for side in numbers]
         return sum(known) if finite and None not in known else None
 
-    # Of the first count only that of sides without such lines is used.
+    # The first count is used only for sides without such lines.
     errors = [found.error if side.error is None else side.error for side in sides]
     distinct_errors = [
         found.distinct_error if side.distinct_error is None else side.distinct_error

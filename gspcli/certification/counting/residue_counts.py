@@ -21,12 +21,12 @@ from gspcli.certification.counting.motion_equations import (
 from gspcli.certification.equations import study
 from gspcli.records import dataclass
 
-#: More residues than this are not kept at once (1 GB).
+#: The most residues that are kept together (1 GB).
 MAX_ENTRIES = 2**27
 
 
 class Ending(IntEnum):
-    """How a computation modulo a prime ended, as the kernel numbers it."""
+    """The end of a computation modulo a prime, with the numbers of the kernel."""
 
     FINITE = 0
     INFINITE = 1
@@ -40,7 +40,7 @@ class ResidueCount:
     Attributes
     ----------
     outcome
-        Whether they are finite in number, over the algebraic closure of the prime field.
+        Whether their number is finite, over the algebraic closure of the prime field.
     solutions
         Their number with multiplicity, if finite.
     distinct
@@ -50,13 +50,13 @@ class ResidueCount:
         For each of the groups asked for the number of solutions where none of its members vanishes,
         with multiplicity, and distinct; fewer pairs if it is too much work.
     has_falls
-        Whether relations of lower degree came up: without, none is at infinity.
+        Whether relations of lower degree were found; without them no solution is at infinity.
     reach
         All relations are sums of products of equations and monomials up to this degree.
     all_commutators
         Whether every condition of a border basis was checked, rather than a random combination.
     work
-        Multiplications.
+        The number of multiplications.
     """
 
     outcome: Ending
@@ -71,7 +71,7 @@ class ResidueCount:
 
 @dataclass(frozen=True)
 class Step:
-    """A step of an elimination: independent rows and where each one leads.
+    """A step of an elimination: independent rows and the pivot of each.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class Step:
         For each row the number of a generator, or two variables and the exponents of the normal
         monomial whose commutator it is.
     pivots
-        For each row the column where it leads after elimination.
+        For each row the column of its pivot after the elimination.
     """
 
     degree: int
@@ -92,7 +92,7 @@ class Step:
 
 @dataclass(frozen=True)
 class EliminationTrace:
-    """What arithmetic in other numbers needs to follow a computation modulo a prime.
+    """The record of a computation modulo a prime, to repeat it in other arithmetic.
 
     Attributes
     ----------
@@ -154,9 +154,9 @@ def count(
     prime
         An odd prime below 2^30, or between 2^60 and 2^61.
     seed
-        Of random linear forms.
+        The seed of random linear forms.
     max_work
-        Multiplications after which to stop.
+        The most multiplications.
     conditions, groups
         Functions in coordinates, as sides of equations, and groups of their numbers.
     find_distinct
@@ -190,7 +190,7 @@ def count(
 def trace(
     equations: MotionEquations, blocks: Blocks, prime: int, *, seed: int, max_work: int
 ) -> tuple[ResidueCount, EliminationTrace]:
-    """Count solutions, and return how the elimination went; parameters are those of `count`.
+    """Count solutions, and return the record of the elimination; parameters as for `count`.
 
     The definitions of moments must be among the equations (`with_moments`).
     """

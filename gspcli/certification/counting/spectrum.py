@@ -1,9 +1,9 @@
 """Eigenvalues and eigenvectors of a real matrix in high precision, without error bounds.
 
-By a Hessenberg matrix, its characteristic polynomial and its roots: quick, but each of the three
-loses digits, so the working precision must be generous. FLINT's own method is more stable and takes
-ten times as long. Where few eigenvalues are much larger than all others, powers of the matrix lead
-to their eigenvectors.
+The method uses a Hessenberg matrix, its characteristic polynomial and the roots of this. It is
+quick, but each of the three loses digits, so the working precision must be much higher than that of
+the result. FLINT's own method is more stable and takes ten times as long. If few eigenvalues are
+much larger than all others, powers of the matrix give their eigenvectors.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from flint import acb, acb_mat, acb_poly, arb, arb_mat, arb_poly, ctx
 from gspcli.certification.numbers.balls import power_of_two
 
 _ISOLATED_BITS = 30
-#: By so many powers the largest eigenvalues stand out.
+#: The power of the matrix in which the largest eigenvalues dominate.
 _POWERS = 6
 
 
 class SpectrumError(ValueError):
-    """The precision does not suffice to tell the eigenvalues apart."""
+    """The precision does not suffice to separate the eigenvalues."""
 
 
 def eigenvectors(matrix: arb_mat, entries: Sequence[int]) -> list[tuple[acb, ...]]:
@@ -33,12 +33,12 @@ def eigenvectors(matrix: arb_mat, entries: Sequence[int]) -> list[tuple[acb, ...
     matrix
         A square matrix; only its midpoints are used.
     entries
-        Which entries are wanted.
+        The entries to return.
 
     Raises
     ------
     SpectrumError
-        If the eigenvalues cannot be told apart.
+        If the eigenvalues cannot be separated.
     """
     size = matrix.nrows()
     flat = [entry.mid() for entry in matrix.entries()]
@@ -59,19 +59,19 @@ def largest_eigenvectors(
 ) -> list[tuple[acb, ...]]:
     """Return some entries of each right eigenvector of the largest eigenvalues.
 
-    A third of the time of a first solution is saved by it where poses are far away because of
-    rounding (`bench/machines.py`, hexagons of cos and sin).
+    This saves a third of the time of a first solution if poses are far away because of rounding
+    (`bench/machines.py`, hexagons of cos and sin).
 
     Parameters
     ----------
     matrix, entries
-        As for `eigenvectors`, whose errors are raised.
+        As for `eigenvectors`; the errors are the same.
     number
-        How many eigenvalues are much larger than the others; without that, nothing that is
-        returned is an eigenvector.
+        The number of eigenvalues that are much larger than the others. If they are not, the result
+        is meaningless.
     """
     size, random = matrix.nrows(), Random(0)
-    # The entries of these eigenvectors are as unequal as the rows are.
+    # The sizes of the entries of these eigenvectors are proportional to those of the rows.
     sums = (matrix * arb_mat(size, 1, [1] * size)).entries()
     scales = [power_of_two(float(abs(x).mid())) for x in sums]
     image, forms = (
@@ -90,7 +90,7 @@ def largest_eigenvectors(
 
 
 def _to_hessenberg(rows: list[list[arb]]) -> list[tuple[int, int, list[arb]]]:
-    """Make a matrix Hessenberg by eliminations with pivots, in place; return what was done."""
+    """Make a matrix Hessenberg in place, by eliminations with pivots; return the steps."""
     size = len(rows)
     steps = []
     for m in range(1, size - 1):

@@ -1,8 +1,8 @@
-"""Solutions of a DLL's equation that are no poses: its lines are parallel at another distance.
+"""Spurious solutions: the lines of a DLL are parallel and have another distance.
 
-``M^2 + d^2 C^2 = d^2`` holds wherever the lines are parallel, because M and the sine are zero
-there. Such solutions are counted by inclusion and exclusion: for sets of DLLs, how many solutions
-there are where certain functions do not vanish.
+``M^2 + d^2 C^2 = d^2`` holds for parallel lines, because M and the sine are zero. Such solutions
+are counted by inclusion and exclusion: for sets of DLL the solutions are counted at which certain
+functions do not vanish.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from itertools import chain, combinations
 from gspcli.certification.counting.motion_equations import MotionEquation
 from gspcli.certification.counting.residue_counts import ResidueCount
 
-#: More DLLs with parallel lines at once are not told apart.
+#: The most DLL whose lines may be parallel together.
 _MOST = 3
 
 
@@ -22,16 +22,17 @@ def spurious(
     result: ResidueCount,
     run: Callable[..., ResidueCount],
 ) -> tuple[int, int] | None:
-    """Return how many solutions are spurious, with multiplicity and distinct.
+    """Return the number of spurious solutions, with multiplicity and distinct.
 
     Parameters
     ----------
     lines
-        For each DLL what vanishes where its lines are parallel, and where they have its distance.
+        For each DLL the functions that vanish if its lines are parallel, and if they have its
+        distance.
     result
         A count with the first of these as conditions, each a group of its own.
     run
-        Counts again with other `conditions` and `groups`.
+        A function that counts again with other `conditions` and `groups`.
 
     Returns
     -------
@@ -47,8 +48,8 @@ def spurious(
         return 0, 0
     if len(singular) > _MOST:
         return None
-    # Condition 2 k is the crossing of the k-th of them, and 2 k + 1 its distance. Solutions that
-    # are bad for all of J: their distances do not vanish, and no crossing does not.
+    # Condition 2 k is the crossing of the k-th DLL, and 2 k + 1 its distance. Solutions that are
+    # spurious for all of J: all crossings vanish, and no distance does.
     terms: list[tuple[int, list[int]]] = []
     for bad in _subsets(range(len(singular))):
         for crossed in _subsets(bad):

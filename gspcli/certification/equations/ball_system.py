@@ -9,10 +9,10 @@ the constraint as stated wherever ``N != 0``:
 * LL: ``d^2 (|u|^2 |v|^2 - (u . v)^2) = M^2`` with the mutual moment M. For d = 0 this is the
   square of ``M = 0``, which is taken instead.
 
-No direction is normalized, so only square roots of lengths and cosines of angles (and whatever
-the input itself contains) are irrational. These equations are written down on their own, apart
-from those that are solved (`gspcli.geometry.constraint_polynomials`,
-`gspcli.solver.study_systems`): a mistake there makes no wrong certificate.
+No direction is normalized, so only square roots of lengths, cosines of angles and irrational
+numbers of the input are irrational. These equations are independent of those that are solved
+(`gspcli.geometry.constraint_polynomials`, `gspcli.solver.study_systems`): a mistake there leads to
+no wrong certificate.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class BallSystem:
     instance
         The exact instance.
     precision
-        Bits; the caller works at this precision too (``flint.ctx``).
+        The number of bits; the caller uses the same precision (``flint.ctx``).
     """
 
     def __init__(self, instance: Instance, precision: int) -> None:
@@ -116,7 +116,7 @@ class BallSystem:
 
     @property
     def is_finite(self) -> bool:
-        """Whether every coefficient is a number (``acos(2)`` is none)."""
+        """Whether every coefficient exists (``acos(2)`` does not)."""
         return bool(np.isfinite(self._moduli).all())
 
     def _equations(self, given: Statement) -> tuple[BallEquation, ...]:
@@ -162,15 +162,15 @@ class BallSystem:
     ) -> list[tuple[int, ...]]:
         """Return for each constraint the index of the side whose equation is nearer to zero.
 
-        All combinations are returned, the likeliest first, where that is not clear.
+        If this is not clear all combinations are returned, the likeliest first.
 
         Parameters
         ----------
         point, pose
-            A Study point and the pose that it is. Far away either may have lost the digits that
-            tell the sides: the one with the larger quotient of the two distances has kept more.
+            A Study point and its pose. Far away either may have lost the digits that distinguish
+            the sides: the one with the larger quotient of the two distances has more of them.
         said
-            For each constraint 1 or -1 for the likelier side where that is not clear, or 0.
+            For each constraint 1 or -1 for the likelier side if it is not clear, or 0.
         """
         if all(len(sides) == 1 for sides in self.equations):
             return [(0,) * len(self.equations)]
@@ -180,7 +180,7 @@ class BallSystem:
         return list(product(*(_nearer(sides, places, sign) for sides, sign in each)))
 
     def signs(self, sides: Sequence[int]) -> tuple[int, ...]:
-        """Return the signs of the heights that equations mean, 0 where there are no sides."""
+        """Return the signs of the heights in equations, 0 for constraints without sides."""
         return tuple(
             _SIGNS[given.side][side] if given.kind.has_sides and not given.is_zero else 0
             for given, side in zip(self.statements, sides, strict=True)
@@ -246,8 +246,8 @@ class BallSystem:
     def open_quadrics(self, sides: tuple[int, ...]) -> list[acb_mat] | None:
         """Return the Hessian matrices of e.f and of six equations that are each one quadric alone.
 
-        Multiplied so that a value (the square of a distance, a height, a cosine) is once in its
-        equation, times N, with the sign minus. None if some equations are no quadrics.
+        They are scaled so that the value (the square of a distance, a height, a cosine) has the
+        coefficient -N in its equation. The result is None if an equation is no quadric.
         """
         whole = self._single_quadrics(sides)
         if whole is None:
@@ -322,7 +322,7 @@ class BallSystem:
 def _nearer(
     sides: Sequence[BallEquation], places: Sequence[Sequence[acb]], said: int
 ) -> tuple[int, ...]:
-    """Return which equations are near zero, by the values that tell them apart best."""
+    """Return which equations are near zero, by the values that separate them best."""
     if len(sides) == 1:
         return (0,)
     first, second = sides

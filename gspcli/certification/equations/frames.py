@@ -1,4 +1,4 @@
-"""The coordinates in which Study points are given to what proves them."""
+"""The coordinates of Study points that are passed to proofs."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Frames:
 
     @classmethod
     def of(cls, arrangement: Arrangement) -> Frames:
-        """Return those of the points of ``arrangement.normalized``."""
+        """Return the frames of the points of ``arrangement.normalized``."""
         return cls(
             length=arrangement.length,
             platform=arrangement.platform_centre,
@@ -37,5 +37,5 @@ class Frames:
         )
 
 
-#: Those of the instance.
+#: The frames of the instance.
 OWN = Frames(length=1.0, platform=(0.0, 0.0, 0.0), base=(0.0, 0.0, 0.0))

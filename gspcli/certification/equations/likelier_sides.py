@@ -1,23 +1,23 @@
-"""Which of two sides of a plane a pose is meant to be on, by how far it is from either equation."""
+"""The likelier of two sides of a plane for a pose, by its distances from both equations."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-#: Of two sides the nearer is the one if the distances differ by this part of their sum.
+#: The nearer side is taken if the two distances differ by this part of their sum.
 _CLEAR = 0.9
 
 
 def likelier(pairs: Sequence[tuple[float, float]], said: int) -> tuple[int, ...]:
-    """Return the side whose equation is nearer; both, the likelier first, where that is not clear.
+    """Return the side whose equation is nearer; both, the likelier first, if it is not clear.
 
     Parameters
     ----------
     pairs
-        The distances from both equations, measured in several ways: that counts which tells the
-        sides apart best.
+        The distances from both equations, measured in several ways; the way that separates the
+        sides best is used.
     said
-        1 or -1 for the side that is likelier where it is not clear, or 0.
+        1 or -1 for the likelier side if it is not clear, or 0.
     """
     a, b = max(pairs, key=_contrast)
     order = (0, 1) if a <= b else (1, 0)

@@ -1,8 +1,8 @@
-"""Frames that begin near the parts of a platform, in which it is certified.
+"""Frames with origins near the bodies of a platform, in which it is certified.
 
 An instance may state its coordinates in the frame of a workshop, thousands of lengths away. Then T
-is of that size, and so is what any rounding or tolerance relative to it means. The same platform
-with its coordinates less some origin is the same problem, exactly.
+has that size, and so have rounding and tolerances relative to it. The platform with an origin
+subtracted from its coordinates is exactly the same problem.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ Array = NDArray[np.float64]
 #: Real or complex.
 Floats = NDArray[Any]
 
-#: Frames are moved if an origin is farther than so many sizes of the platform.
+#: Frames are moved if an origin is farther away than this many sizes of the platform.
 FAR = 8
-#: The least length that tells poses apart, as a part of the scale.
+#: The least length that distinguishes poses, as a part of the scale.
 _LEAST = 2.0**-20
 _BODIES = ("platform", "base")
-#: Bits in which the translation of a pose given by doubles is exact in other frames.
+#: Bits with which the translation of a pose in doubles is exact in other frames.
 _EXACT = 4096
 
 
@@ -47,7 +47,7 @@ def length_scale(instance: Instance, distances: Iterable[float] | None = None) -
     instance
         The instance.
     distances
-        In place of its own.
+        Distances that replace those of the instance.
     """
     if distances is None:
         distances = (c.value.value for c in instance.constraints if c.kind.is_distance)
@@ -63,11 +63,11 @@ def length_scales(instance: Instance, distances: Array) -> Array:
 
 
 def least_length(instance: Instance) -> float:
-    """Return a power of two next below the size of the smaller body, points apart.
+    """Return the power of two below the size of the smaller body that is no point.
 
-    By so much a body of a millimetre in a hall of a kilometre may be off before it is elsewhere.
-    Not below 2^-20 of the scale, about as well as doubles know the poses of such a platform when
-    multiplied by a tolerance of 1e-6.
+    A body of a millimetre in a hall of a kilometre is at another place if it moves by this length.
+    The result is at least 2^-20 of the scale: with a tolerance of 1e-6 this is about the accuracy
+    of doubles for the poses of such a platform.
     """
     rows = instance.constraints
     sizes = [max(high - low for low, high in _ranges(rows, body)) for body in _BODIES]
@@ -94,7 +94,7 @@ _NOWHERE = (Fraction(0),) * 3
 
 @dataclass(frozen=True)
 class LocalFrames:
-    """Where the frames begin: ``T_centred = T + R platform - base``.
+    """The origins of the frames: ``T_centred = T + R platform - base``.
 
     Attributes
     ----------
@@ -107,14 +107,14 @@ class LocalFrames:
 
     @classmethod
     def of(cls, instance: Instance, distances: Sequence[float] | None = None) -> LocalFrames:
-        """Return origins near the primitives of both bodies; zero unless that is far away.
+        """Return origins near the primitives of both bodies; zero unless these are far away.
 
         Parameters
         ----------
         instance
             The instance.
         distances
-            In place of its own, none negative.
+            Distances that replace those of the instance, none negative.
         """
         if distances is None:
             distances = [abs(c.value.value) for c in instance.constraints if c.kind.is_distance]
@@ -138,7 +138,7 @@ class LocalFrames:
         return not any(self.platform) and not any(self.base)
 
     def applied(self, instance: Instance) -> Instance:
-        """Return the same platform in these frames."""
+        """Return the platform in these frames."""
         if self.is_none:
             return instance
 
@@ -159,7 +159,7 @@ class LocalFrames:
     def translation(self, R: Sequence[Sequence[acb]], T: Sequence[acb]) -> list[acb]:
         """Return the translation of a pose in these frames, lengths in those of the instance.
 
-        Exact numbers give exact ones.
+        Exact numbers give exact results.
         """
         return self._shifted(R, T, 1)
 
@@ -170,7 +170,7 @@ class LocalFrames:
     def doubles_back(self, R: Floats, T: Floats) -> Floats:
         """Return translations in the frames of the instance, next to the exact ones.
 
-        As good as if computed with twice the digits and then rounded (T. Ogita, S. M. Rump and
+        They are as accurate as with twice the digits and one rounding (T. Ogita, S. M. Rump and
         S. Oishi, Accurate sum and dot product, SIAM Journal on Scientific Computing 26, 2005).
 
         Parameters

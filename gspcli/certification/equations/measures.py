@@ -1,8 +1,8 @@
-"""The constraints measured as they are stated, on a pose in balls.
+"""The stated distances and angles, measured on a pose in balls.
 
-What is measured here is the distance or the angle itself (paper, Section 4), not the polynomial
-that `ball_system` solves: a check of the one against the other. Neither uses the floating-point
-statement in `gspcli.geometry.constraint_polynomials`.
+The distance or the angle itself is measured (paper, Section 4), not the polynomial of
+`ball_system`: so each checks the other. Neither uses the floating-point statement in
+`gspcli.geometry.constraint_polynomials`.
 """
 
 from __future__ import annotations
@@ -67,20 +67,20 @@ def _measure(given: Statement, R: list[list[arb]], T: list[arb]) -> Measurement:
 
 
 def _angle(u: list[arb], v: list[arb]) -> arb:
-    """Return the angle of two vectors, in [0, pi]; good near 0 and pi too."""
+    """Return the angle of two vectors, in [0, pi]; it is accurate near 0 and pi, too."""
     return arb.atan2(norm(cross(u, v)), dot(u, v))
 
 
 def residual(measurements: Sequence[Measurement]) -> arb:
-    """Bound the largest difference between what is measured and what is stated."""
+    """Bound the largest difference of a measured and a stated value."""
     return largest([m.value - m.target for m in measurements])
 
 
 def satisfies_constraints(system: BallSystem, pose: PoseBall, *, real: bool) -> bool:
-    """Whether the constraints are proved to hold as they are stated.
+    """Whether the stated constraints are proved to hold.
 
-    Only for the distance of two lines does the equation hold elsewhere: where they are parallel,
-    whatever their distance.
+    Only the equation of a distance of two lines has other solutions: parallel lines at any
+    distance.
     """
     if real and any(not m.value.overlaps(m.target) for m in measure(system, pose)):
         return False

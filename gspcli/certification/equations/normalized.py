@@ -1,4 +1,4 @@
-"""The exact numbers of a platform in the coordinates that paths are followed in, in many digits."""
+"""The numbers of a platform in the coordinates of paths, with many digits."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from gspcli.geometry.instance import Instance
 #: Arrays of `flint.acb`.
 Balls = NDArray[Any]
 
-#: Bits in which the numbers are computed: 64 digits, and those that cancel in them.
+#: Bits of the numbers: 64 digits, and the digits that cancel.
 _PRECISION = 320
 
 
 class NormalizedNumbers(NamedTuple):
-    """The numbers of the constraints; as `geometry.arrangement.Arrangement`."""
+    """The numbers of the constraints, as in `geometry.arrangement.Arrangement`."""
 
     y: Balls
     """A point of each platform primitive, shape (6, 3)."""
@@ -40,7 +40,7 @@ class NormalizedNumbers(NamedTuple):
 
 @contextmanager
 def many_digits() -> Iterator[None]:
-    """Set the precision in which these numbers are to be calculated with."""
+    """Set the precision of calculations with these numbers."""
     before = ctx.prec
     ctx.prec = _PRECISION
     try:

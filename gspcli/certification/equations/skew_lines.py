@@ -1,8 +1,8 @@
-"""Where lines whose distance is given are proved not to be parallel.
+"""Proofs that the lines of a DLL are not parallel.
 
 The equation of the distance of two lines is ``M^2 = d^2 (u.u v.v - C^2)`` with the mutual moment M
-and ``C = R u . v``. It says that the distance is d where the right-hand side does not vanish: where
-the lines are parallel it holds whatever their distance.
+and ``C = R u . v``. If its right-hand side does not vanish, the distance is d. For parallel lines
+the equation holds at any distance.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 
-# Whatever is not a number proves nothing.
+# NaN proves nothing.
 @np.errstate(all="ignore")
 def are_skew(instance: Instance, R: Complex, deviation: Array) -> NDArray[np.bool_]:
     """Return at which poses the lines of every DLL are proved not to be parallel, shape (n,).
@@ -29,7 +29,7 @@ def are_skew(instance: Instance, R: Complex, deviation: Array) -> NDArray[np.boo
     instance
         The platform.
     R, deviation
-        Rotations (n, 3, 3), and bounds of how far each of their entries is off, shape (n,).
+        Rotations (n, 3, 3), and bounds of the errors of their entries, shape (n,).
     """
     weights = [
         np.outer(row.base.unit, row.platform.unit).ravel()
@@ -43,7 +43,7 @@ def are_skew(instance: Instance, R: Complex, deviation: Array) -> NDArray[np.boo
     cosine = entries @ columns
     sizes, reach = np.abs(entries) @ np.abs(columns), np.abs(columns).sum(axis=0)
     error = OUTWARD * (deviation[:, None] * reach + ROUNDING * sizes)
-    # With unit vectors the right-hand side is d^2 times this.
+    # For unit vectors the right-hand side is d^2 times this.
     sine = np.abs(1 - cosine**2)
     rounding = ROUNDING * (1 + np.abs(cosine) ** 2)
     enough = OUTWARD * ((2 * np.abs(cosine) + error) * error + rounding)

@@ -21,7 +21,7 @@ class Statement:
     Attributes
     ----------
     kind, side
-        As in the constraint.
+        Those of the constraint.
     a, b
         A point of the platform and of the base primitive, in units of the scale.
     u, v

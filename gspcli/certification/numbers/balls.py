@@ -1,4 +1,4 @@
-"""Ball arithmetic in the shape that the proofs need: exact numbers, vectors, outward rounding.
+"""Ball arithmetic for proofs: exact numbers, vectors, outward rounding.
 
 Every function works at the precision of the current `flint.ctx`; an `arb` is a real ball and an
 `acb` a complex one, and each result contains the exact one.
@@ -44,7 +44,7 @@ def ball(number: Number) -> arb:
 
 
 def power_of_two(size: float) -> arb:
-    """Return the power of two next below a positive size, exactly; 1 for zero."""
+    """Return the largest power of two that is at most a positive size; 1 for zero."""
     if not 0 < size < math.inf:
         return arb(1)
     return arb(2) ** (math.frexp(size)[1] - 1)
@@ -84,7 +84,7 @@ def largest(values: Sequence[Ball]) -> arb:
 
 def floats_above(values: Iterable[Ball]) -> NDArray[np.float64]:
     """Return floats that are not below the moduli of any numbers in balls."""
-    # `TINY` makes up for what becomes a subnormal float.
+    # `TINY` covers the rounding of subnormal floats.
     return np.array([float(value.abs_upper()) for value in values]) * OUTWARD + TINY
 
 

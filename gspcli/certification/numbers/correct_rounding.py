@@ -1,10 +1,10 @@
-"""Numbers that are known as balls, rounded correctly: what every proved pose is written in.
+"""Correct rounding of numbers in balls; every proved pose is returned in this form.
 
-Below `SMALL` units a number is rounded to the nearest multiple of `GRID` units, so that what is
-exactly zero needs no other proof than that it is nearly zero; else to the nearest double. The unit
-is the power of two above all numbers of a rotation, of a quaternion, or of a translation and the
-length scale of its platform. The kernel does the same (native/fine_points.cpp): the result depends
-on the exact numbers alone.
+Below `SMALL` units a number is rounded to the nearest multiple of `GRID` units, otherwise to the
+nearest double. So a number that is exactly zero becomes zero if it is proved to be nearly zero. The
+unit is the power of two above all numbers of a rotation, of a quaternion, or of a translation and
+the length scale of its platform. The kernel rounds in the same way (native/fine_points.cpp): the
+result depends on the exact numbers only.
 """
 
 from __future__ import annotations
@@ -17,23 +17,23 @@ import numpy as np
 from flint import acb, arb
 from numpy.typing import NDArray
 
-#: The exponents of these, and of the largest radius of a ball around a number that may be a tie.
+#: The exponents of `SMALL`, of `GRID`, and of the largest radius of a ball about a possible tie.
 _SMALL, _GRID, _TIE = -12, -64, -900
-#: See above.
+#: The limit of small numbers and the step of their grid, in units.
 SMALL, GRID = Fraction(2) ** _SMALL, Fraction(2) ** _GRID
 
 
 def rounded(
     numbers: Sequence[acb], *, real: bool, least_unit: float = 0.0
 ) -> NDArray[np.complex128] | None:
-    """Return the numbers in balls, rounded correctly; None if some balls are too large to tell.
+    """Return the numbers in balls, rounded correctly; None if a ball is too large.
 
     Parameters
     ----------
     numbers
         Balls of n complex numbers.
     real
-        Whether they are real, whatever their imaginary parts.
+        Whether they are real; their imaginary parts are then ignored.
     least_unit
         The unit is not below this power of two.
     """
@@ -49,7 +49,7 @@ def rounded(
 
 
 def _rounded(number: arb, unit: int) -> float | None:
-    """Return a ball's numbers rounded, the unit a power of two; None if that is not one double."""
+    """Return the rounded number of a ball, in a unit; None if not all its numbers agree."""
     mantissa, exponent = map(int, number.mid().man_exp())
     radius, place = map(int, number.rad().man_exp())
     if not radius:
@@ -61,26 +61,26 @@ def _rounded(number: arb, unit: int) -> float | None:
         return low
     if radius.bit_length() + place > unit + _TIE:
         return None
-    # An exact number may well be half-way between two.
+    # An exact number may be half-way between two doubles.
     tie = (Fraction(low) + Fraction(high)) / 2
     return _nearest(tie.numerator, 1 - tie.denominator.bit_length(), unit)
 
 
 def _nearest(mantissa: int, exponent: int, unit: int) -> float:
-    """Return what a mantissa times a power of two is rounded to."""
+    """Return a mantissa times a power of two, rounded."""
     size = abs(mantissa)
     if size.bit_length() + exponent > unit + _SMALL:
-        # The nearest double, exactly where it is none of those near zero.
+        # The nearest double, if it is not subnormal.
         drop = max(size.bit_length() - 53, -1074 - exponent)
     else:
         drop = unit + _GRID - exponent
     kept = _shifted(size, drop)
-    # Zero has one sign.
+    # No result is a negative zero.
     return math.ldexp(kept if mantissa > 0 else -kept, exponent + drop) if kept else 0.0
 
 
 def _shifted(size: int, drop: int) -> int:
-    """Return the integer nearest to one over a power of two, of two the even one."""
+    """Return an integer over a power of two, rounded to the nearest integer, ties to even."""
     if drop <= 0:
         return size << -drop
     kept, rest = size >> drop, size & ((1 << drop) - 1)

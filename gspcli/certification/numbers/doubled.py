@@ -1,4 +1,4 @@
-"""Exact numbers as sums of two doubles, for proofs that the kernel writes in 32 digits."""
+"""Exact numbers as sums of two doubles, for proofs of the kernel with 32 digits."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Part of its size by which a number may differ from its two doubles (native/open_equations.hpp).
+#: Largest relative difference of a number from its two doubles (native/open_equations.hpp).
 ERROR = 2.0**-96
 #: Integers up to this are doubles.
 _INTEGERS = 2**53
 _ONE = (1, 1)
-#: Bits of balls that are turned into two doubles, and how many of them should be known.
+#: Bits of balls that are converted to two doubles, and the bits that must be accurate.
 _PRECISION, _KNOWN = 128, 108
 
 
@@ -38,7 +38,7 @@ class Doubled(NamedTuple):
 
     @classmethod
     def of(cls, number: Number) -> Doubled:
-        """Return the doubles next to a number."""
+        """Return the doubles nearest to a number."""
         exact = number.fraction
         if exact is None:
             return cls.near(lambda: _ball(number))
@@ -46,20 +46,20 @@ class Doubled(NamedTuple):
 
     @classmethod
     def of_ratio(cls, numerator: int, denominator: int) -> Doubled:
-        """Return those next to a quotient of integers, within half a last place of `low`."""
+        """Return the doubles nearest to a quotient of integers, within half a place of `low`."""
         high = numerator / denominator
         p, q = high.as_integer_ratio()
         return cls(high, (numerator * q - p * denominator) / (denominator * q), abs(high))
 
     @classmethod
     def near(cls, compute: Callable[[], arb]) -> Doubled:
-        """Return those next to what is computed in balls."""
+        """Return the doubles nearest to a number that is computed in balls."""
         from flint import ctx
 
         with ctx.workprec(_PRECISION):
             ball = compute()
             if ball.rel_accuracy_bits() < _KNOWN:
-                # A difference of almost equal numbers.
+                # Almost equal numbers are subtracted.
                 with ctx.workprec(8 * _PRECISION):
                     ball = compute()
             high = float(ball)
@@ -69,7 +69,7 @@ class Doubled(NamedTuple):
 
     @classmethod
     def square(cls, number: Number) -> Doubled:
-        """Return the doubles next to the square of a number."""
+        """Return the doubles nearest to the square of a number."""
         exact = number.fraction
         if exact is None:
             return cls.near(lambda: _ball(number) ** 2)
@@ -81,7 +81,7 @@ class Doubled(NamedTuple):
 
 
 def doubled(numbers: Sequence[Number]) -> Array:
-    """Return `Doubled.of` of numbers as columns, shape (3, n); short quotients all at once."""
+    """Return `Doubled.of` of numbers as columns, shape (3, n); short quotients together."""
     fractions = [number.fraction for number in numbers]
     found = quotients([_ONE if x is None else x.as_integer_ratio() for x in fractions])
     for k in [k for k, exact in enumerate(fractions) if exact is None]:
@@ -98,7 +98,7 @@ def quotients(ratios: Sequence[tuple[int, int]]) -> Array:
 
 
 def two_product(a: Array, b: Array) -> tuple[Array, Array]:
-    """Return products of moderate numbers, and what rounding leaves of them (T. J. Dekker)."""
+    """Return products of moderate numbers, and their rounding errors (T. J. Dekker)."""
     (a_high, a_low), (b_high, b_low) = _split(a), _split(b)
     product = a * b
     rest = ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low
@@ -106,7 +106,7 @@ def two_product(a: Array, b: Array) -> tuple[Array, Array]:
 
 
 def two_sum(a: Array, b: Array) -> tuple[Array, Array]:
-    """Return sums, and what rounding leaves of them (D. E. Knuth)."""
+    """Return sums, and their rounding errors (D. E. Knuth)."""
     total = a + b
     part = total - a
     return total, (a - (total - part)) + (b - part)

@@ -22,14 +22,14 @@ Array = NDArray[np.float64]
 
 _PRECISION = 160
 _NOTHING = (0.0, 0.0)
-#: What is measured, by the numbers of native/reach.hpp.
+#: The measured quantities, with the numbers of native/reach.hpp.
 _MEASURES: dict[Kind, int] = {
     DPP: 0, DPL: 1, DLP: 2, DPH: 3, DHP: 4, DLL: 5, ALL: 6, ALH: 6, AHL: 6, AHH: 6,
 }  # fmt: skip
 
 
 class LimitBalls(NamedTuple):
-    """What native/reach.cpp knows of an instance; pairs are a double and the radius about it."""
+    """The numbers of an instance for native/reach.cpp; a pair is a double and a radius."""
 
     measures: NDArray[np.int32]
     """What each constraint measures, shape (6,)."""
@@ -52,7 +52,7 @@ class LimitBalls(NamedTuple):
 def limit_balls(
     instance: Instance, quaternion: Sequence[float], pivot: Sequence[float]
 ) -> LimitBalls:
-    """Return the limits of an instance, the platform turned and its points seen from a pivot.
+    """Return the limits of an instance with a turned platform, its points relative to a pivot.
 
     Parameters
     ----------
@@ -123,13 +123,13 @@ def _unit(vector: list[arb]) -> list[arb]:
 
 
 def _range(row: Constraint, degree: arb) -> list[tuple[float, float]]:
-    """Return the least and the largest of what the kernel measures."""
+    """Return the least and the largest measured number of the kernel."""
     if row.limits is None:
         return [(-np.inf, 0.0), (np.inf, 0.0)]
     low, high = row.limits
     kind = row.kind
     if not kind.is_distance:
-        # Angles at the ends of their range limit nothing there.
+        # An angle at an end of its range is no limit.
         ends = (0, 180) if kind in (ALL, AHH) else (-90, 90)
         first, last = (
             None if _is(number, end, degree) else ball(number) * degree
@@ -155,7 +155,7 @@ def _range(row: Constraint, degree: arb) -> list[tuple[float, float]]:
 
 
 def _is(number: Number, degrees: int, degree: arb) -> bool:
-    """Return whether an angle is an end of its range, or cannot be told from it."""
+    """Return whether an angle is an end of its range, or cannot be distinguished from it."""
     return (ball(number) * degree - degrees * arb.pi() / 180).contains(0)
 
 

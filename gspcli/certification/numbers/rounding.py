@@ -1,15 +1,15 @@
-"""What rounding in floating point can change, and how the kernel says what it proved."""
+"""Bounds of rounding in floating point, and the bits with which the kernel reports proofs."""
 
-#: Outward rounding of a sum or product of at most a few hundred nonnegative floats: each
-#: operation loses a relative 2^-53 at most, and this factor makes up for four thousand of them.
+#: Factor of outward rounding of a sum or product of at most a few hundred nonnegative floats: each
+#: operation has a relative error of at most 2^-53, and the factor covers four thousand of them.
 OUTWARD = 1 + 2.0**-40
 
-#: Less than this is lost where a result leaves the normal range of floats.
+#: A bound of the error where a result is below the normal range of floats.
 TINY = 2.0**-1000
 
 #: Bounds the relative error (of the expression of the moduli) of everything computed here.
 ROUNDING = 2.0**-45
 #: A coefficient differs from its double by at most this part of its bound.
 CONVERSION = 2.0**-50
-#: Bits of what the kernel proves.
+#: Bits of the properties that the kernel has proved.
 ISOLATED, REAL, COMPLEX, ROUNDED = 1, 2, 4, 8

@@ -1,4 +1,4 @@
-"""Sines of many angles in 32 digits, with a bound of the error that needs no library."""
+"""Sines of many angles with 32 digits and an error bound, without a library."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ _PI = Fraction("3.14159265358979323846264338327950288419716939937510")
 _UNIT = _pair(_PI / 180)
 _QUARTER = {True: (90.0, 0.0), False: _pair(_PI / 2)}
 _TERMS = [_pair(Fraction((-1) ** k, factorial(2 * k + 1))) for k in range(17)]
-#: From this term on doubles do.
+#: From this term on doubles suffice.
 _SMALL = 10
 
 
 class SineNumbers(NamedTuple):
-    """The numbers that sines are computed from, for programs that compute the same elsewhere."""
+    """The numbers from which sines are computed, for the same computation in other programs."""
 
     quarter: tuple[float, float]
     """A quarter turn, as all of these the sum of two doubles."""
@@ -51,7 +51,7 @@ class SineNumbers(NamedTuple):
 
     @classmethod
     def of(cls, *, degrees: bool) -> SineNumbers:
-        """Return those for a unit of angles."""
+        """Return the numbers for a unit of angles."""
         return cls(_QUARTER[degrees], _UNIT, _TERMS, _SMALL)
 
 
@@ -61,9 +61,9 @@ def sines(angles: Array, complements: NDArray[np.bool_], *, degrees: bool) -> Pa
     Parameters
     ----------
     angles
-        In degrees or radians, a few roundings beyond are harmless.
+        In degrees or radians; a few roundings beyond the range are harmless.
     complements
-        Of which of them the cosine is wanted; broadcast.
+        For which of them the cosine is returned; broadcast.
     degrees
         The unit.
     """

@@ -1,1 +1,1 @@
-"""Proofs of poses: that they exist, are simple, are real, are different."""
+"""Proofs that poses exist, are simple, are real and are different."""

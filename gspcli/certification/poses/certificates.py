@@ -1,4 +1,4 @@
-"""What is proved about approximate poses, one by one and together."""
+"""Certificates: the proved properties of approximate poses, of each and of all together."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Outcome(Enum):
-    """Why a candidate is certified or not."""
+    """The reason why a candidate is certified or not."""
 
     CERTIFIED = "certified"
     REFUTED = "refuted"
@@ -43,14 +43,14 @@ _MEANINGS = {
 
 @dataclass(frozen=True)
 class Certificate:
-    """What is proved of one candidate.
+    """The proved properties of one candidate.
 
     Attributes
     ----------
     outcome
-        `Outcome.CERTIFIED`, or why nothing is claimed.
+        `Outcome.CERTIFIED`, or the reason why nothing is proved.
     real
-        True: the solution is proved real. False: it is proved not to be. None: neither.
+        True if the solution is proved to be real, False if it is proved not to be, else None.
     error
         Proved bound of the distance between the solution and `isolation.centre`, in Study
         coordinates (lengths by the scale of the instance).
@@ -61,12 +61,11 @@ class Certificate:
         Proved bound of the difference between the candidate and the solution in any entry of R
         and of T, the latter divided by `length`.
     length
-        What deviations of T are divided by: `Certificates.least_length`; where T is larger than
-        eight scales, so that it is only known relatively, the scale.
+        The unit of deviations of T: `Certificates.least_length`. If T is larger than eight scales,
+        so that it has a relative error, the unit is the scale.
     residual_bound
-        For real solutions: proved bound of the difference between what is measured on the
-        candidate, with the real numbers exactly as they were given, and what the constraints
-        state, in the units of the instance.
+        For real solutions: proved bound of the difference between the values measured on the
+        candidate (its given numbers are exact) and the stated values, in the units of the instance.
     sides
         For each constraint the side on which the point of a real solution is proved to lie, and
         that of its equation for another; None where a constraint has no sides, the distance is
@@ -74,15 +73,16 @@ class Certificate:
     same_as
         Index of the first candidate that is proved to approximate the same solution.
     unresolved
-        Indices of the candidates with solutions not proved to be the same nor different; or that
-        approximate the same one, but as doubles do not tell it from others so near.
+        Indices of the candidates whose solutions are proved to be neither the same nor different,
+        and of those that approximate the same solution, but have another solution as near in
+        doubles.
     precision
         Bits of the last attempt.
     isolation
         The proof, from which the solution can be refined.
     equivalent
-        The instance whose equations the proof is about, if it is another one with the same poses:
-        with points for lines that are parallel at every pose.
+        The instance whose equations the proof uses, if it is not the given one: it has the same
+        poses, and points for lines that are parallel at every pose.
     """
 
     outcome: Outcome
@@ -105,7 +105,7 @@ class Certificate:
         return self.outcome is Outcome.CERTIFIED
 
     def to_json(self) -> dict[str, Any]:
-        """Return what is proved as plain data; candidates and constraints are counted from 1."""
+        """Return the certificate as plain data; candidates and constraints are counted from 1."""
         sides = [side and side.value for side in self.sides or ()]
         return {
             "certified": self.certified,
@@ -134,9 +134,8 @@ class Certificates(Sequence[Certificate]):
         The length, a power of two, by which translations are divided in errors.
     least_length
         The length, a power of two, by which translations that are not far are divided in
-        deviations: next below
-        the size of the smaller body that is no point; at least 2^-20
-        of the scale.
+        deviations. It is the largest one below the size of the smaller body that is no point, and
+        at least 2^-20 of the scale.
     """
 
     items: tuple[Certificate, ...]
@@ -177,7 +176,7 @@ class Certificates(Sequence[Certificate]):
         return pd.DataFrame(self.to_json()["solutions"])
 
     def to_json(self) -> dict[str, Any]:
-        """Return the certificates as plain data, as `gsp certify` has them."""
+        """Return the certificates as plain data, as `gsp certify` prints them."""
         entries = enumerate((item.to_json() for item in self.items), 1)
         return {
             "scale": self.scale,
@@ -197,17 +196,17 @@ class Certificates(Sequence[Certificate]):
 
     @property
     def certified(self) -> int:
-        """How many candidates are certified, duplicates included."""
+        """The number of certified candidates, duplicates included."""
         return sum(item.certified for item in self.items)
 
     @property
     def distinct(self) -> int:
-        """How many pairwise different solutions are proved to exist among the candidates."""
+        """The number of pairwise different solutions that are proved to exist."""
         return len(self._representatives())
 
     @property
     def real(self) -> int:
-        """How many pairwise different solutions are proved to exist and to be real."""
+        """The number of pairwise different solutions that are proved to exist and to be real."""
         return sum(self.items[k].real is True for k in self._representatives())
 
     def _representatives(self) -> set[int]:

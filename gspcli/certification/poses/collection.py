@@ -1,4 +1,4 @@
-"""Distinct proved poses of one system: what each new approximation adds to those known already."""
+"""A collection of distinct proved poses of one system, to which new poses are added."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ Array = NDArray[np.float64]
 
 #: Bound of the relative error of a located pose that has been rounded to doubles.
 _ROUNDED = 2.0**-51
-#: Poses that agree to this part of their largest entry seem to be the same.
+#: Poses that agree to this part of their largest entry are probably the same.
 _ALIKE = 1e-9
 
 
 class Collection:
-    """Poses proved to be simple solutions, pairwise different, each proved to be real or not.
+    """Poses that are proved to be simple, pairwise different, and real or not real.
 
     Parameters
     ----------
     locator
-        Of the instance.
+        The locator of the instance.
     sides
         For each constraint the index of the equation of the system (`BallSystem.equations`).
 
@@ -39,7 +39,7 @@ class Collection:
     R, T
         The poses, shapes (n, 3, 3) and (n, 3), complex; imaginary parts of real ones are zero.
     quaternions
-        Of the rotations, with ``e.e = 1``, of either sign, shape (n, 4).
+        Quaternions of the rotations, with ``e.e = 1``, of either sign, shape (n, 4).
     real
         Which are real, shape (n,).
     """
@@ -54,26 +54,26 @@ class Collection:
         self._deviations = np.zeros(0)
         self._located: list[Located | None] = []
         self._paired: set[int] = set()
-        #: Poses whose conjugates doubles do not tell from others.
+        #: Poses whose conjugates doubles do not separate from other poses.
         self._close: list[int] = []
 
     def __len__(self) -> int:
-        """Return how many different solutions are proved."""
+        """Return the number of different solutions."""
         return len(self._located)
 
     def add_proved(
         self, R: Complex, T: Complex, quaternions: Complex, real: NDArray[np.bool_], off: Array
     ) -> NDArray[np.intp]:
-        """Add poses that the kernel has proved; return the place of each here.
+        """Add poses that the kernel has proved; return the place of each in the collection.
 
-        Poses that are not proved different from one that is here have its place.
+        A pose that is not proved to be different from a pose of the collection has its place.
 
         Parameters
         ----------
         R, T, quaternions, real
             As the attributes of the same names.
         off
-            Bounds of how far they are off (`ProvedPoses.deviation`).
+            Bounds of their errors (`ProvedPoses.deviation`).
         """
         known, scale = len(self), self.locator.scale
         entries = _entries(np.concatenate([self.R, R]), np.concatenate([self.T, T]) / scale)
@@ -94,14 +94,14 @@ class Collection:
         return np.asarray(place[found[known:]])
 
     def add(self, poses: Iterable[Located | AtInfinity | None]) -> int:
-        """Add those located poses that are proved to be new; return how many."""
+        """Add the located poses that are proved to be new; return their number."""
         return sum(self._add(pose) for pose in poses if isinstance(pose, Located))
 
     def add_conjugates(self) -> int:
-        """Add the conjugates of located poses: equations are real.
+        """Add the conjugates of located poses, which are solutions, too: equations are real.
 
-        Only those that doubles tell from all others are added, and how many is returned; for the
-        others see `add_close_conjugates`.
+        Only conjugates that doubles separate from all others are added; their number is returned.
+        For the others see `add_close_conjugates`.
         """
         before = len(self)
         for k in range(before):
@@ -117,9 +117,9 @@ class Collection:
         return len(self) - before
 
     def add_close_conjugates(self) -> int:
-        """Add those conjugates that only balls tell from the rest; return how many are new.
+        """Add the conjugates that only balls separate from the others; return how many are new.
 
-        Most are none: both poses of a pair are in the collection. To prove it takes long.
+        Most are not new: both poses of a pair are in the collection. The proof takes long.
         """
         close, self._close = self._close, []
         before = len(self)
@@ -130,7 +130,7 @@ class Collection:
         return len(self) - before
 
     def place_near(self, R: Complex, T: Complex, off: float) -> int:
-        """Return the place of the only pose that may be one known up to a bound; else -1."""
+        """Return the place of the only pose within a bound of a pose; else -1."""
         entries, here = (
             _entries(x, y / self.locator.scale) for x, y in ((self.R, self.T), (R[None], T[None]))
         )
@@ -139,14 +139,14 @@ class Collection:
         return int(near[0]) if len(near) == 1 else -1
 
     def is_near(self, R: Complex, T: Complex) -> bool:
-        """Whether an approximate pose, R (3, 3) and T (3,), seems to be one of those here."""
+        """Whether an approximate pose, R (3, 3) and T (3,), is probably in the collection."""
         scale = self.locator.scale
         here, there = _entries(R[None], T[None] / scale), _entries(self.R, self.T / scale)
         gaps = np.abs(there - here).max(axis=1, initial=0)
         return bool((gaps <= _ALIKE * np.abs(here).max(initial=1)).any())
 
     def _near(self, R: Complex, T: Complex) -> tuple[NDArray[np.intp], float]:
-        """Return which poses doubles do not tell from a located one, and how far that is off."""
+        """Return which poses doubles do not separate from a located one, and its error."""
         scale = self.locator.scale
         here = _entries(R[None], T[None] / scale)
         deviation = float(_ROUNDED * np.abs(here).max(initial=1))
@@ -168,7 +168,7 @@ class Collection:
         return True
 
     def _exactly(self, k: int) -> Located | None:
-        """Return a pose with all its digits, if they can be had."""
+        """Return a pose with all its digits, if they can be computed."""
         if self._located[k] is None:
             found = self.locator.near(self.R[k], self.T[k], self.sides)
             if isinstance(found, Located) and self._is_near(k, found):
@@ -176,7 +176,7 @@ class Collection:
         return self._located[k]
 
     def _is_near(self, k: int, pose: Located) -> bool:
-        """Return whether a located pose lies where that of doubles is proved."""
+        """Return whether a located pose is within the proved error of a pose in doubles."""
         here = _entries(pose.R[None], pose.T[None] / pose.scale)
         gap = np.abs(_entries(self.R[k][None], self.T[k][None] / pose.scale) - here).max()
         error = _ROUNDED * np.abs(here).max(initial=1)

@@ -1,4 +1,4 @@
-"""Which of several isolated solutions are the same, which are not, which nobody knows yet."""
+"""Comparison of isolated solutions: proved the same, proved different, or undecided."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from gspcli.certification.numbers.balls import float_ends
 from gspcli.certification.numbers.rounding import OUTWARD
 from gspcli.certification.poses.isolation import Isolation
 
-#: Fractional parts of multiples of the golden ratio: a linear form that no symmetry respects.
+#: Fractional parts of multiples of the golden ratio: a linear form without symmetries.
 _WEIGHTS = tuple((k * 0.6180339887498949) % 1 for k in range(1, 25))
 
 
@@ -34,7 +34,7 @@ def close_pairs(poses: Sequence[PoseBall]) -> Iterator[tuple[int, int]]:
 
 
 def all_different(entries: NDArray[np.complex128], deviations: NDArray[np.float64]) -> bool:
-    """Whether poses are proved pairwise different, each known up to a deviation.
+    """Whether poses with error bounds are proved to be pairwise different.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def all_different(entries: NDArray[np.complex128], deviations: NDArray[np.float6
     parts = np.concatenate((entries.real, entries.imag), axis=1)
     weights = np.array(_WEIGHTS)
     forms = parts @ weights
-    # What the form can be off by, the few roundings in it included.
+    # The error of the form, with its few roundings.
     reach = (weights.sum() * deviations + (OUTWARD - 1) * (np.abs(parts) @ weights)) * OUTWARD
     low, high = forms - reach, forms + reach
     order = np.argsort(low)
@@ -64,14 +64,14 @@ def all_different(entries: NDArray[np.complex128], deviations: NDArray[np.float6
 def places(
     entries: NDArray[np.complex128], deviations: NDArray[np.float64], known: int
 ) -> NDArray[np.intp]:
-    """Return for each of n poses the first that it is not proved different from, shape (n,).
+    """Return for each of n poses the first one from which it is not proved different, shape (n,).
 
     Parameters
     ----------
     entries, deviations
         As for `all_different`.
     known
-        So many of them, the first, are known to be different.
+        The first poses, in this number, are proved to be different.
     """
     weights = np.array(_WEIGHTS)
     parts = np.concatenate((entries.real, entries.imag), axis=1)
@@ -89,14 +89,14 @@ def places(
     found = np.arange(len(entries))
     for k in sorted(alike):
         if k >= known:
-            # Not those that were left out themselves.
+            # Only poses that have a place of their own.
             there = [j for j in alike[k] if found[j] == j]
             found[k] = min(there, default=k)
     return found
 
 
 def same(first: Isolation, second: Isolation) -> bool:
-    """Whether two isolated solutions are proved to be one."""
+    """Whether two isolated solutions are proved to be the same."""
     return first.contains(second) or second.contains(first)
 
 

@@ -1,4 +1,4 @@
-"""Poses that are known to many digits, and constraints that do not hold there."""
+"""Proofs that a pose with many digits violates a constraint."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from gspcli.certification.equations.pose_balls import PoseBall
 from gspcli.certification.poses.refinement import RefinedPose
 from gspcli.geometry.instance import Instance
 
-#: Bits for each decimal of a pose, and for what is lost in between.
+#: Bits for each decimal of a pose, and for rounding.
 _BITS_A_DIGIT, _GUARD = 4, 64
 
 
 def excluded(instance: Instance, pose: RefinedPose) -> bool:
-    """Return whether it is proved that a pose is none of an instance, of any number of constraints.
+    """Return whether it is proved that a pose violates a constraint of an instance.
 
     Parameters
     ----------
     instance
-        The constraints.
+        The constraints, of any number.
     pose
-        A real pose; what is proved is meant of all poses that its decimals may stand for.
+        A real pose; the proof is about all poses that its decimals may stand for.
     """
     digits = max(_places(x) for x in chain(*pose.R, pose.T))
     precision = _BITS_A_DIGIT * digits + _GUARD
@@ -38,5 +38,5 @@ def _places(text: str) -> int:
 
 
 def _ball(text: str) -> acb:
-    """Return the numbers that a decimal of `RefinedPose` stands for."""
+    """Return the numbers for which a decimal of `RefinedPose` may stand."""
     return acb(arb(text) + arb(0, 0.51) / arb(10) ** _places(text))

@@ -1,11 +1,12 @@
 """Poses far away, proved for other values of a geometry from poses that are known, without paths.
 
-A platform that is special up to the rounding of its numbers, by eps, has poses eps^-2 lengths away,
-where N is eps^4. A value enters its equation as a multiple of N alone: so these poses hardly depend
-on the values. In local coordinates at a known one (native/far_poses.hpp) the equations for other
-values have coefficients of order one, whatever N is, and doubles prove what takes hundreds of bits
-in the frames of the platform. The coefficients are computed in balls from the equations of
-`ball_system`; the theorem is that of `isolation`, and what is proved is rounded correctly.
+A platform that is special up to the rounding eps of its numbers has poses eps^-2 lengths away, with
+N of size eps^4. A value occurs in its equation only as a multiple of N, so these poses hardly
+depend on the values. In local coordinates at a known pose (native/far_poses.hpp) the equations for
+other values have coefficients of order one for any N. There doubles suffice for proofs that need
+hundreds of bits in the frames of the platform. The coefficients are computed in balls from the
+equations of `ball_system`. The theorem is that of `isolation`, and proved poses are rounded
+correctly.
 """
 
 from __future__ import annotations
@@ -27,34 +28,36 @@ from gspcli.records import dataclass
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-#: Part of its size by which a difference of two values in 32 digits errs.
+#: Relative error of a difference of two values with 32 digits.
 _DIFFERENCE = 2.0**-100
 
 
 @dataclass(frozen=True, eq=False)
 class FarPoses:
-    """Poses far away of a platform, from which those for other values are proved.
+    """Poses of a platform far away, from which the poses for other values are proved.
 
     Attributes
     ----------
     numbers
-        What the kernel has of each (native/far_poses.hpp), in two parts, shape (2, n, 752).
+        The numbers of each pose for the kernel (native/far_poses.hpp), as two doubles each, shape
+        (2, n, 752).
     errors
-        By how much they err, shape (n,).
+        Bounds of their errors, shape (n,).
     real
-        Which of the poses are real, shape (n,); of a pair of conjugates one is here.
+        Which of the poses are real, shape (n,); a pair of conjugates is stored as one pose.
     values
-        The values as the kernel wants them (`ValueProofs.own_values`), shape (6, 6).
+        The values in the form of the kernel (`ValueProofs.own_values`), shape (6, 6).
     powers
-        Of lengths that values are in their equations, shape (6,).
+        The power of a length that each value is in its equation, shape (6,).
     scale
         The unit of length.
     approached
-        How many, the last, are found only from approximations for the same values.
+        The number of poses, the last ones, that need approximations for the same values.
     centres
         Study points of the poses in that unit, with one as the largest coordinate of e, (n, 8).
     slopes
-        What takes differences from them to local coordinates, shape (n, 7, 8).
+        The matrices that convert differences from the centres to local coordinates, shape (n, 7,
+        8).
     """
 
     numbers: Complex
@@ -77,7 +80,7 @@ class FarPoses:
         R: Complex,
         T: Complex,
     ) -> FarPoses | None:
-        """Return the poses of a platform that are known; None if some are not known well enough.
+        """Return the known poses of a platform; None if some are not accurate enough.
 
         Parameters
         ----------
@@ -95,7 +98,7 @@ class FarPoses:
         known = [each for each in found if each is not None]
         if len(known) < len(found) or not known:
             return None
-        # Those that need to be approached are the last.
+        # Poses that need approximations are the last.
         known.sort(key=lambda each: each.is_bent)
         kinds = proofs.kinds
         return cls(
@@ -111,12 +114,12 @@ class FarPoses:
         )
 
     def __len__(self) -> int:
-        """Return how many poses there are, conjugates included."""
+        """Return the number of poses, conjugates included."""
         return 2 * len(self.real) - int(self.real.sum())
 
     @property
     def points(self) -> tuple[Complex, Complex]:
-        """R (k, 3, 3) and T (k, 3) of those, in the frames of the instance."""
+        """R (k, 3, 3) and T (k, 3) of the poses, in the frames of the instance."""
         chosen = self.centres[len(self.centres) - self.approached :]
         R, T = pose_from_study(chosen[:, :4], chosen[:, 4:])
         return np.asarray(R, np.complex128), np.asarray(T * self.scale, np.complex128)
@@ -159,7 +162,8 @@ class FarPoses:
         Parameters
         ----------
         values
-            As the kernel wants them (`ValueProofs`), of one choice of sides, shape (b, 6, 6).
+            Values in the form of the kernel (`ValueProofs`), of one choice of sides, shape (b, 6,
+            6).
         units
             The units of the last digits of translations, in `scale`, shape (b,).
         scale
@@ -204,9 +208,9 @@ class FarPoses:
         *,
         jobs: int = 1,
     ) -> ProvedPoses:
-        """Return poses for the same values with these beside them; parameters as for `decide`."""
+        """Return near poses and the far ones for the same values; parameters as for `decide`."""
         far = self.decide(values, units, scale, local, jobs=jobs)
-        # What is larger is another pose.
+        # Two poses are different if their error bounds do not overlap.
         with np.errstate(invalid="ignore"):
             least = (_largest(far.R, far.T / scale) - far.deviation).min(axis=1)
             largest = (_largest(near.R, near.T / scale) + near.deviation).max(axis=1, initial=0)
@@ -215,8 +219,8 @@ class FarPoses:
         return ProvedPoses._make([*parts, complete])
 
     def _shifts(self, values: Array, ratio: float) -> Array:
-        """Return by how much values are greater than those of the platform, (b, 3, 6)."""
-        # Exact: powers of two.
+        """Return the differences of values from those of the platform, (b, 3, 6)."""
+        # The factors are powers of two and exact.
         factor = ratio ** self.powers.astype(float)
         high, low, gap = (values[:, k] * factor for k in (0, 3, 4))
         own, own_low, own_gap = (self.values[k] for k in (0, 3, 4))
@@ -234,7 +238,7 @@ def _largest(R: Complex, T: Complex) -> Array:
 
 
 def _one_of_each_pair(R: Complex, T: Complex) -> list[int] | None:
-    """Return the real poses and one of each pair of conjugates; None if some have no partner."""
+    """Return the real poses and one of each conjugate pair; None if a partner is missing."""
     entries = np.concatenate((R.reshape(-1, 9), T), axis=1) + 0.0
     places = {row.tobytes(): k for k, row in enumerate(entries)}
     partners = [places.get((row.conj() + 0.0).tobytes(), -1) for row in entries]

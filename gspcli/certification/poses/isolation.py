@@ -1,4 +1,4 @@
-"""Proof that exactly one solution lies near a point: the contraction mapping theorem in balls.
+"""Proof of exactly one solution near a point, by the contraction mapping theorem in balls.
 
 Let F be the seven equations in the seven free coordinates of a patch ``e_k = 1``, x a point and Y
 a matrix, both exact, all norms maximum norms on C^7. Suppose
@@ -45,13 +45,13 @@ class Isolation:
     patch
         Index of the coordinate of e that is fixed.
     sides
-        For each constraint which of its equations is meant.
+        For each constraint the index of its equation.
     error
         Exact upper bound of the distance of the solution from the centre, in the maximum norm.
     uniqueness
         Radius of the closed ball about the centre that has no other solution of these sides.
     precision
-        Bits with which this was proved.
+        Bits of the proof.
     """
 
     centre: tuple[acb, ...]
@@ -73,8 +73,8 @@ class Isolation:
     def real(self) -> bool | None:
         """Whether the solution is real, in the patch and so as a pose; None if not decided.
 
-        The equations are real, so the conjugate of the solution is a solution. If it is in
-        the uniqueness ball too, it is the same one.
+        The equations are real, so the conjugate of the solution is a solution. If it is in the
+        uniqueness ball, too, both are equal.
         """
         if any(abs(x.imag) > self.error for x in self.centre):
             return False
@@ -82,7 +82,7 @@ class Isolation:
         return True if 2 * imaginary + self.error <= self.uniqueness else None
 
     def contains(self, other: Isolation) -> bool:
-        """Whether the solution of `other` is proved to be the one of this ball."""
+        """Whether the solution of `other` is proved to be the solution in this ball."""
         if self.sides != other.sides:
             return False
         point = other.point
@@ -95,7 +95,7 @@ class Isolation:
 class _Newton:
     """The equations and an approximate inverse of their Jacobian at an exact point.
 
-    The step to the next one is not longer than its length; what rounding errors make is its noise.
+    `length` is a bound of Newton's step, and `noise` the part of it that is rounding.
     """
 
     centre: list[acb]
@@ -159,7 +159,7 @@ def _newton(
     del entries[patch::8]
     jacobian = acb_mat(7, 7, entries)
     try:
-        # Any matrix will do.
+        # The theorem holds for any matrix.
         inverse = jacobian.solve(_IDENTITY, algorithm="approx").mid()
     except ZeroDivisionError:
         return None
@@ -178,17 +178,17 @@ def _prove(
     defect = (newton.inverse * newton.jacobian).entries()
     for k in range(7):
         defect[8 * k] -= 1
-    # Of a matrix that is nearly singular not even the sum may be a float.
+    # For a nearly singular matrix the sum may overflow.
     with np.errstate(over="ignore"):
         a = float(floats_above(defect).reshape(7, 7).sum(axis=1).max() * OUTWARD)
     if not a < 1:
         return None
-    # Of points too far away for floats nothing is proved.
+    # Nothing is proved about points too far away for floats.
     with np.errstate(over="ignore", invalid="ignore"):
         curvatures = system.curvatures((floats_above(newton.centre) + REACH) * OUTWARD)
         sizes = floats_above(newton.inverse.entries()).reshape(7, 7)
         b = float((sizes @ curvatures).max() * OUTWARD)
-    # Any radius may be tried; what counts is that q is rounded up and tested below.
+    # Any radius may be tried: q is rounded up and tested below.
     radius = min(REACH, (1 - a) / (2 * b))
     q = (a + b * radius) * OUTWARD
     if not (q < 1 and newton.length <= (1 - arb(q)) * radius):

@@ -1,9 +1,9 @@
-"""From approximate Study points of an instance to proved poses, with as many digits as it takes.
+"""Proved poses near approximate Study points of an instance, with as many digits as needed.
 
-A platform that is special up to a shake of eps has poses at eps^-2 lengths and N at eps^4, side
-by side with each other: too far and too near for doubles, but not for Newton's method on the exact
-equations in twice, four or eight times as many digits. What comes out is proved as every
-certificate is (`isolation`), N != 0 and the constraints as they are stated included.
+A platform that is special up to eps has poses eps^-2 lengths away, with N of size eps^4, near each
+other. Doubles do not suffice for them; Newton's method on the exact equations with two, four or
+eight times as many digits does. The results are proved like every certificate (`isolation`), with N
+!= 0 and the stated constraints.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ from gspcli.records import dataclass
 
 Complex = NDArray[np.complex128]
 
-#: To how many bits a point in doubles is known, about, and bits of the last attempt at any.
+#: The approximate number of correct bits of a point in doubles, and bits of the last attempt.
 DOUBLE, LAST_PRECISION = 64, 1024
-#: From this precision on a point that Newton's method still moves by more than the second number,
-#: as a part of its largest coordinate, is given up: it is no approximation of a simple solution.
+#: From this precision on a point is given up if Newton's method moves it by more than the second
+#: number, relative to its largest coordinate: it is no approximation of a simple solution.
 _PATIENCE, _UNSETTLED = 256, 2.0**-12
-#: A solution with a smaller N is called infinite: decimals would need three hundred digits to
-#: make a platform so nearly special.
+#: A solution with a smaller N counts as infinite: a platform with such a pose needs decimals of
+#: three hundred digits.
 _NULL = 2.0**-900
 
 
@@ -65,8 +65,8 @@ class Located:
 
     @property
     def conjugate(self) -> Located:
-        """The conjugate pose, which the same numbers prove: the equations are real."""
-        # Conjugation, too, rounds to the working precision.
+        """The conjugate pose; the same numbers prove it, because the equations are real."""
+        # Conjugation rounds to the working precision, too.
         with ctx.workprec(2 * self.isolation.precision):
             centre = tuple(x.conjugate() for x in self.isolation.centre)
             pose = PoseBall(
@@ -83,11 +83,11 @@ class Located:
     def numbers(self) -> tuple[Complex, Complex, Complex] | None:
         """R (3, 3), T (3,) in length units and the quaternion (4,), `rounded`.
 
-        None if the balls are too large for that.
+        The result is None if the balls are too large.
         """
         R = rounded(list(chain(*self.pose.rotation)), real=self.real)
         T = rounded(self.pose.translation, real=self.real, least_unit=1.0)
-        # N may be as small as the digits of the proof can tell from zero.
+        # N may be as small as the precision of the proof allows.
         with ctx.workprec(2 * self.isolation.precision):
             e = self.isolation.point[:4]
             norm = dot4(e, e)
@@ -173,14 +173,14 @@ class Locator:
         sides: tuple[int, ...],
         bits: int = DOUBLE,
     ) -> list[Located | AtInfinity | None]:
-        """Return what is proved near each point, None where nothing is.
+        """Return the pose that is proved near each point, or None.
 
         Parameters
         ----------
         points
             Study points in the coordinates of `frames`, of any norm, shape (n, 8).
         low
-            What is to be added to them, if they are known to more than doubles; shape (n, k, 8).
+            Doubles to add to the points, for more digits; shape (n, k, 8).
         sides
             For each constraint the index of its equation (`BallSystem.equations`).
         bits
@@ -194,7 +194,7 @@ class Locator:
     def near(
         self, R: Complex, T: Complex, sides: tuple[int, ...], bits: int = DOUBLE
     ) -> Located | AtInfinity | None:
-        """Return what is proved near a pose in the frames of the instance, R (3, 3) and T (3,).
+        """Return the pose proved near R (3, 3) and T (3,), in frames of the instance, or None.
 
         The sides and bits are those of `locate`.
         """
@@ -257,7 +257,7 @@ class Locator:
         bits
             To how many bits it is known, about.
         """
-        # Correct rounding needs more than is known, and a step of Newton's method doubles that.
+        # Correct rounding needs more bits than the point has; a Newton step doubles them.
         precision, last = 2 * bits, max(LAST_PRECISION, 4 * bits)
         patch = max(range(4), key=lambda k: float(abs(start[k]).mid()))
         if start[patch].contains(0):
@@ -269,8 +269,8 @@ class Locator:
         while precision <= last:
             with ctx.workprec(precision):
                 system = self.system(precision)
-                # With too few digits Newton's method leaves even a good start; near a second
-                # solution it is slow, and goes on from where it came to. More digits tell.
+                # With too few digits Newton's method may diverge from a good start. Near a second
+                # solution it is slow, and continues from its last point with more digits.
                 if reached is not point:
                     point = min(
                         (point, reached), key=lambda x: step_length(system, x, patch, sides)
@@ -295,7 +295,7 @@ class Locator:
 
 
 def _located(system: BallSystem, isolation: Isolation) -> Located | None:
-    """Return the pose of a solution if it is proved, and known well enough to be rounded."""
+    """Return the pose of a solution if it is proved and accurate enough to be rounded."""
     real = isolation.real
     pose = pose_of_point(isolation.point)
     if pose is None or real is None or not satisfies_constraints(system, pose, real=real):

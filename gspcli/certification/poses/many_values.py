@@ -1,9 +1,9 @@
-"""Proofs for many platforms of one geometry at a time: what differs is the values.
+"""Proofs for many sets of values of one geometry at a time.
 
-The theorem is that of `isolation`, the equations those of `ball_system`, the bounds of rounding
-errors those of `rounding`; the native kernel writes them down from numbers of 32 digits, and
-computes them for as many points as it has lanes. A value enters few coefficients, linearly as its
-square, itself or its cosine. Values are doubles here, meant exactly, or those of the instance.
+The theorem is that of `isolation`, the equations are those of `ball_system`, the bounds of rounding
+errors those of `rounding`. The native kernel sets up the equations from numbers with 32 digits and
+evaluates them for as many points as it has lanes. A value enters few coefficients, linearly as its
+square, itself or its cosine. Values are doubles, taken as exact, or those of the instance.
 """
 
 from __future__ import annotations
@@ -51,12 +51,12 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
 
-#: What a constraint is to the kernel (native/open_equations.hpp), and what lines that meet are.
+#: The numbers of the kinds in the kernel (native/open_equations.hpp), and that of lines that meet.
 _RELATIONS = {DPP: 0, DPH: 1, DHP: 2, DPL: 3, DLP: 4, DLL: 5, **dict.fromkeys(ANGLE_KINDS, 6)}
 _MEETING_LINES = 7
 #: A cosine errs by at most `SINE_ERROR`, which is this part of the unit of `converted`.
 COSINE_ERROR = SINE_ERROR / CONVERSION
-#: What the bits of the kernel say.
+#: The bits of the kernel.
 _BITS = np.arange(2 * max(ISOLATED, REAL, COMPLEX, ROUNDED))
 _CERTIFIED = ((_BITS & ISOLATED) > 0) & ((_BITS & (REAL | COMPLEX)) > 0)
 _REAL = (_BITS & REAL) > 0
@@ -64,26 +64,28 @@ _ROUNDED = (_BITS & ROUNDED) > 0
 
 
 class ProvedPoses(NamedTuple):
-    """What is proved about n ends of paths for each of b sets of values.
+    """Proofs about n ends of paths for each of b sets of values.
 
     Attributes
     ----------
     R, T
         The poses, shapes (b, n, 3, 3) and (b, n, 3), complex; proved real ones are exactly real.
     quaternions
-        Of the rotations, ``e.e = 1``, with the sign of `quaternion_from_rotation`; (b, n, 4).
+        Quaternions of the rotations, ``e.e = 1``, with the sign of `quaternion_from_rotation`;
+        (b, n, 4).
     certified
-        Near which of them there is exactly one solution, a simple one, proved real or proved not
-        to be; shape (b, n).
-    real
-        Which of those are real, shape (b, n).
-    rounded
-        Of which of those every number is proved to be rounded correctly (`correct_rounding`),
+        Whether there is exactly one solution near an end, simple, and proved to be real or not;
         shape (b, n).
+    real
+        Which certified ones are real, shape (b, n).
+    rounded
+        For which certified ones every number is proved to be rounded correctly
+        (`correct_rounding`), shape (b, n).
     deviation
-        Bounds of how far those are off, in any entry of R, and of T by the scale; shape (b, n).
+        Bounds of the errors of certified ones in any entry of R, and of T by the scale; shape (b,
+        n).
     complete
-        For which sets all are certified, proved to be different solutions and rounded, shape (b,).
+        For which sets all ends are certified, rounded, and proved to be different, shape (b,).
     """
 
     R: Complex
@@ -104,8 +106,8 @@ class ValueProofs:
     instance
         The geometry, its numbers taken exactly.
     rows
-        All sets of values that will be asked for, shape (b, 6), in the units of the instance:
-        their largest distances set the unit of length. None for those of the instance.
+        All sets of values that will be used, shape (b, 6), in the units of the instance: their
+        largest distances set the unit of length. None for the values of the instance.
     """
 
     def __init__(self, instance: Instance, rows: Array | None) -> None:
@@ -126,7 +128,7 @@ class ValueProofs:
         numbers = _numbers(instance, self.kinds)
         # Exact: a power of two.
         numbers[:, :, :2] /= self.scale
-        #: Hessian matrices with their low parts and moduli, equations, weights, what is turned.
+        #: Hessian matrices with their low parts and moduli, equations, weights, turning parts.
         self.numbers = _kernel.open(
             _relations(self.kinds, meeting), numbers, form_hessians(), tiny=TINY / CONVERSION
         )
@@ -145,7 +147,7 @@ class ValueProofs:
         return high * signs, low * signs
 
     def values(self, rows: Array, choices: Array) -> Array:
-        """Return what the kernel wants of each value (native/ends.hpp), shape (b, k, 6, 6)."""
+        """Return the numbers of each value for the kernel (native/ends.hpp), shape (b, k, 6, 6)."""
         values = np.repeat(rows[:, None, :], len(choices), axis=1)
         bounds, lows, gaps = np.empty_like(values), np.zeros_like(values), np.zeros_like(values)
         for i in self._distances:
@@ -167,7 +169,7 @@ class ValueProofs:
     def decide(
         self, rows: Array, choices: Array, points: Complex, frames: Frames, *, jobs: int = 1
     ) -> ProvedPoses:
-        """Prove what double precision can about the ends of paths.
+        """Prove poses near the ends of paths in double precision.
 
         Parameters
         ----------
@@ -178,7 +180,7 @@ class ValueProofs:
         points
             Study points of any norm for each set and choice, shape (b, k, m, 8), n = k m.
         frames
-            In which they are.
+            The frames of the points.
         jobs
             Threads.
         """
@@ -189,7 +191,7 @@ class ValueProofs:
         return length_scales(self.instance, rows[:, self._distances]) / self.scale
 
     def decide_own(self, choices: Array, points: Complex, frames: Frames) -> ProvedPoses:
-        """Prove what double precision can of the values of the instance, exactly as written.
+        """Prove poses in double precision for the values of the instance, exactly as written.
 
         Parameters
         ----------
@@ -202,7 +204,7 @@ class ValueProofs:
         return self._decide(values, np.ones(1), points[None], frames, jobs=1)
 
     def own_values(self, choices: Array) -> Array:
-        """Return what the kernel wants of the values of the instance, shape (k, 6, 6)."""
+        """Return the numbers of the instance's values for the kernel, shape (k, 6, 6)."""
         rows = self.instance.constraints
         exact = [row.value.fraction if row.kind.is_distance else None for row in rows]
         signed = [row.kind.has_sides for row in rows]
@@ -232,13 +234,13 @@ class ValueProofs:
         return columns
 
     def _turning(self, row: Constraint) -> tuple[float, float]:
-        """Return the distance that the quadric of the cosine of two lines is multiplied by."""
+        """Return the distance by which the quadric of the cosine of two lines is multiplied."""
         high, low, size = Doubled.of(row.value).scaled(1 / self.scale)
-        # The kernel takes for granted that it is as exact as that.
+        # The kernel assumes this accuracy.
         return abs(high), (low if high > 0 else -low) if abs(high) == size else math.nan
 
     def _irrational(self, row: Constraint) -> Doubled:
-        """Return what is in the equation of a constraint whose value is no fraction."""
+        """Return the number in the equation of a constraint whose value is no fraction."""
         if not row.kind.is_distance:
             from gspcli.certification.equations.statement import cosine
 
@@ -250,7 +252,7 @@ class ValueProofs:
     def _decide(
         self, values: Array, units: Array, points: Complex, frames: Frames, jobs: int
     ) -> ProvedPoses:
-        """Return what the kernel proves about points (b, k, m, 8) for values (b, k, 6, 6).
+        """Return the proofs of the kernel about points (b, k, m, 8) for values (b, k, 6, 6).
 
         The units (b,) of the last digits of translations are in lengths of the equations.
         """
@@ -275,14 +277,14 @@ class ValueProofs:
         for k in undecided:
             from gspcli.certification.poses.distinct import all_different
 
-            # One linear form does not tell them apart.
+            # One linear form does not separate them.
             entries = np.concatenate((R[k].reshape(-1, 9), T[k] / self.scale), axis=1)
             different[k] = all_different(entries, deviation[k])
         if DLL in self.kinds:
             skew = are_skew(self.instance, R.reshape(-1, 3, 3), deviation.ravel())
             skew = skew.reshape(certified.shape)
             certified, real, rounded = certified & skew, real & skew, rounded & skew
-        # Solutions of the equations of different sides are different ones: no distance is zero.
+        # Solutions for different sides are different: no distance is zero.
         different &= rounded.all(axis=1)
 
         def together(part: NDArray[Any]) -> NDArray[Any]:
@@ -301,7 +303,7 @@ class ValueProofs:
 
 
 def proved_bits(bits: NDArray[np.uint8]) -> tuple[NDArray[np.bool_], ...]:
-    """Return which poses are certified, real and rounded correctly, by what the kernel says."""
+    """Return which poses are certified, real and rounded correctly, by the bits of the kernel."""
     certified = _CERTIFIED[bits]
     return certified, certified & _REAL[bits], certified & _ROUNDED[bits]
 
@@ -315,7 +317,7 @@ def _numbers(instance: Instance, kinds: tuple[Kind, ...]) -> Array:
         factors.append(1.0)
         if not isinstance(body, Point):
             numbers += body.vector
-            # So that its length is near one, exactly.
+            # The length becomes nearly one by an exact operation.
             largest = max([abs(number.value) for number in body.vector])
             factors.append(2.0 ** (1 - math.frexp(largest)[1]))
     found = np.zeros((3, len(kinds), 4, 3))
@@ -326,7 +328,7 @@ def _numbers(instance: Instance, kinds: tuple[Kind, ...]) -> Array:
 
 @cache
 def _places(kinds: tuple[Kind, ...]) -> tuple[Index, Index]:
-    """Return where the vectors of `Instance.primitives` stand: constraints, which of their four."""
+    """Return the places of the vectors of `Instance.primitives`: constraint, and which of four."""
     places = [
         (i, j)
         for k, bodies in enumerate(([x.platform for x in kinds], [x.base for x in kinds]))
@@ -339,5 +341,5 @@ def _places(kinds: tuple[Kind, ...]) -> tuple[Index, Index]:
 
 @cache
 def _relations(kinds: tuple[Kind, ...], meeting: tuple[bool, ...]) -> NDArray[np.int32]:
-    """Return what constraints are to the kernel, some of them lines that meet, shape (6,)."""
+    """Return the numbers of constraints in the kernel, shape (6,); some are lines that meet."""
     return np.where(meeting, _MEETING_LINES, [_RELATIONS[kind] for kind in kinds]).astype(np.int32)

@@ -1,7 +1,7 @@
-"""Multiple poses to many digits: where Newton's method converges slowly, and how slowly says why.
+"""Multiple poses with many digits; the speed of Newton's method gives the multiplicity.
 
-Balls alone never prove a singular solution. What is said here of a point is numerical; it becomes
-a statement about the platform together with its exact count (`gspcli.solver.completion`).
+Balls alone never prove a singular solution. The results here are numerical; together with the exact
+count they become statements about the platform (`gspcli.solver.completion`).
 """
 
 from __future__ import annotations
@@ -22,23 +22,23 @@ from gspcli.records import dataclass
 
 Complex = NDArray[np.complex128]
 
-#: Bits in which multiple poses are approached; a pose of multiplicity m keeps a part 1/m of them.
+#: Working precision in bits; a pose of multiplicity m is accurate to a part 1/m of them.
 _PRECISION = 1024
-#: Steps, and the length of the last one, as a part of N, of coordinates of at most about one.
+#: The most steps, and the length of the last one as a part of N.
 _STEPS, _CONVERGED = 250, 2.0**-80
 #: A shorter step is one of quadratic convergence.
 _QUICK = 2.0**-400
 #: Convergence is linear if each of so many last steps is longer than this part of the one before.
 _STEADY, _SLOW = 8, 0.2
-#: A limit that is farther from where it was looked for than this part of it is another one.
+#: A limit at a greater relative distance from the start is another solution.
 _REACH = 1e-3
-#: Coordinates that differ by less are the same at the end.
+#: Coordinates of limits that differ by less are equal.
 _SAME = 2.0**-60
 
 
 @dataclass(frozen=True, eq=False)
 class MultiplePose:
-    """A pose at which several solutions meet, as well as can be told.
+    """A pose at which several solutions meet, by numerical evidence.
 
     Attributes
     ----------
@@ -47,10 +47,10 @@ class MultiplePose:
     real
         Whether it is its own conjugate.
     multiplicity
-        How many paths lead to it.
+        The number of paths that lead to it.
     is_pose
-        Whether the constraints hold as they are stated: the lines of no DLL are parallel at another
-        distance, where its equation holds all the same.
+        Whether the stated constraints hold: no DLL has parallel lines at another distance, for
+        which its equation holds, too.
     """
 
     R: Complex
@@ -68,18 +68,18 @@ def multiple_poses(
     multiplicity: Sequence[int],
     sides: tuple[int, ...],
 ) -> Iterator[MultiplePose]:
-    """Yield the different multiple poses near approximate points; simple ones are left out.
+    """Yield the different multiple poses near approximate points, without simple ones.
 
     Parameters
     ----------
     locator
-        Of the instance.
+        The locator of the instance.
     points
         Study points in the coordinates of `Locator.frames`, of any norm, shape (n, 8).
     low
-        What is to be added to them, shape (n, k, 8).
+        Doubles to add to the points, shape (n, k, 8).
     multiplicity
-        How many paths end at each; those that turn out to be one pose add up.
+        The number of paths that end at each; numbers of equal poses are added.
     sides
         For each constraint the index of its equation.
     """
@@ -98,7 +98,7 @@ def multiple_poses(
             else:
                 paths[same] += number
         for limit, number in zip(limits, paths, strict=True):
-            # Two simple poses side by side look like a double one from far enough.
+            # Two simple poses near each other look like a double pose with few digits.
             if locator.locate_exactly(limit, sides) is not None:
                 continue
             n, rotation, translation = study.motion(limit)
@@ -119,7 +119,7 @@ def multiple_poses(
 
 
 def _is_pose(system: BallSystem, R: list[list[acb]], T: list[acb]) -> bool:
-    """Whether no parallel lines have another distance, as well as so many digits tell."""
+    """Whether no parallel lines have another distance, by the digits of the pose."""
     for given in system.statements:
         if given.kind is not DLL:
             continue
@@ -135,9 +135,9 @@ def _is_pose(system: BallSystem, R: list[list[acb]], T: list[acb]) -> bool:
 
 
 def _limit(system: BallSystem, start: list[acb], sides: tuple[int, ...]) -> list[acb] | None:
-    """Return where Newton's method converges to, linearly; None if it does not.
+    """Return the limit of Newton's method if it converges linearly, else None.
 
-    A step covers the part 1/m of the way to a solution of multiplicity m, all the way down.
+    Each step covers the part 1/m of the distance to a solution of multiplicity m.
     """
     patch = max(range(4), key=lambda k: float(abs(start[k])))
     point = [(x / start[patch]).mid() for x in start]
@@ -149,7 +149,7 @@ def _limit(system: BallSystem, start: list[acb], sides: tuple[int, ...]) -> list
         length = float(largest(step))
         point = [(x - dx).mid() for x, dx in zip(point, step, strict=True)]
         slow = slow + 1 if length > _SLOW * last > 0 else 0
-        # A solution at infinity has N = 0: there this never ends.
+        # At a solution at infinity, N = 0, the condition is never met.
         if slow >= _STEADY and length < _CONVERGED * min(1.0, float(abs(dot4(point, point)))):
             return point if _gap(point, first) < _REACH * float(largest(first)) else None
         if length < _QUICK:

@@ -1,4 +1,4 @@
-"""At which poses of a platform just certain lines are parallel, as far as many digits tell."""
+"""The poses of a platform at which exactly certain lines are parallel, by many digits."""
 
 from __future__ import annotations
 
@@ -19,20 +19,21 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.primitives import Line
 
 Complex = NDArray[np.complex128]
-#: Squared sine (of complex lines the bilinear one) below which lines are too nearly parallel for
-#: double precision.
+#: Squared sine (bilinear for complex lines) below which lines are too nearly parallel for double
+#: precision.
 _PARALLEL = 1e-4
-#: Bits in which lines are told from parallel ones.
+#: Bits with which lines are compared with parallel ones.
 _BITS = 512
 
 
 def where_parallel(
     instance: Instance, lines: Sequence[int], R: ArrayLike, T: ArrayLike
 ) -> NDArray[np.bool_]:
-    """Return at which simple poses of the platform with points for lines just these are parallel.
+    """Return at which simple poses of the platform with points exactly these lines are parallel.
 
-    Balls of 512 bits tell all other lines from parallel ones there, and do not tell these. That
-    proves these to be parallel only if there are just so many such poses.
+    At such a pose balls of 512 bits separate all other lines from parallel ones, and do not
+    separate these. This proves these to be parallel only if the number of such poses is known to be
+    the same.
 
     Parameters
     ----------
@@ -81,9 +82,9 @@ def _are_parallel(given: Sequence[Statement], lines: Sequence[int], pose: Locate
 
 
 def nearly_parallel(instance: Instance, R: Complex) -> NDArray[np.bool_]:
-    """Return at which poses the lines of which DLL are nearly parallel, shape (n, 6).
+    """Return which DLL have nearly parallel lines at poses, shape (n, 6).
 
-    There its equation holds whatever their distance, so that the constraint is to be measured.
+    For parallel lines the equation holds at any distance, so the constraint has to be measured.
     """
     nearly = np.zeros((len(R), len(instance.constraints)), bool)
     for k, constraint in enumerate(instance.constraints):

@@ -19,7 +19,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.residuals import sides_of
 
-#: What solutions that are not isolated are called.
+#: The outcomes of solutions that are not isolated.
 SINGULAR = (Outcome.NOT_ISOLATED, Outcome.NOT_AS_STATED)
 
 

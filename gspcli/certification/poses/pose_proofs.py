@@ -1,4 +1,4 @@
-"""From approximate poses of an instance to certificates, by ever higher precision."""
+"""Certificates of approximate poses of an instance, with increasing precision."""
 
 from __future__ import annotations
 
@@ -59,12 +59,13 @@ class _Candidate:
         self.given = given
         #: The side of each plane that the candidate is said to be on, as signs, or 0.
         self.said = said
-        #: How far a point is moved by writing its pose in doubles, about, in Study coordinates.
+        #: The approximate change of a point by the rounding of its pose to doubles, in Study
+        #: coordinates.
         self.rounding = rounding
         #: What translations may deviate is relative to this, in units of the scale: far away, where
         #: they are only known relatively, the scale itself.
         self.length = 1.0 if float_above(largest(given.translation)) > FAR else length
-        # Entries of complex rotations may be large, and are then only known relatively.
+        # Entries of complex rotations may be large; they have relative errors then.
         self.size = max(1.0, float_above(largest(given.entries)))
         self.sides: list[tuple[int, ...]] = []
         self.isolation: Isolation | None = None
@@ -83,7 +84,7 @@ class _Candidate:
             self.sides = system.sides_near(self.point, self.given, self.said)
         found = self._nearest(system, tolerance)
         if found is None:
-            # With too few digits Newton's method leaves even a good start.
+            # With too few digits Newton's method may diverge from a good start.
             self.point = self.start
             if self.isolation is None and self._is_refuted(system, tolerance):
                 self.outcome, self.is_open = Outcome.REFUTED, False
@@ -295,9 +296,9 @@ def _relations(candidates: Sequence[_Candidate]) -> tuple[Pairs, Pairs, Pairs]:
     Returns
     -------
     unknown, equal, rounded
-        Those of which more digits may tell; those that approximate the same solution; and those
-        that do, but may be meant for two: there may be another one so near that the candidates
-        were rounded by more than that.
+        Pairs that more digits may separate; pairs that approximate the same solution; and pairs
+        that do so after rounding: there may be two solutions nearer than the rounding of the
+        candidates.
     """
     certified = [k for k, c in enumerate(candidates) if c.outcome is Outcome.CERTIFIED]
     poses = [pose for k in certified if (pose := candidates[k].pose) is not None]

@@ -1,4 +1,4 @@
-"""Any certified solution to as many decimals as wanted, each of them proved."""
+"""A certified solution with any number of proved decimals."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from gspcli.records import dataclass
 Rows = tuple[tuple[str, str, str], tuple[str, str, str], tuple[str, str, str]]
 Triple = tuple[str, str, str]
 
-#: A solution that needs more bits than this for each digit is given up.
+#: The most bits for each digit.
 _BITS_A_DIGIT = 64
 
 
@@ -103,7 +103,7 @@ def _printed(
     local_frames: LocalFrames,
     digits: int,
 ) -> RefinedPose | None:
-    """Return the decimals, or None if the precision does not give that many yet."""
+    """Return the decimals, or None if the precision does not suffice."""
     pose = pose_of_point(result.point)
     proved = certificate.isolation
     if pose is None or proved is None or not proved.contains(result):
@@ -137,7 +137,7 @@ def _rows(entries: Sequence[str]) -> Rows:
 
 
 def _decimals(values: Sequence[arb], places: int) -> list[str] | None:
-    """Return numbers to so many places, or None if one of them is not known that well."""
+    """Return numbers with so many places, or None if one of them is not accurate enough."""
     texts = []
     for value in values:
         shifted = value * arb(10) ** places

@@ -1,12 +1,12 @@
-"""Poses far away because directions of a body are nearly parallel: from where these differ more.
+"""Poses far away because directions of a body are nearly parallel, by continuation in their angle.
 
-Lines or planes of one body that are parallel up to eps leave poses eps^-2 lengths away with N at
-eps^4 and the two solutions of a line's square side by side, where paths with 64 digits from a start
-in general position do not lead. But with the differences of the directions multiplied by s the
-Study points are power series in s, for s < 0, too. From directions that differ by 3e-3 they are
-followed to s = 1 along polynomials through the last of them, with as many bits as N needs. Real
-poses that meet on the way are lost: from s < 0 others do. What is reached is located and proved as
-the ends of all paths are.
+If lines or planes of one body are parallel up to eps, there are poses eps^-2 lengths away, with N
+of size eps^4, and the two solutions of a line's square are near each other. Paths with 64 digits
+from a start in general position do not reach them. Multiply the differences of the directions by s:
+the Study points are then power series in s, also for s < 0. They are followed from directions that
+differ by 3e-3 to s = 1, along polynomials through the last points, with as many bits as N needs.
+Real poses that meet on the way are lost; from s < 0 other poses meet. The ends are located and
+proved like the ends of all paths.
 """
 
 from __future__ import annotations
@@ -29,24 +29,23 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Plane, Point, Vector
 from gspcli.records import dataclass
 
-#: Directions that differ by less than the second are nearly parallel: of others, paths with 64
-#: digits find the poses in less time. With less than the first, bounds are no floats.
+#: Directions with a difference between these are nearly parallel. Above the second, paths with 64
+#: digits are quicker; below the first, bounds are no floats.
 _LEAST, _PARALLEL = 1e-62, 1e-13
-#: Bits in which differences are known, and those of equations: as many for each bit of s eps, and
-#: some more.
+#: Bits of the differences; bits of the equations for each bit of s eps; additional bits.
 _BITS, _TIMES, _MORE = 2048, 8, 256
-#: The first step of log s, and by what the next one is longer after success, or shorter.
+#: The first step of log s; the factors of the next step after success and after failure.
 _FIRST, _LONGER, _SHORTER = 1e-6, 4.0, 4.0
-#: Steps of a pose, and through how many points a polynomial goes.
+#: The most steps of a pose, and the number of points of a polynomial.
 _STEPS, _POINTS = 100, 16
-#: Newton's method shrinks its steps by this factor at least near a simple solution, the first one
-#: as a part of the point; it has arrived with this part of the bits; steps.
+#: Newton's method near a simple solution: the largest ratio of two steps (of the first step to the
+#: point), the part of the bits with which it has converged, and the most steps.
 _SHRINKS, _ARRIVED, _NEWTON = 0.3, 0.5, 14
 Numbers = list[acb]
 
 
 class _Turn(NamedTuple):
-    """A direction of a row and its difference from one that is nearly parallel, both long alike."""
+    """A direction of a row and its difference from a nearly parallel one of the same length."""
 
     near: list[arb]
     difference: list[arb]
@@ -55,14 +54,14 @@ class _Turn(NamedTuple):
 
 @dataclass(frozen=True)
 class TurnedDirections:
-    """A platform some of whose directions are nearly parallel, as one of a family.
+    """A platform with nearly parallel directions as a member of a family.
 
     Attributes
     ----------
     instance
-        The platform itself, at s = 1.
+        The platform at s = 1.
     turns
-        For each constraint what is turned in the platform and in the base.
+        For each constraint the directions that are turned in the platform and in the base.
     """
 
     instance: Instance
@@ -80,7 +79,7 @@ class TurnedDirections:
 
     @cached_property
     def angle(self) -> float:
-        """By how much nearly parallel directions differ, at most."""
+        """The largest difference of nearly parallel directions."""
         return max(turn.angle for pair in self.turns for turn in pair if turn)
 
     def at(self, s: arb) -> Instance:
@@ -100,9 +99,9 @@ class TurnedEquations:
     turned
         The platform.
     locator, sides
-        Its own equations, and the index of that of each constraint.
+        The equations of the platform, and the index of the equation of each constraint.
     apart
-        By how much its directions differ at the beginning, negative for s < 0.
+        The difference of its directions at the beginning, negative for s < 0.
     """
 
     def __init__(
@@ -110,7 +109,7 @@ class TurnedEquations:
     ) -> None:
         self._turned, self._locator, self._sides = turned, locator, sides
         self._sign = 1 if apart > 0 else -1
-        #: Places are log |s|, and zero is s = 1, the platform itself.
+        #: A place is log |s|; zero is s = 1, the platform itself.
         self._begin = log(abs(apart) / turned.angle)
         self._systems: dict[float, tuple[arb, BallSystem]] = {}
 
@@ -121,7 +120,7 @@ class TurnedEquations:
             return self._turned.at(self._system(self._begin)[0])
 
     def locate(self, begin: Locator, point: Complex, low: Complex) -> Located | AtInfinity | None:
-        """Return the pose where one of the beginning goes; None if it is lost.
+        """Return the pose at the end of the path from a point of the beginning; None if lost.
 
         Parameters
         ----------
@@ -151,7 +150,7 @@ class TurnedEquations:
     def _solution(
         self, x: float, point: Numbers, patch: int, *, near: bool = True
     ) -> Numbers | None:
-        """Return what Newton's method leads to, as fast as near a simple solution, or at all."""
+        """Return the limit of Newton's method if it converges as near a simple solution."""
         system, last = self._system(x)[1], 1.0
         with ctx.workprec(system.precision):
             for _ in range(_NEWTON):
@@ -164,7 +163,7 @@ class TurnedEquations:
                     return None
                 step = solved.mid().entries()
                 step.insert(patch, acb(0))
-                # Far away e is small beside f.
+                # Far away e is small compared with f.
                 size = max(_part(step[:4], point[:4]), _part(step[4:], point[4:]))
                 if not (size < _SHRINKS * last if near else size < np.inf):
                     return None
@@ -174,7 +173,7 @@ class TurnedEquations:
         return None
 
     def _followed(self, start: Numbers) -> Numbers | None:
-        """Return where a Study point, exact numbers of any norm, goes from the beginning."""
+        """Return the end of the path from a Study point, exact numbers of any norm."""
         x = self._begin
         patch = max(range(8), key=lambda k: float(abs(start[k]).mid()))
         first = [(number / start[patch]).mid() for number in start]
@@ -231,7 +230,7 @@ def _exact(x: arb) -> Number:
 
 
 def _turned(row: Constraint, u: Vector | None, v: Vector | None) -> Constraint:
-    """Return a constraint with other directions in the platform and in the base, or the same."""
+    """Return a constraint with new directions in the platform and in the base, if there are any."""
     platform = row.platform if u is None else _along(row.platform, u)
     base = row.base if v is None else _along(row.base, v)
     return Constraint(row.kind, platform, base, row.value, row.side)
