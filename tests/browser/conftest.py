@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
+from gspcli.pictures.live_numbers import live_numbers
+from gspcli.pictures.live_page import live_page
+from gspcli.pictures.staging import first_mode, scene_of
+from gspcli.resources import instance_files
+from gspcli.solver import solve
+from gspcli.spec import load
 from tools.browser import CHROMIUM, Browser
 
 
@@ -28,3 +35,19 @@ def browser(chromium: Browser) -> Browser:
     chromium.size(1000, 600)
     chromium.prefer("light")
     return chromium
+
+
+@pytest.fixture(scope="session")
+def live(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """What writes the live page of a shipped platform and returns the file."""
+    folder = tmp_path_factory.mktemp("live")
+
+    def write(name: str = "workspace-study") -> Path:
+        path = folder / f"{name}.html"
+        if not path.exists():
+            result = solve(load(instance_files()[name]))
+            text = live_page(scene_of(result), live_numbers(result), first_mode(result))
+            path.write_text(text, encoding="utf-8")
+        return path
+
+    return write

@@ -13,51 +13,15 @@ import numpy as np
 import pytest
 
 from gspcli.pictures.live_numbers import live_numbers
-from gspcli.pictures.live_page import live_page
-from gspcli.pictures.staging import scene_of
 from gspcli.resources import instance_files
 from gspcli.solver import solve
 from gspcli.spec import load, set_values
+from tests.support.live_pages import give, opened, settle, text
 
 if TYPE_CHECKING:
     from tools.browser import Browser
 
 NAME = "workspace-study"
-
-
-@pytest.fixture(scope="module")
-def live(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    folder = tmp_path_factory.mktemp("live")
-
-    def write(name: str = NAME) -> Path:
-        path = folder / f"{name}.html"
-        if not path.exists():
-            result = solve(load(instance_files()[name]))
-            home = 0 if result.home is None else result.home.number - 1
-            text = live_page(scene_of(result), live_numbers(result), home)
-            path.write_text(text, encoding="utf-8")
-        return path
-
-    return write
-
-
-def opened(browser: Browser, path: Path, fragment: str = "") -> None:
-    browser.call("Page.navigate", url="about:blank")
-    browser.open(path, fragment)
-    browser.wait("document.documentElement.dataset.ready === 'true'")
-
-
-def text(browser: Browser, element: str) -> str:
-    return str(browser.run(f"document.getElementById('{element}').textContent"))
-
-
-def give(browser: Browser, element: str, value: float) -> None:
-    """Type a number."""
-    browser.run(
-        f"(() => {{ const one = document.getElementById('{element}'); one.value = {value};"
-        " one.dispatchEvent(new Event('change')); })()"
-    )
-    browser.settle()
 
 
 def modes(browser: Browser) -> dict[int, list[float]]:
@@ -67,7 +31,9 @@ def modes(browser: Browser) -> dict[int, list[float]]:
         ".map((row) => [...row.cells].map((cell) => cell.textContent))"
     )
     return {
-        int(number): [float(x.replace("−", "-").replace("∞", "inf")) for x in cells]
+        int(number.removesuffix("home")): [
+            float(x.replace("−", "-").replace("∞", "inf")) for x in cells
+        ]
         for number, *cells in rows
     }
 
@@ -76,12 +42,14 @@ def followed(browser: Browser) -> int:
     return int(browser.run("document.querySelector('#modes [aria-current]').dataset.mode"))
 
 
+def account(total: int, real: int) -> str:
+    """Return what is said where all poses are proved."""
+    return f"{real} ways to assemble it; none is missing {total} poses, {real} real: proved"
+
+
 def is_what_solve_says(browser: Browser, name: str, values: dict[int, float]) -> None:
     result = solve(set_values(load(instance_files()[name]), values))
-    total = len(result.solutions)
-    assert text(browser, "status") == (
-        f"complete, proved: {total} poses, {result.counts.real} real"
-    )
+    assert text(browser, "status") == account(len(result.solutions), result.counts.real)
     listed = sorted(tuple(row[:3]) for row in modes(browser).values())
     places = 1 if name == NAME else 3
     expected = sorted(
@@ -117,7 +85,7 @@ def test_the_pointer_drags_a_value(browser: Browser, live: Callable[..., Path]) 
         browser.mouse("mouseMoved", at - 8 * k, middle, button="left", buttons=1)
         browser.settle()
     browser.mouse("mouseReleased", at - 40, middle, button="left", clickCount=1)
-    browser.settle()
+    settle(browser)
     value = float(browser.run("document.getElementById('value-1').value"))
     assert 380 < value < 410
     assert followed(browser) == 16
@@ -213,7 +181,7 @@ def test_the_link_keeps_the_state(browser: Browser, live: Callable[..., Path]) -
     assert followed(browser) == 15
     is_what_solve_says(browser, NAME, {2: 425})
     opened(browser, path, "#1=nonsense&mode=99&9=2")
-    assert text(browser, "status") == "complete, proved: 28 poses, 16 real"
+    assert text(browser, "status") == account(28, 16)
 
 
 def test_the_map_fills_with_numbers_of_real_modes(
@@ -260,7 +228,7 @@ def test_the_map_moves_two_values(browser: Browser, live: Callable[..., Path]) -
     x, y = left + 0.75 * width, top + 0.25 * height
     browser.mouse("mousePressed", x, y, button="left", clickCount=1)
     browser.mouse("mouseReleased", x, y, button="left", clickCount=1)
-    browser.settle()
+    settle(browser)
     values = [float(browser.run(f"document.getElementById('value-{k}').value")) for k in (3, 2)]
     assert values == pytest.approx([3.85 + 0.75 * 3.3, 4.2 + 0.75 * 3.6], rel=0.01)
     browser.wait("location.hash.includes('map=3,2')")
@@ -313,5 +281,5 @@ def test_what_changed_is_spoken(browser: Browser, live: Callable[..., Path]) -> 
     give(browser, "value-1", 402)
     browser.wait("document.getElementById('spoken').textContent.includes('12 real')")
     assert text(browser, "spoken").startswith(
-        "complete, proved: 28 poses, 12 real; mode 16, condition "
+        "12 ways to assemble it; none is missing; 28 poses, 12 real: proved; mode 16, condition "
     )

@@ -58,8 +58,12 @@ export function buildBody(name, body, toScene, colours) {
   };
 }
 
-/** The platform as a faint copy, one of so many, for showing all poses at a time. */
-export function buildGhost(body, toScene, color, count) {
+/** Dashes of an edge of a ghost, by its cue: how long they are, and what part of it is drawn. */
+const DASHES = [null, { length: 0.06, drawn: 0.6 }, { length: 0.022, drawn: 0.5 }, { length: 0.14, drawn: 0.8 }];
+const MOST_DASHES = 60;
+
+/** The platform as a faint copy, one of so many, for showing all poses at a time; `cue` tells copies of one colour apart. */
+export function buildGhost(body, toScene, color, count, cue = 0) {
   const group = new Group();
   const faces = body.faces.map((face) => face.map(toScene));
   const skin = glass(color, Math.min(0.12, 0.6 / count));
@@ -72,11 +76,19 @@ export function buildGhost(body, toScene, color, count) {
     .filter((element) => element.primitive === "H")
     .map((element) => element.outline.map(toScene));
   const edge = glass(color, Math.min(0.5, 0.15 + 2 / count));
-  const segments = [...sides([...faces, ...sheets]), ...lines];
+  const segments = [...sides([...faces, ...sheets]), ...lines].flatMap((edge) => dashed(edge, DASHES[cue]));
   if (segments.length) group.add(rods(segments, BORDER, edge));
   const materials = [skin, edge];
   const opacities = materials.map(({ opacity }) => opacity);
   group.userData.recolour = (c) => materials.forEach((material) => material.color.copy(c));
   group.userData.fade = (part) => materials.forEach((material, k) => (material.opacity = part * opacities[k]));
   return group;
+}
+
+/** An edge in dashes; whole without. */
+function dashed([a, b], dashes) {
+  if (!dashes) return [[a, b]];
+  const count = Math.min(Math.max(Math.round(a.distanceTo(b) / dashes.length), 1), MOST_DASHES);
+  const at = (t) => a.clone().lerp(b, t);
+  return Array.from({ length: count }, (_, k) => [at(k / count), at((k + dashes.drawn) / count)]);
 }

@@ -15,13 +15,13 @@ export class Display {
       return;
     }
     byId("names").addEventListener("change", (event) => stage.setNames(event.target.checked));
-    byId("ghosts").addEventListener("change", (event) => stage.setGhosts(event.target.checked));
+    byId("ghosts")?.addEventListener("change", (event) => stage.setGhosts(event.target.checked));
     byId("frames").addEventListener("change", (event) => stage.setFrames(event.target.checked));
     byId("save").addEventListener("click", () => this.save());
     for (const button of document.querySelectorAll("[data-view]")) {
       button.addEventListener("click", () => stage.look(button.dataset.view));
     }
-    stage.setGhosts(byId("ghosts").checked);
+    stage.setGhosts(byId("ghosts")?.checked ?? true);
     byId("names").checked = scene.names;
     stage.setNames(scene.names);
     new ResizeObserver(() => stage.resize()).observe(byId("canvas"));

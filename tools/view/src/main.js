@@ -3,8 +3,10 @@ import { Chart } from "./chart.js";
 import { Display } from "./display.js";
 import { short } from "./numbers.js";
 import { Panel } from "./panel.js";
+import { printPicture } from "./printing.js";
 import { namePartsUnder } from "./pointer.js";
 import { Stage } from "./stage.js";
+import { explain, showMeanings } from "./terms.js";
 import { conditionScale, rampCss } from "./theme.js";
 
 const byId = (id) => document.getElementById(id);
@@ -126,7 +128,10 @@ const display = new Display(stage, scene, {
 if (stage) {
   const shown = () => ({ series: series(), index: state.index });
   namePartsUnder(byId("canvas"), byId("tooltip"), stage, scene, { shown, onBond: choose });
+  printPicture(stage, display);
 }
+showMeanings();
+explain(document);
 display.listen({
   ArrowLeft: () => { play(false); go(state.index - 1); },
   ArrowRight: () => { play(false); go(state.index + 1); },

@@ -1,6 +1,6 @@
 // What is said of the part under the pointer.
 import { Vector3 } from "three";
-import { coordinate, short, vector } from "./numbers.js";
+import { coordinate, rounded, short, vector } from "./numbers.js";
 
 const SORTS = { P: "point", L: "line", H: "plane" };
 
@@ -10,7 +10,7 @@ export function constraintText(scene, series, index, k) {
   const unit = isAngle ? scene.units.angle : scene.units.length;
   const measured = series.measured[index][k];
   const asked = series.parameter ? "" : `\nasked for: ${short(value)} ${unit}`;
-  const small = isAngle ? 180 : scene.size;
+  const small = rounded(isAngle, scene);
   return `Constraint ${number}: ${isAngle ? "angle" : "distance"} of ${platform} and ${base} (${kind})\n`
     + `measured: ${coordinate(measured, small)} ${unit}${asked}`;
 }

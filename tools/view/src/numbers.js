@@ -14,6 +14,9 @@ export function coordinate(value, size) {
   return short(Math.abs(value) < 1e-12 * size ? 0 : value);
 }
 
+/** Beside what measured numbers are rounding errors: angles of nearly parallel directions have fewer digits. */
+export const rounded = (isAngle, { size }) => (isAngle ? 1e4 : size);
+
 export function vector(values, size = 1) {
   return `(${values.map((v) => coordinate(v, size)).join(", ")})`;
 }

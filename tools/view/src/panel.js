@@ -1,6 +1,6 @@
 // The list of modes, the numbers of the pose that is shown, and the table of constraints.
 import { fillList, poseFacts, reveal } from "./facts.js";
-import { coordinate, short } from "./numbers.js";
+import { coordinate, rounded, short } from "./numbers.js";
 
 const byId = (id) => document.getElementById(id);
 
@@ -39,7 +39,6 @@ export class Panel {
     const list = byId("pose");
     list.replaceChildren();
     if (index >= series.T.length) return;
-    const { size } = this.scene;
     const entries = [
       ...poseFacts(this.scene, series.T[index], series.q[index], series.condition[index]),
       ...Object.entries(series.facts).map(([name, values]) => [name, short(values[index])]),
@@ -51,7 +50,7 @@ export class Panel {
     fillList(list, entries);
     this.bonds.forEach((row, k) => {
       const isAngle = this.scene.constraints[k].kind.startsWith("A");
-      row.querySelector(".measured").textContent = coordinate(series.measured[index][k], isAngle ? 180 : size);
+      row.querySelector(".measured").textContent = coordinate(series.measured[index][k], rounded(isAngle, this.scene));
     });
   }
 }

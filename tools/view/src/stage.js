@@ -184,8 +184,12 @@ export class Stage {
   wanted() {
     if (!this.series.T.length) return this.sphere([]);
     if (!this.series.parameter && !this.ghosts.visible) return this.sphere([this.index]);
-    const near = this.series.T.map((_, k) => k).filter((k) => this.sphere([k]).radius <= NEAR);
-    return this.sphere([...near, this.index]);
+    return this.sphere([...this.near(this.series.T.map((_, k) => k)), this.index]);
+  }
+
+  /** Those of some poses that can be looked at together. */
+  near(indices) {
+    return indices.filter((k) => this.sphere([k]).radius <= NEAR);
   }
 
   look(view) {
@@ -313,8 +317,14 @@ export class Stage {
     this.labels.place(this.camera, this.canvas.clientWidth, this.canvas.clientHeight);
   }
 
-  /** The picture with its labels as a PNG, of at least twice the pixels of the page. */
+  /** The picture with its labels as a PNG. */
   picture() {
+    const copy = this.copy();
+    return new Promise((resolve) => copy.toBlob(resolve, "image/png"));
+  }
+
+  /** The picture with its labels as another canvas, of at least twice the pixels of the page. */
+  copy() {
     const ratio = Math.max(2, devicePixelRatio);
     const { clientWidth: width, clientHeight: height } = this.canvas;
     this.renderer.setPixelRatio(ratio);
@@ -327,6 +337,6 @@ export class Stage {
     context.drawImage(this.canvas, 0, 0);
     this.labels.draw(context, copy.width / width);
     this.resize();
-    return new Promise((resolve) => copy.toBlob(resolve, "image/png"));
+    return copy;
   }
 }

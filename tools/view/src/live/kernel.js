@@ -51,7 +51,6 @@ class Kernel {
   constructor(exports, live) {
     this.exports = exports;
     this.sides = live.sides;
-    this.slow = !live.quick;
     this.limits = live.limits;
     this.isProof = live.proof !== null;
     const numbers = doubles(live.numbers);

@@ -44,6 +44,8 @@ export class Link {
   }
 
   read() {
+    clearTimeout(this.resting);
+    this.known = window.location.hash;
     const state = stateOf(window.location.hash, this.model.start.values);
     if (state.map) this.map.use(state.map);
     this.usual ??= [...this.map.first];
@@ -58,7 +60,8 @@ export class Link {
 
   replace() {
     const { model, map } = this;
-    if (model.ahead) return;
+    // Another link may be set already of which the event is yet to come.
+    if (model.ahead || window.location.hash !== this.known) return;
     const mode = model.current;
     const fragment = fragmentOf({
       values: model.values,
@@ -71,6 +74,7 @@ export class Link {
     if (fragment === window.location.hash) return;
     const { pathname, search } = window.location;
     window.history.replaceState(null, "", fragment || `${pathname}${search}`);
+    this.known = window.location.hash;
   }
 
   /** Whether the mode of this number, on the straight way from the values of the file, is this one. */

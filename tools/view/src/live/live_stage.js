@@ -2,12 +2,16 @@
 import { Quaternion } from "three";
 import { buildGhost } from "../bodies.js";
 import { Stage } from "../stage.js";
-import { strokesAt } from "./strokes.js";
+import { cueOf } from "./mode_colours.js";
+import { distance } from "./rotations.js";
+import { feetAt, reaching, strokesAt } from "./strokes.js";
 
 const UPRIGHT = { R: [1, 0, 0, 0, 1, 0, 0, 0, 1], T: [0, 0, 0] };
 const FADING = 700;
 /** A ghost is as faint as one of this many poses on the page without sliders. */
 const FAINT = 9;
+/** So many of the other modes are the nearest. */
+const NEAREST = 6;
 
 export class LiveStage extends Stage {
   constructor(canvas, labels, scene, paint) {
@@ -15,6 +19,7 @@ export class LiveStage extends Stage {
     this.paint = paint;
     this.shades = new Map();
     this.fading = [];
+    this.others = "all";
     const named = ({ elements }, name) => elements.find((element) => element.name === name);
     this.measured = scene.constraints.map(({ kind, platform, base }) => ({
       kind, platform: named(scene.platform, platform), base: named(scene.base, base),
@@ -50,6 +55,7 @@ export class LiveStage extends Stage {
     live.measured = { [index]: measured };
     live.labels = {};
     if (followed) {
+      this.reach(followed);
       const drawn = this.measured.map((each) => strokesAt(each, followed, this.data.size));
       drawn.forEach(({ strokes }, k) => strokes.forEach(({ points }, j) => (live.strokes[k][j].points = { [index]: points })));
       live.labels[index] = drawn.map(({ label }) => label);
@@ -58,15 +64,57 @@ export class LiveStage extends Stage {
     this.show(live, followed ? index : modes.length);
   }
 
+  /** Planes reach to the feet on them: what is drawn of them grows with the moves. */
+  reach(followed) {
+    for (const constraint of this.measured) {
+      const feet = feetAt(constraint, followed);
+      if (!feet) continue;
+      for (const name of ["platform", "base"]) {
+        const outline = constraint[name].primitive === "H" ? reaching(constraint[name], feet[name], this.data.size) : null;
+        if (!outline) continue;
+        constraint[name].outline = outline;
+        // Another body for `useBody`, of the same parts.
+        this.data[name] = { ...this.data[name] };
+      }
+    }
+  }
+
   placeGhosts(modes, followed) {
     const numbers = new Set(modes.map(({ number }) => number));
     for (const [number, ghost] of this.shades) if (!numbers.has(number)) this.remove(number, ghost);
+    const drawn = this.drawnOthers(modes, followed);
     modes.forEach((mode, k) => {
       const ghost = this.shades.get(mode.number) ?? this.shade(mode.number);
       ghost.userData.index = k;
-      ghost.visible = mode !== followed;
+      ghost.visible = drawn.has(mode);
       this.place(ghost, mode.T, mode.q);
     });
+  }
+
+  /** Which modes are drawn beside the followed one. */
+  drawnOthers(modes, followed) {
+    this.shown = [modes, followed];
+    const others = modes.filter((mode) => mode !== followed);
+    if (this.others === "none") return new Set();
+    if (this.others === "all") return new Set(others);
+    const far = new Map(others.map((mode) => [mode, followed ? distance(mode, followed, this.data.size) : 0]));
+    return new Set(others.sort((a, b) => far.get(a) - far.get(b)).slice(0, NEAREST));
+  }
+
+  /** Draw all modes beside the followed one, the nearest, or none. */
+  setOthers(which) {
+    this.others = which;
+    if (!this.shown) return;
+    this.placeGhosts(...this.shown);
+    this.draw();
+  }
+
+  /** What should be in the view: what is drawn, but for modes far away. */
+  wanted() {
+    const drawn = this.ghosts.children.filter(({ visible }) => visible).map(({ userData }) => userData.index);
+    const followed = this.index < this.live.T.length ? [this.index] : [];
+    if (!drawn.length) return this.sphere(followed);
+    return this.sphere([...this.near(drawn), ...followed]);
   }
 
   place(group, T, [w, x, y, z]) {
@@ -75,7 +123,7 @@ export class LiveStage extends Stage {
   }
 
   shade(number) {
-    const ghost = buildGhost(this.data.platform, this.inBody, this.paint(number), FAINT);
+    const ghost = buildGhost(this.data.platform, this.inBody, this.paint(number), FAINT, cueOf(number));
     ghost.userData.number = number;
     this.shades.set(number, ghost);
     this.ghosts.add(ghost);
@@ -120,7 +168,6 @@ export class LiveStage extends Stage {
 
   /** The number of the ghost under a point of the page, or null. */
   modeUnder(clientX, clientY) {
-    if (!this.ghosts.visible) return null;
     const hit = this.hits(clientX, clientY, this.ghosts.children.filter(({ visible }) => visible))[0];
     return hit?.object.parent.userData.number ?? null;
   }

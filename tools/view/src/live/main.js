@@ -10,9 +10,11 @@ import { ModeMap } from "./map.js";
 import { ModeList } from "./mode_list.js";
 import { Model } from "./model.js";
 import { Motion } from "./motion.js";
-import { accountText, eventText, foldText } from "./words.js";
+import { accountSpoken, accountText, eventText, foldText, noModeText } from "./words.js";
 import { approaching } from "./folds.js";
-import { forgetColours, modeColour, modePaint } from "./mode_colours.js";
+import { cueOf, forgetColours, modeColour, modePaint } from "./mode_colours.js";
+import { explain, showMeanings } from "../terms.js";
+import { printPicture } from "../printing.js";
 
 const byId = (id) => document.getElementById(id);
 const json = (id) => JSON.parse(byId(id).textContent);
@@ -22,6 +24,9 @@ const module = byId("module").textContent.trim();
 /** Milliseconds of rest before the state is said aloud, and for which an event is shown. */
 const SPOKEN = 700;
 const EVENT = 6000;
+/** Which modes are drawn beside the followed one; of more than so many only the nearest at first. */
+const OTHERS = ["none", "near", "all"];
+const MANY = 16;
 
 let stage = null;
 let chosen = null;
@@ -68,7 +73,7 @@ function repaint() {
   recolour();
 }
 
-/** Show the present state; `happened` is what the last move did. */
+/** Show the present state; `happened` is what the last move did, `isAnew` if it was no move. */
 function show(happened = {}) {
   const { modes, ahead } = model;
   const mode = ahead ? ahead.mode : model.current;
@@ -91,31 +96,41 @@ function show(happened = {}) {
 
 function tell(mode, fold, happened) {
   const { account, kernel, ahead } = model;
-  const said = ahead ? { kind: "busy", text: "solving …" } : accountText(account, kernel.isProof);
-  byId("status").textContent = said.text;
+  const said = ahead ? { kind: "busy", text: "solving …", more: "" } : accountText(account, kernel.isProof);
+  say("status-text", said.text);
+  say("status-more", said.more);
+  byId("status-proof").hidden = !said.isProved;
   byId("status").className = said.kind;
   byId("busy").hidden = !ahead;
-  byId("modes-heading").textContent = `Assembly modes: ${account.real} real of ${account.expected}`;
+  say("modes-heading", `Assembly modes: ${account.real} real of ${account.expected}`);
   byId("followed").hidden = !mode;
   byId("no-mode").hidden = mode !== null;
-  byId("no-mode").textContent = ahead ? "The followed mode could not be followed all the way." : account.real ? "No mode is followed. Choose one in the list." : "There is no real pose for these values.";
+  say("no-mode", mode ? "" : noModeText(account, ahead));
   if (mode) {
     byId("followed-chip").style.background = modeColour(mode.number);
-    byId("followed-name").textContent = `Mode ${mode.number}`;
-    const clearance = kernel.clearance?.(mode.R, mode.T);
+    byId("followed-chip").dataset.cue = cueOf(mode.number);
+    say("followed-name", `Mode ${mode.number}${mode.number === list.home ? ", home" : ""}`);
+    const clearance = kernel.clearance(mode.R, mode.T);
     fillList(byId("pose"), [
       ...poseFacts(scene, Array.from(mode.T), mode.q, mode.condition < Infinity ? mode.condition : null),
-      ...(clearance === undefined ? [] : [["clearance", clearance > 0 ? `at least ${short(clearance, 3)} ${scene.units.length}` : "none proved"]]),
+      ["pose clearance", clearance > 0 ? `at least ${short(clearance, 3)} ${scene.units.length}` : "none proved"],
     ]);
   }
   const event = eventText(happened);
-  if (event) {
-    byId("event").textContent = byId("event").title = event;
+  if (event || happened.isAnew) {
+    say("event", event);
+    byId("event").title = event;
     clearTimeout(forgotten);
-    forgotten = setTimeout(() => (byId("event").textContent = ""), EVENT);
+    forgotten = setTimeout(() => say("event", ""), EVENT);
   }
-  byId("warning").textContent = fold ? foldText(mode, fold, scene) : "";
+  say("warning", fold ? foldText(mode, fold, scene) : "");
   speak();
+}
+
+/** Write a text where it is another one: what stays the same is not laid out again. */
+function say(id, text) {
+  const part = byId(id);
+  if (part.textContent !== text) part.textContent = text;
 }
 
 /** What has changed, for those who listen: when it rests. */
@@ -124,12 +139,13 @@ function speak() {
   spoken = setTimeout(() => {
     const { current, account, kernel } = model;
     const mode = current ? `mode ${current.number}, condition ${short(current.condition, 3)}` : "no mode is followed";
-    const parts = [accountText(account, kernel.isProof).text, mode, byId("event").textContent, byId("warning").textContent];
+    const parts = [accountSpoken(account, kernel.isProof), mode, byId("event").textContent, byId("warning").textContent];
     byId("spoken").textContent = parts.filter(Boolean).join("; ");
   }, SPOKEN);
 }
 
 function follow(number) {
+  if (model.ahead) return;
   model.follow(number);
   motion.rebase();
   show();
@@ -140,6 +156,11 @@ function beside(step) {
   if (!modes.length) return;
   const k = modes.findIndex(({ number }) => number === model.followed);
   follow(modes[(k + step + modes.length) % modes.length].number);
+}
+
+function others(which) {
+  byId("others").value = which;
+  stage.setOthers(which);
 }
 
 /** A click, not a drag, on a ghost follows it. */
@@ -158,7 +179,7 @@ const model = new Model(kernel, scene.size, live.values, scene.start + 1);
 stage = openStage();
 const worker = openWorker();
 const names = scene.constraints.map(({ number, platform, base }) => `${number}: ${platform}–${base}`);
-const list = new ModeList(byId("mode-list"), scene.size, { paint: modeColour, onMode: follow });
+const list = new ModeList(byId("mode-list"), scene.size, live.home, { paint: modeColour, onMode: follow });
 const motion = new Motion(model, scene, live, worker, show);
 const map = new ModeMap(worker, live, names, (values) => motion.goTo(values));
 const link = new Link(model, map, { onState: (state) => motion.open(state) });
@@ -173,6 +194,7 @@ display.listen({
   ArrowLeft: () => beside(-1),
   ArrowRight: () => beside(1),
   h: () => motion.home(),
+  g: () => others(OTHERS[(OTHERS.indexOf(byId("others").value) + 1) % OTHERS.length]),
 });
 if (stage) {
   const canvas = byId("canvas");
@@ -180,7 +202,12 @@ if (stage) {
   namePartsUnder(canvas, byId("tooltip"), stage, scene, { shown, onBond: choose });
   followClicked(canvas);
   stage.resize();
+  byId("others").addEventListener("change", (event) => others(event.target.value));
+  others(scene.series[0].T.length > MANY ? "near" : "all");
+  printPicture(stage, display);
 }
+showMeanings();
+explain(document);
 byId("home").addEventListener("click", () => motion.home());
 byId("reset").addEventListener("click", () => {
   motion.reset();

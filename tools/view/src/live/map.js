@@ -10,6 +10,8 @@ const OPEN = -1;
 const NONE = -2;
 /** Milliseconds for which other values must rest before the map begins again. */
 const REST = 120;
+/** A legend of more numbers is written smaller, beside the map. */
+const MANY = 10;
 /** Milliseconds between two legends while it fills. */
 const TOLD = 500;
 
@@ -28,6 +30,7 @@ export class ModeMap {
     this.image = this.context.createImageData(CELLS, CELLS);
     this.counts = new Int16Array(CELLS * CELLS).fill(NONE);
     this.id = 0;
+    this.under = null;
     for (const select of [byId("map-x"), byId("map-y")]) {
       for (const i of usable) select.add(new Option(names[i], String(i)));
       select.addEventListener("change", () => this.choose(select));
@@ -157,21 +160,42 @@ export class ModeMap {
     cells.delete(NONE);
     const shares = [...cells].sort(([a], [b]) => b - a)
       .map(([count, many]) => ({ count: count === OPEN ? "not all proved" : String(count), part: many / all, of: count }));
+    byId("map-legend").classList.toggle("many", shares.length > MANY);
     byId("map-legend").replaceChildren(...shares.map(({ count, part, of }) => {
       const item = document.createElement("li");
       const swatch = document.createElement("i");
       swatch.style.background = `rgb(${this.palette.get(of)})`;
       item.classList.toggle("open", of === OPEN);
+      item.dataset.count = String(of);
       item.append(swatch, `${count} `);
       const share = document.createElement("span");
       share.textContent = part < 0.01 ? "< 1 %" : `${Math.round(100 * part)} %`;
       item.append(share);
       return item;
     }));
-    byId("map-state").textContent = this.isFilled ? "" : "filling …";
+    this.say();
     const [x, y] = this.which.map((i) => i + 1);
     this.canvas.setAttribute("aria-label", `Map of the number of real modes over values ${x} and ${y}: ${sharesText(shares)}`);
     this.canvas.dataset.filled = String(this.isFilled);
+  }
+
+  /** Say how many modes are real under the pointer: neighbouring blues are hard to tell apart. */
+  pointAt(event) {
+    this.under = null;
+    if (event) {
+      const box = this.canvas.getBoundingClientRect();
+      const column = Math.floor(((event.clientX - box.left) / box.width) * CELLS);
+      const row = Math.floor((1 - (event.clientY - box.top) / box.height) * CELLS);
+      const count = column in this.counts && row in this.counts ? this.counts[row * CELLS + column] : NONE;
+      if (count !== undefined && count !== NONE) this.under = count;
+    }
+    this.say();
+  }
+
+  say() {
+    const here = this.under === OPEN ? "not all proved here" : `${this.under} here`;
+    byId("map-state").textContent = this.under !== null ? here : this.isFilled ? "" : "filling …";
+    for (const item of byId("map-legend").children) item.classList.toggle("here", Number(item.dataset.count) === this.under);
   }
 
   /** Pointer and arrow keys move the two values. */
@@ -194,7 +218,9 @@ export class ModeMap {
     });
     this.canvas.addEventListener("pointermove", (event) => {
       if (this.canvas.hasPointerCapture(event.pointerId)) to(event);
+      this.pointAt(event);
     });
+    this.canvas.addEventListener("pointerleave", () => this.pointAt(null));
     this.canvas.addEventListener("keydown", (event) => {
       const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
       if (!way || event.ctrlKey || event.metaKey || event.altKey) return;

@@ -3,6 +3,8 @@ import { distance } from "./rotations.js";
 
 /** A pose that was followed with proof is found again this near. */
 const SAME = 1e-5;
+/** A way that is not proved in one step is halved so often at most. */
+const HALVINGS = 5;
 /** Farther than this (lengths of the scene and radians) no mode has gone in a step. */
 const REASON = 0.3;
 
@@ -39,9 +41,14 @@ export function carry({ kernel, length }, modes, from, to, poses, known = new Ma
   return { carried, lost: [...lost], born: [...free] };
 }
 
-function proved(kernel, mode, from, to) {
+/** Where a mode is at other values, if every part of the straight way there is proved; else null. */
+function proved(kernel, mode, from, to, halvings = HALVINGS) {
   const { status, R, T } = kernel.follow(mode.R, mode.T, from, to);
-  return status === 0 ? { R, T } : null;
+  if (status === 0) return { R, T };
+  if (halvings === 0) return null;
+  const half = from.map((x, i) => (x + to[i]) / 2);
+  const there = proved(kernel, mode, from, half, halvings - 1);
+  return there && proved(kernel, there, half, to, halvings - 1);
 }
 
 /** The nearest of some poses, if it is near enough. */

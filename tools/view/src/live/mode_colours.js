@@ -1,18 +1,23 @@
-// The colour of a mode by its number: that of the style sheet.
+// How modes are told apart: nine colours of the style sheet, and a second cue for more of them.
 import { Color } from "three";
 import { cssColour } from "../theme.js";
 
-const MANY = 12;
+const COLOURS = 9;
+/** Of so many there is a sign in the list and a kind of edge in the picture. */
+const CUES = 4;
 const known = new Map();
 
 export function modeColour(number) {
-  const name = `mode-${(number - 1) % MANY}`;
+  const name = `mode-${(number - 1) % COLOURS}`;
   if (!known.has(name)) known.set(name, cssColour(name));
   return known.get(name);
 }
 
 /** The same for the picture. */
 export const modePaint = (number) => new Color(modeColour(number));
+
+/** The second cue: 0 for the first nine modes, 1 for the next. */
+export const cueOf = (number) => Math.floor((number - 1) / COLOURS) % CUES;
 
 /** Read the style sheet again, after another theme. */
 export const forgetColours = () => known.clear();

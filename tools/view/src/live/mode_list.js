@@ -1,18 +1,19 @@
 // The list of all real modes: number, colour, position, condition; a row that goes, fades.
 import { reveal } from "../facts.js";
 import { short } from "../numbers.js";
+import { cueOf } from "./mode_colours.js";
 
 const FADING = 1500;
 const DIGITS = 4;
 const HEADS = ["mode", "x", "y", "z", "condition"];
 
 export class ModeList {
-  /** `paint(number)` is the colour of a mode; `onMode(number)` follows it. */
-  constructor(home, size, { paint, onMode }) {
-    Object.assign(this, { paint, onMode });
+  /** `homeIndex` is that of the mode of home, or null; `paint(number)` is the colour of a mode, `onMode(number)` follows it. */
+  constructor(home, size, homeIndex, { paint, onMode }) {
+    Object.assign(this, { paint, onMode, home: homeIndex === null ? null : homeIndex + 1 });
     this.places = Math.max(0, DIGITS - Math.ceil(Math.log10(size)));
     home.innerHTML = `<div class="scroll" tabindex="0"><table id="modes"><thead><tr>${HEADS.map((text) =>
-      `<th scope="col">${text}</th>`).join("")}</tr></thead><tbody></tbody></table></div>`;
+      `<th scope="col"><span data-term="${text}">${text}</span></th>`).join("")}</tr></thead><tbody></tbody></table></div>`;
     this.body = home.querySelector("tbody");
     this.rows = new Map();
   }
@@ -45,10 +46,13 @@ export class ModeList {
   add(number) {
     const row = document.createElement("tr");
     row.dataset.mode = String(number);
-    row.innerHTML = '<td><button type="button"><i class="chip"></i><span></span></button></td><td></td><td></td><td></td><td></td>';
+    row.innerHTML = '<td><button type="button"><i class="chip"></i><span></span></button><em class="tag"></em></td><td></td><td></td><td></td><td></td>';
     row.querySelector("span").textContent = String(number);
-    row.querySelector("button").setAttribute("aria-label", `follow mode ${number}`);
+    const isHome = number === this.home;
+    row.querySelector(".tag").textContent = isHome ? "home" : "";
+    row.querySelector("button").setAttribute("aria-label", `follow mode ${number}${isHome ? ", home" : ""}`);
     row.querySelector(".chip").style.background = this.paint(number);
+    row.querySelector(".chip").dataset.cue = cueOf(number);
     row.addEventListener("click", () => this.rows.has(number) && this.onMode(number));
     this.rows.set(number, row);
     const after = [...this.body.rows].find((other) => Number(other.dataset.mode) > number);

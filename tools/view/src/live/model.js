@@ -4,8 +4,6 @@ import { meeting } from "./folds.js";
 import { carry, inPairs, nearest } from "./matching.js";
 import { distance } from "./rotations.js";
 
-/** A step on which modes were lost or found is taken in parts, halved so often at most. */
-const PARTS = 2;
 /** Two modes that appear where two had met are the same again. */
 const AGAIN = 0.5;
 const KEPT_FOLDS = 50;
@@ -59,9 +57,10 @@ export class Model {
     return this.modes.find(({ number }) => number === this.followed) ?? null;
   }
 
-  /** Follow a mode; the first if there is none of that number. */
+  /** Follow a mode; that of home if there is none of that number, else the first. */
   follow(number) {
-    const mode = this.modes.find((one) => one.number === number) ?? this.modes[0];
+    const named = (wanted) => this.modes.find((one) => one.number === wanted);
+    const mode = named(number) ?? named(this.home) ?? this.modes[0];
     this.followed = mode?.number ?? null;
   }
 
@@ -77,14 +76,18 @@ export class Model {
     this.followed = there.number;
   }
 
-  /** Go to other values, where `found` are all poses. Returns what happened on the way. */
-  go(to, found, { known, parts = PARTS } = {}) {
+  /**
+   * Go to other values, where `found` are all poses. A step on which modes are lost or found is taken
+   * in parts, halved `parts` times at most: `solve(values)` gives all poses on the way, at once or
+   * later. `known` has modes that were followed to these values. Returns what happened.
+   */
+  async go(to, found, { solve, known, parts }) {
     const step = carry(this, this.modes, this.values, to, found.poses, known);
     const isPlain = step.lost.length + step.born.length === 0;
-    if (!isPlain && parts > 0 && !known && !this.kernel.slow && found.complete) {
+    if (!isPlain && parts > 0 && found.complete) {
       const half = this.values.map((x, i) => (x + to[i]) / 2);
-      const first = this.go(half, this.kernel.solve(half), { parts: parts - 1 });
-      const second = this.go(to, found, { parts: parts - 1 });
+      const first = await this.go(half, await solve(half), { solve, parts: parts - 1 });
+      const second = await this.go(to, found, { solve, known, parts: parts - 1 });
       return {
         met: [...first.met, ...second.met],
         gone: [...first.gone, ...second.gone],
@@ -142,9 +145,9 @@ export class Model {
   }
 
   /** Go where a pose is: its values are measured, and the mode in it is followed. */
-  goPose(pose, found, values) {
+  async goPose(pose, found, values, how) {
     const before = this.followed;
-    const happened = this.go(values, found);
+    const happened = await this.go(values, found, how);
     const there = nearest(pose, this.modes, this.length, 1e-4);
     if (there) this.followed = there.number;
     return { ...happened, passed: there && before !== null && there.number !== before ? [before, there.number] : null };
@@ -159,12 +162,19 @@ export class Model {
     if (status === 0) this.ahead.mode = this.mode(from.mode.number, { R, T }, true);
   }
 
-  /** All modes at the values to which the followed one went ahead. */
-  catchUp(to, found, pose) {
-    const { ahead } = this;
-    this.ahead = null;
-    if (pose) return this.goPose(pose, found, to);
-    const isThere = ahead?.mode && ahead.values.every((x, i) => x === to[i]);
-    return this.go(to, found, { known: isThere ? new Map([[ahead.mode.number, ahead.mode]]) : undefined });
+  /** All modes at the values to which the followed one, `mode`, went ahead (null if it did not). */
+  async catchUp(to, found, { mode, pose, ...how }) {
+    if (pose) return this.goPose(pose, found, to, how);
+    const known = mode ? new Map([[mode.number, mode]]) : undefined;
+    const happened = await this.go(to, found, { ...how, known });
+    if (!mode) return happened;
+    // The way of the mode may have been another one than that of the others.
+    this.name(mode, mode.number);
+    const isThere = ({ number }) => this.modes.some((one) => one.number === number);
+    return {
+      ...happened,
+      met: happened.met.filter(({ modes }) => !modes.every(isThere)),
+      gone: happened.gone.filter((one) => !isThere(one)),
+    };
   }
 }

@@ -5,6 +5,14 @@ import { Sliders } from "./sliders.js";
 
 const byId = (id) => document.getElementById(id);
 const POSE = ["x", "y", "z", "rx", "ry", "rz"];
+/** Milliseconds that all poses may take in a move; where they take longer they are solved when it rests. */
+const QUICK = 16;
+/** Of so many times the shortest counts: others may have had to wait. */
+const TIMES = 3;
+/** Milliseconds for which values must rest before all poses are solved that take long. */
+const REST = 80;
+/** Steps on which modes were lost or found are taken in parts, halved so often, where it is quick. */
+const PARTS = 2;
 /** How far sliders of the pose go to each side, in sizes of the scene and degrees. */
 const SHIFT = 0.5;
 const TURN = 45;
@@ -15,6 +23,8 @@ export class Motion {
     Object.assign(this, { model, scene, live, worker, onShow: show });
     this.wanted = null;
     this.id = 0;
+    this.turn = 0;
+    this.times = Array(TIMES).fill(live.quick ? 0 : Infinity);
     const value = ({ number, platform, base, kind }, k) => ({
       name: String(number), title: `${platform}–${base}`, kind, unit: live.units[k], id: `value-${number}`,
     });
@@ -29,29 +39,57 @@ export class Motion {
     for (const input of document.querySelectorAll("input[name=moved]")) {
       input.addEventListener("change", () => this.turnTo(input.value));
     }
-    worker.addEventListener("message", ({ data }) => data.solved && data.id === this.id && this.settle(data.solved));
   }
 
-  /** Solve the values of the file and number the modes as `gsp solve` did. */
-  async begin(given) {
-    const { model } = this;
-    const found = model.kernel.slow ? await this.solved(model.start.values) : model.kernel.solve(model.start.values);
-    model.begin(found, given);
-    this.onShow();
+  /** Whether all poses take longer than a move may. */
+  get isSlow() {
+    return Math.min(...this.times) > QUICK;
   }
 
-  solved(values) {
+  took(milliseconds) {
+    this.times = [...this.times.slice(1), milliseconds];
+  }
+
+  /** All poses for some values, here or, if that takes long, in the worker. */
+  solver() {
+    return this.isSlow ? (values) => this.solvedBeside(values) : (values) => this.solvedHere(values);
+  }
+
+  solvedHere(values) {
+    const began = performance.now();
+    const found = this.model.kernel.solve(values);
+    this.took(performance.now() - began);
+    return found;
+  }
+
+  solvedBeside(values) {
     this.id += 1;
     const { id, worker } = this;
     return new Promise((resolve) => {
       const receive = ({ data }) => {
         if (!data.solved || data.id !== id) return;
         worker.removeEventListener("message", receive);
+        this.took(data.milliseconds);
         resolve(data.solved);
       };
       worker.addEventListener("message", receive);
       worker.postMessage({ solve: { values, id } });
     });
+  }
+
+  /** How the model goes elsewhere; what comes after `stop` is not waited for. */
+  how() {
+    const { turn } = this;
+    const solve = this.solver();
+    const stillWanted = (found) => (turn === this.turn ? found : new Promise(() => {}));
+    return { solve: async (values) => stillWanted(await solve(values)), parts: this.live.quick ? PARTS : 0 };
+  }
+
+  /** Solve the values of the file and number the modes as `gsp solve` did. */
+  async begin(given) {
+    const { model } = this;
+    model.begin(await this.solver()(model.start.values), given);
+    this.onShow();
   }
 
   goTo(values) {
@@ -60,47 +98,79 @@ export class Motion {
 
   /** One move a frame, the last that was asked for. */
   want(target) {
-    if (!this.wanted) requestAnimationFrame(() => this.move());
+    if (!this.wanted) requestAnimationFrame(() => this.wanted && this.move());
     this.wanted = target;
   }
 
-  move() {
+  /** Forget moves that were asked for and are not done. */
+  stop() {
+    this.turn += 1;
+    this.wanted = this.target = null;
+    this.model.ahead = null;
+    this.isBusy = false;
+    clearTimeout(this.resting);
+  }
+
+  async move() {
     const { model, wanted } = this;
+    if (model.ahead?.isOpening) this.stop();
     this.wanted = null;
     const pose = wanted.numbers && { T: wanted.numbers.slice(0, 3), R: fromAngles(wanted.numbers.slice(3)) };
     const values = pose ? Array.from(model.kernel.measure(pose.R, pose.T)) : wanted.values;
     this.pose = pose ? wanted.numbers : null;
-    if (model.kernel.slow) this.goAhead(values, pose);
-    else if (pose) this.onShow(model.goPose(pose, model.kernel.solve(values), values));
-    else this.onShow(model.go(values, model.kernel.solve(values)));
+    if (this.isSlow || model.ahead) {
+      this.goAhead(values, pose);
+      return;
+    }
+    // All of it is done before the next picture, since nothing is awaited that comes later.
+    const how = { solve: (there) => this.solvedHere(there), parts: PARTS };
+    const found = how.solve(values);
+    this.onShow(await (pose ? model.goPose(pose, found, values, how) : model.go(values, found, how)));
   }
 
-  /** The followed mode at once, the others when the worker has them. */
+  /** The followed mode at once, the others when the slider rests. */
   goAhead(values, pose) {
-    const { model } = this;
-    model.goAhead(values, pose);
+    this.model.goAhead(values, pose);
+    this.target = { values, pose };
     this.onShow();
-    clearTimeout(this.resting);
-    this.resting = setTimeout(() => {
-      this.id += 1;
-      this.asked = { values, pose };
-      this.worker.postMessage({ solve: { values, id: this.id } });
-    }, 80);
+    this.rest();
   }
 
-  settle(found) {
-    if (!this.asked) return;
-    const { values, pose } = this.asked;
-    this.asked = null;
-    this.onShow(this.model.catchUp(values, found, pose));
+  rest() {
+    clearTimeout(this.resting);
+    this.resting = setTimeout(() => this.catchUp(), REST);
+  }
+
+  /** All modes where the followed one is; if that has gone on meanwhile, once more when it rests. */
+  async catchUp() {
+    const { model, target } = this;
+    if (this.isBusy || !target) return;
+    const { mode } = model.ahead;
+    const how = this.how();
+    this.isBusy = true;
+    const found = await how.solve(target.values);
+    const isPassed = () => target !== this.target;
+    const happened = isPassed() ? {} : await model.catchUp(target.values, found, { ...how, mode, pose: target.pose });
+    this.isBusy = false;
+    if (isPassed()) {
+      this.rest();
+      return;
+    }
+    model.ahead = this.target = null;
+    this.onShow(happened);
   }
 
   /** The values and the home mode of the file, numbered as at first. */
   home() {
+    this.stop();
+    this.begun();
+    this.rebase();
+    this.onShow({ isAnew: true });
+  }
+
+  begun() {
     const { model } = this;
     model.begin(model.start.found, model.start.numbered);
-    this.rebase();
-    this.onShow();
   }
 
   /** The values of the file: where the present mode leads there. */
@@ -109,23 +179,21 @@ export class Motion {
   }
 
   /** Go where a link leads: from the values of the file, along a straight line. */
-  open({ values, mode, at }) {
+  async open({ values, mode, at }) {
     const { model } = this;
-    model.begin(model.start.found, model.start.numbered);
-    const isHome = values.every((x, i) => x === model.values[i]);
-    const there = () => {
-      if (at) model.name(poseOf(at), mode);
-      else if (mode !== null) model.follow(mode);
-      this.rebase();
-      this.onShow();
-    };
-    if (isHome) there();
-    else if (model.kernel.slow) {
-      this.solved(values).then((found) => { model.go(values, found); there(); });
-    } else {
-      model.go(values, model.kernel.solve(values));
-      there();
+    this.stop();
+    this.begun();
+    if (values.some((x, i) => x !== model.values[i])) {
+      const how = this.how();
+      model.ahead = { values, mode: null, isOpening: true };
+      if (this.isSlow) this.onShow({ isAnew: true });
+      await model.go(values, await how.solve(values), how);
+      model.ahead = null;
     }
+    if (at) model.name(poseOf(at), mode);
+    else if (mode !== null) model.follow(mode);
+    this.rebase();
+    this.onShow({ isAnew: true });
   }
 
   turnTo(which) {

@@ -10,6 +10,9 @@ const ARC = 0.24;
 const ARC_POINTS = 13;
 /** Where on its line an angle is drawn: this far from the middle to the end. */
 const OUTWARD = 0.55;
+/** A plane reaches this much beyond the feet on it, and to none farther from its middle than that. */
+const MARGIN = 0.12;
+const REACH = 2;
 const PARALLEL = 1e-9;
 /** Feet outside by less than this fraction of the drawn part are inside. */
 const INSIDE = 1e-6;
@@ -26,6 +29,30 @@ export function strokesAt({ kind, platform, base }, { R, T }, size) {
   if (base.primitive !== "P") strokes.push(guide(base, ends.base, (p) => p));
   if (platform.primitive !== "P") strokes.push(guide(platform, turnedBack(R, sub(ends.platform, T)), place));
   return { strokes, label: times(0.5, add(ends.platform, ends.base)) };
+}
+
+/** Where a distance meets its primitives, in the frames of their bodies; null for an angle. */
+export function feetAt({ kind, platform, base }, { R, T }) {
+  if (kind.startsWith("A")) return null;
+  const at = { platform: add(turned(R, middle(platform.outline)), T), base: middle(base.outline) };
+  const ends = connection(kind, at, { w: platform.direction && turned(R, platform.direction), v: base.direction });
+  return { platform: turnedBack(R, sub(ends.platform, T)), base: ends.base };
+}
+
+/** The outline of a plane that reaches to a foot on it; null if it does already, or if the foot is far away. */
+export function reaching({ outline }, foot, size) {
+  const centre = middle(outline);
+  if (norm(sub(foot, centre)) > REACH * size) return null;
+  const axes = [[0, 1], [0, 3]].map(([a, b]) => times(0.5, sub(outline[b], outline[a])));
+  const ends = axes.map((half) => {
+    const far = dot(sub(foot, centre), half) / dot(half, half);
+    const beyond = Math.abs(far) > 1 + INSIDE ? far + (Math.sign(far) * MARGIN * size) / norm(half) : 0;
+    return [Math.min(-1, beyond), Math.max(1, beyond)];
+  });
+  if (ends.every(([low, high]) => low === -1 && high === 1)) return null;
+  const [[left, right], [below, above]] = ends;
+  return [[left, below], [right, below], [right, above], [left, above]]
+    .map(([x, y]) => add(centre, add(times(x, axes[0]), times(y, axes[1]))));
 }
 
 const along = (r, direction) => times(dot(r, direction), direction);

@@ -2,16 +2,37 @@
 import { short } from "../numbers.js";
 
 const plural = (count, one, many = `${one}s`) => `${count} ${count === 1 ? one : many}`;
+const ways = (real) => (real ? `${plural(real, "way")} to assemble it` : "no way to assemble it");
 
-/** How sure the number of poses is: a sentence and its kind (good, open, busy). */
+/**
+ * How many ways there are to assemble it, and how sure that is: a sentence, the numbers behind it,
+ * whether these are proved, and its kind (good, open, busy).
+ */
 export function accountText({ complete, isPossible, expected, proved, real }, isCounted) {
-  if (!isPossible) return { kind: "open", text: "no pose has such values: distances are not negative, angles have ends" };
-  if (complete) return { kind: "good", text: `complete, proved: ${plural(proved, "pose")}, ${real} real` };
+  if (!isPossible) return { kind: "open", text: "no pose has such values: distances are not negative, angles have ends", more: "" };
+  if (complete) {
+    return { kind: "good", text: real ? `${ways(real)}; none is missing` : ways(real), more: `${plural(proved, "pose")}, ${real} real:`, isProved: true };
+  }
+  const known = real ? `${ways(real)} ${real === 1 ? "is" : "are"} known` : "no way to assemble it is known";
   if (proved < expected) {
-    return { kind: "open", text: `${proved} of ${plural(expected, "pose")} proved, ${expected - proved} missing; ${real} real known` };
+    return { kind: "open", text: known, more: `${proved} of ${plural(expected, "pose")} proved, ${expected - proved} missing` };
   }
   const why = isCounted ? "that they are all different is not proved" : "that there are no more is not proved";
-  return { kind: "open", text: `${plural(proved, "pose")} proved, ${real} real; ${why}` };
+  return { kind: "open", text: known, more: `${plural(proved, "pose")} proved; ${why}` };
+}
+
+/** The same in one sentence, for those who listen. */
+export function accountSpoken(account, isCounted) {
+  const { text, more, isProved } = accountText(account, isCounted);
+  return [text, more && `${more}${isProved ? " proved" : ""}`].filter(Boolean).join("; ");
+}
+
+/** What is said where no mode is followed. */
+export function noModeText({ complete, isPossible, real }, ahead) {
+  if (ahead?.isOpening) return "";
+  if (ahead) return "The followed mode could not be followed all the way.";
+  if (real) return "No mode is followed. Choose one in the list.";
+  return complete || !isPossible ? "There is no real pose for these values." : "No real pose is known for these values.";
 }
 
 /** What happened in a move, in which `followed` was followed; empty if nothing did. */

@@ -15,7 +15,9 @@ self.onmessage = async ({ data }) => {
   }
   kernel = await opened;
   if (data.solve) {
-    self.postMessage({ solved: kernel.solve(data.solve.values), id: data.solve.id });
+    const began = performance.now();
+    const solved = kernel.solve(data.solve.values);
+    self.postMessage({ solved, id: data.solve.id, milliseconds: performance.now() - began });
   } else {
     const isFresh = job === null;
     job = { ...data.map, squares: squares(data.map.cells, data.map.coarse) };
