@@ -23,6 +23,7 @@ from gspcli.cli.track_tables import event_sentence, track_table
 from gspcli.cli.value_options import Changes, value_options
 from gspcli.cli.worker_options import jobs_option
 from gspcli.errors import GspError, IncompleteError
+from gspcli.wording import counted
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
 
     from gspcli.geometry.instance import Instance
     from gspcli.motion import Track
+    from gspcli.motion.files.requirements import Requirement
+    from gspcli.motion.following.departures import Departure
     from gspcli.motion.following.limit_events import LimitEvent
 
     Array = NDArray[np.float64]
@@ -135,7 +138,8 @@ def command(
     With --require the worst row of each is named, and the exit code is 1 unless all rows keep it;
     range and cone must be kept between the rows, too.
 
-    The exit code is 4 if a mode ends before the last row, unless with --allow-loss.
+    The exit code is 4 if a mode ends before the last row, unless with --allow-loss. It is also 4 if
+    a mode that is followed along a file of poses is not at the pose of a row.
 
     \b
     Examples:
@@ -149,16 +153,16 @@ def command(
         gsp view platform.yaml --track -
     """
     _check(mode, near, spec, values)
-    from gspcli.motion import read_values, track
+    from gspcli.motion import departures, read_values, track
     from gspcli.motion.following.limit_events import limit_events
 
     instance = load_instance(spec, changes)
     requirements = required(require)
     form = pose_format(instance, euler, pivot, ignore)
     table = read_values(*text_of(values), instance, form, delta=relative).subdivided(steps)
-    start = None if near is None else near.read(form)
-    if near is None and mode is None and not all_modes and not everything:
-        start = table.start
+    start = table.start if near is None else near.read(form)
+    if near is None and (mode is not None or all_modes or everything):
+        start = None
     modes = None if mode is None else [mode_number(instance, mode)]
     with working("following"):
         result = track(
@@ -172,20 +176,20 @@ def command(
             certify=not no_certify,
             jobs=jobs,
         )
-    if not everything:
-        _refuse_none(result)
+    _refuse_none(result, unless=everything)
     with working("looking at limits"):
         limits = limit_events(result)
-    asked = {one.quantity for one in requirements}
     with working("looking for singularities"):
-        more = _clearances(result, asked, clear=clear, pose_clear=pose_clear)
+        more = _clearances(result, requirements, clear=clear, pose_clear=pose_clear)
     rows = result.rows(more)
     verdicts, columns = judged_track(result, limits, requirements, rows)
     shown = track_table(result, rows, limits, columns, track_lines(verdicts, rows, steps))
+    left = [] if table.poses is None else departures(result, *table.poses)
     told = {"limits": [*map(plain_limit, limits)], **track_entries(verdicts, rows, steps)}
+    told["departures"] = [one.to_json(form.in_radians) for one in left]
     emit(output, shown, document=result.to_json(rows) | told)
     _tell(result, limits, output)
-    _refuse_losses(result, allowed=allow_loss)
+    _refuse_losses(result, left, allowed=allow_loss)
     refuse(verdicts)
 
 
@@ -199,9 +203,9 @@ def _check(mode: Mode | None, near: GivenPose | None, spec: str, values: str) ->
         raise click.UsageError(message)
 
 
-def _refuse_none(result: Track) -> None:
-    """Raise if there is no mode to follow."""
-    if not len(result.modes):
+def _refuse_none(result: Track, *, unless: bool) -> None:
+    """Raise if there is no mode to follow, unless modes that are born on the way are."""
+    if not unless and not len(result.modes):
         message = (
             "there is no real pose at the first row\n"
             "begin with other values, or use --complete for modes that are born on the way"
@@ -220,9 +224,10 @@ def _tell(result: Track, limits: list[LimitEvent], output: Output) -> None:
 
 
 def _clearances(
-    result: Track, asked: set[str], *, clear: bool, pose_clear: bool
+    result: Track, requirements: list[Requirement], *, clear: bool, pose_clear: bool
 ) -> dict[str, Array]:
     """Return the clearances that are asked for, by their names in rows, each of shape (m, r)."""
+    asked = {one.quantity for one in requirements}
     found = {}
     if clear or "clearance" in asked:
         from gspcli.motion.singularities.clearances import clearances, range_weights
@@ -236,8 +241,8 @@ def _clearances(
     return found
 
 
-def _refuse_losses(result: Track, *, allowed: bool) -> None:
-    """Raise if modes are not accounted for, or end without leave."""
+def _refuse_losses(result: Track, left: list[Departure], *, allowed: bool) -> None:
+    """Raise if modes are not accounted for, end without leave, or leave the poses of the file."""
     if result.complete is False:
         message = (
             "the modes followed and the poses at the last row do not account for each other\n"
@@ -252,6 +257,22 @@ def _refuse_losses(result: Track, *, allowed: bool) -> None:
             "use --allow-loss if that is expected"
         )
         raise IncompleteError(message)
+    if left:
+        raise IncompleteError(_departure_sentences(left, result.instance))
+
+
+def _departure_sentences(left: list[Departure], instance: Instance) -> str:
+    """Return which mode is not at which pose of the file, why that can be, and what to do."""
+    first, units = left[0], instance.units
+    rows = len({one.row for one in left})
+    more = f" (and at {counted(rows - 1, 'more row')})" if rows > 1 else ""
+    turn = first.turn / units.angle.in_radians
+    return (
+        f"row {first.row + 1} (t = {first.t:.6g}): mode {first.mode} is not at the pose of the "
+        f"file, but {first.distance:.3g} {units.length} and {turn:.3g} {units.angle.value} away"
+        f"{more}\nbetween rows the values change linearly, and another pose has these values, too"
+        f"\ngive more poses before row {max(first.row + 1, 2)}"
+    )
 
 
 def _new_modes(result: Track) -> str:

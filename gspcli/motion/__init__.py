@@ -11,6 +11,7 @@ from gspcli.motion.poses.inverse_kinematics import measure
 
 if TYPE_CHECKING:
     from gspcli.motion.following.branch_follower import FollowOptions, MovingPlatform
+    from gspcli.motion.following.departures import Departure, departures
     from gspcli.motion.following.follower import Follower, FollowerReport, FollowerStatus
     from gspcli.motion.following.tracks import Event, Track
     from gspcli.motion.following.trajectories import track
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 #: Names that are imported when they are used: following of modes and workspaces each take a third
 #: of the time that the rest of this room takes to import.
 _HOMES = {
+    "Departure": "following.departures",
     "Event": "following.tracks",
     "FollowOptions": "following.branch_follower",
     "Follower": "following.follower",
@@ -29,11 +31,13 @@ _HOMES = {
     "Track": "following.tracks",
     "Travel": "workspace.travels",
     "Workspace": "workspace.workspaces",
+    "departures": "following.departures",
     "track": "following.trajectories",
     "travels": "workspace.travels",
 }
 
 __all__ = [
+    "Departure",
     "Event",
     "FollowOptions",
     "Follower",
@@ -47,6 +51,7 @@ __all__ = [
     "ValueTable",
     "Workspace",
     "crank_angles",
+    "departures",
     "measure",
     "out_of_range",
     "read_pose",

@@ -239,3 +239,35 @@ def test_modes_that_are_new_are_named(gsp, values):
     assert all(number > 2 for number in new)
     told = gsp("track", "@rubin-m2", given).err
     assert ("new, not reached from the 2 real poses of SPEC" in told) == bool(new)
+
+
+FAR = "x,y,z,rx,ry,rz\n2,-2,-43,21,0,0\n{between}9,-12,-81,-21,0,0\n"
+
+
+def test_a_mode_that_comes_to_another_pose_than_that_of_the_file_is_told(gsp, values):
+    """Values that change linearly between far poses lead to another pose with the same values."""
+    words = ["@apo-tertiary", values(FAR.format(between="")), "--euler", "xyz", "--mode", "1"]
+    run = gsp("track", *words)
+    assert run.code == 4
+    assert run.err.splitlines()[-3:] == [
+        "error: row 2 (t = 2): mode 1 is not at the pose of the file, but 39.2 mm and 42.7 deg "
+        "away",
+        "between rows the values change linearly, and another pose has these values, too",
+        "give more poses before row 2",
+    ]
+    for more in (["--all-modes", "--allow-loss"], ["--steps", "3"], ["--no-certify"]):
+        again = gsp("track", *words[:-2], *more, "--format", "json")
+        (entry,) = json.loads(again.out)["departures"]
+        assert (again.code, entry["mode"], entry["row"], entry["t"]) == (4, 1, 2, 2)
+        assert entry["distance"] == pytest.approx(39.2, abs=0.1)
+
+
+def test_a_mode_that_keeps_to_the_poses_is_not_told(gsp, values):
+    # The way of the poses, in steps.
+    rows = "".join(
+        f"{2 + 7 * s},{-2 - 10 * s},{-43 - 38 * s},{21 - 42 * s},0,0\n"
+        for s in (k / 64 for k in range(1, 29))
+    )
+    text = FAR.format(between=rows).rsplit("\n", 2)[0] + "\n"
+    run = gsp("track", "@apo-tertiary", values(text), "--euler", "xyz", "--format", "json")
+    assert (run.code, json.loads(run.out)["departures"]) == (0, [])

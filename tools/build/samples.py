@@ -78,6 +78,7 @@ SAMPLES: dict[str, tuple[str, ...]] = {
         "LOOP --allow-loss --complete --clearance --pose-clearance",
         "REACH",
         "REACH --require range,cone",
+        "@apo-tertiary FAR --euler xyz",
     ),
     "analyze": (
         "@rubin-m2",
@@ -135,6 +136,7 @@ _LONG = {"atlas verify"}
 _LOOP = data_directory() / "trajectories" / "mode-change"
 #: Made-up measurements of a real machine.
 _MEASURED = ROOT / "docs" / "calibration" / "measured.csv"
+_FAR = "x,y,z,rx,ry,rz\n2,-2,-43,21,0,0\n9,-12,-81,-21,0,0\n"
 #: Exit codes that go with complete output: done, a check failed, not finite, not completed.
 _ANSWERS = (0, 1, 3, 4)
 #: What stands in examples for a file of the reader, or needs a shell.
@@ -182,6 +184,7 @@ def words(name: str, sample: str, folder: Path) -> list[str]:
         "TWICE": "twice.json",
         "VALUES": "values.csv",
         "STATE": "s.json",
+        "FAR": "far.csv",
     }
     paths = {word: folder / name for word, name in names.items()}
     paths["MEASURED"] = _MEASURED
@@ -202,6 +205,9 @@ def words(name: str, sample: str, folder: Path) -> list[str]:
         path = folder / "reach.csv"
         path.write_text("\n".join(["x,y,z,qw,qx,qy,qz", *poses]) + "\n", encoding="utf-8")
         sample = sample.replace("REACH", f"@workspace-study-cones {path} --near 0,0,60,1,0,0,0")
+    if "FAR" in sample:
+        # Two poses so far apart that the way of the values leads to another pose.
+        paths["FAR"].write_text(_FAR, encoding="utf-8")
     if "MASSES" in sample:
         page = _PAGE.read_text(encoding="utf-8")
         blocks = re.findall(r"```(?:yaml|csv)\n(.*?)```", page, re.DOTALL)

@@ -41,14 +41,22 @@ class ValueTable:
         In the units and order of the instance, DPH and DHP signed, shape (n, 6).
     coordinates
         Coordinates of primitives that move, by name, each of shape (n,).
-    start
-        The first pose (R, T) of a file of poses; None for a file of values.
+    poses
+        R (m, 3, 3) and T (m, 3) of a file of m poses, whose values these are; None for a file of
+        values.
     """
 
     t: Array
     values: Array
     coordinates: Mapping[str, Array] = field(default_factory=dict)
-    start: tuple[Array, Array] | None = None
+    poses: tuple[Array, Array] | None = None
+
+    @property
+    def start(self) -> tuple[Array, Array] | None:
+        """The first pose of a file of poses; None for a file of values."""
+        if self.poses is None or not len(self.poses[0]):
+            return None
+        return self.poses[0][0], self.poses[1][0]
 
     def subdivided(self, steps: int) -> ValueTable:
         """Return the trajectory with each step between rows divided into so many steps."""
@@ -59,7 +67,7 @@ class ValueTable:
         columns = [np.interp(parts, rows, column) for column in self.values.T]
         moving = {name: np.interp(parts, rows, column) for name, column in self.coordinates.items()}
         return ValueTable(
-            np.interp(parts, rows, self.t), np.stack(columns, axis=1), moving, self.start
+            np.interp(parts, rows, self.t), np.stack(columns, axis=1), moving, self.poses
         )
 
 
@@ -94,7 +102,7 @@ def read_values(
     moving = _moving(table, instance)
     numbers = [str(k) for k in range(1, len(instance.constraints) + 1)]
     coordinates: dict[str, Array] = {}
-    start = None
+    of_file = None
     if names_poses(table):
         if delta:
             table.note_heading("found poses, expected values with --relative")
@@ -111,7 +119,7 @@ def read_values(
         values = np.zeros((len(table), len(numbers)))
         if poses is not None and not table.problems:
             values = measure(instance, poses.R, poses.T)
-            start = (poses.R[0], poses.T[0]) if len(poses.R) else None
+            of_file = poses.R, poses.T
     else:
         note_legs(table, instance)
         found = [name for name in numbers if name in table.heading]
@@ -139,7 +147,7 @@ def read_values(
         message = f"found t = {t[row + 1]:g} after {t[row]:g}: t must increase"
         table.note_cell(int(row) + 1, "t", message)
     table.check()
-    return ValueTable(t, values, coordinates, start)
+    return ValueTable(t, values, coordinates, of_file)
 
 
 def note_legs(table: NumberTable, instance: Instance) -> None:
