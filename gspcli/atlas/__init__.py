@@ -1,1 +1,1 @@
-"""The atlas: how the generic counts of all types are established, recorded and verified."""
+"""The atlas: the evidence for the generic counts of all types, recorded and verified."""

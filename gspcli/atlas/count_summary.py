@@ -1,4 +1,4 @@
-"""The counts of all types in summary: by class, and against the bounds."""
+"""A summary of the counts of all types: by class, and compared with the bounds."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ class ClassSummary:
     sides
         ``one-sided`` or ``two-sided``.
     types
-        How many types.
+        The number of types.
     smallest, median, largest
-        Of their counts.
+        The extremes and the median of their counts.
     of_largest
         A family with the largest count.
     different
-        How many different counts there are.
+        The number of different counts.
     """
 
     name: str
@@ -51,7 +51,7 @@ class ClassSummary:
 
 @dataclass(frozen=True)
 class BoundSummary:
-    """How far a bound is from the generic counts of a class.
+    """A bound compared with the generic counts of a class.
 
     Attributes
     ----------
@@ -60,11 +60,11 @@ class BoundSummary:
     name
         The class, or ``all``.
     types
-        How many types it applies to.
+        The number of types to which it applies.
     sharp
-        For how many of them it is the count.
+        The number of types for which it equals the count.
     median, largest
-        Factor by which it exceeds the count.
+        The factor by which it exceeds the count.
     of_largest
         A family with the largest factor.
     """
@@ -85,9 +85,9 @@ class CountSummary:
     Attributes
     ----------
     counts
-        Of each class, and of all types.
+        The counts of each class, and of all types.
     bounds
-        How far each bound is from them.
+        The comparison of each bound with them.
     """
 
     counts: tuple[ClassSummary, ...]
@@ -115,7 +115,7 @@ class CountSummary:
 
 
 def atlas_summary() -> CountSummary:
-    """Summarize the generic counts of all types by class, and how sharp the bounds are."""
+    """Summarize the generic counts of all types by class, and compare the bounds with them."""
     return CountSummary(tuple(class_summaries()), tuple(bound_summaries()))
 
 
@@ -134,7 +134,7 @@ def one_plane(gsp_type: GspType) -> int:
     return int(one_sided(gsp_type) // 2 ** gsp_type.count(DLL))
 
 
-#: What each bound is a bound of.
+#: The count that each bound bounds.
 BOUNDED: dict[str, Callable[[GspType], int]] = {
     "theorem_5_2": two_sided,
     "theorem_5_3": two_sided,
@@ -183,7 +183,7 @@ def class_summaries() -> list[ClassSummary]:
 
 
 def bound_summaries() -> list[BoundSummary]:
-    """Return how sharp each bound is, in each class that it applies to and in all together."""
+    """Return the comparison of each bound with each class to which it applies, and with all."""
     summaries = []
     for bound, read in BOUNDED.items():
         groups = []

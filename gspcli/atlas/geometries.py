@@ -32,7 +32,7 @@ class GeometryClass:
     name
         Its name on the command line.
     meaning
-        What is special about it, in a phrase.
+        The special property, in a phrase.
     points
         The platform and the base points of six legs, drawn at random; None for classes of every
         type.
@@ -44,12 +44,12 @@ class GeometryClass:
 
 
 def random_geometry(gsp_type: GspType, chosen: GeometryClass, seed: int) -> Instance:
-    """Return a random platform of a type with a geometry of some class; its values mean nothing.
+    """Return a random platform of a type with a geometry of a class; its values are arbitrary.
 
     Raises
     ------
     GspError
-        If the class is one of six legs and the type another.
+        If the class has six legs and the type does not.
     """
     rng = Random(f"{seed} {chosen.name} {gsp_type.id}")
     if chosen.points is None:
@@ -146,7 +146,7 @@ def _hexagon(pair: tuple[int, int]) -> list[Vector]:
 
 def _hexagons(rng: Random) -> Points:
     platform, base = (_hexagon((rng.randint(1, _SIZE), rng.randint(1, _SIZE))) for _ in range(2))
-    # Neighbours of a pair on the platform are none on the base.
+    # Points that are neighbours on the platform are not neighbours on the base.
     return [*platform[1:], platform[0]], base
 
 

@@ -69,19 +69,19 @@ def quotient_dimension(
     prime
         Below 2^31.
     timeout_s
-        When to give up.
+        The time limit.
 
     Returns
     -------
     int or None
-        None if the time did not suffice.
+        None after the time limit.
 
     Raises
     ------
     NotFiniteError
         If there are infinitely many solutions.
     GspError
-        If there is no msolve, or it fails.
+        If msolve is not installed, or fails.
     """
     polynomials = [_polynomial(equation) for equation in equations]
     norm = {(*pair, _W): c for pair, c in quadrics()[study.NORM].items()}
@@ -162,7 +162,7 @@ def _leading(answer: str) -> list[Monomial]:
 
 
 def standard_monomials(leading: Iterable[Monomial]) -> int:
-    """Return how many monomials are divisible by none of the given ones.
+    """Return the number of monomials that no given monomial divides.
 
     Raises
     ------
@@ -181,7 +181,7 @@ def standard_monomials(leading: Iterable[Monomial]) -> int:
     if not powers:
         message = "infinitely many monomials are standard: the solutions are not isolated"
         raise NotFiniteError(message)
-    # Slices by the exponent of the last variable; they change only where a generator begins.
+    # Slices by the exponent of the last variable change only where a generator begins.
     begins = sorted({m[-1] for m in monomials if m[-1] < min(powers)} | {0})
     ends = [*begins[1:], min(powers)]
     return sum(

@@ -1,4 +1,4 @@
-"""Doing many tasks, with a work file: a line of JSON for each, so that work can be taken up."""
+"""Many tasks with a work file: it has a line of JSON for each, so that work can be resumed."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from gspcli.workers import HERE, Workers
 
 Item = TypeVar("Item")
 
-#: How a line begins, and how many bytes are read at a time to find where the last one does.
+#: The beginning of a line, and the bytes that are read at a time in the search for the last line.
 _BEGIN, _STEP = b'{"', 1 << 16
-#: Where the lock is, on systems that lock parts of files.
+#: The place of the lock, on systems that lock parts of files.
 _FAR = 2**31 - 2
 
 
 class Done(Protocol):
-    """What a task gave: a dataclass, whose values JSON can write."""
+    """The result of a task: a dataclass whose values JSON can write."""
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
 
@@ -39,7 +39,7 @@ Result = TypeVar("Result", bound=Done)
 
 
 class Journal:
-    """A work file that is open for this process alone."""
+    """A work file that only this process may use."""
 
     def __init__(self, path: Path, file: BinaryIO) -> None:
         self._path, self._file = path, file
@@ -53,7 +53,7 @@ class Journal:
         Raises
         ------
         GspError
-            If it cannot be opened, or another process works with it.
+            If it cannot be opened, or another process uses it.
         """
         try:
             # Every line goes out at once, and at the end.
@@ -69,23 +69,23 @@ class Journal:
             yield cls(path, file)
 
     def read(self, decode: Callable[[dict[str, Any]], Item]) -> list[Item]:
-        """Return what its lines stand for; a last line that was cut off is ignored.
+        """Return the items of its lines; a last line that was cut off is ignored.
 
         Parameters
         ----------
         decode
-            What makes an item of the values of a line, with any of ValueError, TypeError and
-            KeyError if they are others.
+            Converts the values of a line to an item; raises ValueError, TypeError or KeyError for
+            other values.
 
         Raises
         ------
         GspError
-            If another line is none.
+            If a line is not an item.
         """
         if not self._path.is_file():
             return []
         self._file.seek(0)
-        # Whatever follows the last end of line was being written when the work was interrupted.
+        # Text after the last end of line was being written when the work was interrupted.
         *lines, rest = self._file.read().split(b"\n")
         items = []
         for number, line in enumerate(lines, start=1):
@@ -103,7 +103,7 @@ class Journal:
         Raises
         ------
         GspError
-            If there is no room for it, or the file is no work file.
+            If the disk is full, or the file is no work file.
         """
         try:
             if not self._whole:
@@ -137,12 +137,12 @@ class Journal:
 
 
 def _locked(file: BinaryIO) -> bool:
-    """Take a file for this process, until it is closed; return whether that was possible."""
+    """Lock a file for this process until it is closed; return whether that was possible."""
     try:
         if sys.platform == "win32":
             import msvcrt
 
-            # Others may read it: what is locked is far behind its end.
+            # Other processes may read it: the lock is far after its end.
             file.seek(_FAR)
             msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
         else:
@@ -150,7 +150,7 @@ def _locked(file: BinaryIO) -> bool:
 
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
-        # A system of files without locks has no other process that respects them.
+        # In a file system without locks no process respects them.
         return error.errno not in (errno.EWOULDBLOCK, errno.EACCES, errno.EDEADLK)
     return True
 
@@ -165,22 +165,22 @@ def carry_out(
     progress: Progress = silent,
     label: str = "",
 ) -> dict[Any, Result]:
-    """Return the results of tasks, those in the work file taken from there.
+    """Return the results of tasks; results in the work file are not computed again.
 
     Parameters
     ----------
     tasks
-        What is wanted.
+        The tasks.
     do
-        Gives the result of a task, with the task as its `task`.
+        Returns the result of a task, with the task as its `task`.
     decode
         The inverse of `dataclasses.asdict` for results; see `Journal.read`.
     journal
-        The work file, which each new result is added to at once; None keeps no record.
+        The work file, to which each new result is added at once; None for no record.
     workers
-        Who does them.
+        The processes that do them.
     progress, label
-        Who is told, and what it is called.
+        The receiver of the progress, and the name of the work.
     """
     wanted = list(tasks)
     with Journal.opened(journal) if journal else nullcontext() as work_file:

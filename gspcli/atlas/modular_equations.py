@@ -2,9 +2,9 @@
 
 A linear function of the motion is a list of 26 coefficients, those of 1, R (by rows), T, U, rho and
 T x R in the order of `gspcli.certification.equations.study`, whose forms are N times these
-functions. Numbers are integers that stand for their classes modulo the prime. Nothing is shared
-with the equations of the path tracker or with `gspcli.geometry.constraint_polynomials`, so that the
-two ways of counting are independent.
+functions. Integers represent their residue classes modulo the prime. No code is shared with the
+equations of the path tracker or with `gspcli.geometry.constraint_polynomials`, so the two ways of
+counting are independent.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def equation(
     value
         The distance, signed for DPH and DHP; for angles the value of ``R u . v``.
     sides
-        1, or 2 to leave the side of a DPH or DHP open.
+        1 for one side of a DPH or DHP, 2 for both.
     """
     y, (u, *around_u) = platform.point, platform.frame
     x, (v, *around_v) = base.point, base.frame

@@ -1,4 +1,4 @@
-"""What `data/counts/` holds: the counts with their evidence, made from the results of tasks."""
+"""The content of `data/counts/`: the counts with their evidence, from the results of tasks."""
 
 from __future__ import annotations
 
@@ -74,14 +74,14 @@ Row = dict[str, Any]
 
 
 def recorded(task: Task) -> int:
-    """Return the count that the data have for a task."""
+    """Return the recorded count for a task."""
     if task.distances is None:
         return intersection_number(task.subject)
     return family_counts(family_of(task.distances)).of(sides=task.sides)
 
 
 class Verdict(Enum):
-    """What a result says of the record."""
+    """The comparison of a result with the record."""
 
     EQUAL = "equal"
     DIFFERENT = "different"
@@ -91,8 +91,8 @@ class Verdict(Enum):
 def verdict(result: Result) -> Verdict:
     """Compare a result with the record.
 
-    Too few certified poses contradict nothing: they are a lower bound. A trace test may fail
-    because a path does.
+    A smaller number of certified poses is no contradiction: it is a lower bound. A trace test may
+    fail because a path fails.
     """
     count = recorded(result.task)
     trace = result.tracked.trace if result.tracked else None
@@ -110,14 +110,14 @@ def contents(results: Results, seed: int = SEED) -> dict[str, str]:
     Parameters
     ----------
     results
-        Of `all_tasks`; any may be missing.
+        The results of `all_tasks`; some may be missing.
     seed
-        That of the tasks.
+        The seed of the tasks.
 
     Raises
     ------
     CheckFailed
-        If anything counted contradicts the theorems.
+        If a count contradicts the theorems.
     """
     known = {task: result for task, result in results.items() if task.seed == seed}
     numbers = [_number(spaces, known, seed) for spaces in monodromy_counts()]
@@ -143,7 +143,7 @@ def contents(results: Results, seed: int = SEED) -> dict[str, str]:
 
 
 def differences(folder: Path, files: Mapping[str, str]) -> list[str]:
-    """Return the names of the files of a folder that differ from what they should be."""
+    """Return the names of the files of a folder that differ from the expected content."""
     return [
         name
         for name, text in files.items()
@@ -194,7 +194,7 @@ def _family(family: Family, results: Results, seed: int) -> Row:
 def _evidence(
     what: str, subject: str, sides: int, count: int, results: Results, seed: int
 ) -> tuple[list[int], int | None]:
-    """Return the orders and the number of certified poses, neither of them against the count."""
+    """Return the orders and the number of certified poses, after a check against the count."""
     orders = _orders(subject, sides, results, seed)
     _agree(what, count, orders)
     result = results.get(Task(subject, sides, 0, seed))

@@ -19,18 +19,18 @@ from gspcli.workers import HERE, Workers
 
 @dataclass(frozen=True)
 class Result:
-    """What a task gave.
+    """The result of a task.
 
     Attributes
     ----------
     task
         The task.
     count
-        The number of solutions; None if the time did not suffice.
+        The number of solutions; None after the time limit.
     seconds
-        How long it took.
+        The time.
     tracked
-        More about the count if paths were tracked.
+        The details of the count if paths were tracked.
     """
 
     task: Task
@@ -40,7 +40,7 @@ class Result:
 
     @classmethod
     def of_entry(cls, entry: dict[str, Any]) -> Result:
-        """Return the result that a line of a work file stands for."""
+        """Return the result in a line of a work file."""
         tracked = entry.get("tracked")
         if tracked is not None:
             trace = tracked["trace"]
@@ -65,7 +65,7 @@ def count_all(
     timeout_s: float | None = None,
     progress: Progress = silent,
 ) -> dict[Task, Result]:
-    """Return the results of tasks; see `carry_out`. A task is given up after its time."""
+    """Return the results of tasks, see `carry_out`; a task ends after the time limit."""
     return carry_out(
         tasks,
         partial(measure, timeout_s=timeout_s),

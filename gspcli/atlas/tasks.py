@@ -18,8 +18,8 @@ from gspcli.resources import data_json
 
 #: The two largest primes below 2^31.
 PRIMES = (2147483647, 2147483629)
-#: By the number of sides, the largest counts for which there are Gröbner bases, whose time grows
-#: with the third power; two-sided counts, which follow from the others, are not tracked above it.
+#: The largest counts for which Gröbner bases are computed, by the number of sides: their time grows
+#: with the third power. Larger two-sided counts follow from one-sided ones and are not tracked.
 LIMITS = {1: 1408, 2: 512}
 
 
@@ -33,9 +33,9 @@ class Task:
         Six letters for general quadrics of six spaces, or the kinds of the distances of a
         platform, such as ``DPL DPL DLP``.
     sides
-        2 if DPH and DHP distances are to leave the side open.
+        2 for both sides of DPH and DHP, else 1.
     characteristic
-        The prime, or 0 for a platform with real numbers, of which paths are tracked.
+        The prime, or 0 for a platform with real numbers, for which paths are tracked.
     seed
         Source of the random numbers.
     """
@@ -54,7 +54,7 @@ class Task:
 
     @property
     def expected(self) -> int:
-        """The number of solutions by the law; that of general quadrics by monodromy."""
+        """The number of solutions by the theorem; for general quadrics by monodromy."""
         if self.distances is None:
             return monodromy_counts()[self.subject]
         open_sides = sum(kind.has_sides for kind in self.distances) * (self.sides - 1)
@@ -71,10 +71,10 @@ class Task:
         )
 
     def run(self, timeout_s: float | None = None) -> int | Tracked | None:
-        """Return the number of solutions, or None if the time did not suffice.
+        """Return the number of solutions, or None after the time limit.
 
-        Modulo a prime they are counted with multiplicities; for real numbers only those proved
-        to be different count, and there is no time limit.
+        Modulo a prime they are counted with multiplicities. For real numbers only solutions that
+        are proved to be different count, and there is no time limit.
         """
         if self.characteristic:
             return quotient_dimension(self.equations(), self.characteristic, timeout_s=timeout_s)

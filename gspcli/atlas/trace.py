@@ -1,4 +1,4 @@
-"""Trace tests: whether the solutions of a system move as all of them together must.
+"""Trace tests: a check that some solutions of a system are all of them.
 
 Five of the equations cut out a curve. Let the sixth, G = 0 or G H = tau N^2 with factors of a
 space F, move through the systems with G + s k for a general member k of F. On the curve, the
@@ -20,9 +20,10 @@ from gspcli.continuation.tracker import PathStatus, track
 from gspcli.continuation.tracker_options import CAREFUL, PARANOID
 from gspcli.records import dataclass
 
-#: The part of `without_one` that the defect must be below; without one it is about 1.
+#: A test is passed if the defect is below this part of `without_one`; without a solution it is
+#: about 1.
 TOLERANCE = 1e-2
-#: The part that is good enough not to try another random k, and how the paths are tracked then.
+#: The part below which no other random k is tried, and the options of the paths.
 _GOOD = 1e-6
 _ATTEMPTS = (CAREFUL, CAREFUL, PARANOID)
 
@@ -36,7 +37,7 @@ class Trace:
     defect
         Second difference of the sum over all solutions, relative to the sum of their sizes.
     without_one
-        The smallest that it becomes if one solution is left out.
+        The smallest defect if one solution is omitted.
     """
 
     defect: float
@@ -44,12 +45,12 @@ class Trace:
 
     @property
     def passed(self) -> bool:
-        """Whether the defect is nothing but rounding, and that without any one is more."""
+        """Whether the defect is only rounding, and much larger if one solution is omitted."""
         return self.ratio < TOLERANCE
 
     @property
     def ratio(self) -> float:
-        """The defect as a part of the smallest without one."""
+        """The defect divided by the smallest one with an omitted solution."""
         return self.defect / self.without_one if self.without_one > 0 else np.inf
 
 

@@ -20,14 +20,14 @@ from gspcli.solver.study_systems import target_systems
 
 @dataclass(frozen=True)
 class Tracked:
-    """What tracking paths to a random platform gave.
+    """The result of tracking paths to a random platform.
 
     Attributes
     ----------
     certified
-        How many different poses are proved to exist.
+        The number of different poses that are proved to exist.
     trace
-        The trace test of the poses that were found; None if sides are left open.
+        The trace test of the poses that were found; None for both sides.
     """
 
     certified: int
@@ -46,7 +46,7 @@ def tracked(distances: Sequence[Kind], sides: int, seed: int) -> Tracked:
     distances
         The kinds of the distances; the angles are ALL.
     sides
-        1 to choose a side for each DPH and DHP, 2 to leave it open.
+        1 for one side of each DPH and DHP, 2 for both.
     seed
         Source of the random numbers.
     """

@@ -1,4 +1,4 @@
-"""The paper's tables, recomputed and put beside the print."""
+"""The paper's tables, recomputed and compared with the print."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ _TITLES = {
 
 @dataclass(frozen=True)
 class Comparison:
-    """One table, ours and theirs.
+    """One table, as computed and as printed.
 
     Attributes
     ----------
     number
         The number of the table.
     title
-        What it shows.
+        The content.
     columns
         The keys of the rows.
     computed, printed
@@ -49,7 +49,7 @@ class Comparison:
 
     @property
     def unexplained(self) -> tuple[Difference, ...]:
-        """The differences that no erratum accounts for."""
+        """The differences that no erratum explains."""
         return tuple(d for d in self.differences if erratum_of(d) is None)
 
     def __repr__(self) -> str:
@@ -87,7 +87,7 @@ def table(number: int) -> Comparison:
     Raises
     ------
     ArgumentError
-        If it is another.
+        If there is no table with this number.
     """
     if number not in _TITLES:
         message = f"found {shortened(str(number))}, expected one of the tables 1, 2 and 3"

@@ -22,12 +22,12 @@ from gspcli.solver.generate import random_instance
 
 @dataclass(frozen=True)
 class Confirmation:
-    """What was solved.
+    """The result of a confirmation.
 
     Attributes
     ----------
     families, instances
-        How many families and instances; every instance had the number of its family.
+        The numbers of families and instances; every instance had the number of its family.
     """
 
     families: int
@@ -43,9 +43,9 @@ def confirm(*, instances: int = 2, seed: int = SEED, progress: Progress = silent
     Parameters
     ----------
     instances
-        How many for each family.
+        The number of instances of each family.
     seed
-        Source of the instances.
+        The seed of the instances.
     progress
         Called with the families.
 
@@ -85,7 +85,7 @@ def _confirm_instance(entry: Entry, gsp_type: GspType, rng: np.random.Generator)
 
 
 def _branches(result: SolveResult) -> list[tuple[int, tuple[int, ...]]]:
-    """Return for each solution its rotation and, for each DLL, which of two planes it is on."""
+    """Return for each solution its rotation and, for each DLL, its plane of the two."""
     arrangement = Arrangement.of(result.instance)
     lines = [i for i, kind in enumerate(arrangement.kinds) if kind is DLL]
     moments = (

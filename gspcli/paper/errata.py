@@ -1,4 +1,4 @@
-"""Where the paper's numbers and formulas do not hold, or not the best, with proofs that run."""
+"""Errata: numbers and formulas of the paper that are wrong or can be sharpened, with proofs."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ class Erratum:
         A stable name.
     sort
         ``wrong``; ``sharpened``: true, but not the best; or ``slip``: a misprint, or words that do
-        not fit the formulas, which mislead nobody for long.
+        not fit the formulas.
     place
-        Where in the paper.
+        The place in the paper.
     printed, correct
-        What it says and what holds.
+        The printed and the correct statement.
     argument
-        Why, in a sentence or two.
+        The reason, in a sentence or two.
     proof
-        A program that establishes it and returns its evidence; raises `CheckFailed` otherwise.
+        A function that proves it and returns its evidence; raises `CheckFailed` otherwise.
     """
 
     key: str
@@ -47,7 +47,7 @@ class Erratum:
 
 
 def erratum_of(difference: Difference) -> str | None:
-    """Return the key of the erratum that accounts for a difference of a table, or None."""
+    """Return the key of the erratum that explains a difference of a table, or None."""
     if difference.table == 1 and (difference.row, difference.column) == ("solution 8", "r21"):
         return "table-1-sign"
     if difference.table == 2 and difference.column in "xy":

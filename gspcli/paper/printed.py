@@ -1,4 +1,4 @@
-"""What the paper prints, and how a printed entry can differ from a computed one."""
+"""The printed tables, and differences of printed and computed entries."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ class Difference:
     table
         The number of the table.
     row, column
-        Where: the solution and the unknown, or the case and the column of Table 3.
+        The place: the solution and the unknown, or the case and the column of Table 3.
     printed, computed
         The two entries.
     uncertain
-        Why the reading of the print is not beyond doubt; empty if it is.
+        The reason why the print cannot be read with certainty; empty if it can.
     """
 
     table: int

@@ -75,7 +75,7 @@ def _triple(names: tuple[str, ...]) -> Triple:
 
 
 def differences() -> Iterator[Difference]:
-    """Yield the columns that the print has wrong, each beside what is missing in its place."""
+    """Yield the wrong columns of the print, each with the column that is missing in its place."""
     ours, theirs = Counter(compute()), Counter(printed())
     missing = sorted((ours - theirs).elements())
     for wrong in sorted((theirs - ours).elements()):

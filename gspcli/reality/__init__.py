@@ -1,1 +1,1 @@
-"""How many solutions can be real: sampling, and a search for platforms with many."""
+"""The number of solutions that can be real: sampling, and a search for platforms with many."""

@@ -1,11 +1,11 @@
-"""How far a platform is, to first order, from those with double solutions.
+"""The distance of a platform, to first order, from platforms with double solutions.
 
-Where two solutions come together, real ones become a conjugate pair or the other way round. Near
-such a fold the square of their distance is a smooth function of the numbers of the platform
-that changes its sign, so it can be extrapolated: its value divided by the length of its gradient
-is about the distance to the fold, in the space of platforms. This is the linear model of
-P. Dietmaier, *The Stewart-Gough platform of general geometry can have 40 real postures* (1998),
-for all kinds of constraints.
+Where two solutions meet, two real ones become a conjugate pair or conversely. Near such a fold the
+square of their distance is a smooth function of the numbers of the platform that changes its sign.
+So it can be extrapolated: its value divided by the length of its gradient is approximately the
+distance to the fold in the space of platforms. This is the linear model of P. Dietmaier, *The
+Stewart-Gough platform of general geometry can have 40 real postures* (1998), for all kinds of
+constraints.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from gspcli.records import dataclass
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-#: How many of its nearest real solutions each real solution is kept apart from.
+#: The number of nearest real solutions from which each real solution is kept apart.
 _NEIGHBOURS = 3
 
 _ROTATIONS = np.zeros((3, 3, 3))
@@ -41,8 +41,7 @@ class Folds:
     distances
         Shape (p,).
     normals
-        Unit vectors in which direction the numbers must change to get away from the fold,
-        shape (p, 6 * 13).
+        Unit vectors of the changes of the numbers away from the fold, shape (p, 6 * 13).
     """
 
     distances: Array
@@ -75,13 +74,13 @@ def folds(
     Parameters
     ----------
     platform
-        One of the pattern.
+        A platform of the pattern.
     R, T
         All its solutions, shapes (n, 3, 3) and (n, 3).
     real
         Which are real, shape (n,).
     pattern
-        What may change: folds are as far as they are within the pattern.
+        The pattern: distances of folds are measured within it.
     """
     by_twist, by_number = _gradients(platform, R, T)
     X = np.concatenate((R.reshape(-1, 9), T), axis=-1)
@@ -96,7 +95,7 @@ def folds(
         multipliers = np.einsum("sic,sc->si", by_value[index], direction)
         return np.asarray(multipliers[..., None] * by_number[index])
 
-    # One of each pair, whichever: the one with a positive imaginary part in general position.
+    # One solution of each pair: in general position the one with a positive imaginary part.
     height = X.imag @ np.sqrt(np.arange(1, 13))
     pairs = np.flatnonzero(~real & (height > 0))
     imaginary = X[pairs].imag
@@ -113,7 +112,7 @@ def _folds(platform: Platforms, pattern: Pattern, squares: Array, gradients: Arr
     """Return folds from squared half distances (p,) and their gradients (p, 6, 13)."""
     allowed = pattern.projected(gradients)
     for part, directions in ((slice(6, 9), platform.u), (slice(9, 12), platform.v)):
-        # A direction changes only across itself.
+        # The change of a unit direction is perpendicular to it.
         allowed[..., part] -= dot(allowed[..., part], directions)[..., None] * directions
     flat = allowed.reshape(len(squares), len(platform.kinds) * NUMBERS)
     lengths = np.linalg.norm(flat, axis=-1)
@@ -137,8 +136,8 @@ def neighbours(X: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
 def _gradients(platform: Platforms, R: Complex, T: Complex) -> tuple[Complex, Complex]:
     """Return derivatives of the equations by a twist (n, 6, 6) and by their numbers (n, 6, 13).
 
-    The equations are the polynomials of `gspcli.geometry.constraint_polynomials` less what they
-    should be.
+    The equations are the polynomials of `gspcli.geometry.constraint_polynomials` less their stated
+    values.
     """
     r, w, arm = platform.placed(R, T)
     v = np.broadcast_to(platform.v, w.shape)

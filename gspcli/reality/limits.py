@@ -1,4 +1,4 @@
-"""Platforms near simpler ones: a large sphere is nearly a plane, a far point nearly a direction.
+"""Platforms near simpler ones: a large sphere is nearly a plane, a far point a direction.
 
 | constraint | with | is nearly |
 |---|---|---|
@@ -7,9 +7,9 @@
 | DPH | its point far away | an angle |
 | DHP | its point far away | an angle |
 
-Each simple real solution of the simpler platform is one of the other, if that is near enough
-(implicit function theorem). So a type has as many real solutions as its simpler ones: all, if its
-generic count is the same.
+Each simple real solution of the simpler platform gives one of the other platform, if this is near
+enough (implicit function theorem). So a type can have as many real solutions as its simpler types;
+if its generic count is the same, all can be real.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from gspcli.reality.platforms import Array, Platforms
 from gspcli.records import dataclass
 
 _SIMPLER = {DPP: (DPH, DHP), DPH: (ALL,), DHP: (ALL,)}
-#: More make a type infinite.
+#: With more angles a type has infinitely many poses.
 _MOST_ANGLES = 3
 
 
@@ -35,7 +35,7 @@ class Limit:
     kinds
         The kinds of the type.
     index, simpler
-        Which becomes what.
+        The index of the constraint, and its simpler kind.
     """
 
     kinds: tuple[Kind, ...]
@@ -55,10 +55,10 @@ class Limit:
         known
             One reduced platform of the simpler type, without leading axes.
         there, back
-            A place of the platform's origin among those of its real solutions, in the axes of the
-            base; and one of the base's, in those of the platform.
+            The place of the platform's origin in one of its real solutions, in the axes of the
+            base; and that of the base's origin in the axes of the platform.
         reach
-            How far away the far point is.
+            The distance of the far point.
         """
         i, kind = self.index, self.kinds[self.index]
         y, x, u, v, values = (
@@ -80,7 +80,7 @@ class Limit:
 
 
 def limits(kinds: tuple[Kind, ...]) -> Iterator[Limit]:
-    """Yield the ways to make one constraint of a type simpler, alike constraints once."""
+    """Yield the ways to make one constraint of a type simpler, each kind once."""
     angles = sum(not kind.is_distance for kind in kinds)
     for index, kind in enumerate(kinds):
         for simpler in _SIMPLER.get(kind, ()):

@@ -38,21 +38,21 @@ Complex = NDArray[np.complex128]
 _SIZES = (1.0, 0.3)
 #: Real solutions are kept this far from folds, or if they are nearer, ...
 _MARGIN = 0.005
-#: ... driven away by this factor; from a platform that is given not let nearer than by this one:
-#: near limits so many are near that they cannot all be driven away.
+#: ... moved away by the first factor. For a given platform they are kept beyond the second factor
+#: only: near limits too many folds are near to move away from all of them.
 _GROWTH, _LEEWAY = 1.3, 0.8
-#: First and largest length of a step; numbers are of the order of one.
+#: First, largest and smallest length of a step; numbers are of the order of one.
 _RADIUS, _MAX_RADIUS, _MIN_RADIUS = 0.05, 0.3, 1e-3
-#: The shortest step that drives a pair may be so much longer than its part towards the fold.
+#: The largest ratio of the shortest step for a pair to its part towards the fold.
 _DETOUR = 4.0
-#: Mean rank, by distance, of the conjugate pair that is driven.
+#: Mean rank, by distance, of the conjugate pair that a step brings together.
 _RANK = 2.0
-#: Where something is known, one of so many attempts begins anew; the others begin with the best
-#: platform, its numbers changed by about one of these.
+#: One of this many attempts begins with a random platform; the others begin with the best known
+#: platform, with random changes of about one of these sizes.
 _TURNS, _SHAKES = 4, (0.0, 0.01, 0.03, 0.06, 0.1)
-#: An attempt ends after so many steps without a new real pair.
+#: An attempt ends after this many steps without a new real pair.
 _PATIENCE = 200
-#: Solutions are followed from those of the last platform, and solved anew after so many steps.
+#: Solutions are followed from those of the last platform; after this many steps all are solved.
 _AFRESH = 50
 #: Limits of the numbers: points, distances, and the least difference from 1 of a cosine.
 _LARGEST, _SMALLEST, _COSINE = 4.0, 0.02, 1e-3
@@ -79,7 +79,7 @@ def _largest(platform: Platforms) -> float:
 
 
 def _centred(platform: Platforms) -> Platforms:
-    """Return a platform with the origins of its frames amid the points, few of which may be far."""
+    """Return a platform with origins in the middle of its points, of which few may be far."""
     distance = np.array([kind.is_distance for kind in platform.kinds])
     y, x = (
         (part - np.median(part[distance], axis=0)) * distance[:, None]
@@ -90,7 +90,7 @@ def _centred(platform: Platforms) -> Platforms:
 
 @dataclass(frozen=True)
 class Search:
-    """What is sought.
+    """The settings of a search.
 
     Attributes
     ----------
@@ -106,13 +106,13 @@ class Search:
     deadline
         Time (`time.time`, the same on all machines) at which attempts end.
     starts
-        How many random platforms an attempt begins with: the best goes on.
+        The number of random platforms at the beginning of an attempt; the best one is improved.
     steps
-        How many platforms an attempt may solve after that; None: until it is stuck.
+        The number of platforms that an attempt may solve after that; None for no limit.
     special
-        The special platforms to look among; None: all reduced ones.
+        The special platforms to search; None for all reduced ones.
     solutions
-        How many solutions they have; None: as many as their type.
+        The number of their solutions; None for that of their type.
     """
 
     kinds: tuple[Kind, ...]
@@ -142,9 +142,9 @@ class Search:
         return self.deadline is not None and time.time() > self.deadline
 
     def near(self, best: Platforms | None, number: int) -> Search:
-        """Return the search that an attempt goes on with where something is known.
+        """Return the search of an attempt if a platform is known.
 
-        In turn it begins anew, and with the best platform known, shaken.
+        Attempts begin in turn with random platforms and with random changes of the best one.
         """
         if best is None or number % _TURNS == 0:
             return self
@@ -154,7 +154,7 @@ class Search:
 
     @property
     def _limit(self) -> float:
-        """How large numbers may become."""
+        """The largest size of numbers."""
         return _LARGEST if self.start is None else max(_LARGEST, 1.5 * _largest(self.start))
 
     def attempt(self, number: int) -> Solved | None:
@@ -215,16 +215,16 @@ class Search:
     def comfortable(
         self, best: Solved, number: int, *, comfort: float = _COMFORT, most: int = _IMPROVEMENTS
     ) -> Solved:
-        """Return a platform as good but further from folds, so that it can be rounded.
+        """Return a platform with as many real solutions, farther from folds, to be rounded.
 
         Parameters
         ----------
         best
-            One of the pattern.
+            A platform of the pattern.
         number
-            Of an attempt, for random numbers.
+            The number of an attempt, for random numbers.
         comfort, most
-            The distance to folds that is enough, and in how many steps at most.
+            The distance to folds that suffices, and the most steps.
         """
         rng = np.random.default_rng([self.seed, number, 1])
         radius, nearest = _RADIUS, best.margin(self.pattern)
@@ -277,11 +277,11 @@ def attempts(
     Parameters
     ----------
     search
-        What is sought.
+        The search.
     first, end
         The first attempt, and the first that is not made any more.
     workers
-        Who makes them.
+        The processes that make them.
     """
     numbers = itertools.count(first) if end is None else range(first, end)
     wanted = itertools.takewhile(lambda _: not search.is_late, numbers)

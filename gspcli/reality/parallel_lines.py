@@ -4,10 +4,10 @@ The paper's equation of a line-line distance (Section 4, DLL) is multiplied by t
 the angle of the lines, so it holds wherever they are parallel, at every distance. Such an end is
 a pose only if the distance of the parallel lines is the one that was asked for.
 
-Where the lines are parallel the gradient of M^2 - d^2 (N^2 - C^2) vanishes (M = 0, and N - C or
-N + C is a sum of two squares that vanish), so several paths end there: an end of one path is
-always a pose, however small the angle of its lines. But it has lost the digits of that sine, and
-its distance loses them once more; `polish_parallel_lines` brings them back.
+For parallel lines the gradient of M^2 - d^2 (N^2 - C^2) vanishes: M = 0, and N - C or N + C is a
+sum of two squares that vanish. So several paths end there, and the end of a single path is always a
+pose, for any angle of its lines. But it has lost the digits of that sine, and its distance loses
+them once more; `polish_parallel_lines` restores them.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import Field, cross, dot, rotation_from_vector
 from gspcli.reality.pose_newton import improved
 
-#: Unit directions that differ by less are parallel: what is left of double precision at an end
-#: where several paths meet.
+#: Unit directions that differ by less are parallel: the accuracy of doubles at an end where several
+#: paths meet.
 _PARALLEL = 1e-5
 #: Distances, in lengths of the platform, that differ by less are equal at such an end ...
 _EQUAL = 1e-5
@@ -35,8 +35,8 @@ _TRIALS, _TURNS, _TRIAL_STEPS = 4, (1e-7, 1e-6, 1e-5), 12
 #: Residual, lengths by that of the platform, at which a trial has arrived, and how near to the end
 #: it must be.
 _ARRIVED, _NEAR = 1e-9, 1e-3
-#: Near parallel lines residuals become small with the sine, whatever the distance: a trial that
-#: only runs into the end itself has not arrived.
+#: Near parallel lines residuals are as small as the sine, at any distance. A trial that only
+#: approaches the end itself has not arrived.
 _ARRIVED_OF_SINE = 1e-3
 
 

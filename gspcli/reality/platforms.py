@@ -1,9 +1,9 @@
-"""Many platforms of one type as arrays, from random numbers to solutions without `Instance`s.
+"""Many platforms of one type as arrays: random numbers, systems and solutions.
 
-Distances to planes and of lines are zero in *reduced* platforms. A plane can be moved instead of
-changing its distance, so nothing is lost on one side; and a small distance gives each real
-solution of a reduced platform one near it for each sign, so all sides, and both signs of the
-mutual moment of two lines, have as many real solutions as one (`docs/real-counts.md`).
+Distances to planes and of lines are zero in *reduced* platforms. For one side this is no
+restriction: the plane can be moved instead of changing its distance. A small distance gives, for
+each sign, a real solution near each one of the reduced platform. So all sides, and both signs of
+the mutual moment of two lines, have as many real solutions as one (`docs/real-counts.md`).
 """
 
 from __future__ import annotations
@@ -83,10 +83,9 @@ class Platforms(Bodies):
 def random_platforms(kinds: Sequence[Kind], count: int, rng: np.random.Generator) -> Platforms:
     """Return random platforms, each with at least one real pose.
 
-    Points are uniform in the cube from -1 to 1, directions and the rotation of a hidden pose on
-    the sphere and the rotation group, its translation in the same cube; the values are what the
-    constraints measure there. `gsp new` draws from the same distribution, but rounds, and
-    rejects hidden poses with condition numbers above 1000.
+    Points are uniform in the cube from -1 to 1, and directions on the sphere. The values are those
+    of a hidden pose with a uniform rotation and a translation in the same cube. `gsp new` draws
+    from this distribution, but rounds, and rejects hidden poses with condition numbers above 1000.
     """
     shape = (count, len(kinds))
     distance = np.array([kind.is_distance for kind in kinds])[:, None]
@@ -122,5 +121,5 @@ def reduced(platforms: Platforms) -> Platforms:
 
 
 def multiplier(kinds: tuple[Kind, ...]) -> int:
-    """Return how many solutions on all sides there are for each of a reduced platform."""
+    """Return the number of solutions on all sides for each solution of a reduced platform."""
     return int(2 ** sum(kind in (DPH, DHP, DLL) for kind in kinds))

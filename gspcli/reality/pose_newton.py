@@ -54,7 +54,7 @@ def _turned(omega: Field, R: Field) -> Field:
 
 
 def _errors(arrangement: Arrangement, R: Field, T: Field) -> Field:
-    """Return measured less wanted values, shape (6,); of two signs the nearer one counts."""
+    """Return measured less stated values, shape (6,); of two signs the nearer one counts."""
     values, targets = measured(arrangement, R, T), arrangement.targets
     distances = np.array([kind.is_distance for kind in arrangement.kinds])
     free = distances & (arrangement.signs == 0)

@@ -1,4 +1,4 @@
-"""How the number of real solutions is distributed over random platforms of a type."""
+"""The distribution of the number of real solutions of random platforms of a type."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from gspcli.reality.recognition import reality
 from gspcli.records import dataclass
 from gspcli.workers import HERE, Workers
 
-#: About how many paths are one piece of work.
+#: The approximate number of paths in one piece of work.
 _PATHS = 16_384
 
 
@@ -28,10 +28,10 @@ class Tally:
     Attributes
     ----------
     real
-        From a number of real solutions to how many platforms have it.
+        The number of platforms by their number of real solutions.
     doubtful
-        Why others have none, ``undecided`` or ``incomplete``, by the number of the piece and
-        that of the platform in it.
+        The platforms without a known number, ``undecided`` or ``incomplete``, by the number of the
+        piece and that of the platform in it.
     """
 
     real: Counter[int] = field(default_factory=Counter)
@@ -39,22 +39,22 @@ class Tally:
 
     @property
     def platforms(self) -> int:
-        """How many platforms were drawn."""
+        """The number of platforms that were drawn."""
         return self.real.total() + len(self.doubtful)
 
     @property
     def undecided(self) -> int:
-        """How many have a solution too near a double one to say whether it is real."""
+        """The number of platforms with a solution that is too near a double one to be decided."""
         return list(self.doubtful.values()).count("undecided")
 
     @property
     def incomplete(self) -> int:
-        """How many were not solved completely."""
+        """The number of platforms that were not solved completely."""
         return list(self.doubtful.values()).count("incomplete")
 
     @property
     def mean(self) -> float | None:
-        """The mean number of real solutions where it is known; None if it is nowhere."""
+        """The mean of the known numbers of real solutions; None if none is known."""
         total = self.real.total()
         return sum(k * n for k, n in self.real.items()) / total if total else None
 
@@ -66,14 +66,14 @@ class Tally:
 
 @dataclass(frozen=True)
 class Sample:
-    """What is to be drawn.
+    """The settings of a sample.
 
     Attributes
     ----------
     gsp_type
         The type; the kinds of its angles make no difference.
     count
-        How many platforms.
+        The number of platforms.
     seed
         Source of the random numbers.
     one_sided
@@ -87,13 +87,13 @@ class Sample:
 
     @property
     def expected(self) -> int:
-        """How many complex solutions almost every platform has."""
+        """The number of complex solutions of almost every platform."""
         counts = generic_counts(self.gsp_type)
         return counts.one_sided if self.one_sided else counts.two_sided
 
     @property
     def pieces(self) -> list[int]:
-        """How many platforms are drawn and solved together; does not depend on processes."""
+        """The numbers of platforms in each piece; they do not depend on the processes."""
         size = max(1, _PATHS // self.expected)
         full, rest = divmod(self.count, size)
         return [size] * full + [rest] * (rest > 0)
@@ -131,8 +131,8 @@ def sample(wanted: Sample, workers: Workers = HERE) -> Iterator[Tally]:
     Parameters
     ----------
     wanted
-        What to draw. The distribution is that of `random_platforms`.
+        The settings. The distribution is that of `random_platforms`.
     workers
-        Who solves them.
+        The processes that solve them.
     """
     return workers.as_completed(wanted.tally, range(len(wanted.pieces)))

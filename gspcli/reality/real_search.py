@@ -1,4 +1,4 @@
-"""Searches for platforms with many real poses, from a type or a platform to an instance."""
+"""Searches for platforms with many real poses: from a type or a platform to an instance."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class RealSearch:
-    """A search that is given a type, or a platform to begin with.
+    """A search for a type, or from a first platform.
 
     Attributes
     ----------
     search
-        What is sought among reduced platforms.
+        The search among reduced platforms.
     subject
-        What was given, as a state in a file names it.
+        The type or platform, by its name in a file of the state.
     units, length
         Units and typical length of the instance that is found.
     """
@@ -53,7 +53,7 @@ class RealSearch:
     def of(
         cls, given: GspType | Instance, real: int | None, seconds: float, seed: int = SEED
     ) -> RealSearch:
-        """Return the search for so many real poses, or as many as possible, that begins now."""
+        """Return a search for a number of real poses, or as many as possible, that begins now."""
         if real is not None and real < 1:
             message = f"found {real}, expected at least one real pose"
             raise ArgumentError(message, "real")
@@ -69,7 +69,7 @@ class RealSearch:
 
     @property
     def each(self) -> int:
-        """How many real poses one of a reduced platform stands for."""
+        """The number of real poses for each real pose of a reduced platform."""
         return multiplier(self.search.kinds)
 
     def steps(
@@ -77,16 +77,16 @@ class RealSearch:
     ) -> Iterator[tuple[int, Solved | None, State]]:
         """Yield number and outcome of each attempt, and the state after it.
 
-        An attempt that the deadline cut short is not done, but may have found something.
+        An attempt that the deadline ends does not count, but may have found a better platform.
 
         Parameters
         ----------
         state
-            What is known at first.
+            The first state.
         most
-            The number of attempts in all, if it is limited.
+            The most attempts, if there is a limit.
         workers
-            Who makes them.
+            The processes that make them.
         """
         everything = path_count(self.search.structure)
         goal = everything if self.search.target is None else min(self.search.target, everything)
@@ -136,9 +136,9 @@ class RealSearchResult:
     instance
         The platform.
     real
-        How many real poses are certified: a lower bound of what is possible for its type.
+        The number of certified real poses: a lower bound of the largest number for the type.
     attempts
-        How many attempts were made.
+        The number of attempts.
     """
 
     instance: Instance
@@ -181,13 +181,13 @@ def maximize_real(
     given
         A type, the kinds of whose angles make no difference, or a platform to begin with.
     real
-        So many real poses are enough; as many as possible if None.
+        The number of real poses that suffices; as many as possible if None.
     seconds, attempts
-        When to stop.
+        The limits of the search.
     seed
-        Of the random numbers: an attempt depends on it and on its own number only.
+        The seed: an attempt depends on it and on the number of the attempt only.
     workers
-        Who makes the attempts.
+        The processes that make the attempts.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Which of many solutions are real, with an honest third answer near double ones."""
+"""The real ones of many solutions; near double solutions the answer may be "undecided"."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from gspcli.records import dataclass
 
 #: The error of a solution of norm 1 is about the condition number times this, ...
 _EPS = float(np.finfo(float).eps)
-#: ... and certainly less than so many times that: imaginary parts below are those of real ones, ...
+#: ... and less than this many times that: smaller imaginary parts are those of real ones, ...
 _REAL = 100.0
 #: ... and above this many times not.
 _COMPLEX = 10_000.0
-#: Points with a relatively smaller imaginary part look real.
+#: Points with a smaller relative imaginary part are probably real.
 _FLAT = 1e-6
 
 
 def look_real(points: NDArray[np.complex128]) -> NDArray[np.bool_]:
-    """Return which points of any norm look real, no more than that, shape (n, 8) -> (n,)."""
+    """Return which points of any norm are probably real, without proof, shape (n, 8) -> (n,)."""
     pivot = points[np.arange(len(points)), np.abs(points).argmax(axis=-1)]
     return np.asarray(np.abs((points / pivot[:, None]).imag).max(axis=-1) < _FLAT)
 
@@ -33,8 +33,8 @@ class Reality:
     real
         Shape (n,).
     decided
-        Whether that is certain for all of them: all simple, none with an imaginary part or a
-        distance to another real one of the size of its error. A numerical argument, no proof.
+        Whether this is clear for all of them: all are simple, and no imaginary part and no distance
+        of real ones has the size of an error. This is a numerical argument and no proof.
     """
 
     real: NDArray[np.bool_]
@@ -42,15 +42,15 @@ class Reality:
 
     @property
     def count(self) -> int:
-        """How many are real."""
+        """The number of real ones."""
         return int(self.real.sum())
 
 
 def reality(points: NDArray[np.complex128], condition: NDArray[np.float64]) -> Reality:
     """Return which solutions are real.
 
-    Real systems have conjugate solutions. A solution with an imaginary part of the size of
-    its error is one with its conjugate, unless there is another as near.
+    Real systems have conjugate solutions. A solution with an imaginary part of the size of its
+    error equals its conjugate, unless another solution is as near.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How many solutions of random platforms are real, with the table."""
+"""The numbers of real solutions of random platforms, with the table."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ class SampleResult:
     Attributes
     ----------
     wanted
-        What was drawn.
+        The settings.
     tally
-        What was found.
+        The numbers.
     """
 
     wanted: Sample
@@ -38,7 +38,7 @@ class SampleResult:
         return f"<SampleResult of {self.wanted.gsp_type.id}: {size}{mean}>"
 
     def to_frame(self) -> pd.DataFrame:
-        """Return how many platforms have which number of real solutions; imports pandas."""
+        """Return the number of platforms for each number of real solutions; imports pandas."""
         import pandas as pd
 
         real = self.tally.real
@@ -77,13 +77,13 @@ def sample(
     gsp_type
         The type; the kinds of its angles make no difference.
     count
-        How many platforms are drawn.
+        The number of platforms.
     seed
-        Of the random numbers.
+        The seed of the random numbers.
     one_sided
-        Whether one side of each DPH and DHP is asked for, not both.
+        Whether one side of each DPH and DHP counts; otherwise both do.
     workers
-        Who does the work.
+        The processes that do the work.
     """
     wanted, tally = Sample(gsp_type, count, seed, one_sided), Tally()
     for part in parts(wanted, workers):

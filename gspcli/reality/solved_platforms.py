@@ -1,4 +1,4 @@
-"""Reduced platforms with all their solutions, and which of them are real."""
+"""Reduced platforms with all their solutions; which of these are real."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from gspcli.records import dataclass
 
 Complex = NDArray[np.complex128]
 
-#: The part of the solutions that has to be seen at the first attempt.
+#: The part of the solutions that the first attempt must find.
 _SETTLED = 0.4
 
 
@@ -46,7 +46,7 @@ class Solved:
 
     @property
     def count(self) -> int:
-        """How many solutions are real."""
+        """The number of real solutions."""
         return int(self.real.sum())
 
     def folds(self, pattern: Pattern) -> tuple[Folds, Folds]:
@@ -60,7 +60,7 @@ class Solved:
 
 
 def solved(platform: Platforms, seed: int = SEED, solutions: int | None = None) -> Solved | None:
-    """Return a platform with all solutions, or None if some cannot be made out.
+    """Return a platform with all solutions, or None if some cannot be found or decided.
 
     Special platforms may have fewer solutions than their type: `solutions`.
     """
@@ -75,9 +75,9 @@ def solved(platform: Platforms, seed: int = SEED, solutions: int | None = None) 
 
 
 def quickly_solved(platform: Platforms, seed: int = SEED) -> Solved | None:
-    """Return a platform with what a first attempt at all paths finds; None if it loses most.
+    """Return a platform with the solutions of a first attempt at all paths; None if most are lost.
 
-    What looks real is taken to be so, and nothing is checked: a beginning.
+    Solutions that are probably real count as real, without a check. A search begins with this.
     """
     system = next(platform[None].systems())
     (tracked_paths,) = track_all([system], seed=seed)

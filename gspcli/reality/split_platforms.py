@@ -1,13 +1,13 @@
-"""Platforms at which a distance of a point and a line falls into two real quadrics.
+"""Platforms at which the equation of a point and a line is a product of two real quadrics.
 
-DPL is ``G H = d^2 N^2`` with complex conjugate G and H, so the argument that multiplies real
-solutions by both sides of a plane (`docs/real-counts.md`) does not hold for it. But there are
-places where it is a product of two *real* quadrics, on the solutions of the other constraints:
+DPL is ``G H = d^2 N^2`` with complex conjugate G and H. So the argument that doubles real solutions
+by the two sides of a plane (`docs/real-counts.md`) does not hold for it. But in some cases it is a
+product of two *real* quadrics on the solutions of the other constraints:
 
 turned
-    The point y is far from the platform's others. Then R y moves on a large sphere about places
-    near the line, and the circle in which it meets the cylinder is two: the angle of R y and the
-    line is one of two that are nearly right. So DPL is two angles, in the limit.
+    The point y is far from the platform's other points. Then R y moves on a large sphere about
+    places near the line, which meets the cylinder in two circles: the angle of R y and the line is
+    one of two nearly right angles. So in the limit DPL is two angles.
 carried by DPP
     Another constraint keeps the same point at a distance r from a point of the line. A sphere and
     a cylinder about a line through its centre meet in two circles, in the planes at the distances
@@ -17,13 +17,13 @@ carried by DPH
     parallel lines: exactly two one-sided DPH again.
 
 carried by an angle and DHP
-    The plane of the platform goes through the point and through a point of the line, its normal
-    has a right angle with the line. What is left is the moment of normal and line: two DLL.
+    The plane of the platform goes through the point and through a point of the line, and its normal
+    has a right angle with the line. The condition is then the moment of normal and line: two DLL.
 
-DLP likewise, with platform and base exchanged. What remains is a `Pattern`, best with one quadric
-for each constraint, or with three angles: three cylinders meet in eight real points anyway. Each
-real solution of a pattern whose angles are right and whose carried planes are at distance zero is
-two for each constraint that was split, if the two are near enough.
+The same holds for DLP with platform and base exchanged. The remaining constraints are a `Pattern`,
+best with one quadric for each constraint, or with three angles, since three cylinders meet in eight
+real points. If its angles are right angles and its carried planes are at distance zero, each real
+solution of a pattern becomes two for each constraint that was split, if the two are near enough.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ Array = NDArray[np.float64]
 #: Numbers of a constraint: y, x, u, v and the value.
 NUMBERS = 13
 _VALUE = 12
-#: Three angles fix the rotations; more make a type infinite.
+#: Three angles fix the rotations; with more a type has infinitely many poses.
 _MOST_ANGLES = 3
 
 
@@ -61,7 +61,7 @@ class Pattern:
         Groups of constraints that share their point of the platform and that of the base, their
         direction on the platform, or that of the base.
     right_angles
-        Whether the angles are right ones.
+        Whether the angles are right angles.
     """
 
     kinds: tuple[Kind, ...]
@@ -72,7 +72,7 @@ class Pattern:
 
     @property
     def free(self) -> NDArray[np.bool_]:
-        """Which numbers of the constraints may change, shape (6, 13).
+        """The numbers of the constraints that may change, shape (6, 13).
 
         Distances of planes and lines stay zero. Directions of points have no gradient.
         """
@@ -97,7 +97,7 @@ class Pattern:
         return np.asarray(allowed)
 
     def of(self, platforms: Platforms) -> Platforms:
-        """Return reduced platforms changed into ones of the pattern."""
+        """Return reduced platforms, changed to platforms of the pattern."""
         y, x, u, v = (getattr(platforms, part).copy() for part in "yxuv")
         for groups, parts in ((self.same_points, (y, x)), (self.same_u, (u,)), (self.same_v, (v,))):
             for first, *others in groups:
@@ -110,7 +110,7 @@ class Pattern:
 
 
 def _joined(groups: Iterable[tuple[int, ...]]) -> tuple[tuple[int, ...], ...]:
-    """Return groups with those that have a member in common made one."""
+    """Return groups after groups with a common member are joined."""
     joined: list[set[int]] = []
     for group in groups:
         touching = [known for known in joined if not known.isdisjoint(group)]
@@ -121,17 +121,17 @@ def _joined(groups: Iterable[tuple[int, ...]]) -> tuple[tuple[int, ...], ...]:
 
 @dataclass(frozen=True)
 class Splitting:
-    """Where the DPL and DLP of a type are split.
+    """The way in which the DPL and DLP of a type are split.
 
     Attributes
     ----------
     kinds
         The kinds of the type.
     turned
-        Which become two angles.
+        The constraints that become two angles.
     carried
-        Which become two planes, or meeting lines, each with the constraints that carry it: one
-        distance of its point, or an angle and a distance.
+        The constraints that become two planes, or meeting lines, each with the constraints that
+        carry it: one distance of its point, or an angle and a distance.
     """
 
     kinds: tuple[Kind, ...]
@@ -140,12 +140,12 @@ class Splitting:
 
     @property
     def factor(self) -> int:
-        """How many solutions there are for each one of the pattern."""
+        """The number of solutions for each solution of the pattern."""
         return int(2 ** (len(self.turned) + len(self.carried)))
 
     @property
     def left(self) -> int:
-        """How many DPL and DLP are not split, unless three angles make that needless."""
+        """The number of DPL and DLP that are not split; 0 with three angles: none is needed."""
         kinds = self.pattern.kinds
         if sum(not kind.is_distance for kind in kinds) == _MOST_ANGLES:
             return 0
@@ -153,7 +153,7 @@ class Splitting:
 
     @property
     def pattern(self) -> Pattern:
-        """What remains."""
+        """The pattern of the remaining constraints."""
         kinds = list(self.kinds)
         for i in self.turned:
             kinds[i] = ALL
@@ -182,7 +182,7 @@ class Splitting:
         gap
             Half the difference of the two positions into which a constraint is split.
         reach, cosine
-            How far away the points are that turn, and half the difference of their two cosines.
+            The distance of the points that turn, and half the difference of their two cosines.
         """
         y, x, u, v = known.y.copy(), known.x.copy(), known.u.copy(), known.v.copy()
         values = known.values.copy()
@@ -206,7 +206,7 @@ class Splitting:
 
 
 def _remaining(kind: Kind, carrier: Kind) -> Kind:
-    """Return the kind of which a carried constraint becomes two."""
+    """Return the kind of the two constraints that replace a carried one."""
     if (kind, carrier) in ((DPL, DHP), (DLP, DPH)):
         return DLL
     return DPH if kind is DPL else DHP

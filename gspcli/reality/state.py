@@ -1,4 +1,4 @@
-"""What a search has found so far, in a file, so that it can be taken up again."""
+"""The state of a search in a file, so that the search can be resumed."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ class State:
     Attributes
     ----------
     subject
-        What is searched: the type, or the content of the instance file.
+        The type, or the content of the instance file.
     seed
         The seed of the search.
     attempts
-        How many attempts are done.
+        The number of attempts that are done.
     real
-        Real solutions of the best reduced platform; 0 if there is none yet.
+        The number of real solutions of the best reduced platform; 0 if there is none yet.
     platform
         That platform.
     """
@@ -80,7 +80,7 @@ def read_state(path: Path, subject: str, seed: int) -> State:
     Raises
     ------
     GspError
-        If the file is not one, or belongs to another search.
+        If the file is no state, or that of another search.
     """
     try:
         content = content_of(path, LARGEST_SPEC)

@@ -25,7 +25,7 @@ def shortest_step(normals: Array, least: Array, longest: float = np.inf) -> Arra
     least
         Shape (m,).
     longest
-        Longer ones do not count.
+        Longer vectors are not returned.
     """
     scale = float(np.abs(least).max(initial=0.0))
     if scale == 0 or (least <= 0).all():
@@ -49,7 +49,7 @@ def nonnegative_least_squares(matrix: Array, goal: Array, enough: float = 0.0) -
     """
     right = matrix.T @ goal
     count = len(right)
-    # Keeps dependent columns from making the passive equations singular.
+    # The ridge keeps the passive equations regular if columns are dependent.
     ridge = _ZERO * float((matrix * matrix).sum()) / max(count, 1)
     x = np.zeros(count)
     passive = np.zeros(count, bool)
@@ -70,7 +70,7 @@ def nonnegative_least_squares(matrix: Array, goal: Array, enough: float = 0.0) -
             wanted = np.linalg.solve(inner, right[index])
             if (wanted > 0).all():
                 break
-            # Walk towards the wanted point until the first unknown vanishes, and drop it.
+            # Go towards the solution until the first unknown vanishes, and drop it.
             wrong = wanted <= 0
             ratio = x[index[wrong]] / (x[index[wrong]] - wanted[wrong])
             x[index] += ratio.min() * (wanted - x[index])

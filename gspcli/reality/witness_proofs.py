@@ -1,4 +1,4 @@
-"""From the numbers that a search found to an instance with short decimals, and its proof."""
+"""Instances with short decimals from the numbers of a search, with proofs of their real poses."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ from gspcli.solver.strategies.stored_start import careful_paths
 
 Array = NDArray[np.float64]
 
-#: Decimals that are tried, in units of the size of the platform; fewer, down to the least, where
-#: already the first do and the poses are not too many.
+#: Decimals that are tried, in units of the size of the platform. If the first number suffices and
+#: there are not too many poses, fewer are tried, down to the least.
 _DIGITS, _LEAST_DIGITS, _MANY = range(4, 12, 2), 2, 256
-#: Distances of planes and of lines that are tried, in the same units; the first is best. At the
-#: last, two poses that differ by it are still told apart by double precision.
+#: Distances of planes and of lines that are tried, in the same units; the first is the best. Double
+#: precision separates two poses that differ by the last one.
 _GAPS = tuple(Fraction(m, 10**k) for k in range(1, 6) for m in (5, 2, 1))
 _SMALL_GAP = Fraction(1, 1000)
-#: How many times paths are followed at random until enough real poses are found.
+#: The most random attempts at the paths in a search for enough real poses.
 _ATTEMPTS = 3
 DEFAULT_UNITS = Units("unit", AngleUnit.DEGREE)
 #: Numbers of each primitive in a recorded witness.
@@ -79,7 +79,7 @@ def real_instance(
     platform
         One reduced platform (`gspcli.reality.platforms`), lengths of order one.
     count
-        How many real poses the instance has to have, on all sides.
+        The number of real poses that the instance must have, on all sides.
     units
         Units of the instance.
     length
@@ -97,7 +97,7 @@ def real_instance(
 
     @cache
     def instance_with(digits: int) -> Instance | None:
-        # One sided at distance zero: the platform that the search found, rounded.
+        # The rounded platform of the search: one side, at distance zero.
         draft = rounded(scaled, digits, exponent, units)
         if _real_count(draft) != without:
             return None
@@ -115,10 +115,10 @@ def real_instance(
 
 
 def _with_largest_gap(draft: Instance, digits: int, exponent: int, count: int) -> Instance | None:
-    """Return the instance with as large distances of planes and lines as keep a number of poses.
+    """Return the instance with the largest distances of planes and lines that keep the poses.
 
-    There may be more. None if the smallest with so many digits does not; the number is taken to
-    fall with the size.
+    It may have more poses. The result is None if the smallest distance does not keep them; the
+    number is assumed to fall with the distance.
     """
     instances = [
         _with_gap(draft, gap * Fraction(10) ** exponent)
@@ -135,15 +135,15 @@ def poses(instance: Instance, *, jobs: int = 1) -> PoseSet:
 
 
 def certified_real(instance: Instance, enough: int | None = None, *, jobs: int = 1) -> int:
-    """Return how many different real poses of an instance are proved to exist.
+    """Return the number of different real poses of an instance that are proved to exist.
 
     Parameters
     ----------
     instance
         The platform.
     enough
-        Poses that first attempts at the paths do not find are looked for only if there are not
-        so many; None: anyway.
+        Poses that first attempts at the paths do not find are searched for only if fewer than this
+        are found; None: always.
     jobs
         Threads.
     """
@@ -160,9 +160,9 @@ def certified_real(instance: Instance, enough: int | None = None, *, jobs: int =
 
 
 def quickly_certified_real(instance: Instance, enough: int) -> int:
-    """Return how many real poses are proved to exist of those that first attempts find.
+    """Return the number of proved real poses among those that first attempts find.
 
-    Other random paths are taken until they are enough, but not many times.
+    Some attempts with other random paths are made until there are enough.
     """
     points, real = np.zeros((0, 8)), 0
     for seed in range(SEED, SEED + _ATTEMPTS):
@@ -179,7 +179,7 @@ def quickly_certified_real(instance: Instance, enough: int) -> int:
 
 
 def _real_count(instance: Instance) -> int:
-    """Return how many poses look real at the first attempt at the paths."""
+    """Return the number of probably real poses after the first attempt at the paths."""
     ((_, tracked),) = track_platforms([Arrangement.of(instance)], seed=SEED)
     ends = (tracked_paths.first() for tracked_paths in tracked)
     return sum(int(look_real(end.points[end.converged]).sum()) for end in ends)
@@ -205,8 +205,8 @@ def rounded(
 ) -> Instance:
     """Return the instance of a platform, rounded to decimals; lengths in units of 10^exponent.
 
-    Directions of primitives that are far away, or meet points that are, have more decimals.
-    Both sides of DPH and DHP are asked for, unless it is to be the one that the values have.
+    Directions of primitives that are far away, or that meet far points, have more decimals. Both
+    sides of DPH and DHP are asked for, or only the side of the values.
     """
     constraints = []
     for i, kind in enumerate(platform.kinds):
@@ -266,12 +266,12 @@ def _with_gap(instance: Instance, gap: Fraction) -> Instance:
 
 
 def known_instance(gsp_type: GspType, real: int | None = None) -> Instance:
-    """Return a recorded platform of a type with a number of real poses; None: as many as known.
+    """Return a recorded platform of a type with a number of real poses; None: the largest one.
 
     Raises
     ------
     GspError
-        If none is recorded.
+        If there is no record.
     """
     family = gsp_type.family
     found = witness(family) if real is None else witness_with(family, real)

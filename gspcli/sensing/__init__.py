@@ -1,4 +1,4 @@
-"""Sensors: which one tells the real modes of a platform apart, and which mode fits readings."""
+"""Sensors that distinguish the real modes of a platform, and the mode that fits readings."""
 
 from gspcli.sensing.api import sensors
 from gspcli.sensing.identification import ReadingFit, fit_readings

@@ -1,4 +1,4 @@
-"""Which one more sensor tells the real modes of a platform apart."""
+"""The additional sensor that best distinguishes the real modes of a platform."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ from gspcli.solver.arguments import whole
 
 Array = NDArray[np.float64]
 
-#: Readings that are so many standard deviations apart cannot be confused: each within three.
+#: Readings with this difference in standard deviations are distinct: each is accurate to three.
 NEED = 6.0
-#: Standard deviations without other ones: of lengths a part of the platform's size, of angles.
+#: Default standard deviations: of lengths as a part of the platform's size, of angles in degrees.
 SIGMA_PART, SIGMA_DEGREES = 1e-3, 0.1
-#: Sets of values that are drawn in intervals unless somebody says how many.
+#: The default number of sets of values that are drawn in intervals.
 USUAL_COUNT = 100
-#: Digits of standard deviations that are made of the size.
+#: Digits of the default standard deviations of lengths.
 _DIGITS = 2
 
 
@@ -62,10 +62,10 @@ def sensors(
     up: ArrayLike = (0, 0, 1),
     jobs: int = 1,
 ) -> SensorResult:
-    """Say how well one more sensor tells the real modes of a platform apart.
+    """Return how well one additional sensor distinguishes the real modes of a platform.
 
-    At each set of values all real modes are found, and what a sensor would read at each. What
-    counts is the pair of modes whose readings differ least, in standard deviations of the sensor.
+    At each set of values all real modes are found, and the readings of each sensor at them. A
+    sensor is judged by the pair of modes whose readings differ least, in its standard deviations.
 
     Parameters
     ----------
@@ -76,11 +76,11 @@ def sensors(
     coordinates
         With values: primitives that move, as `gspcli.track` takes them.
     random
-        So many random sets of values instead of those of the instance: in the ranges of its
-        constraints if each has one, else what is measured at random poses about home.
+        The number of random sets of values that replace those of the instance: in the ranges of its
+        constraints if each has one, else the values at random poses about home.
     within
-        Between which numbers the values of constraints (by their number, from 1) are drawn
-        instead, the others staying; 100 sets unless ``random`` says how many.
+        Intervals for the values of constraints (by their number, from 1) in which sets are drawn
+        instead; the other values are constant. There are 100 sets by default.
     seed
         The source of randomness.
     sensors
@@ -91,10 +91,10 @@ def sensors(
         ``inclinometer``), in the units of the instance. Without one, lengths have a thousandth of
         the platform's size, and angles a tenth of a degree.
     need
-        From how many standard deviations on modes count as told apart.
+        The difference in standard deviations from which on modes count as distinguished.
     known_side
-        Whether it is known on which side of the base the platform is: that of home, the real pose
-        of the instance that is turned least (of several the highest).
+        Whether the side of the base on which the platform is, is known: that of home, the real pose
+        of the instance with the least turn (of several the highest).
     up
         The vertical in the base, shape (3,).
     jobs
@@ -105,8 +105,8 @@ def sensors(
     ArgumentError
         If an argument is wrong.
     NotFiniteError, IncompleteError
-        If the poses at the values of the instance are infinitely many, or not all known; with
-        random values such sets are left out and counted.
+        If the poses at the values of the instance are infinitely many, or not all known. Such sets
+        of random values are skipped and counted.
 
     Examples
     --------
@@ -171,7 +171,7 @@ def default_sigmas(instance: Instance) -> dict[str, float]:
 
 
 def _sigmas(instance: Instance, given: Mapping[str, float]) -> dict[str, float]:
-    """Return the standard deviations by kind, those given before the usual ones."""
+    """Return the standard deviations by kind: given ones, or else the default."""
     for kind, value in given.items():
         if kind not in KINDS:
             message = f"found {kind!r}, expected one of {', '.join(KINDS)}"
@@ -237,7 +237,7 @@ def _value_sets(
 
 
 def _finite(instance: Instance, seed: int, jobs: int) -> SolveResult:
-    """Return the poses of an instance; raise if they are no modes, or not all are known."""
+    """Return the poses of an instance; raise an error if they are infinite or incomplete."""
     result = solve(instance, seed=seed, jobs=jobs)
     if result.verdict == "infinite" and not len(result.lone.R):
         message = "the poses are infinitely many: there are no modes to tell apart"

@@ -1,4 +1,4 @@
-"""The sensors that are looked at unless others are named."""
+"""The sensors that are compared by default."""
 
 from __future__ import annotations
 
@@ -26,19 +26,23 @@ from gspcli.sensing.sensor_kinds import (
 
 Array = NDArray[np.float64]
 
-#: Coordinates are rounded to so many digits of the size of the platform, directions to decimals.
+#: Digits of coordinates relative to the size of the platform, and decimals of directions.
 _DIGITS, _DECIMALS = 3, 4
-#: Points within this part of their size are on a line, or at the centre: no direction is known.
+#: Points within this part of their size are on a line, or at the centre, and give no direction.
 _FLAT = 1e-9
 
 
 def candidates(instance: Instance, up: Vector | None = None) -> list[Sensor]:
-    """Return the sensors that an instance may get.
+    """Return the sensors that can be added to an instance.
 
-    Legs between each point of the platform and each of the base that no constraint joins; legs to
-    and from a point above the middle of either body, by half the size of the platform; the
-    coordinates of the middle of the platform's points; two angles of each joint of a leg, about
-    axes in the plane of the joints that lead away from their middle and across; an inclinometer.
+    They are
+
+    - legs between points of the platform and of the base that no constraint joins;
+    - legs to and from a point above the middle of either body, by half the size of the platform;
+    - the coordinates of the middle of the platform's points;
+    - two angles of each joint of a leg, about axes in the plane of the joints: one away from their
+      middle, and one across;
+    - an inclinometer.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Which mode of a solved platform fits what sensors read."""
+"""The mode of a solved platform that fits the readings of sensors."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: A mode fits if no reading is off by more than so many standard deviations.
+#: A mode fits if no reading differs by more than this many standard deviations.
 FITS = 3.0
 
 
 @dataclass(frozen=True, eq=False)
 class ReadingFit:
-    """How far readings are from what they would be at the m real modes of a platform.
+    """The differences of readings from the expected ones at the m real modes of a platform.
 
     Attributes
     ----------
@@ -35,10 +35,10 @@ class ReadingFit:
     readings
         The r readings.
     expected
-        What each sensor reads at each mode: r arrays of shape (m, 1), of inclinometers (m, 2), in
-        the units of the instance.
+        The expected readings of each sensor at each mode: r arrays of shape (m, 1), for
+        inclinometers (m, 2), in the units of the instance.
     off
-        How far the readings are from that, in their standard deviations, shape (m, r).
+        The differences of the readings from these, in their standard deviations, shape (m, r).
     """
 
     result: SolveResult
@@ -51,12 +51,12 @@ class ReadingFit:
 
     @cached_property
     def worst(self) -> Array:
-        """The largest of these for each mode, shape (m,)."""
+        """The largest difference for each mode, shape (m,)."""
         return np.asarray(self.off.max(axis=1, initial=0.0))
 
     @property
     def fits(self) -> NDArray[np.bool_]:
-        """Which modes fit: all readings within three standard deviations, shape (m,)."""
+        """Which modes fit: all readings are within three standard deviations, shape (m,)."""
         return np.asarray(self.worst <= FITS)
 
     @property
@@ -67,12 +67,12 @@ class ReadingFit:
 
     @property
     def mode(self) -> int | None:
-        """The number of the mode that fits; None if none does, or several do."""
+        """The number of the only mode that fits; None if there is no or more than one mode."""
         return self.modes[0] if len(self.modes) == 1 else None
 
     @property
     def sentence(self) -> str:
-        """What came out."""
+        """The result in a sentence."""
         what = "reading" if len(self.readings) == 1 else "readings"
         if not len(self.worst):
             return f"there is no mode that could fit the {what}"
@@ -88,14 +88,14 @@ class ReadingFit:
         return f"{text}, the next, mode {order[1] + 1}, by {texts[1]}" if len(order) > 1 else text
 
     def rows(self) -> list[dict[str, Any]]:
-        """Return for each mode its number, what it is off by, and whether it fits."""
+        """Return for each mode its number, its difference, and whether it fits."""
         return [
             {"number": k + 1, "off": float(self.worst[k]), "fits": bool(self.fits[k])}
             for k in range(len(self.worst))
         ]
 
     def to_frame(self) -> pd.DataFrame:
-        """Return the modes as a table with what each reading would be (pandas is imported now)."""
+        """Return the modes as a table with the expected readings (pandas is imported now)."""
         import pandas as pd
 
         frame = pd.DataFrame(self.rows(), columns=["number", "off", "fits"])
@@ -120,7 +120,7 @@ class ReadingFit:
         }
 
     def of_mode(self, k: int) -> dict[str, Any]:
-        """Return what is said of a mode, by its index, as plain data."""
+        """Return the fit of a mode, by its index, as plain data."""
         return {
             "expected_readings": [read[k].tolist() for read in self.expected],
             "off": self.off[k].tolist(),
@@ -129,7 +129,7 @@ class ReadingFit:
 
 
 def fit_readings(result: SolveResult, readings: Sequence[str | SensorReading]) -> ReadingFit:
-    """Return how far readings are from what they would be at each real mode.
+    """Return the differences of readings from the expected ones at each real mode.
 
     Parameters
     ----------

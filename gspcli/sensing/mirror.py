@@ -1,4 +1,4 @@
-"""Mirror modes: what planar bodies share at two poses, detected exactly.
+"""Mirror modes: two poses of planar bodies at which constraints and sensors agree, proved exactly.
 
 **Theorem.** Let the points of the platform lie in a plane H and those of the base in a plane B.
 Let s be the reflection of the platform's space in H, t that of the base's in B, and for a pose g (a
@@ -8,10 +8,10 @@ point p of H and each point b of B have the same distance at g and at g'.
 *Proof.* g' is a product of a proper and two improper motions, so it is proper. s(p) = p and
 t(b) = b, so that ``|g'(p) - b| = |t(g(s(p))) - t(b)| = |g(p) - b|``, because t is an isometry. ∎
 
-So if all constraints are such distances, g' is an assembly mode whenever g is one; it is another
-one unless g maps H onto B. Other primitives are kept likewise: a line by the reflection if it lies
-in the plane or is perpendicular to it, a plane if it is perpendicular to it. A sensor that is made
-of kept primitives reads the same at both, at every pose: no accuracy makes it tell them apart.
+So if all constraints are such distances and g is an assembly mode, g' is one, too; it differs from
+g unless g maps H onto B. The reflection also keeps a line that lies in the plane or is
+perpendicular to it, and a plane that is perpendicular to it. A sensor between kept primitives has
+the same reading at g and g', for every pose: no accuracy lets it distinguish the two.
 """
 
 from __future__ import annotations
@@ -60,18 +60,18 @@ class ExactPlane:
         return _is_zero(_dot(self.normal, _minus(point, self.point)))
 
     def parity(self, vector: Vector) -> int:
-        """Return what becomes of a vector: 1 if it is kept, -1 if turned round, 0 otherwise.
+        """Return 1 if the reflection keeps a vector, -1 if it reverses it, 0 otherwise.
 
-        Proved in the first two cases.
+        The first two results are proved.
         """
         if _is_zero(_dot(self.normal, vector)):
             return 1
         return -1 if all(map(_is_zero, _cross(self.normal, vector))) else 0
 
     def keeps(self, geometry: Geometry) -> int:
-        """Return whether the reflection in the plane keeps a primitive, and its direction's sign.
+        """Return the sign of a primitive's direction if the reflection keeps the primitive, else 0.
 
-        1 or -1 if it does, proved, else 0; of points 1.
+        The results 1 and -1 are proved; the result for a kept point is 1.
         """
         inside = self.contains(geometry.position)
         if isinstance(geometry, Point):
@@ -102,7 +102,7 @@ class Mirror:
     base: ExactPlane
 
     def keeps(self, sensor: Sensor, instance: Instance) -> bool:
-        """Return whether a sensor reads the same at each pose and its mirror pose, proved."""
+        """Return whether a sensor is proved to read the same at each pose and its mirror pose."""
         match sensor:
             case LegSensor():
                 return self.platform.contains(sensor.platform.exact(instance)) and (
@@ -127,7 +127,7 @@ class Mirror:
 
 
 def mirror_of(instance: Instance) -> Mirror | None:
-    """Return the mirror of an instance; None if it has none, or none is proved.
+    """Return the mirror of an instance; None if none is proved.
 
     The points of each body must lie in one plane, exactly, and not on a line.
     """
@@ -149,14 +149,14 @@ def mirror_of(instance: Instance) -> Mirror | None:
 
 
 def _is_kept(row: Constraint, sign: int, quarters: Fraction | float | None) -> bool:
-    """Return whether a constraint between kept primitives asks the same of the mirror pose.
+    """Return whether a constraint between kept primitives is the same for the mirror pose.
 
     Parameters
     ----------
     row
         The constraint.
     sign
-        -1 if the reflections turn one of two directions round.
+        -1 if the reflections reverse one of two directions.
     quarters
         The value of an angle, in quarter turns.
     """
@@ -169,7 +169,7 @@ def _is_kept(row: Constraint, sign: int, quarters: Fraction | float | None) -> b
 
 
 def plane_of(points: Sequence[Vector]) -> ExactPlane | None:
-    """Return the plane in which points lie; None if there is none, or more, or none is proved."""
+    """Return the only plane that contains points; None if it is not proved to exist."""
     numbers = np.array([as_array(point) for point in points]).reshape(-1, 3)
     if len(numbers) < 3:
         return None
@@ -185,7 +185,7 @@ def plane_of(points: Sequence[Vector]) -> ExactPlane | None:
 
 
 def _operation(symbol: str, a: Number, b: Number) -> Number:
-    """Return a sum, difference or product; a rational one, and one with zero, as one number."""
+    """Return a sum, difference or product; rational results and those with zero are simplified."""
     if symbol == "*" and 0 in (a.fraction, b.fraction):
         return _ZERO
     if symbol != "*" and b.fraction == 0:

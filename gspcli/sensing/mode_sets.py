@@ -1,4 +1,4 @@
-"""The real modes at sets of values: at given ones, in ranges, or about home at random."""
+"""The real modes at sets of values: given ones, random ones in ranges or about home."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ from gspcli.solver.arguments import problems_of, value_rows
 
 Array = NDArray[np.float64]
 
-#: How far random poses are from home: a part of the platform's size along each axis, and a turn.
+#: The largest shift of random poses from home, as a part of the size, and the largest turn.
 SPREAD, TURN = 0.1, 15.0
-#: Sets of values that are solved, and compared, together.
+#: Sets of values that are solved and compared together.
 _CHUNK = 128
-#: Poses that are drawn for each one that cranks can reach, at most.
+#: The most poses that are drawn for each pose that cranks can reach.
 _DRAWS = 100
 
 
 @dataclass(frozen=True, eq=False)
 class ModeSets:
-    """The real modes at each of b sets of values, filled up to m with what is none.
+    """The real modes at each of b sets of values; rows with fewer than m modes are padded.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class ModeSets:
     R, T
         Shapes (b, m, 3, 3) and (b, m, 3).
     numbers
-        The number of each mode among the real ones, from 1; 0 where there is none; shape (b, m).
+        The number of each mode among the real ones, from 1; 0 for padding; shape (b, m).
     complete
         For which sets of values all poses are known, shape (b,).
     """
@@ -64,7 +64,7 @@ class ModeSets:
         real: NDArray[np.bool_],
         complete: NDArray[np.bool_],
     ) -> ModeSets:
-        """Return the real ones of poses; shapes (b, n, 3, 3), (b, n, 3), (b, n) and (b,)."""
+        """Return the real poses of sets; shapes (b, n, 3, 3), (b, n, 3), (b, n) and (b,)."""
         numbers = np.where(real, real.cumsum(axis=1), 0)
         order = np.argsort(~real, axis=1, kind="stable")[:, : max(real.sum(axis=1), default=0)]
         rows = np.arange(len(real))[:, None]
@@ -76,17 +76,17 @@ class ModeSets:
 
     @property
     def count(self) -> NDArray[np.int64]:
-        """How many modes each set has, shape (b,)."""
+        """The number of modes of each set, shape (b,)."""
         return np.asarray((self.numbers > 0).sum(axis=1))
 
     def on_side(self, side: float) -> ModeSets:
-        """Return those modes whose platform is on a side of the base, as `heights` has the sign."""
+        """Return the modes whose platform is on a side of the base, by the sign of `heights`."""
         same = np.sign(heights(self.instance, self.R, self.T)) == side
         return replace(self, numbers=np.where(same, self.numbers, 0))
 
 
 def heights(instance: Instance, R: Array, T: Array) -> Array:
-    """Return how high the middle of the platform is above the plane nearest to the base's points.
+    """Return the height of the middle of the platform above the plane nearest to the base's points.
 
     Raises
     ------
@@ -121,18 +121,18 @@ def home_of(result: SolveResult) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class ValueSets:
-    """The n sets of values at which modes are told apart.
+    """The n sets of values at which modes are distinguished.
 
     Attributes
     ----------
     drawn
-        How they came about: ``given``, ``rows``, ``within``, ``ranges``, ``poses`` or ``cranks``.
+        Their origin: ``given``, ``rows``, ``within``, ``ranges``, ``poses`` or ``cranks``.
     values
-        As the machine reads them, distances to planes without a sign, shape (n, 6).
+        The readings of the machine, distances to planes without a sign, shape (n, 6).
     platforms
-        The instance at each set, if its primitives move; else none.
+        The instance at each set if primitives move, else empty.
     known
-        The modes, if they have been found; else none.
+        The modes, if they are known already.
     """
 
     drawn: str
@@ -141,7 +141,7 @@ class ValueSets:
     known: tuple[ModeSets, ...] = ()
 
     def modes(self, instance: Instance, seed: int, jobs: int) -> Iterator[ModeSets]:
-        """Yield the modes at all sets, some sets at a time."""
+        """Yield the modes at all sets, in blocks of sets."""
         yield from self.known
         for one in self.platforms:
             yield _modes_of(solve(one, seed=seed, jobs=jobs))
@@ -155,8 +155,7 @@ class ValueSets:
 def _modes_of(result: SolveResult) -> ModeSets:
     """Return the modes of a solved instance as the only set.
 
-    Where the poses are infinitely many these are the real ones that cannot move, if no other is
-    real.
+    If the poses are infinitely many, these are the real isolated ones, if no other pose is real.
     """
     shown = result.drawn
     complete = np.array([result.verdict == "complete" or shown is not result])
@@ -169,7 +168,7 @@ def given(result: SolveResult) -> ValueSets:
 
 
 def _stated(instance: Instance) -> Array:
-    """Return what the machine reads at the values of its file, shape (6,)."""
+    """Return the readings of the machine at the values of its file, shape (6,)."""
     return np.array([row.reading_of(row.value).value for row in instance.constraints])
 
 
@@ -225,7 +224,7 @@ def rows_of(
 def values_within(
     instance: Instance, within: Mapping[int, tuple[float, float]], count: int, seed: int
 ) -> Array:
-    """Return random values, uniform in intervals by the index, the others staying, (count, 6)."""
+    """Return random values, uniform in intervals by index, the others constant, (count, 6)."""
     values = np.tile(_stated(instance), (count, 1))
     parts = np.random.default_rng(seed).uniform(size=values.shape)
     for k, (low, high) in within.items():
@@ -234,7 +233,7 @@ def values_within(
 
 
 def ranges_of(instance: Instance) -> dict[int, tuple[float, float]] | None:
-    """Return the ranges of the constraints by index; None if one has none, or nothing varies."""
+    """Return the ranges of the constraints by index; None if one is missing or all are constant."""
     rows = instance.constraints
     spans = {
         k: (row.reading_of(row.limits[0]).value, row.reading_of(row.limits[1]).value)
@@ -246,7 +245,7 @@ def ranges_of(instance: Instance) -> dict[int, tuple[float, float]] | None:
 
 
 def about_home(instance: Instance, home: tuple[Array, Array], count: int, seed: int) -> ValueSets:
-    """Return what the machine reads at random poses about home, or the platforms there.
+    """Return the readings of the machine at random poses about home, or the platforms there.
 
     The middle of the platform is moved by up to `SPREAD` of its size along each axis, and the
     platform turned about it by up to `TURN` degrees. Where cranks move its joints and the values

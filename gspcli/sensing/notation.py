@@ -1,4 +1,4 @@
-"""Sensors and what they read, as a person writes them.
+"""The notation of sensors and readings.
 
 The grammar, with blanks between words::
 
@@ -10,10 +10,10 @@ The grammar, with blanks between words::
     place      = name | "(" number "," number "," number ")"
     direction  = "x" | "y" | "z" | "(" number "," number "," number ")"
 
-A place is a point of the instance file, or coordinates in the frame of its body; of a leg the
-platform's comes first, that of a coordinate is the platform's. Numbers are those of an instance
-file. The angle of a joint is from the z axis unless something else is said, that of an axis along z
-from the x axis.
+A place is a point of the instance file, or coordinates in the frame of its body. The first place of
+a leg, and the place of a coordinate, is on the platform. Numbers are written as in an instance
+file. The angle of a joint is measured from the z axis by default, or from the x axis if its axis is
+along z.
 """
 
 from __future__ import annotations
@@ -55,14 +55,14 @@ _COUNTS = {1: "one number", 2: "two numbers, rx and ry"}
 
 @dataclass(frozen=True)
 class SensorReading:
-    """What a sensor reads.
+    """A reading of a sensor.
 
     Attributes
     ----------
     sensor
         The sensor.
     values
-        One number, of an inclinometer two, in the units of the instance.
+        One number, or two for an inclinometer, in the units of the instance.
     sigma
         Their standard deviation.
     """
@@ -90,7 +90,7 @@ def parse_sensor(text: str, instance: Instance) -> Sensor:
     Raises
     ------
     ArgumentError
-        Naming the column of what is wrong.
+        Names the column of the mistake.
     """
     words = _Words(text, instance)
     sensor = words.sensor()
@@ -105,7 +105,7 @@ def parse_reading(text: str, instance: Instance) -> SensorReading:
     Raises
     ------
     ArgumentError
-        Naming the column of what is wrong.
+        Names the column of the mistake.
     """
     name, equals, rest = text.partition("=")
     if not equals:
@@ -136,7 +136,7 @@ def parse_reading(text: str, instance: Instance) -> SensorReading:
 
 
 def _check_new(sensor: Sensor, instance: Instance) -> None:
-    """Raise if a leg is one of the constraints: all modes have its value."""
+    """Raise an error if a leg is one of the constraints: all modes have its value."""
     if not isinstance(sensor, LegSensor):
         return
     for number, row in enumerate(instance.constraints, 1):
@@ -149,7 +149,7 @@ def _check_new(sensor: Sensor, instance: Instance) -> None:
 
 
 def _parts(text: str, start: int) -> Iterator[_Word]:
-    """Yield what stands between commas, with columns; commas in parentheses do not count."""
+    """Yield the parts between commas with their columns; commas in parentheses do not count."""
     depth, begin = 0, 0
     for k, character in enumerate(f"{text},"):
         depth += (character == "(") - (character == ")")
@@ -194,7 +194,7 @@ class _Words:
         )
 
     def end(self) -> None:
-        """Raise if there are more words."""
+        """Raise an error if there are more words."""
         if self.next < len(self.words):
             raise self.wrong(self.words[self.next], "nothing more")
 
@@ -278,7 +278,7 @@ class _Words:
 
 
 def _split(text: str) -> Iterator[_Word]:
-    """Yield the words of a text; what is between parentheses is one."""
+    """Yield the words of a text; parentheses with their content are one word."""
     begin, depth = None, 0
     for k, character in enumerate(f"{text} "):
         if begin is None:

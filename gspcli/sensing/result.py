@@ -1,4 +1,4 @@
-"""What `sensors` returns: how well each sensor tells the modes of a platform apart."""
+"""The result of `sensors`: how well each sensor distinguishes the modes of a platform."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ SCHEMA = "gsp.sensors/1"
 
 @dataclass(frozen=True, eq=False)
 class SensorResult:
-    """How well one more sensor tells the real modes of a platform apart.
+    """How well one additional sensor distinguishes the real modes of a platform.
 
     Attributes
     ----------
     instance
         The platform.
     drawn
-        How the n sets of values came about: ``given``, ``rows``, ``within``, ``ranges``, ``poses``
+        The origin of the n sets of values: ``given``, ``rows``, ``within``, ``ranges``, ``poses``
         or ``cranks``.
     values
-        The sets, shape (n, 6), as the machine reads them, in the units of the instance.
+        The sets of readings, shape (n, 6), in the units of the instance.
     seed
         The source of randomness; None if nothing is random.
     sensors
@@ -42,20 +42,21 @@ class SensorResult:
     sigmas
         Their standard deviations, in the units of the instance, shape (s,).
     close
-        Modes of which no point of the platform is farther apart than this, which no leg would
-        tell, are called close, in the unit of length.
+        Two modes are close if no point of the platform is farther apart than this, in the unit of
+        length; no leg distinguishes them.
     need
-        So many standard deviations suffice.
+        The difference in standard deviations that suffices.
     known_side
-        Whether only modes on the side of the base on which home is count.
+        Whether only modes on the side of home count.
     separations
-        What each does at each set.
+        The differences for each sensor at each set.
     mirror
-        The planes of both bodies if every mode has a mirror image, proved; else None.
+        The planes of both bodies if every mode is proved to have a mirror image, else None.
     blind
-        Which sensors read the same at a mode and its mirror image, always, proved; shape (s,).
+        Which sensors are proved to have the same reading at a mode and its mirror image; shape
+        (s,).
     pair
-        The best two together, sought if no sensor suffices for all sets; else None.
+        The best pair of sensors, if no sensor suffices for all sets; else None.
     """
 
     instance: Instance
@@ -88,12 +89,12 @@ class SensorResult:
 
     @cached_property
     def told(self) -> NDArray[np.bool_]:
-        """Which sets have all their modes known and more than one of them, shape (n,)."""
+        """Which sets have more than one mode, all of them known, shape (n,)."""
         return self.separations.complete & (self.separations.modes > 1)
 
     @cached_property
     def shares(self) -> Array:
-        """For which part of these sets each sensor suffices, shape (s,); NaN without a set."""
+        """The part of these sets for which each sensor suffices, shape (s,); NaN without a set."""
         return self._share(self.separations.least)
 
     def _share(self, least: Array) -> Array:
@@ -109,7 +110,7 @@ class SensorResult:
 
     @cached_property
     def order(self) -> list[int]:
-        """The indices of the sensors, the best first: those that suffice most often, and surest."""
+        """The indices of the sensors, the best first: by the part of sets, then by difference."""
         if not self.told.any():
             return list(range(len(self.sensors)))
         surety = np.minimum(self.separations.least[:, self.told], 10 * self.need).mean(axis=1)
@@ -118,17 +119,17 @@ class SensorResult:
 
     @property
     def best(self) -> int | None:
-        """The index of the best sensor; None if there is nothing to tell apart."""
+        """The index of the best sensor; None if no set has two modes."""
         return self.order[0] if self.told.any() and self.sensors else None
 
     @property
     def suffices(self) -> bool:
-        """Whether one sensor suffices for all sets, or there is nothing to tell apart."""
+        """Whether one sensor suffices for all sets, or no set has two modes."""
         return not self.told.any() or bool((self.shares == 1).any())
 
     @cached_property
     def hopeless(self) -> NDArray[np.bool_]:
-        """At which sets two modes are close and told apart by no sensor, shape (n,)."""
+        """The sets at which two modes are close and no sensor distinguishes them, shape (n,)."""
         near = (self.separations.closest < self.need) & (self.separations.distance < self.close)
         return self.told & near
 
@@ -137,7 +138,7 @@ class SensorResult:
         return [k for k in self.order if self.sensors[k].group == group]
 
     def any_of(self, group: str) -> float:
-        """Return for which part of the sets some sensor of a group suffices; NaN without a set."""
+        """Return the part of the sets for which a sensor of a group suffices; NaN without a set."""
         return float(self._share(self.separations.least[self.in_group(group)].max(axis=0)))
 
     @property
@@ -147,7 +148,7 @@ class SensorResult:
         return tuple(group for group in GROUPS if group in there)
 
     def rows(self) -> list[dict[str, Any]]:
-        """Return what is known of each sensor, the best first."""
+        """Return the numbers of each sensor, the best first."""
         low, middle = self.quantile(0.05), self.quantile(0.5)
         least = self.separations.least
         rows = []
@@ -220,7 +221,7 @@ class SensorResult:
         }
 
     def closest_json(self) -> dict[str, Any] | None:
-        """Return which pair of modes is told apart worst by all sensors; None without a set."""
+        """Return the pair of modes that the sensors distinguish worst; None without a set."""
         if not self.told.any():
             return None
         found = self.separations

@@ -1,8 +1,8 @@
-"""What one more sensor of a platform reads at a pose.
+"""The kinds of sensors, and their readings at a pose.
 
-Sensors are written as a person would, ``leg P7 B7`` (see `gspcli.sensing.notation`); ``str`` of a
-sensor is that text. Readings are in the units of the instance. A sensor holds names and exact
-numbers only, so that it means the same on a platform whose cranks have turned.
+The text of a sensor, ``leg P7 B7`` (see `gspcli.sensing.notation`), is its ``str``. Readings are in
+the units of the instance. A sensor contains only names and exact numbers, so it has the same
+meaning on a platform whose cranks have turned.
 """
 
 from __future__ import annotations
@@ -63,17 +63,17 @@ class Place:
 
 
 def vector_text(numbers: Vector) -> str:
-    """Return a vector as sensors are written."""
+    """Return the text of a vector in a sensor."""
     return f"({', '.join(map(str, numbers))})"
 
 
 def direction_text(direction: Vector) -> str:
-    """Return a direction as sensors are written: an axis by its name."""
+    """Return the text of a direction in a sensor; an axis has its name."""
     return next((name for name, axis in AXES.items() if axis == direction), vector_text(direction))
 
 
 def usual_zero(axis: Vector) -> Vector:
-    """Return the direction from which angles about an axis are measured unless one is named."""
+    """Return the default direction from which angles about an axis are measured."""
     return AXES["z" if axis[0].value or axis[1].value else "x"]
 
 
@@ -84,7 +84,7 @@ class LegSensor:
     Attributes
     ----------
     platform, base
-        Its ends.
+        The ends of the leg.
     """
 
     platform: Place
@@ -94,7 +94,7 @@ class LegSensor:
 
     @property
     def group(self) -> str:
-        """Between which sorts of points it is."""
+        """The group of the sensor, by the sorts of its points."""
         return "leg" if self.platform.name and self.base.name else "leg to a point"
 
     def __str__(self) -> str:
@@ -106,7 +106,7 @@ class LegSensor:
         return np.asarray(np.linalg.norm(way, axis=-1, keepdims=True))
 
     def apart(self, instance: Instance, a: Array, b: Array) -> Array:
-        """Return how far readings are apart, ``(..., 1), (..., 1) -> (...)``."""
+        """Return the difference of readings, ``(..., 1), (..., 1) -> (...)``."""
         del instance
         return np.abs(a - b)[..., 0]
 
@@ -138,7 +138,7 @@ class CoordinateSensor:
         return np.asarray(place @ unit_vectors([self.direction])[0])[..., None]
 
     def apart(self, instance: Instance, a: Array, b: Array) -> Array:
-        """Return how far readings are apart, ``(..., 1), (..., 1) -> (...)``."""
+        """Return the difference of readings, ``(..., 1), (..., 1) -> (...)``."""
         del instance
         return np.abs(a - b)[..., 0]
 
@@ -147,15 +147,15 @@ class CoordinateSensor:
 class JointSensor:
     """The angle of a leg's joint about an axis of its body: an encoder on a universal joint.
 
-    Looked at along the axis, the leg (from this joint to its other end) is turned by this angle
-    from the direction called zero.
+    In a view along the axis, the leg (from this joint to its other end) is turned by this angle
+    from the direction ``zero``.
 
     Attributes
     ----------
     leg
         The index of the leg, a DPP, from 0.
     body
-        Where the joint is.
+        The body of the joint.
     axis, zero
         Vectors of this body, not parallel.
     """
@@ -195,11 +195,11 @@ class JointSensor:
 
 @dataclass(frozen=True)
 class Inclinometer:
-    """How the platform is tilted against the vertical: the direction of up as it sees it.
+    """The tilt of the platform against the vertical: the direction of up in its frame.
 
-    It reads two angles, rx and ry: the platform is turned about its z axis by any angle, then about
-    its y axis by ry, then about its x axis by rx (``ZYX``), from a position in which its z axis is
-    vertical.
+    The readings are two angles, rx and ry. From a position with a vertical z axis the platform is
+    turned about its z axis by any angle, then about its y axis by ry, then about its x axis by rx
+    (``ZYX``).
 
     Attributes
     ----------
@@ -234,7 +234,7 @@ class Inclinometer:
 
 Sensor: TypeAlias = LegSensor | CoordinateSensor | JointSensor | Inclinometer
 KINDS = ("leg", "coordinate", "joint", "inclinometer")
-#: What is told of together: legs between named points apart from those to other points.
+#: The groups in tables: legs between named points are separate from those to other points.
 GROUPS = ("leg", "leg to a point", "coordinate", "joint", "inclinometer")
 
 

@@ -1,4 +1,4 @@
-"""How well sensors tell modes apart: by how many of their standard deviations, worst pair.
+"""Separations: the differences of readings at modes, in standard deviations, for the worst pair.
 
 Two modes whose readings differ by d standard deviations of the sensor are confused with the
 probability Phi(-d / 2) if the nearer one is taken. Sensors that are read together have independent
@@ -26,7 +26,7 @@ _DECIMALS = 6
 
 
 def differences(sets: ModeSets, sensors: Sequence[Sensor], sigmas: Array) -> Array:
-    """Return how far the readings at pairs of modes are apart.
+    """Return the differences of the readings at pairs of modes.
 
     Returns
     -------
@@ -50,32 +50,33 @@ def pairs_of(sets: ModeSets) -> tuple[Index, Index]:
 
 
 def told_alike(values: Array) -> Array:
-    """Return differences without what is only rounding: symmetry makes many of them equal."""
+    """Return differences without rounding errors: symmetry makes many of them equal."""
     return np.asarray(np.round(values, _DECIMALS))
 
 
 @dataclass(frozen=True, eq=False)
 class Separations:
-    """What s sensors do at n sets of values.
+    """The separations of s sensors at n sets of values.
 
     Attributes
     ----------
     least
-        The difference of the readings at the pair of modes that they tell apart worst, in standard
-        deviations, shape (s, n); infinite where there is at most one mode.
+        The smallest difference of the readings at a pair of modes, in standard deviations, shape
+        (s, n); infinite if there is at most one mode.
     worst
         The numbers of these modes, 0 where there are none, shape (s, n, 2).
     modes
-        How many modes there are, shape (n,).
+        The number of modes, shape (n,).
     complete
         Whether all poses are known, shape (n,).
     closest
-        The most that any of the sensors tells apart the pair that is worst for it, shape (n,).
+        The largest difference by any sensor of the pair for which this number is smallest, shape
+        (n,).
     closest_modes
         The numbers of that pair, shape (n, 2).
     distance, turn
-        How far apart that pair is: the largest displacement of a point of the platform, in the
-        unit of length, and the angle of the turn, in radians; shape (n,).
+        The distance of that pair: the largest displacement of a point of the platform, in the unit
+        of length, and the angle of the turn, in radians; shape (n,).
     """
 
     least: Array
@@ -91,7 +92,7 @@ class Separations:
 def separations(
     blocks: Iterable[ModeSets], sensors: Sequence[Sensor], sigmas: Array
 ) -> Separations:
-    """Return what sensors do at sets of values, in their order."""
+    """Return the separations of sensors at sets of values, in their order."""
     parts = [_of_block(sets, sensors, sigmas) for sets in blocks]
     fields = zip(*parts, strict=True)
     least, worst, *others = fields
@@ -127,7 +128,7 @@ def _of_block(
 
 
 def _apart(sets: ModeSets, first: Index, second: Index) -> tuple[Array, Array]:
-    """Return how far two modes of each set are apart (`Separations.distance`, `turn`)."""
+    """Return the distance of two modes of each set (`Separations.distance`, `turn`)."""
     rows = np.arange(len(first))
     there = (sets.numbers[rows, first] > 0) & (sets.numbers[rows, second] > 0)
     (R, T), (Q, S) = ((sets.R[rows, k], sets.T[rows, k]) for k in (first, second))
@@ -139,14 +140,14 @@ def _apart(sets: ModeSets, first: Index, second: Index) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class BestPair:
-    """The two sensors that together tell modes apart best.
+    """The two sensors that together distinguish modes best.
 
     Attributes
     ----------
     sensors
         Their indices.
     least
-        As of `Separations`, shape (n,).
+        As in `Separations`, shape (n,).
     """
 
     sensors: tuple[int, int]
@@ -160,11 +161,11 @@ def best_pair(
     need: float,
     told: NDArray[np.bool_],
 ) -> BestPair | None:
-    """Return the two sensors that suffice for most of the sets that are told, of such the surest.
+    """Return the two sensors that suffice for most of the sets.
 
-    Surest are those with the largest worst difference, on average, where what is beyond ten times
-    the need counts as that; of those that are equally sure those with the largest average. None if
-    there are fewer than two sensors.
+    Of several pairs the one with the largest mean of the worst difference is taken, where
+    differences above ten times the need count as that; then the one with the largest mean without
+    this limit. None if there are fewer than two sensors.
     """
     if len(sensors) < 2:
         return None

@@ -1,8 +1,8 @@
-"""The instance file: YAML in and out, with every mistake in it reported at its place.
+"""The instance file: YAML in and out; every mistake is reported with its place.
 
-`load` and `loads` return an `Instance`, `read` and `read_text` also the warnings; `dump` and
-`dumps` write one; `set_values` changes values as ``--set 1=5.2`` does; `sharing` and `bonds` say
-which primitives several constraints share, `out_of_proportion` which lengths do not go together.
+`load` and `loads` return an `Instance`, `read` and `read_text` also the warnings. `dump` and
+`dumps` write one. `set_values` changes values like ``--set 1=5.2``. `sharing` and `bonds` return
+the primitives that several constraints share, `out_of_proportion` lengths that differ too much.
 """
 
 from gspcli.spec.meaning import bonds, sharing

@@ -1,6 +1,6 @@
-"""Any YAML text as values that know where they stand in the file, and what is wrong with it.
+"""Any YAML text as values with their places in the file, and the mistakes in it.
 
-PyYAML's parser in Python has better messages and places than the one in C.
+PyYAML's parser in Python gives better messages and places than the one in C.
 """
 
 from __future__ import annotations
@@ -150,7 +150,7 @@ class _Builder:
                 inner = f"{path}[…]"
             value = self._value(next(self.events), inner, depth + 1)
             if value == "":
-                # The parser places an absent value at whatever comes next.
+                # The parser gives an absent value the place of the next token.
                 value.location = key.location
             if isinstance(key, Missing):
                 continue

@@ -1,4 +1,4 @@
-"""Whether instance files are correct, and which platforms they describe."""
+"""Checks of instance files: their mistakes, and the platforms that they describe."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class CheckedFile:
-    """What one file says.
+    """The check of one file.
 
     Attributes
     ----------
     name
-        Of the file.
+        The name of the file.
     instance
         The platform; None if the file has mistakes.
     problems, warnings
-        Its mistakes, and what is allowed but perhaps not meant, each with its place.
+        Its mistakes, and remarks about unusual content, each with its place.
     """
 
     name: str
@@ -54,12 +54,12 @@ class CheckedFile:
 
 @dataclass(frozen=True, eq=False)
 class CheckResult:
-    """What some files say.
+    """The checks of several files.
 
     Attributes
     ----------
     files
-        One by one, as they were given.
+        The checks in the given order.
     """
 
     files: tuple[CheckedFile, ...]
@@ -94,14 +94,14 @@ class CheckResult:
 def check(
     *sources: str | Path | TextIO | BinaryIO, names: Sequence[str] | None = None
 ) -> CheckResult:
-    """Check instance files and say which platforms they describe.
+    """Check instance files and return the platforms that they describe.
 
     Parameters
     ----------
     sources
         Paths, ``-`` for standard input, or open files.
     names
-        What the result calls them; their paths if None.
+        Their names in the result; their paths if None.
     """
     names = [_name(one) for one in sources] if names is None else names
     pairs = zip(sources, names, strict=True)

@@ -1,8 +1,8 @@
-"""The values of a file, which know where they stand in it.
+"""The values of a file, with their places in it.
 
-Only the shape of YAML is used: every scalar is the text that was written. So ``1_000``, ``yes`` or
-``1:30`` never turn into something else, and decimals are exact. Files in the ordinary form are read
-by `ordinary`, all others and those with mistakes by `any_yaml`.
+Only the structure of YAML is used: every scalar is the text as written. So ``1_000``, ``yes`` or
+``1:30`` are never converted, and decimals are exact. `ordinary` reads files in the ordinary form,
+`any_yaml` all others and those with mistakes.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from gspcli.errors import Location, Problem, SpecError
 
 MAX_BYTES = 100_000
 MAX_DEPTH = 12
-#: Words that say nothing.
+#: Words for an absent value.
 NULLS = ("", "~", "null", "Null", "NULL")
 
 
 class Scalar(str):
-    """A scalar as written; empty if the file says nothing there or null."""
+    """A scalar as written; empty if the file has no value or null."""
 
     location: Location
     path: str
@@ -42,14 +42,14 @@ Value = Scalar | Sequence | Mapping
 
 
 class Missing(Scalar):
-    """Stands where a value is missing or unusable; that has been reported already."""
+    """The mark of a missing or unusable value, which has been reported already."""
 
 
 Located = TypeVar("Located", Scalar, Sequence, Mapping)
 
 
 def locate(value: Located, location: Location, path: str) -> Located:
-    """Return the value with its place noted in it."""
+    """Return the value with its place."""
     value.location, value.path = location, path
     return value
 

@@ -1,4 +1,4 @@
-"""The texts, numbers and names of an instance file, or a `ValueError` that says what is wrong."""
+"""The texts, numbers and names of an instance file; a `ValueError` states the mistake."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ MAX_NAME = 60
 
 
 def found(value: Value) -> str:
-    """Return what stands in the file, as an error message says it."""
+    """Return the content of the file in the words of an error message."""
     if isinstance(value, Mapping):
         if not value:
             return "an empty mapping"
@@ -24,7 +24,7 @@ def found(value: Value) -> str:
 
 
 def complain(value: Value, expected: str) -> ValueError:
-    """Return the error of a value that is not what was expected."""
+    """Return the error of an unexpected value."""
     return ValueError(f"found {found(value)}, expected {expected}")
 
 
@@ -47,7 +47,7 @@ def text(value: Value) -> str:
 
 
 def optional_text(value: Value) -> str | None:
-    """Return a text for people, None if nothing is said."""
+    """Return a text for people, or None."""
     return None if value == "" else text(value)
 
 
@@ -95,5 +95,5 @@ def name(value: Value) -> str:
 
 
 def proper_name(key: str) -> bool:
-    """Whether a primitive may be called so."""
+    """Whether a primitive may have this name."""
     return len(key) <= MAX_NAME and not any(c.isspace() or not c.isprintable() for c in key)

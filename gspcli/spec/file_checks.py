@@ -1,4 +1,4 @@
-"""What the shape of a file does not tell: names, kinds, ranges, sums."""
+"""Checks beyond the structure of a file: names, kinds, ranges, sums."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.masses import Dynamics
     from gspcli.spec.models import ConstraintModel, InstanceModel, PrimitiveModel
 
-    #: What is read of each, plainly or with a search for mistakes.
+    #: The content of a constraint, read by `plain` or by `models`.
     AnyConstraint: TypeAlias = ConstraintModel | ConstraintFields
     AnyInstance: TypeAlias = InstanceModel | InstanceFields
     AnyPrimitive: TypeAlias = PrimitiveModel | PrimitiveFields
@@ -65,7 +65,7 @@ Body = dict[str, Geometry | None]
 
 
 class FileChecker:
-    """Checks what the shape of a file does not tell: names, kinds, ranges, sums."""
+    """Checks beyond the structure of a file: names, kinds, ranges, sums."""
 
     def __init__(self, root: Mapping, model: AnyInstance, problems: list[Problem]) -> None:
         self.root = root
@@ -177,7 +177,7 @@ class FileChecker:
         return as_read(row, offset=model.offset, scale=model.scale)
 
     def _check_value(self, row: Constraint, written: Scalar, value: Number) -> None:
-        """Check a value or limit, offset and scale included, that is written as a reading."""
+        """Check a value or limit that is written as a reading, with its offset and scale."""
         if self.unit is not None and (wrong := wrong_value(row.kind, value, self.unit)):
             given = {"offset": row.offset, "scale": row.scale}
             stated = [f"{key} {number}" for key, number in given.items() if number is not None]
@@ -268,7 +268,7 @@ class FileChecker:
                     self._note(node, message)
 
     def _dynamics(self, constraints: list[Constraint | None]) -> Dynamics | None:
-        """Return what is said of masses, and note what no platform can have."""
+        """Return the masses, and note their mistakes."""
         if self.model.dynamics is None:
             return None
         from gspcli.spec.mass_checks import dynamics_of, problems_of_masses
@@ -305,7 +305,7 @@ class FileChecker:
             self._note(node, message)
 
     def warnings(self, instance: Instance) -> list[Problem]:
-        """Return what is unusual about a correct file."""
+        """Return the warnings about a correct file."""
         nodes = self.root[Scalar("constraints")]
         found = [
             Problem(nodes[index].location, nodes[index].path, message)

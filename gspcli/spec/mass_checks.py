@@ -1,4 +1,4 @@
-"""What the shape of a file does not tell of masses: bodies that exist, numbers of legs, units."""
+"""Checks of masses beyond the structure of a file: possible bodies, numbers of legs, units."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from gspcli.spec.plain import DynamicsFields, LegBodyFields, LegFields
 if TYPE_CHECKING:
     from gspcli.spec.mass_models import DynamicsModel, LegBodyModel, LegModel
 
-    #: What is read of each, plainly or with a search for mistakes.
+    #: The content of masses, read by `plain` or by `mass_models`.
     AnyDynamics: TypeAlias = DynamicsModel | DynamicsFields
     AnyLeg: TypeAlias = LegModel | LegFields
     AnyLegBody: TypeAlias = LegBodyModel | LegBodyFields
@@ -23,7 +23,7 @@ Given = TypeVar("Given")
 
 
 def dynamics_of(model: AnyDynamics | None) -> Dynamics | None:
-    """Return what a file says of masses; None if it says nothing, or nothing that can be read."""
+    """Return the masses in a file; None if there are none, or they cannot be read."""
     if model is None or None in (model.legs or ()):
         return None
     body, drives = model.platform, model.drives
@@ -52,13 +52,13 @@ def _leg_body(model: AnyLegBody | None) -> LegBody | None:
 def problems_of_masses(
     root: Mapping, dynamics: Dynamics, kinds: Iterable[Kind], length: str
 ) -> list[Problem]:
-    """Return what no platform can have of what a file says of masses, each with its place."""
+    """Return the mistakes in the masses of a file, each with its place."""
     problems = []
     for place, message in mistakes(dynamics, list(kinds), length):
         node: Any = root
         for part in place:
             if isinstance(node, Sequence) and isinstance(part, str):
-                # One leg for all, but between brackets.
+                # One leg for all, in brackets.
                 (node,) = node
             node = node[part]
         problems.append(Problem(node.location, node.path, message))

@@ -1,4 +1,4 @@
-"""The shape of masses, inertias and drives in an instance file, as pydantic models."""
+"""The structure of masses, inertias and drives in an instance file, as pydantic models."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from gspcli.spec.sections import Direction, Real, Section, Tolerant, Vector, lis
 
 
 def _several(value: Value) -> Value:
-    """Return a list as it is, and anything else as a list of one."""
+    """Return a list unchanged, and anything else as a list of one."""
     if isinstance(value, Sequence):
         return value
     return locate(Sequence([value]), value.location, value.path)
 
 
 def _one_or_several(schema: dict[str, Any]) -> None:
-    """Say in the schema of a list that one entry may stand without brackets."""
+    """Allow one entry without brackets in the schema of a list."""
     listed = {key: schema.pop(key) for key in ("type", "items")}
     schema["anyOf"] = [listed["items"], listed]
 

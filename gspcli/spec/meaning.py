@@ -1,4 +1,4 @@
-"""What is unusual about an instance, and which primitives it shares."""
+"""Remarks about unusual instances, and the primitives that constraints share."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from gspcli.geometry.ranges import turns
 
 
 def equations(constraint: Constraint, unit: AngleUnit) -> int:
-    """Return how many equations a constraint really is: its valence (Section 2), mostly one.
+    """Return the number of independent equations of a constraint: its valence (Section 2).
 
-    Distance 0 makes two points equal (three equations) and puts a point on a line (two); lines or
-    planes that are parallel, and a line perpendicular to a plane, are two equations.
+    It is one for most constraints. Distance 0 makes two points equal (three equations) and puts a
+    point on a line (two). Parallel lines or planes, and a line perpendicular to a plane, have two.
     """
     kind = constraint.kind
     if kind.is_distance:
@@ -37,7 +37,7 @@ def outside(value: Number, limits: tuple[Number, Number]) -> bool:
 
 
 def remarks(instance: Instance) -> list[tuple[int, str]]:
-    """Return what is unusual about an instance: constraint indices from 0 and a sentence each."""
+    """Return remarks about an instance: constraint indices from 0 and a sentence each."""
     found: list[tuple[int, str]] = []
     for index, constraint in enumerate(instance.constraints):
         kind, value = constraint.kind, constraint.value
@@ -87,7 +87,7 @@ def bonds(instance: Instance) -> list[Bond]:
 
 
 def _dependence(instance: Instance) -> list[tuple[int, str]]:
-    """Return the proof that the constraints are never independent, if counting gives one."""
+    """Return the proof that the constraints are always dependent, if counting gives one."""
     numbered = bonds(instance)
     found = over_constraint(numbered)
     if found is None:

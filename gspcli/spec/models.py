@@ -1,6 +1,6 @@
-"""The shape of an instance file as pydantic models; their JSON Schema is published in `docs/`.
+"""The structure of an instance file as pydantic models; `docs/` has their JSON Schema.
 
-What they are made of, and how mistakes are noted, is in `sections`.
+Their parts, and the way in which mistakes are noted, are in `sections`.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""Files in the ordinary form of YAML, read without a parser of YAML, which takes longer to load.
+"""A reader of files in the ordinary form of YAML; a parser of YAML takes longer to load.
 
-Ordinary are mappings and lists by indentation, ``{...}`` and ``[...]`` over any number of lines,
-comments, and scalars on one line: plain ones, or between quotation marks without escapes. Whatever
-else YAML has is left to `any_yaml`, and so are all mistakes: nothing is read here that is not read
-there as the same, places included.
+The ordinary form has mappings and lists by indentation, ``{...}`` and ``[...]`` over any number of
+lines, comments, and scalars on one line: plain ones, or in quotation marks without escapes.
+`any_yaml` reads all other forms and files with mistakes. A file that is read here has the same
+content there, with the same places.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def read_ordinary(text: str, file: str) -> Value | None:
 
 
 class _UnusualError(Exception):
-    """Something that is not of the ordinary form."""
+    """A text that is not in the ordinary form."""
 
 
 class _Reader:
@@ -87,7 +87,7 @@ class _Reader:
         return self.at - self.text.rfind("\n", 0, self.at) - 1
 
     def _gap(self) -> bool:
-        """Go on to what comes next, and say whether it is in another line."""
+        """Go on to the next token, and return whether it is in another line."""
         match = _GAP.match(self.text, self.at)
         assert match is not None
         self.at = match.end()
@@ -161,14 +161,14 @@ class _Reader:
                 return sequence
 
     def _item(self, path: str, depth: int) -> Value:
-        """Read what stands after a dash."""
+        """Read the value after a dash."""
         match = _INNER.match(self.text, self.at)
         if match is not None and self.text[match.end() : match.end() + 1] == ":":
             return self._mapping(path, depth)
         return self._inline(path, depth)
 
     def _inline(self, path: str, depth: int) -> Value:
-        """Read a value that stands in the line of its key or dash, and go on behind it."""
+        """Read a value in the line of its key or dash."""
         value = (
             self._bracket(path, depth) if self._next() in ("[", "{") else self._outer(path, depth)
         )

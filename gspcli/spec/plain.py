@@ -1,7 +1,7 @@
-"""Instance files without mistakes, read without pydantic, which takes longer to load than to use.
+"""A reader of instance files without mistakes that does not load pydantic, for a quick start.
 
-Whatever is unusual is left to `models`, which says what is wrong with it: nothing is accepted here
-that is not accepted there.
+`models` reads all other files and states their mistakes. A file that is accepted here is accepted
+there.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from gspcli.spec.entries import (
     version,
 )
 
-#: What may be said of a platform.
+#: Optional texts about a platform.
 _SAID = ("name", "source", "type")
 #: Entries by their keys.
 Fields = dict[str, Any]
@@ -152,7 +152,7 @@ class InstanceFields(NamedTuple):
 
 
 def read_plainly(root: Value) -> InstanceFields | None:
-    """Return what a document says, or None if anything in it may be wrong."""
+    """Return the content of a document, or None if it may have a mistake."""
     try:
         return _instance(root)
     except ValueError:

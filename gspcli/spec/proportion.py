@@ -1,4 +1,4 @@
-"""Lengths of a platform that are out of all proportion: a wrong unit, or joints meant as one."""
+"""Lengths of a platform that differ too much: a wrong unit, or joints that should be one."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ import numpy as np
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point
 
-#: Ratios of lengths above this are pointed out. Poses lose twice as many digits of sixteen.
+#: Ratios of lengths above this give a warning. Poses lose twice as many of sixteen digits.
 SUSPICIOUS = 1e7
-#: Sines of angles between lines below this: parallel, as far as their distance goes.
+#: Lines with a smaller sine of their angle are parallel in the computation of their distance.
 _PARALLEL = 1e-12
 
 
 def out_of_proportion(instance: Instance) -> str | None:
-    """Return a sentence on the longest and the shortest length if they do not go together.
+    """Return a sentence about the longest and the shortest length if their ratio is too large.
 
-    The lengths are the distances that constraints ask for and those of the points of one body;
-    the longest can also be how far a line or plane is from a point or line of the same body.
+    The lengths are the distances of constraints and those of the points of one body. The longest
+    one can also be the distance of a line or plane from a point or line of the same body.
     """
     lengths = sorted(_lengths(instance))
     if not lengths:
@@ -37,7 +37,7 @@ def out_of_proportion(instance: Instance) -> str | None:
 
 
 def _lengths(instance: Instance) -> Iterator[tuple[float, str]]:
-    """Yield each length that is not zero, and what has it."""
+    """Yield each length that is not zero, and its name."""
     for number, row in enumerate(instance.constraints, start=1):
         if row.kind.is_distance and row.value.value:
             yield row.value.value, f"distance {number} is"
@@ -49,7 +49,7 @@ def _lengths(instance: Instance) -> Iterator[tuple[float, str]]:
 
 
 def _offsets(instance: Instance) -> Iterator[tuple[float, str]]:
-    """Yield how far lines and planes are from points and lines; zero with no name at least."""
+    """Yield the distances of lines and planes from points and lines; at least a nameless zero."""
     yield 0.0, ""
     for body, primitives in _bodies(instance):
         for (first, a), (second, b) in combinations(primitives.items(), 2):
@@ -63,7 +63,7 @@ def _bodies(instance: Instance) -> Iterator[tuple[str, dict[str, Geometry]]]:
 
 
 def _apart(a: Geometry, b: Geometry) -> float:
-    """Return the distance of two primitives; zero of a plane from a line or plane."""
+    """Return the distance of two primitives; zero for a plane and a line or plane."""
     between = b.point - a.point
     if isinstance(a, Line) and isinstance(b, Line):
         normal = np.cross(a.unit, b.unit)

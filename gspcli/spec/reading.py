@@ -1,4 +1,4 @@
-"""From a file to an `Instance`, or to all the mistakes in the file."""
+"""Reading of a file to an `Instance`, or to all mistakes in the file."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from gspcli.wording import named
 if TYPE_CHECKING:
     from gspcli.spec.models import InstanceModel
 
-#: A function of an angle, which is in radians, of a plain number but zero.
+#: A function of an angle in radians, with a plain number that is not zero.
 _OF_RADIANS = re.compile(r"\b(sin|cos|tan)\(\s*[-+]?\s*((?=[\d.]*[1-9])[\d.]+)\s*\)")
 
 
 @dataclass(frozen=True)
 class Reading:
-    """What a file says.
+    """The content of a file.
 
     Attributes
     ----------
@@ -41,13 +41,13 @@ class Reading:
 
     @cached_property
     def warnings(self) -> tuple[Problem, ...]:
-        """What is allowed, but perhaps not meant: unused primitives, values of more equations."""
+        """Remarks about unusual content: unused primitives, values with more equations."""
         found = [*self.doubts, *self._reader.warnings(self.instance)]
         return tuple(sorted(found, key=_place))
 
     @cached_property
     def doubts(self) -> tuple[Problem, ...]:
-        """Those of the warnings that say of another platform than was perhaps meant.
+        """The warnings about numbers that probably describe another platform than intended.
 
         They are functions of plain numbers, which are radians, in a file of degrees, and lengths
         out of all proportion.
@@ -66,21 +66,21 @@ class Reading:
 
 
 def read(source: str | Path | TextIO | BinaryIO, *, name: str | None = None) -> Reading:
-    """Read an instance file and also say what is unusual in it.
+    """Read an instance file, with warnings about unusual content.
 
     Parameters
     ----------
     source
         A path, ``-`` for standard input, or an open file.
     name
-        How error messages name the source; by default its path.
+        The name of the source in error messages; by default its path.
 
     Raises
     ------
     SpecError
         With all mistakes in the file, or because it cannot be read.
     ArgumentError
-        If the source is none.
+        If the source is neither a path nor an open file.
     """
     content: str | bytes
     if isinstance(source, str | Path):
@@ -117,7 +117,7 @@ def read_text(text: str, *, name: str = "instance") -> Reading:
         try:
             return _reading(root, [])
         except SpecError:
-            # Mistakes are reported from the full reading.
+            # The full reading reports mistakes.
             pass
     from gspcli.spec.any_yaml import parse
 
@@ -126,12 +126,12 @@ def read_text(text: str, *, name: str = "instance") -> Reading:
 
 
 def _reading(root: Value, problems: list[Problem]) -> Reading:
-    """Return what a document says.
+    """Return the content of a document.
 
     Raises
     ------
     SpecError
-        With all mistakes in it, and those that were found before.
+        With all mistakes in it, and the earlier ones.
     """
     if not isinstance(root, Mapping):
         message = "found no keys, expected an instance: gsp, units, platform, base, constraints"

@@ -13,8 +13,8 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 def json_schema() -> dict[str, Any]:
     """Return the schema of the parsed YAML.
 
-    It tells keys, arities and sorts of values. What needs arithmetic or names (ranges of angles,
-    zero directions, unknown primitives) only `gspcli.spec.load` checks.
+    It states keys, arities and sorts of values. Only `gspcli.spec.load` checks conditions that need
+    arithmetic or names (ranges of angles, zero directions, unknown primitives).
     """
     schema = InstanceModel.model_json_schema()
     schema["title"] = "gsp instance file"

@@ -1,7 +1,7 @@
-"""What the models of an instance file are made of: sections, lists, numbers, and notes of mistakes.
+"""Parts of the models of an instance file: sections, lists, numbers, and notes of mistakes.
 
-A broken element never hides the mistakes in another: it is noted with its place in the list that is
-given as the validation context, and None stands in for it.
+A wrong element does not hide the mistakes in others: it is noted with its place in the list that is
+the validation context, and replaced by None.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ Item = TypeVar("Item")
 
 
 def note(error: ValidationError, problems: list[Problem]) -> None:
-    """Add the problems of a validation error, each at the place of the value it is about."""
+    """Add the problems of a validation error, each at the place of its value."""
     for detail in error.errors(include_url=False):
         value = detail["input"]
-        # None stands in for optional and for broken elements only; no file contains it.
+        # None replaces optional and wrong elements only; no file contains it.
         if isinstance(value, Missing) or detail["type"] == "none_required":
             continue
         cause = detail.get("ctx", {}).get("error")
@@ -127,9 +127,9 @@ class Section(BaseModel):
     one_of
         Keys of which exactly one must be given.
     needs
-        Keys that make sense only beside another one.
+        Keys that need another key.
     excludes
-        Keys that cannot stand beside another one.
+        Keys that exclude another key.
     """
 
     model_config = ConfigDict(
@@ -146,7 +146,7 @@ class Section(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _check_keys(cls, section: Value, info: ValidationInfo) -> Mapping:
-        """Note wrong keys and return the section without them; `Missing` where one lacks."""
+        """Note wrong keys and return the section without them; `Missing` for a missing key."""
         known = list(cls.model_fields)
         if not isinstance(section, Mapping):
             keys = listed(cls.one_of) if cls.one_of else listed(known, "and")

@@ -26,12 +26,12 @@ def set_values(
         texts as ``["1=5.2", "3=sqrt(2)"]``; or the values of all six, shape (6,). They are numbers
         of any kind (`Number.of`), in the units of the instance; offsets are added to them.
     delta
-        Whether the numbers are added to what the instance has (readings, too), exactly.
+        Whether the numbers are added to the values of the instance (or readings), exactly.
 
     Raises
     ------
     ArgumentError
-        Naming what is wrong, such as ``settings[3]``.
+        Names the mistake, such as ``settings[3]``.
     SpecError
         With all mistakes in texts.
 

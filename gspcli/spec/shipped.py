@@ -1,4 +1,4 @@
-"""The instance files that come with gsp, by name."""
+"""The instance files that are part of gsp, by name."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from gspcli.spec.reading import load
 
 
 def example(name: str) -> Instance:
-    """Return an instance that comes with gsp: an example, or a real machine.
+    """Return an instance that is part of gsp: an example, or a real machine.
 
     Parameters
     ----------
     name
-        As `gsp example` lists them, with or without the ``@`` of the command line.
+        A name in the list of `gsp example`, with or without the ``@`` of the command line.
 
     Raises
     ------
     GspError
-        If there is none of that name.
+        If there is no instance with that name.
 
     Examples
     --------

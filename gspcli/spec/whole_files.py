@@ -1,11 +1,11 @@
-"""Files that are read whole, but not without end."""
+"""Reads a file, up to a size limit."""
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
 
-#: Bytes of a file that describes a platform or a search, and of one with rows.
+#: The most bytes of a file that describes a platform or a search, and of a table.
 LARGEST_SPEC, LARGEST_TABLE = 1 << 24, 1 << 30
 
 
@@ -15,9 +15,9 @@ def content_of(source: str | Path, largest: int) -> bytes:
     Parameters
     ----------
     source
-        Where it is.
+        The path.
     largest
-        How many bytes it may have: devices such as /dev/zero never end.
+        The most bytes; devices such as /dev/zero have no end.
 
     Raises
     ------

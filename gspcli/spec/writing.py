@@ -1,4 +1,4 @@
-"""From an `Instance` to the text of a file; what is written reads back as the same instance."""
+"""Writing of an `Instance` as the text of a file that is read as the same instance."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def dump(instance: Instance, file: TextIO) -> None:
     Raises
     ------
     ArgumentError
-        If it is not open, such as the name of one.
+        If it is not an open file, such as a path.
     """
     if not hasattr(file, "write"):
         message = f"found a {type(file).__name__}, expected an open file: open(name, 'w')"
@@ -43,7 +43,7 @@ def dumps(instance: Instance) -> str:
     Raises
     ------
     GspError
-        If one name stands for two different primitives of a body, or it is no instance.
+        If two different primitives of a body have one name, or if the argument is no instance.
     """
     expected(instance)
     named = {where: [n for body, n, _ in instance.further if body == where] for where in _BODIES}
@@ -76,7 +76,7 @@ def dumps(instance: Instance) -> str:
 
 
 def scalar(text: str) -> str:
-    """Return a text as a YAML scalar, between quotation marks where it must be."""
+    """Return a text as a YAML scalar, in quotation marks if necessary."""
     if _PLAIN.fullmatch(text) and text.lower() not in _NOT_TEXT:
         return text
     return '"' + "".join(map(_escaped, text)) + '"'
@@ -91,7 +91,7 @@ def _escaped(character: str) -> str:
 
 
 class _Body:
-    """The primitives of one body as they are met."""
+    """The primitives of one body in the order of their first use."""
 
     def __init__(self, key: str, names: Iterable[str]) -> None:
         self.key = key
@@ -160,7 +160,7 @@ def _home(home: HomePose) -> str:
 
 
 def _dynamics(dynamics: Dynamics) -> list[str]:
-    """Return the lines of what is stated of masses."""
+    """Return the lines about masses."""
     body, legs, drives = dynamics.platform, dynamics.legs, dynamics.drives
     lines = [
         f"  gravity: {_vector(dynamics.gravity)}",

@@ -64,6 +64,10 @@ CHECKED = (
     "gspcli/certification",
     "gspcli/continuation",
     "gspcli/geometry",
+    "gspcli/paper",
+    "gspcli/reality",
+    "gspcli/sensing",
+    "gspcli/spec",
     "tools/verify/prose.py",
 )
 
