@@ -27,7 +27,7 @@ from gspcli.symbolic.forms import RHO, degree
 def difference_degree(kind: Kind, weights: Mapping[str, int]) -> int | None:
     """Return the degree of the difference of two constraints of a kind.
 
-    Less than that of one of them where their leading forms agree whatever the geometry: |T|² for
+    It is lower than that of one constraint if their leading forms agree for any geometry: |T|² for
     DPP (the argument of Theorem 5.3).
     """
     degrees = (degree(form, weights) for form in _differences(kind))

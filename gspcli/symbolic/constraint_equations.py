@@ -227,9 +227,9 @@ def _negated(vectors: Sum) -> Sum:
 def _angle_value(kind: Kind) -> Expr:
     """Return the inner product of the two unit vectors at the angle alpha.
 
-    Two lines enclose the angle of their directions; a line and a plane the complement of that of
-    direction and normal; two planes the supplement of that of their normals, which both point out
-    of the wedge that is measured (the sign of the paper's equation for AHH).
+    The angle of two lines is that of their directions. The angle of a line and a plane is the
+    complement of that of direction and normal. The angle of two planes is the supplement of that of
+    their normals: both point out of the measured wedge (the sign of the paper's equation for AHH).
     """
     planes = (kind.platform, kind.base).count(Primitive.PLANE)
     angle_of_vectors = (ANGLE, sympy.pi / 2 - ANGLE, sympy.pi - ANGLE)[planes]

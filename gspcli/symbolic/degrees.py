@@ -1,10 +1,10 @@
 """Proof that no polynomial of lower degree describes a constraint.
 
-A polynomial of degree s in some coordinates that vanishes where a constraint holds, but not on all
-rigid motions, would lower the rank of the monomials up to degree s at motions that satisfy the
-constraint below their rank on all motions, the Hilbert function of the variety. Equal ranks
-exclude it. The rank is taken at exact rational motions, modulo a prime, which can only lower it:
-finding the full rank is a proof.
+Consider the monomials up to degree s in some coordinates. Their rank on all motions is the Hilbert
+function of the variety. Suppose that a polynomial of degree s vanishes at all motions that satisfy
+a constraint, but not on all motions. Then the rank of the monomials at motions that satisfy the
+constraint is lower than that on all motions. So equal ranks exclude such a polynomial. The rank is
+computed at exact rational motions modulo a prime, which can only lower it: a full rank is a proof.
 """
 
 from __future__ import annotations

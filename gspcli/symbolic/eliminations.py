@@ -1,9 +1,9 @@
-"""How three surfaces are reduced to a triangular set (paper, proof of Proposition 6.7).
+"""The reduction of three surfaces to a triangular set (paper, proof of Proposition 6.7).
 
-Every function takes the surfaces as polynomials in ``x, y, z`` and gives ``h1(x)``,
-``h2(x, y)`` and ``h3(x, y, z)`` with the conditions under which they describe all the common
-points. h2 and h3 are linear in their leading variables; h1 is the resultant of the surfaces
-with respect to y and z, without extraneous factors except where it is said.
+Every function takes the surfaces as polynomials in ``x, y, z``. It returns ``h1(x)``, ``h2(x, y)``
+and ``h3(x, y, z)`` with the conditions under which they describe all common points. h2 and h3 are
+linear in their leading variables. h1 is the resultant of the surfaces with respect to y and z;
+extraneous factors are stated.
 """
 
 from __future__ import annotations

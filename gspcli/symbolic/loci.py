@@ -1,8 +1,8 @@
-"""Where a platform primitive can be when the orientation is fixed (Proposition 6.4).
+"""The locus of a platform primitive for a fixed orientation (Proposition 6.4).
 
 With R fixed, the squared distance is ``wᵀ Q w`` for a projection Q along the directions of the two
-primitives, so a point of the platform primitive lies on the points at distance d from an affine
-space of dimension 3 − rank Q: a sphere, a cylinder or two parallel planes.
+primitives. So the points of the platform primitive have the distance d from an affine space of
+dimension 3 − rank Q. They lie on a sphere, a cylinder or two parallel planes.
 """
 
 from __future__ import annotations

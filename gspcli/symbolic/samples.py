@@ -1,8 +1,8 @@
 """Exact rational instances of each kind of constraint, with rigid motions that satisfy them.
 
-They are built from the geometry alone — an offset of the given length perpendicular to the
-directions of the two primitives, a rotation through the given angle — so that they test the
-equations of `gspcli.symbolic.constraint_equations` from outside.
+They are built from the geometry only: an offset of the given length perpendicular to the directions
+of the two primitives, and a rotation through the given angle. So they are an independent test of
+the equations of `gspcli.symbolic.constraint_equations`.
 """
 
 from __future__ import annotations

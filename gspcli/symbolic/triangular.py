@@ -1,10 +1,9 @@
 """Triangular sets: polynomial systems that are solved one variable after the other.
 
-A set is written hierarchically. Its elements are polynomials in the unknowns whose coefficients
-are either short polynomials in the parameters or symbols (``z1``, ``z2``, ...), and each symbol is
-defined by a polynomial in the parameters and in symbols defined before it. That is the form in
-which Section 6 of the paper prints its sets; the definitions are what the paper leaves to a
-web page.
+A set is written hierarchically. Its elements are polynomials in the unknowns. Their coefficients
+are short polynomials in the parameters, or symbols (``z1``, ``z2``, ...). Each symbol is defined by
+a polynomial in the parameters and in symbols defined before it. Section 6 of the paper prints its
+sets in this form, without the definitions, for which it refers to a web page.
 """
 
 from __future__ import annotations

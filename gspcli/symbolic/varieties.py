@@ -1,11 +1,11 @@
 """The varieties of rigid motions in each set of coordinates (Section 3).
 
-`equations` generates a prime ideal: the rotations, cut out by ``RᵀR = RRᵀ = I`` and ``R = cof R``
-(together they give det R = 1), form a smooth irreducible group scheme; adding blocks that are
-polynomials in R and T takes the graph of a map on it times the space of T; and T×R alone is cut
-out by equations linear in it, a vector bundle over the rotations. The affine Hilbert function of
-the ideal is therefore the dimension of the space of polynomials up to a degree, restricted to the
-motions; `sampled_hilbert_function` finds it from motions alone, without any Gröbner basis.
+`equations` generates a prime ideal. The rotations, given by ``RᵀR = RRᵀ = I`` and ``R = cof R``
+(together they imply det R = 1), form a smooth irreducible group scheme. A further block that is a
+polynomial in R and T adds the graph of a map on this scheme times the space of T. The block T×R
+alone is given by equations linear in it: a vector bundle over the rotations. So the affine Hilbert
+function of the ideal is the dimension of the space of polynomials up to a degree, restricted to the
+motions. `sampled_hilbert_function` finds it from motions only, without a Gröbner basis.
 """
 
 from __future__ import annotations

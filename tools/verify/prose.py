@@ -68,12 +68,17 @@ CHECKED = (
     "gspcli/reality",
     "gspcli/sensing",
     "gspcli/spec",
+    "gspcli/symbolic",
     "tools/verify/prose.py",
 )
 
 _SOURCES = {".py", ".cpp", ".hpp", ".c", ".js", ".md"}
 #: A line that begins a new sentence though the one before has no full stop.
 _BEGINS = re.compile(r"\s*(?:$|[-*+] |\d+\. |[>|#]|\.\. |```|:\w+|-{3,})")
+#: Comments of C: in asterisks, whole lines, and after code.
+_COMMENTS = re.compile(
+    r"/\*(?:[^*]|\*(?!/))*\*/|(?:^[ \t]*//[^\n]*\n)+|(?<=[ \t])//[^\n]*", re.MULTILINE
+)
 _ITEM = re.compile(r"\s*(?:[-*+]|\d+\.) ")
 _ENDS = re.compile(r"(?<=[.:;!?])[)\"']*\s+(?=[^a-z])")
 _LEFT_OUT = re.compile(r"``.*?``|`[^`]*`|\[([^\]]*)\]\([^)]*\)|\$[^$]*\$|!\[[^\]]*\]\([^)]*\)")
@@ -115,9 +120,7 @@ def python_texts(source: str) -> Iterator[tuple[int, str]]:
 
 def comment_texts(source: str) -> Iterator[tuple[int, str]]:
     """Yield blocks of comments of C++, C or JavaScript, each with the number of its first line."""
-    for match in re.finditer(
-        r"/\*.*?\*/|(?:^[ \t]*//.*\n)+|//.*", source, re.DOTALL | re.MULTILINE
-    ):
+    for match in _COMMENTS.finditer(source):
         lines = (re.sub(r"^\s*(?://[/!]?|/\*+|\*/?)|\*/", "", x) for x in match[0].splitlines())
         yield source.count("\n", 0, match.start()) + 1, "\n".join(lines)
 
