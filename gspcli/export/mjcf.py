@@ -32,6 +32,11 @@ Array = NDArray[np.float64]
 #: Seconds a step. MuJoCo's constraints give way by its square: docs/exports.md says how much.
 TIME_STEP = 5e-4
 _SOLIMP = "0.9999 0.9999 0.001 0.5 2"
+#: In sizes: how far the floor is below the lowest point, half of its side, what is flat, and half
+#: of the thickness of a plate.
+_BELOW, _FLOOR, _FLAT, _PLATE = 0.1, 4.0, 2e-2, 0.012
+#: Corners of a hull that has an area.
+_TRIANGLE = 3
 _BASE, _PLATFORM, _CHAIN = "0.45 0.5 0.55 1", "0.2 0.45 0.8 1", "0.85 0.5 0.15 1"
 
 
@@ -78,6 +83,7 @@ class _Model:
         self.root = ET.Element("mujoco", model=_name(instance))
         self._settings(self.masses.gravity(gravity), step)
         self.world = ET.SubElement(self.root, "worldbody")
+        self._floor(self.masses.gravity(gravity))
         self._bodies()
 
     def text(self) -> str:
@@ -114,8 +120,44 @@ class _Model:
         asset = ET.SubElement(self.root, "asset")
         sky = {"type": "skybox", "builtin": "gradient", "rgb1": "0.93 0.95 0.97", "rgb2": "1 1 1"}
         ET.SubElement(asset, "texture", sky, width="64", height="64")
+        floor = {"name": "floor", "type": "2d", "builtin": "checker", "rgb1": "0.86 0.88 0.9"}
+        ET.SubElement(asset, "texture", floor, rgb2="0.8 0.83 0.86", width="256", height="256")
+        ET.SubElement(asset, "material", name="floor", texture="floor", texrepeat="12 12")
+        for name, points in (("base", self.x), ("platform", self.own)):
+            corners = self._corners(points, platform=name == "platform")
+            if corners is not None:
+                ET.SubElement(asset, "mesh", name=name, vertex=_numbers(corners), inertia="convex")
         size = ET.SubElement(self.root, "statistic", extent=_numbers([3 * self.size]))
         size.set("center", _numbers(self.x.mean(axis=0)))
+
+    def _floor(self, gravity: Array) -> None:
+        """Put a floor under everything, on the side to which gravity pulls."""
+        pull = float(np.linalg.norm(gravity))
+        up = -gravity / pull if pull else np.eye(3)[2]
+        heights = np.concatenate((self.x, self.y)) @ up
+        middle = self.x.mean(axis=0)
+        at = middle + (heights.min() - _BELOW * self.size - middle @ up) * up
+        floor = {"name": "floor", "type": "plane", "material": "floor", "pos": _numbers(at)}
+        half = _numbers([_FLOOR * self.size, _FLOOR * self.size, self.size])
+        ET.SubElement(self.world, "geom", floor, zaxis=_numbers(up), size=half)
+
+    def _corners(self, points: Array, *, platform: bool) -> Array | None:
+        """Return points whose convex hull MuJoCo draws, shape (n, 3); None if it has no area.
+
+        A flat body is made a thin plate. Planes are no corners: they are drawn by themselves.
+        """
+        rows = self.instance.constraints
+        primitives = [row.platform if platform else row.base for row in rows]
+        corners = points[[not isinstance(each, Plane) for each in primitives]]
+        if len(corners) < _TRIANGLE:
+            return None
+        _, extents, axes = np.linalg.svd(corners - corners.mean(axis=0))
+        if extents[1] < _FLAT * self.size:
+            return None
+        if extents[2] >= _FLAT * self.size:
+            return corners
+        thick = _PLATE * self.size * axes[2]
+        return np.concatenate((corners - thick, corners + thick))
 
     def _bodies(self) -> None:
         for geom in self._shapes(self.x, self.v, platform=False):
@@ -218,10 +260,14 @@ class _Model:
         """Yield what is seen of the primitives of a body, in its frame."""
         colour = _PLATFORM if platform else _BASE
         rows = self.instance.constraints
-        centre = points.mean(axis=0)
-        for point in points:
-            if np.linalg.norm(point - centre) > 1e-6 * self.size:
-                yield ET.Element("geom", self._rod(centre, point), rgba=colour)
+        if self._corners(points, platform=platform) is not None:
+            hull = "platform" if platform else "base"
+            yield ET.Element("geom", type="mesh", mesh=hull, rgba=colour[:-1] + "0.6")
+        else:
+            centre = points.mean(axis=0)
+            for point in points:
+                if np.linalg.norm(point - centre) > 1e-6 * self.size:
+                    yield ET.Element("geom", self._rod(centre, point), rgba=colour)
         for row, point, direction in zip(rows, points, directions, strict=True):
             primitive = row.platform if platform else row.base
             if isinstance(primitive, Line):

@@ -24,6 +24,10 @@ _MASS = 1.0
 #: What links weigh of the platform where its mass is stated: heavier ones settle sooner, and add
 #: more inertia.
 LIGHT = 1e-3
+#: Without a stated stiffness drives give way to gravity by about this part of the size. They have
+#: at least and at most so many N/m for each kilogramme of the platform: stiffer ones are not
+#: stable with a step of 0.5 ms.
+_SAG, _SOFT, _STIFF = 2e-4, 1e4, 4e6
 #: What a joint has of inertia by itself, as a share of that of a link: no two parallel joints of a
 #: link can then be without any.
 _ROTOR = 0.01
@@ -101,7 +105,9 @@ class SimulatedMasses:
         """Return how stiff the drive of a constraint (from 0) is, N/m or N m/rad."""
         if self.model is not None and self.model.stiffness is not None:
             return float(self.model.stiffness[constraint])
-        return 1e4 * self.platform.mass * (self.size**2 if angle else 1.0)
+        pull = float(np.linalg.norm(self.gravity(None)))
+        of_a_kilogramme = min(max(_SOFT, pull / (_SAG * self.size)), _STIFF)
+        return of_a_kilogramme * self.platform.mass * (self.size**2 if angle else 1.0)
 
     def damping(self, stiffness: float) -> float:
         """Return the damping of a drive that lets the platform's mass come to rest at once."""

@@ -127,6 +127,55 @@ def _check(name, seed, seconds):
     assert np.abs(turned - R).max() < 1e-6
 
 
+def _home(name):
+    """Return the model of a shipped platform at home, loaded."""
+    result = solve(load(instance_files()[name]))
+    pose = result.home or result.solutions[0]
+    return _loaded(mjcf(result.instance, pose.R.real, pose.T.real))
+
+
+@pytest.mark.parametrize("name", ["three-vee-18.5mm", "nano-hexapod", "rubin-m2"])
+def test_springs_hold_in_proportion_to_the_size(name):
+    model, data = _home(name)
+    _, before = _platform(data)
+    data.eq_active[_holds(model)] = False
+    _run(model, data, 0.6)
+    assert np.abs(data.qvel).max() < 1e-6
+    # The model shows three sizes.
+    assert np.linalg.norm(_platform(data)[1] - before) < 1e-4 * model.stat.extent
+
+
+@pytest.mark.parametrize("name", ["nano-hexapod", "octahedral-3-3", "at random"])
+def test_bodies_are_hulls_over_a_floor(name):
+    if name == "at random":
+        # A base that is not flat.
+        rng = np.random.default_rng(5)
+        instance, (R, T) = random_instance(parse_type("DPP DPP DPP DPP DPP DPP"), rng)
+        model, data = _loaded(mjcf(instance, R, T))
+    else:
+        model, data = _home(name)
+    height = data.geom("floor").xpos[2]
+    for body in ("base", "platform"):
+        mesh = model.mesh(body)
+        (geom,) = np.flatnonzero(model.geom_dataid == mesh.id)
+        first, count = int(mesh.vertadr[0]), int(mesh.vertnum[0])
+        corners = model.mesh_vert[first : first + count] @ data.geom_xmat[geom].reshape(3, 3).T
+        corners = corners + data.geom_xpos[geom]
+        assert corners[:, 2].min() > height
+        # Every joint is a corner of the hull, or in it: the balls at the joints say where they are.
+        owner = model.geom_bodyid[geom]
+        balls = (model.geom_bodyid == owner) & (model.geom_type == mujoco.mjtGeom.mjGEOM_SPHERE)
+        assert balls.sum() == 6
+        thick = 0.02 * model.stat.extent
+        assert (data.geom_xpos[balls] >= corners.min(axis=0) - thick).all()
+        assert (data.geom_xpos[balls] <= corners.max(axis=0) + thick).all()
+
+
+def test_bodies_in_one_point_have_no_hulls():
+    model, _ = _home("example-6.8")
+    assert model.nmesh == 0
+
+
 @pytest.mark.parametrize("name", OF_EACH_KIND)
 def test_loops_are_closed_and_the_platform_stays(name):
     _check(name, 7, 0.05)
