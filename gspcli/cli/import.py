@@ -53,7 +53,7 @@ def command(
     Examples:
       gsp import robot.xml -o machine.yaml
       gsp import robot.xml --base world --platform table > machine.yaml
-      gsp import robot.xml | gsp solve -
+      gsp import joints.csv | gsp solve -
     """
     from gspcli.machines.api import import_machine
 
@@ -65,5 +65,8 @@ def command(
 
 
 command.help = str(command.help).format(
-    formats="FILE is a model for MuJoCo (MJCF), which must be installed.",
+    formats="FILE is a model for MuJoCo (MJCF; the package mujoco is needed), SDF or a template of it "
+    "(ERB), URDF with loops in NAME.yaml beside NAME.urdf, NAME_bodies.xml of CASPR with "
+    "NAME_cables.xml, a HAL file of LinuxCNC with its INI file, a .world of CuikSuite, or a table of "
+    "joints (CSV, TSV). It is told by what is in it."
 )

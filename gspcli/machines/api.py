@@ -69,7 +69,7 @@ def import_machine(
     Parameters
     ----------
     file
-        A model for MuJoCo (MJCF); `gsp import --help` lists the formats.
+        MJCF, SDF, URDF, CASPR, LinuxCNC, CuikSuite or a table, as `gsp import --help` lists them.
     base, platform
         The names of the bodies that are to be these; found if None.
     meet

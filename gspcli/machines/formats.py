@@ -13,8 +13,16 @@ from gspcli.machines.stored import INSTANCE, stored_text
 from gspcli.spec.reading import loads
 from gspcli.wording import listed, shown
 
-#: What a file can be, by what it begins with.
-_FOUND = ("<mujoco> (MJCF)",)
+#: What a file can be, by what is in it.
+FORMATS = (
+    "<mujoco> (MJCF)",
+    "<sdf> (SDF)",
+    "<robot> (URDF)",
+    "<cables> (CASPR)",
+    "setp genhexkins (LinuxCNC)",
+    "[JOINTS] (CuikSuite)",
+    "columns bx, by, bz, px, py, pz (a table)",
+)
 
 
 def machine_of(path: Path, *, stored: bool = True) -> Graph | Instance:
@@ -36,12 +44,39 @@ def machine_of(path: Path, *, stored: bool = True) -> Graph | Instance:
     """
     text, file = text_of(path), str(path)
     if text.lstrip()[:1] == "<":
-        root = parse(text, file)
-        if root.tag == "mujoco":
-            return _mjcf(root, path, stored)
-        raise root.error(f"found <{root.tag}>, expected {listed(_FOUND)}")
+        return _marked_up(text, path, stored)
+    from gspcli.machines.readers import cuik, linuxcnc, tables
+
+    if linuxcnc.is_hal(text):
+        return linuxcnc.read(text, path)
+    if cuik.is_world(text):
+        return cuik.read(text, file, path.stem)
+    if tables.is_table(text):
+        return tables.read(text, file, path.stem)
     first = next((line for line in text.splitlines() if line.strip()), "")
-    raise Place(file).error(f"found {shown(first)}, expected {listed(_FOUND)}")
+    raise Place(file).error(f"found {shown(first)}, expected {listed(FORMATS)}")
+
+
+def _marked_up(text: str, path: Path, stored: bool) -> Graph | Instance:
+    file = str(path)
+    if "<%" in text:
+        from gspcli.machines.readers import erb
+
+        text = erb.expanded(text, file)
+    root = parse(text, file)
+    if root.tag == "mujoco":
+        return _mjcf(root, path, stored)
+    if root.tag == "sdf":
+        from gspcli.machines.readers import sdf
+
+        return sdf.read(root, path.stem)
+    if root.tag == "robot":
+        from gspcli.machines.readers import urdf
+
+        return urdf.read(root, path)
+    if root.tag in ("cables", "bodies_system"):
+        return _caspr(root, path)
+    raise root.error(f"found <{root.tag}>, expected {listed(FORMATS)}")
 
 
 def _mjcf(root: Element, path: Path, stored: bool) -> Graph | Instance:
@@ -55,3 +90,17 @@ def _mjcf(root: Element, path: Path, stored: bool) -> Graph | Instance:
         return graph
     note = "the model was changed after gsp wrote it: the instance stored in it is not used"
     return replace(graph, notes=(*graph.notes, note))
+
+
+def _caspr(root: Element, path: Path) -> Graph:
+    """Read the two files of a robot: NAME_bodies.xml and NAME_cables.xml."""
+    from gspcli.machines.readers import caspr
+
+    own, other = ("cables", "bodies") if root.tag == "cables" else ("bodies", "cables")
+    beside = path.with_name(path.name.replace(f"_{own}", f"_{other}"))
+    if beside == path or not beside.exists():
+        message = f"found the {own} alone, expected NAME_{own}.xml and NAME_{other}.xml together"
+        raise root.error(message)
+    found = {own: root, other: parse(text_of(beside), str(beside))}
+    name = path.stem.replace(f"_{own}", "")
+    return caspr.read(found["bodies"], found["cables"], name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -49,7 +50,11 @@ class _Rounding:
     def __init__(self, machine: Machine, digits: int) -> None:
         self.digits = digits
         self.decimals = digits - 1 - math.floor(math.log10(machine.size))
-        self.exact = {self._key(key): texts for key, texts in machine.graph.exact.items()}
+        self.exact: dict[tuple[float, ...], list[Number]] = {}
+        for key, texts in machine.graph.exact.items():
+            # What only the other program can read is written as decimals.
+            with suppress(ArgumentError):
+                self.exact[self._key(key)] = [Number.of(text) for text in texts]
 
     def _key(self, point: tuple[float, ...]) -> tuple[float, ...]:
         return tuple(round(x, self.decimals) + 0.0 for x in point)
@@ -64,8 +69,7 @@ class _Rounding:
 
     def point(self, point: Array) -> Vector:
         """Return a point, as it was written if it was."""
-        texts = self.exact.get(self._key(tuple(point)))
-        x, y, z = map(self.length, point) if texts is None else map(Number.of, texts)
+        x, y, z = self.exact.get(self._key(tuple(point))) or map(self.length, point)
         return x, y, z
 
     def direction(self, direction: Array) -> Vector:

@@ -110,7 +110,8 @@ def recognized(
             return _recognized(Clusters.made(graph, joints, held), assumed, base, platform, meet)
         except NoPlatform as error:
             reasons.append(f"{assumed}: {error}" if assumed else str(error))
-    raise NoPlatform("\n".join([graph.described(), *dict.fromkeys(reasons)][:3]))
+    # What comes after the first are less likely drives.
+    raise NoPlatform(f"{graph.described()}\n{reasons[0]}")
 
 
 def _names(graph: Graph) -> str:
@@ -186,7 +187,9 @@ def _recognized(
         pose = shape.chains[0].pose
     gap = max(_missed(f, pose, size) for f in found)
     if graph.has_home and gap > _EXACT * size:
-        notes.append(f"the pose that the file states misses the values by {gap:.2g} {graph.length}")
+        loops = max((joint.gap for joint in graph.joints), default=0.0)
+        said = f"the pose that the file states misses the values by {gap:.2g} {graph.length}"
+        notes.append(said + (f"; its loops are open by up to {loops:.2g}" if loops > 0 else ""))
     return Machine(
         graph, shape, tuple(found), pose, size, gap, tuple(notes), _carried(clusters, shape)
     )
@@ -210,7 +213,7 @@ def _refusal(
         share = missed / size * 1.1
         return said + (
             f"; the axes at one end of a leg pass each other at {missed:.3g} {length}: "
-            f"--meet {share:.1g} takes them to meet"
+            f"--meet {share:.2g} takes them to meet"
         )
     if count > 6 and all(p.part.letter != "S" for chain in shape.chains for p in chain.parts):
         said += "; with a ball joint at one end, or a hinge along each leg, it would hold fewer"

@@ -41,6 +41,8 @@ _BLOCKS = {
     ("gsp dynamics --help", "path.csv"): (_DYNAMICS, "csv", 0),
     ("gsp dynamics --help", "forces.csv"): (_DYNAMICS, "csv", 1),
     ("docs/import.md", "robot.xml"): (ROOT / "docs" / "import.md", "xml", 0),
+    ("docs/import.md", "joints.csv"): (ROOT / "docs" / "import.md", "csv", 0),
+    ("gsp import --help", "joints.csv"): (ROOT / "docs" / "import.md", "csv", 0),
     ("gsp import --help", "robot.xml"): (ROOT / "docs" / "import.md", "xml", 0),
     ("docs/mount.md", "path.csv"): (ROOT / "docs" / "mount.md", "text", 0),
 }

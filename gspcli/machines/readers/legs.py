@@ -1,0 +1,125 @@
+"""Machines that are stated as legs between points: two balls and a driven slide each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gspcli.machines.frames import frame, place
+from gspcli.machines.graph import Body, Graph, Joint, Part, ball
+from gspcli.records import dataclass
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """A leg.
+
+    Attributes
+    ----------
+    name
+        What the file calls it.
+    base, platform
+        Its joints, each in the frame of its body, shape (3,).
+    length
+        Its length; None if it is that of the pose.
+    low, high
+        The range of the length.
+    rod
+        Whether it has no drive.
+    """
+
+    name: str
+    base: Array
+    platform: Array
+    length: float | None = None
+    low: float = 0.0
+    high: float = math.inf
+    rod: bool = False
+
+
+def legs_graph(
+    format: str,
+    name: str,
+    legs: Sequence[Leg],
+    pose: Array | None,
+    *,
+    length: str,
+    platform: Body | None = None,
+    notes: Sequence[str] = (),
+    exact: Mapping[tuple[float, ...], tuple[str, ...]] | None = None,
+    remarks: Mapping[str, str] | None = None,
+    joints: Sequence[Joint] = (),
+) -> Graph:
+    """Return the graph of a machine with legs.
+
+    Parameters
+    ----------
+    format, name
+        Of the file and of the machine.
+    legs
+        The legs.
+    pose
+        Of the platform as the file states it, shape (4, 4), or None.
+    length
+        The unit of length.
+    platform
+        Its mass and what belongs to it, if that is known.
+    notes, exact, remarks
+        As `Graph` has them.
+    joints
+        Others between ``base`` and ``platform``.
+    """
+    longest = max((leg.length or leg.low for leg in legs), default=1.0)
+    X = frame(T=(0, 0, longest or 1.0)) if pose is None else pose
+    bodies = {"base": Body("base", np.eye(4))}
+    bodies["platform"] = Body("platform", X) if platform is None else replace(platform, pose=X)
+    names = [leg.name for leg in legs]
+    made = list(joints)
+    for number, leg in enumerate(legs, 1):
+        said = leg.name if names.count(leg.name) == 1 else f"{leg.name} ({number})"
+        end = place(X, leg.platform)
+        apart = float(np.linalg.norm(end - leg.base))
+        e = (end - leg.base) / apart if apart > 0 else np.eye(3)[2]
+        value = apart if leg.length is None else leg.length
+        for part in ("foot", "head"):
+            bodies[f"{said}, {part}"] = Body(f"{said}, {part}", np.eye(4))
+        slide = Part("P", e, leg.base, value, leg.low, leg.high, True, said)
+        made += [
+            Joint(f"{said}, base", "base", f"{said}, foot", np.eye(4), (ball(leg.base, said),)),
+            # The length is that of the file, whatever pose the file states.
+            Joint(
+                said,
+                f"{said}, foot",
+                f"{said}, head",
+                frame(T=e * (value - apart)),
+                () if leg.rod else (slide,),
+            ),
+            Joint(
+                f"{said}, platform",
+                f"{said}, head",
+                "platform",
+                X,
+                (ball(end, said),),
+                True,
+                abs(value - apart),
+            ),
+        ]
+    return Graph(
+        format,
+        name,
+        bodies,
+        tuple(made),
+        world="base",
+        length=length,
+        drives_known=True,
+        has_home=pose is not None,
+        notes=tuple(notes),
+        exact={} if exact is None else exact,
+        remarks={} if remarks is None else remarks,
+    )
