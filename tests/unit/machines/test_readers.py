@@ -171,7 +171,7 @@ def test_linuxcnc(read: Write) -> None:
 @pytest.mark.parametrize(
     ("hal_change", "ini_change", "says"),
     [
-        (("setp genhexkins.base.3.y", "#"), ("", ""), "35 of 36 pins, expected also genhexkins.base.3.y"),
+        (("setp genhexkins.base.3.y", "#"), ("", ""), "35 of 36 pins, expected also genhexkins.base.3"),
         (("85", "8S"), ("", ""), "kinematics.hal:2:1: found '8S.0'"),
         (("", ""), ("genhexkins", "trivkins"), "expected an INI file beside it"),
         (("", ""), ("0 0 100 0 0 0", "0 0 100"), "machine.ini:5:1: [TRAJ]HOME: found '0 0 100'"),
@@ -196,7 +196,8 @@ def cables(count: int = 6) -> str:
         "</force_min><force_max>900</force_max></properties><attachments><attachment><link>0</link>"
         f"<location>{models.row(BASE[i % 6] + i // 6)}</location></attachment>"
         "<attachment><link>1</link>"
-        f"<location>{models.row(PLATFORM[i % 6])}</location></attachment></attachments></cable_ideal>"
+        f"<location>{models.row(PLATFORM[i % 6])}</location></attachment></attachments>"
+        "</cable_ideal>"
         for i in range(count)
     )
     head = '<!DOCTYPE cables SYSTEM "../cables.dtd"><cables default_cable_set="a">'
@@ -323,9 +324,7 @@ def test_constants_that_double_end(read: Write) -> None:
 
 
 def sdf(version: str = "1.7", plugin: str = "", scale: float = 1e-3) -> str:
-    inner = '<link name="base"/><link name="plate"><pose>0 0 {} 0 0 0</pose></link>'.format(
-        100 * scale
-    )
+    inner = f'<link name="base"/><link name="plate"><pose>0 0 {100 * scale} 0 0 0</pose></link>'
     inner += '<joint name="held" type="fixed"><parent>world</parent><child>base</child></joint>'
     for i, (b, p) in enumerate(zip(BASE * scale, (PLATFORM + UP) * scale, strict=True)):
         e = (p - b) / np.linalg.norm(p - b)
