@@ -14,7 +14,7 @@ from gspcli.catalogue.realization import Realization
 from gspcli.pictures.figures import BASE, INK, PLATFORM, SOFT, styled, written
 from gspcli.pictures.joint_frames import ChainEnds, MountedJoint, mounted
 from gspcli.pictures.joint_symbols import draw_joint
-from gspcli.pictures.projection import Paper, View
+from gspcli.pictures.projection import Paper, View, separate
 from gspcli.pictures.strokes import perpendicular
 
 Array = NDArray[np.float64]
@@ -55,12 +55,15 @@ def chain_drawing(
 
         figure = Figure(figsize=(columns * _PANEL, rows * _PANEL * 1.25), layout="constrained")
         grid = figure.subplots(rows, columns, squeeze=False).ravel()
+        papers = []
         for axes, (heading, realization) in zip(grid, chains, strict=False):
             paper = Paper(axes, view or _VIEW, 1.0)
+            papers.append(paper)
             _panel(paper, realization)
             axes.set_title(f"{heading}\n{realization.chain.name}", pad=8)
         for axes in grid[len(chains) :]:
             axes.set_axis_off()
+        separate(papers)
         return written(figure, fmt)
 
 
@@ -97,8 +100,9 @@ def _panel(paper: Paper, realization: Realization) -> None:
         _plate(paper, joints[-1].at, -2.2, BASE)
     elif last is Primitive.POINT:
         _plate(paper, ends.base, -1, BASE)
-    paper.text(ends.platform + np.array([0.62, 0, 0.05]), "platform", PLATFORM, fontsize=8)
-    paper.text(joints[-1].at + np.array([0.62, 0, -0.12]), "base", BASE, fontsize=8)
+    right = np.array([1.0, 0.0])
+    paper.label(ends.platform + np.array([0.5, 0, 0.05]), "platform", PLATFORM, right, fontsize=8)
+    paper.label(joints[-1].at + np.array([0.5, 0, -0.12]), "base", BASE, right, fontsize=8)
     paper.finish()
 
 

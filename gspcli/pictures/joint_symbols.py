@@ -50,8 +50,8 @@ def draw_joint(paper: Paper, mounted: MountedJoint, size: float, *, letter: bool
     if letter:
         # Beside what stands upright, above what lies.
         lies = joint is not JointKind.SPHERICAL and abs(axis @ paper.view.axes[1]) < _UPRIGHT
-        shift = np.array([-13.0, 12.0] if lies else [-17.0, 0.0])
-        paper.text(at, str(mounted.placed), edge, shift, fontsize=9)
+        way = np.array([-1.0, 1.0] if lies else [-1.0, 0.0])
+        paper.label(at, str(mounted.placed), edge, way / np.linalg.norm(way), fontsize=9)
 
 
 def _ball(paper: Paper, at: Array, radius: float, fill: str, edge: str) -> None:

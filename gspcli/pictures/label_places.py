@@ -12,6 +12,8 @@ Array = NDArray[np.float64]
 
 #: Between a point and its name, in points of the paper, and half of the square that is the point's.
 _GAP, _POINT = 4.0, 3.5
+#: How wide a stroke is that a name hides, in points of the paper.
+_STROKE = 1.5
 #: Distances of labels from their points, as multiples of the least one.
 _FAR = (1.0, 1.8, 3.0)
 #: To the right, upwards, to the left, ...: what is not free is left for the next in direction.
@@ -48,10 +50,18 @@ class Label(NamedTuple):
             yield from far * ways * (_GAP + self.size / 2)
 
 
-def apart(labels: Sequence[Label]) -> list[Array]:
+def apart(labels: Sequence[Label], strokes: Array | None = None) -> list[Array]:
     """Return the step from its point to the middle of each label; numbers are placed first.
 
-    Where nothing is free the label goes where it hides least.
+    Names stand beside strokes, numbers on them. Where nothing is free the label goes where it
+    hides least.
+
+    Parameters
+    ----------
+    labels
+        What is placed.
+    strokes
+        Ends of straight strokes, in points of the paper, shape (n, 2, 2).
     """
     points = [label.at for label in labels if label.way is not None]
     taken = [np.stack((at - _POINT, at + _POINT)) for at in points]
@@ -61,10 +71,29 @@ def apart(labels: Sequence[Label]) -> list[Array]:
         shifts = [*label.shifts]
         boxes = np.array(taken).reshape(-1, 2, 2)
         hidden = [_shared(label.at + shift, label.size, boxes) for shift in shifts]
+        if label.way is not None and strokes is not None and len(strokes):
+            hidden = [
+                area + _STROKE * _crossed(label.at + shift, label.size, strokes)
+                for area, shift in zip(hidden, shifts, strict=True)
+            ]
         found[k] = shifts[int(np.argmin(hidden))]
         middle = label.at + found[k]
         taken.append(np.stack((middle - label.size / 2, middle + label.size / 2)))
     return found
+
+
+def _crossed(middle: Array, size: Array, strokes: Array) -> float:
+    """Return the length of strokes, shape (n, 2, 2), in a label."""
+    start, along = strokes[:, 0] - middle, strokes[:, 1] - strokes[:, 0]
+    # Where a stroke enters and leaves the strip of each coordinate, as parts of its length.
+    still = np.abs(along) < 1e-9
+    safe = np.where(still, 1.0, along)
+    ends = np.sort(np.stack((-size / 2 - start, size / 2 - start)) / safe, axis=0)
+    inside = np.abs(start) <= size / 2
+    low = np.where(still, np.where(inside, -np.inf, np.inf), ends[0]).max(axis=1)
+    high = np.where(still, np.inf, ends[1]).min(axis=1)
+    part = np.maximum(np.minimum(high, 1.0) - np.maximum(low, 0.0), 0.0)
+    return round(float(part @ np.linalg.norm(along, axis=1)), 3)
 
 
 def _shared(middle: Array, size: Array, boxes: Array) -> float:

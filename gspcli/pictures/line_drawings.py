@@ -28,6 +28,8 @@ _MAIN = (StrokeStyle.LEG, StrokeStyle.PERPENDICULAR, StrokeStyle.ARC)
 _PANEL = 3.4
 #: One drawing alone may be larger.
 _ALONE = 5.0
+#: A panel that needs so many times the room of the middle one has a scale of its own.
+_FAR = 2.5
 #: With more panels than this, names would be too small to read.
 _NAMED_PANELS = 6
 
@@ -77,14 +79,29 @@ def drawing(
             _draw(paper, scene, mode, named=named, fine=len(panels) > _NAMED_PANELS)
             if len(panels) > 1:
                 paper.axes.set_title(f"mode {mode + 1}", color=SOFT, pad=8)
-        # All panels have the scale of the largest.
-        reach = np.max([paper.reach for paper in papers], axis=0)
-        for paper in papers:
-            paper.finish(reach)
+        reach, smaller = _scales(papers)
+        for paper, times in zip(papers, smaller, strict=True):
+            paper.finish(reach * times)
+            if times > 1:
+                paper.axes.title.set(text=f"{paper.axes.get_title()}, {times:.3g} times smaller")
+                paper.axes.title.set_color(ANGLE)
         for axes in grid[len(panels) :]:
             axes.set_axis_off()
         separate(papers)
         return written_drawing(figure, fmt)
+
+
+def _scales(papers: Sequence[Paper]) -> tuple[Array, list[float]]:
+    """Return half the width and height of most panels, and how much smaller each is drawn.
+
+    Panels have the scale of the largest of them. Those that need much more room than the middle
+    one, as where a foot is far away, would make specks of the others: they are drawn smaller.
+    """
+    reaches = np.array([paper.reach for paper in papers])
+    sizes = reaches.max(axis=1)
+    far = sizes > _FAR * np.median(sizes)
+    reach = reaches[~far].max(axis=0)
+    return reach, np.where(far, (reaches / reach).max(axis=1), 1.0).tolist()
 
 
 def _draw(paper: Paper, scene: Scene, mode: int, *, named: bool, fine: bool) -> None:

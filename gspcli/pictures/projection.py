@@ -71,6 +71,8 @@ class Paper:
         The smallest and the largest coordinates drawn so far, shape (2, 2).
     labels
         Names and numbers, each with the direction in which it stands from its point, or None.
+    strokes
+        Polylines beside which names stand, shape (n, 2) each.
     """
 
     axes: Axes
@@ -79,6 +81,7 @@ class Paper:
     fixed: float | None = None
     extent: Array = field(default_factory=lambda: np.array([[math.inf] * 2, [-math.inf] * 2]))
     labels: list[tuple[Annotation, Array | None]] = field(default_factory=list)
+    strokes: list[Array] = field(default_factory=list)
 
     @contextmanager
     def layer(self, layer: float) -> Iterator[None]:
@@ -105,6 +108,7 @@ class Paper:
         """Draw a polyline, width in points."""
         flat, layer = self.project(points)
         self._include(flat)
+        self.strokes.append(flat)
         self.axes.plot(
             *flat.T, color=color, linewidth=width, zorder=layer + above,
             solid_capstyle="round", solid_joinstyle="round", **more,
@@ -114,6 +118,8 @@ class Paper:
         """Fill a polygon, with an edge of a width in points."""
         flat, layer = self.project(corners)
         self._include(flat)
+        if edge:
+            self.strokes.append(np.concatenate((flat, flat[:1])))
         self.axes.fill(*flat.T, facecolor=color, alpha=alpha, linewidth=0, zorder=layer - 0.05)
         if edge:
             self.axes.fill(*flat.T, fill=False, edgecolor=color, linewidth=edge, zorder=layer)
@@ -122,6 +128,9 @@ class Paper:
         """Fill a polygon so that it hides what is behind it."""
         flat, layer = self.project(corners)
         self._include(flat)
+        # Names stand beside it, not in it.
+        self.strokes += [np.stack((corner, flat.mean(axis=0))) for corner in flat]
+        self.strokes.append(np.concatenate((flat, flat[:1])))
         self.axes.fill(
             *flat.T, facecolor=fill, edgecolor=edge, linewidth=width, zorder=layer + above,
             joinstyle="round",
@@ -206,5 +215,8 @@ def separate(papers: Sequence[Paper]) -> None:
             size = pixels * np.array(box.get_window_extent().size)
             at = pixels * paper.axes.transData.transform(text.xy)
             labels.append(Label(at, size, way))
-        for (text, _), shift in zip(paper.labels, apart(labels), strict=True):
+        on_paper = [pixels * paper.axes.transData.transform(stroke) for stroke in paper.strokes]
+        strokes = [np.stack((stroke[:-1], stroke[1:]), axis=1) for stroke in on_paper]
+        segments = np.concatenate(strokes) if strokes else None
+        for (text, _), shift in zip(paper.labels, apart(labels, segments), strict=True):
             text.set_position(tuple(shift))

@@ -46,12 +46,28 @@ def test_many_at_one_place_stand_apart() -> None:
     assert not shared(labels, apart(labels)).any()
 
 
+def test_a_name_stands_beside_strokes_and_a_number_on_them() -> None:
+    stroke = np.array([[[-40.0, 0.0], [40.0, 0.0]]])
+    name, number = Label(np.zeros(2), SIZE, RIGHT), Label(np.array([30.0, 0.0]), SIZE, None)
+    to_the_right, on_it = apart([name, number])
+    assert to_the_right[1] == 0
+    beside, still_on_it = apart([name, number], stroke)
+    assert abs(beside[1]) > SIZE[1] / 2
+    assert np.array_equal(on_it, still_on_it)
+
+
+def test_a_stroke_that_ends_before_a_name_does_not_move_it() -> None:
+    stroke = np.array([[[-40.0, 0.0], [2.0, 0.0]], [[16.5, -9.0], [16.5, 9.0]]])
+    (shift,) = apart([Label(np.zeros(2), SIZE, RIGHT)], stroke)
+    assert shift == pytest.approx([10.0, 0.0])
+
+
 @pytest.mark.parametrize("name", ["example-6.8", "figure-2", "rubin-m2", "fixture-3-2-1"])
 def test_labels_of_drawings_stand_apart(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     placed = []
 
-    def recorded(labels: list[Label]) -> list[np.ndarray]:
-        shifts = apart(labels)
+    def recorded(labels: list[Label], strokes: np.ndarray) -> list[np.ndarray]:
+        shifts = apart(labels, strokes)
         placed.append((labels, shifts))
         return shifts
 
@@ -79,3 +95,22 @@ def test_all_panels_have_one_scale(monkeypatch: pytest.MonkeyPatch) -> None:
     assert np.ptp(heights) < 1e-9
     assert np.ptp(drawn) > 0.1
     assert heights[0] == pytest.approx(2 * drawn.max())
+
+
+def test_a_mode_far_away_does_not_make_specks_of_the_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    heights, titles = [], []
+    finish = Paper.finish
+
+    def recorded(paper: Paper, reach: np.ndarray | None = None) -> None:
+        finish(paper, reach)
+        low, high = paper.axes.get_ylim()
+        heights.append((high - low) / (2 * paper.reach.max()))
+        titles.append(paper.axes.title)
+
+    monkeypatch.setattr(Paper, "finish", recorded)
+    drawing(scene_of(solve(load(instance_files()["surfaces-ppp"]))), "svg", range(12))
+    # Most are drawn large, and the one that is not says so.
+    assert np.median(heights) < 2
+    assert ["smaller" in title.get_text() for title in titles].count(True) == 1
