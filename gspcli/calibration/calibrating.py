@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gspcli.calibration.causes import likely_cause
 from gspcli.calibration.fitting import HUBER, Fit, fit
 from gspcli.calibration.measurements import Measurements, Noise, value_rows
 from gspcli.calibration.options import PRIOR, Options, chosen_model, noise_of
@@ -140,7 +141,7 @@ def calibrate_rows(
     if unknown.missing and not options.hold_unknown:
         raise IncompleteError(_refusal(instance, unknown, found, seen))
     worst = _without_worst(found, seen, noise, huber, prior / scatter)
-    return Calibration(instance, found, seen, noise, scatter, unknown, worst)
+    return Calibration(instance, found, seen, noise, scatter, unknown, options, worst)
 
 
 def _fitted(
@@ -239,7 +240,15 @@ def _refusal(instance: Instance, unknown: Unknowns, found: Fit, seen: Measuremen
         rest = "; ".join(unknown.sentences[_MOST_LINES - 1 :])
         lines += [f"  {sentence}" for sentence in (*unknown.sentences[: _MOST_LINES - 1], rest)]
     lines = [line for line in lines if line.strip()]
-    lines.append(f"{advice(instance, found, seen)}; or go on with what is told (--hold-unknown)")
+    stated = Model.of(instance, cranks=seen.cranks is not None)
+    cause = None
+    if not found.model.with_frames:
+        cause = likely_cause(stated, seen, instance.units.length)
+    if cause is not None:
+        lines.append(cause)
+    else:
+        advised = advice(instance, found, seen)
+        lines.append(f"{advised}; or go on with what is told (--hold-unknown)")
     return "\n".join(lines)
 
 

@@ -8,9 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.calibration.causes import likely_cause
+from gspcli.calibration.doubts import doubts
 from gspcli.calibration.fitting import Fit
 from gspcli.calibration.measurements import Measurements, Noise
 from gspcli.calibration.numbers import FileNumbers, calibrated, file_numbers
+from gspcli.calibration.options import PRIOR, Options
 from gspcli.calibration.parameters import Model
 from gspcli.calibration.unknowns import Unknowns
 from gspcli.geometry.instance import Instance
@@ -41,6 +44,8 @@ class Calibration:
         chi-squared by its degrees of freedom. One if it was.
     unknowns
         What the data do not tell; it keeps what is stated.
+    options
+        What was estimated, and how.
     without_worst
         The same without the row that agrees least, and its index; None if that cannot be told.
     """
@@ -51,13 +56,15 @@ class Calibration:
     noise: Noise
     scatter: float
     unknowns: Unknowns
+    options: Options
     without_worst: tuple[int, Fit] | None = None
 
     def __repr__(self) -> str:
         count = int(self.estimated.sum())
         chi = f"chi-squared {self.chi_squared:.4g} of {self.freedom}"
         unknown = f", {self.unknowns.missing} directions unknown" if self.unknowns.missing else ""
-        return f"<Calibration: {count} numbers from {len(self.seen)} rows, {chi}{unknown}>"
+        doubted = ", doubted" if self.doubts else ""
+        return f"<Calibration: {count} numbers from {len(self.seen)} rows, {chi}{unknown}{doubted}>"
 
     @cached_property
     def _found(self) -> FileNumbers:
@@ -73,6 +80,28 @@ class Calibration:
         """Which of all numbers of the file (and frames) depend on what was estimated."""
         by = self._found.slopes[:, self.fit.model.free]
         return np.asarray((by != 0).any(axis=1))
+
+    @cached_property
+    def doubts(self) -> tuple[str, ...]:
+        """Why the data do not fit the machine, in sentences; empty if they do."""
+        return doubts(
+            self.stated,
+            self.fit,
+            self._found,
+            self._stated,
+            self.noise,
+            self.scatter,
+            self.options.prior or PRIOR * self.fit.model.length,
+            robust=self.options.robust,
+        )
+
+    @cached_property
+    def cause(self) -> str | None:
+        """Which mistake of the data probably is the cause of doubts; None if none is likely."""
+        if not self.doubts or self.fit.model.with_frames:
+            return None
+        model = Model.of(self.stated, cranks=self.seen.cranks is not None)
+        return likely_cause(model, self.seen, self.stated.units.length)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -184,6 +213,8 @@ class Calibration:
             "chi_squared": self.chi_squared,
             "freedom": self.freedom,
             "scatter": self.scatter,
+            "doubts": list(self.doubts),
+            "cause": self.cause or "",
             "noise": {
                 "value": self.noise.value,
                 "angle": self.noise.angle / model.in_radians,

@@ -13,7 +13,7 @@ from gspcli.cli.number_types import seed_option
 from gspcli.cli.output import DRAWINGS, FORMATS, Output, emit, output_options, write
 from gspcli.cli.pose_options import ignore_option, pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
-from gspcli.errors import GspError, Problem, SpecError
+from gspcli.errors import CheckFailed, Problem, SpecError
 from gspcli.wording import shown
 
 if TYPE_CHECKING:
@@ -67,6 +67,9 @@ if TYPE_CHECKING:
     help="Keep what DATA does not tell as it is stated, instead of refusing.",
 )
 @click.option(
+    "--accept", is_flag=True, help="Take the result even if DATA does not fit the machine."
+)
+@click.option(
     "--plan",
     type=click.IntRange(min=1),
     metavar="N",
@@ -87,6 +90,7 @@ def command(
     robust: bool,
     prior: float | None,
     hold_unknown: bool,
+    accept: bool,
     plan: int | None,
     mode: Mode | None,
     seed: int,
@@ -111,6 +115,10 @@ def command(
     be near its degrees of freedom if --sigma is right. Without --sigma the scatter of DATA says how
     large the noise is. With --sigma position=0 --sigma rotation=0 poses are exact.
 
+    DATA that does not fit the machine has its verdict in the first line, with the mistake that it
+    probably is: a unit, columns that are exchanged, rotations that are transposed. Then the exit
+    code is 1 and no instance file is written, unless --accept is given.
+
     With -o FILE.yaml the result is an instance file with `offset` and `scale` at constraints, which
     every command honours; JSON has the covariance; a picture shows the residuals.
 
@@ -120,8 +128,8 @@ def command(
 
     \b
     Examples:
-      gsp calibrate machine.yaml measured.csv --sigma value=0.001 \\
-        --sigma rotation=0.001
+      gsp calibrate machine.yaml measured.csv --sigma value=0.002 \\
+        --sigma position=0.005 --sigma rotation=0.001 --robust
       gsp calibrate machine.yaml measured.csv -o calibrated.yaml
       gsp calibrate machine.yaml measured.csv -o residuals.svg
       gsp calibrate machine.yaml tracker.csv --estimate frames --robust
@@ -155,21 +163,24 @@ def command(
     assert seen is not None
     with working("fitting"):
         result = calibrate_rows(instance, seen, noise, options)
-    if not result.fit.converged:
-        message = (
-            "the fit did not come to an end\n"
-            "look for wrong rows (units, order of axes, signs), or try --robust"
-        )
-        raise GspError(message)
-    _show(result, output)
+    _show(result, output, accept=accept)
 
 
-def _show(result: Calibration, output: Output) -> None:
-    """Write the new numbers, the residuals or the table of both."""
+def _show(result: Calibration, output: Output, *, accept: bool) -> None:
+    """Write the new numbers, the residuals or the table of both.
+
+    Raises
+    ------
+    CheckFailed
+        If the data do not fit the machine, unless that is accepted; no instance file is written
+        then.
+    """
+    refused = bool(result.doubts) and not accept
     if output.format == "yaml":
         from gspcli.calibration.instance_files import calibrated_text
 
-        write(output, calibrated_text(result))
+        if not refused:
+            write(output, calibrated_text(result))
     elif output.format in DRAWINGS:
         from gspcli.pictures.residual_charts import residual_chart
 
@@ -177,6 +188,14 @@ def _show(result: Calibration, output: Output) -> None:
     else:
         document = calibration_document(result) if output.format == "json" else None
         emit(output, calibration_table(result), document=document)
+    if refused:
+        what = [f"the data do not fit the machine: {result.doubts[0]}"]
+        what += [result.cause] if result.cause else []
+        what.append(
+            "look for wrong rows and columns (-o FILE.svg shows residuals), or try --robust; "
+            "--accept takes the result as it is"
+        )
+        raise CheckFailed("\n".join(what))
 
 
 def _plan(

@@ -52,14 +52,21 @@ def calibration_table(result: Calibration) -> Table:
 
 def _summary(result: Calibration) -> list[str]:
     """Return what came out, in sentences."""
+    from gspcli.calibration.doubts import quantile
+
     chi, freedom = result.chi_squared, result.freedom
-    lines = [f"{counted(len(result.seen), 'row')}, {counted(len(result.names), 'number')} found"]
+    lines = [f"the data do not fit: {doubt}" for doubt in result.doubts]
+    if result.cause:
+        lines.append(result.cause)
+    lines.append(
+        f"{counted(len(result.seen), 'row')}, {counted(len(result.names), 'number')} found"
+    )
     if freedom <= 0:
         lines.append("as many numbers were measured as are found: nothing says how good they are")
     elif result.scatter == 1.0:
         lines.append(
             f"chi-squared {chi:.4g} of {freedom} degrees of freedom, "
-            f"between {_quantile(freedom, -1.96):.4g} and {_quantile(freedom, 1.96):.4g} in 95 %"
+            f"between {quantile(freedom, -1.96):.4g} and {quantile(freedom, 1.96):.4g} in 95 %"
         )
     else:
         noise = result.noise.value * result.scatter
@@ -83,13 +90,6 @@ def _summary(result: Calibration) -> list[str]:
             line += f", {result.rows[row]:.4g} of chi-squared ({left:.4g} of {rest} without it)"
         lines.append(f"{line}; left out, no number moves by more than {moved:.2g} sigma")
     return lines
-
-
-def _quantile(freedom: int, z: float) -> float:
-    """Return a quantile of chi-squared (Wilson and Hilferty 1931)."""
-    part = 2 / (9 * freedom)
-    found: float = freedom * max(1 - part + z * part**0.5, 0.0) ** 3
-    return found
 
 
 def calibration_document(result: Calibration) -> dict[str, Any]:

@@ -29,7 +29,7 @@ def test_table(gsp):
 
 def test_csv_and_json_have_the_same_numbers(gsp):
     csv = gsp("calibrate", MACHINE, MEASURED, *SIGMA, "--format", "csv")
-    assert csv.code == 0
+    assert csv.code == 1
     assert "chi-squared" in csv.err
     head, *rows = csv.out.splitlines()
     assert head == "number,stated,found,sigma,change/sigma"
@@ -70,8 +70,28 @@ def test_the_instance_file(gsp, tmp_path):
 
 def test_a_picture(gsp, tmp_path):
     path = tmp_path / "residuals.svg"
-    assert gsp("calibrate", MACHINE, MEASURED, *SIGMA, "-o", path).code == 0
+    assert gsp("calibrate", MACHINE, MEASURED, *SIGMA, "-o", path, "--accept").code == 0
     assert path.read_text(encoding="utf-8").startswith("<?xml")
+
+
+def test_data_that_do_not_fit(gsp, tmp_path):
+    """Two columns exchanged: chi-squared is right, and the file would be valid."""
+    text = MEASURED.read_text(encoding="utf-8").replace("t,1,2,3", "t,2,1,3")
+    data, path = tmp_path / "exchanged.csv", tmp_path / "calibrated.yaml"
+    data.write_text(text, encoding="utf-8")
+    words = ("calibrate", MACHINE, data, *SIGMA, "--robust", "--hold-unknown")
+    table = gsp(*words)
+    assert table.code == 1
+    assert table.out.splitlines()[2].startswith("the data do not fit: ")
+    assert "probably the readings 1 and 2 are exchanged" in table.out
+    file = gsp(*words, "-o", path)
+    assert (file.code, file.out) == (1, "")
+    assert not path.exists()
+    assert len(file.err.splitlines()) <= 3
+    assert "probably the readings 1 and 2 are exchanged" in file.err
+    assert "--accept takes the result as it is" in file.err
+    assert gsp(*words, "-o", path, "--accept").code == 0
+    assert path.exists()
 
 
 def test_what_is_not_told_is_refused_and_nothing_is_written(gsp, tmp_path):

@@ -94,7 +94,7 @@ def main() -> int:
         words = [str(path)]
         for name, sigma in SIGMA.items():
             words += ["--sigma", f"{name}={sigma}"]
-        files[IMAGES / "calibration-wrong.svg"] = _picture(*words)
+        files[IMAGES / "calibration-wrong.svg"] = _picture(*words, "--accept")
         files[IMAGES / "calibration-robust.svg"] = _picture(*words, "--robust")
     return save(files, check=options.check, confirmed="the measurements and pictures of the page")
 

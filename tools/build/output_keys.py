@@ -507,6 +507,8 @@ KEYS: dict[str, str] = {
     "chi_squared": "sum of squares of residuals over their standard deviations",
     "freedom": "degrees of freedom of chi-squared",
     "scatter": "what all deviations are multiplied by; 1 if the noise was stated",
+    "doubts": "why the data do not fit the machine; empty if they do",
+    "calibrate.cause": "which mistake of the data it probably is; empty if none is likely",
     "noise": "standard deviations that were used",
     "calibrate.noise.value": "of readings of distances",
     "calibrate.noise.angle": "of readings of angles",
