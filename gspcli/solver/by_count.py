@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 from gspcli.catalogue.kinds import DLL
@@ -25,7 +25,6 @@ from gspcli.solver.proof import CountKind, Proof
 from gspcli.solver.real_statements import isolated_real_poses
 from gspcli.solver.repeated_constraints import poses_of_repeated
 from gspcli.solver.side import Side
-from gspcli.solver.strategies import Further
 
 #: A count takes longer than to follow this part of the paths with 32 digits, for each path that
 #: there is; and the part of which more are not followed: then the platform is a special one.
@@ -73,15 +72,16 @@ def poses_by_count(
 
 def _by_geometry_or_type(problem: Problem, ledger: Ledger) -> PoseSet | None:
     """Return as many proved poses as the geometry or the type has; None if fewer are found soon."""
+    # From now on the ledger knows how many the geometry has.
     counted = problem.geometry_count
-    if counted is not None and counted.solutions:
-        for last in (None, Further.IN_BALLS):
-            _go_on(ledger.sides, last, counted.solutions // len(ledger.sides))
-            if (poses := ledger.complete) is not None:
-                return poses
+    if counted is not None and (poses := ledger.complete) is not None:
+        return poses
     # Paths that went wrong are followed with 32 digits as long as a count would take longer.
     if not any(_too_many_unresolved(side) for side in ledger.sides):
-        _go_on(ledger.sides, Further.WITH_32_DIGITS)
+        from gspcli.solver.strategies.more_digits import with_32_digits
+
+        for side in ledger.sides:
+            go_on_until(side, with_32_digits)
         return ledger.complete
     return None
 
@@ -126,11 +126,6 @@ def _of_side(side: Side, count: SideCount, solve: Callable[[Problem], PoseSet]) 
     if count.parts:
         return complete_parts(side, count, solve_points)
     return _counted(side, count)
-
-
-def _go_on(sides: Sequence[Side], last: Further | None, most: int | None = None) -> None:
-    for side in sides:
-        go_on_until(side, last, most)
 
 
 def _unresolved(side: Side) -> int:
@@ -207,7 +202,10 @@ def _uncounted(problem: Problem, ledger: Ledger) -> PoseSet:
     if count is not None and count.solutions and count.has_lone_lines:
         # All choices of sides are alike.
         most = count.solutions // len(sides)
-    _go_on(sides, Further.ALONG_OTHER_PATHS, most)
+    from gspcli.solver.strategies.more_digits import along_other_paths
+
+    for side in sides:
+        go_on_until(side, along_other_paths, most)
     poses = joined([side.poses(most) for side in sides])
     proof = None if most is None else _by_geometry(poses, count)
     return _proved(poses, None) if proof is None else replace(poses, proof=proof)

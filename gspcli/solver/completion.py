@@ -7,6 +7,8 @@ be those that the paths of the endgame lead to, if these are as many.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+
 import numpy as np
 
 from gspcli.certification.poses.collection import Collection
@@ -17,25 +19,33 @@ from gspcli.continuation.tracked_paths import PathEnds
 from gspcli.geometry.quaternions import canonical_sign
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.side import Side
-from gspcli.solver.strategies import Further, further_strategies
 
 #: If at most one path in so many is missing, paths have jumped rather than that the platform is
 #: special: other paths find what is missing. Else no count says whether more would be found.
 FEW = 50
 
 
-def go_on(side: Side) -> Further | None:
-    """Go on with the further strategies to the next place where that may be enough.
+def is_exhausted(side: Side) -> bool:
+    """Return whether all further strategies have been tried."""
+    # Imported where they are needed: for most platforms the first strategies are enough.
+    from gspcli.solver.strategies.further import FURTHER
 
-    Returns which of them comes next, or goes on; None if all have been tried.
-    """
-    if side.further is None:
-        side.further = further_strategies(side)
-    place = next(side.further, None)
-    return None if place is None else Further(place)
+    return side.begun == len(FURTHER)
 
 
-def go_on_until(side: Side, last: Further | None, most: int | None = None) -> None:
+def go_on(side: Side) -> None:
+    """Do the next part of the further strategies, up to where the poses may be all."""
+    from gspcli.solver.strategies.further import FURTHER
+
+    if side.running is None:
+        side.running = FURTHER[side.begun](side)
+    if next(side.running, side) is side:
+        side.begun, side.running = side.begun + 1, None
+
+
+def go_on_until(
+    side: Side, last: Callable[[Side], Iterator[None]], most: int | None = None
+) -> None:
     """Go on as long as poses are missing.
 
     Parameters
@@ -43,18 +53,22 @@ def go_on_until(side: Side, last: Further | None, most: int | None = None) -> No
     side
         The poses for a choice of sides.
     last
-        The last strategy that is worth it; None for those that have begun already.
+        The last of the further strategies that is worth it.
     most
         How many poses there can be, if that is known.
     """
-    paths = side.paths.count
-    while (place := go_on(side)) is not None:
+    from gspcli.solver.strategies.further import FURTHER
+    from gspcli.solver.strategies.more_digits import with_64_digits
+
+    paths, end = side.paths.count, FURTHER.index(last) + 1
+    while side.begun < end:
         found = len(side.found)
         missing = min(paths - found - len(side.infinite), (most or paths) - found)
-        if missing <= 0 or last is None or place > last:
+        if missing <= 0:
             break
-        if place > Further.WITH_64_DIGITS and missing * FEW > paths:
+        if side.begun > FURTHER.index(with_64_digits) and missing * FEW > paths:
             break
+        go_on(side)
 
 
 def complete(side: Side, solutions: int, distinct: int, spurious: int | None) -> PoseSet:
@@ -78,8 +92,9 @@ def complete(side: Side, solutions: int, distinct: int, spurious: int | None) ->
             multiple = [pose for pose in candidates.poses() if pose.is_pose or spurious is None]
             if len(side.found) + len(multiple) >= distinct:
                 break
-        if go_on(side) is None:
+        if is_exhausted(side):
             break
+        go_on(side)
     numbers = _multiplicities(side.found, multiple, solutions, distinct)
     known = list(zip(multiple, numbers, strict=True)) if numbers else []
     return _pose_set(side.found, known, side.paths.count, solutions, spurious or 0)

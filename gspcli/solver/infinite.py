@@ -17,13 +17,11 @@ from gspcli.geometry.conjugates import made_real
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import Field
 from gspcli.geometry.residuals import relative_residuals
-from gspcli.solver.completion import go_on_until
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.pose_set import Motion, PoseSet, joined
 from gspcli.solver.problem import Problem
 from gspcli.solver.proof import Proof
 from gspcli.solver.self_motion import local_motion
-from gspcli.solver.strategies import Further
 
 #: Samples of a motion meet the constraints up to this part of their size.
 _ON_MOTION = 1e-8
@@ -47,8 +45,6 @@ def solve_infinite(problem: Problem, ledger: Ledger, proof: Proof | None) -> Pos
         What proves the set of poses to be infinite; None if only that of the equations is.
     """
     arrangement, tracked = problem.arrangement, problem.tracked
-    for side in ledger.sides:
-        go_on_until(side, Further.IN_BALLS)
     poses = joined([side.poses() for side in ledger.sides])
     results = [paths.solutions(BESIDE_CURVES) for paths in tracked]
     samples = (_motion(arrangement, curve) for result in results for curve in result.curves)

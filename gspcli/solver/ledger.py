@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -51,13 +50,16 @@ class Ledger:
         self.problem = problem
         #: What a strategy has found that found everything at once.
         self._whole: ProvedPoses | None = None
+        self._sides: list[Side] = []
 
-    @cached_property
+    @property
     def sides(self) -> list[Side]:
-        """The poses for each choice of sides."""
-        from gspcli.solver.side import Side
+        """The poses for each choice of sides, from the first time on that some are missing."""
+        if not self._sides:
+            from gspcli.solver.side import Side
 
-        return [Side(self.problem, k) for k in range(len(self.problem.choices))]
+            self._sides = [Side(self.problem, k) for k in range(len(self.problem.choices))]
+        return self._sides
 
     def add(self, ends: Ends) -> None:
         """Prove poses near ends of all choices of sides by the kernel: many at a time."""
@@ -70,12 +72,12 @@ class Ledger:
             values = proofs.own_values(choices), np.ones(1), proofs.scale
             found = ends.far.beside(found, *values, ends.local)
         number = found.certified.size
-        if found.complete[0] and "sides" not in self.__dict__ and self._counted(number):
+        if found.complete[0] and not self._sides and self._counted(number):
             self._whole = found
             return
         for k, side in enumerate(self.sides):
             each = slice(k * number // len(choices), (k + 1) * number // len(choices))
-            side.add_proved(
+            side.add_first(
                 found._replace(**{name: getattr(found, name)[:, each] for name in _OF_POSES})
             )
 
@@ -95,7 +97,7 @@ class Ledger:
         problem = self.problem
         if number == problem.expected:
             return Proof(CountKind.TYPE)
-        count = problem.geometry_count if problem.knows_geometry_count else None
+        count = problem.known_geometry_count
         # Two pairs of lines that are parallel at once spoil the argument (docs/counts.md).
         if count is None or count.solutions != number or not count.has_lone_lines:
             return None

@@ -59,6 +59,9 @@ class Problem:
         self.seed, self.jobs, self.starts = seed, jobs, starts
         #: Work that a count may take, None for no limit; if it is zero, nothing is counted.
         self.limit = {True: None, False: 0.0, None: PATIENCE}[prove]
+        #: The count of the geometry, if it was asked for before.
+        self.known_geometry_count: ExactCount | None = None
+        self._has_counted = False
 
     def like(self, instance: Instance) -> Problem:
         """Return another platform, to be solved likewise."""
@@ -165,15 +168,11 @@ class Problem:
 
         return list(track_all(self.systems, seed=self.seed, jobs=self.jobs))
 
-    def keep(self, poses: PoseSet, *, at_once: bool) -> None:
-        """Keep poses for platforms of the same geometry, if they are all it has.
-
-        Not if quick paths have led to them, and the kernel has proved all of them at once.
-        """
-        if not self.is_kept or (at_once and "tracked" not in self.__dict__):
+    def keep(self, poses: PoseSet) -> None:
+        """Keep poses for platforms of the same geometry, if they are all it has."""
+        if not self.is_kept:
             return
-        number = int(poses.certified.sum())
-        count = self.geometry_count if self.knows_geometry_count else None
+        number, count = int(poses.certified.sum()), self.known_geometry_count
         known = (self.expected, count.solutions if count else None)
         if number == len(poses.R) and number in known:
             solved = SolvedPlatform(self.instance, self.arrangement, poses, count)
@@ -205,9 +204,14 @@ class Problem:
             exact = Coefficients(*(x[0, order] for x in found))
             return FineCoefficients.of(self.tracked[k].balanced(exact))
 
-    @cached_property
+    @property
     def geometry_count(self) -> ExactCount | None:
-        """The count of a geometry that is worth keeping; None if it is not known."""
+        """The count of a geometry that is worth keeping; None if it cannot be had."""
+        if not self._has_counted:
+            self.known_geometry_count, self._has_counted = self._geometry_count(), True
+        return self.known_geometry_count
+
+    def _geometry_count(self) -> ExactCount | None:
         if not self.is_kept or self.limit == 0:
             return None
         known = self.starts.platform(self.arrangement)
@@ -218,8 +222,3 @@ class Problem:
     def count_geometry(self) -> ExactCount | None:
         """Return the count of the geometry with values in general position."""
         return self.starts.count(self.instance, self.seed, self.limit)
-
-    @property
-    def knows_geometry_count(self) -> bool:
-        """Whether that count has been asked for."""
-        return "geometry_count" in self.__dict__

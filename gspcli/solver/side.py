@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from enum import IntEnum
 from functools import cached_property
 
 import numpy as np
@@ -49,17 +48,19 @@ class Side:
     infinite
         The simple solutions at infinity that were met, all different.
     reached
-        Which ends of the paths in double precision have led to poses of their own.
+        Which of the ends of the first strategy that came last have led to poses of their own; of
+        no ends at all if the kernel could prove nothing.
     unresolved
-        The paths that have led to no pose.
+        The paths that have led to no pose with 32 digits.
     left
         The ends of those with 64 digits.
     eliminated
         How many eliminations have been done.
     all_simple
         Whether all poses are known to be simple ones.
-    further
-        The further strategies as far as they have come (`gspcli.solver.completion.go_on`).
+    begun, running
+        How many of the further strategies have ended, and the one that has begun
+        (`gspcli.solver.completion.go_on`).
     """
 
     def __init__(self, problem: Problem, k: int) -> None:
@@ -72,7 +73,8 @@ class Side:
         self.left: PathEnds | None = None
         self.eliminated = 0
         self.all_simple = False
-        self.further: Iterator[IntEnum] | None = None
+        self.begun = 0
+        self.running: Iterator[None] | None = None
 
     @property
     def paths(self) -> TrackedPaths:
@@ -88,6 +90,13 @@ class Side:
     def target(self) -> FineCoefficients:
         """The equations of paths from the exact numbers, in 32 digits."""
         return self.problem.target(self.k)
+
+    def add_first(self, found: ProvedPoses) -> None:
+        """Add what the kernel has proved of the ends of a first strategy, one for each path."""
+        place = self.add_proved(found)
+        self.reached = np.zeros(len(place), np.bool_)
+        self.reached[np.unique(place, return_index=True)[1]] = True
+        self.reached &= place >= 0
 
     def add_proved(self, found: ProvedPoses) -> Index:
         """Add what the kernel has proved of ends, and conjugates; return their places here, or -1.
@@ -112,9 +121,6 @@ class Side:
                 self.found.add([self.locator.near(R[k], T[k], self.sides, _MANY_BITS)])
                 self.found.add_conjugates()
                 place[k] = self.found.place_near(R[k], T[k], off[k])
-        self.reached = np.zeros(len(R), np.bool_)
-        self.reached[np.unique(place, return_index=True)[1]] = True
-        self.reached &= certified
         return place
 
     def add(self, ends: PathEnds) -> Bits:

@@ -31,7 +31,7 @@ from gspcli.solver.generate import random_instance
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.problem import Problem
 from gspcli.solver.solved_starts import SolvedStarts
-from gspcli.solver.strategies import more_digits, stored_start
+from gspcli.solver.strategies import stored_start
 
 #: Files: general and special geometries, and lines; types: all relations, sides and angles.
 FILES = (
@@ -120,7 +120,9 @@ def test_whatever_strategy_finds_them(name: str, monkeypatch: pytest.MonkeyPatch
     """Careful paths from the start; and where doubles prove nothing, what is left."""
     instance = platform(name)
     with monkeypatch.context() as patch:
-        patch.setattr(all_poses, "first_strategies", lambda _: iter([stored_start.careful_paths]))
+        patch.setattr(
+            all_poses, "first_strategies", lambda _: iter([(stored_start.careful_paths, False)])
+        )
         assert said(solve(instance, starts=SolvedStarts()).poses) == known(name)
 
 
@@ -132,13 +134,7 @@ def test_whether_the_kernel_proves_them_or_balls(name: str, monkeypatch) -> None
 
 def test_whether_doubles_or_more_digits_find_them(monkeypatch) -> None:
     monkeypatch.setattr(all_poses, "first_strategies", lambda _: iter([]))
-    monkeypatch.setattr(more_digits, "in_balls", everything_unresolved)
     assert said(solve(platform("6PP"), starts=SolvedStarts()).poses) == known("6PP")
-
-
-def everything_unresolved(side):
-    side.unresolved = np.arange(side.paths.count)
-    yield
 
 
 @pytest.mark.parametrize("name", GEOMETRIES)

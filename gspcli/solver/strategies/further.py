@@ -1,0 +1,27 @@
+"""What is done about poses that the first strategies leave open, in the order of the cost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from gspcli.solver.side import Side
+from gspcli.solver.strategies.elimination import by_elimination, early_elimination
+from gspcli.solver.strategies.more_digits import (
+    along_other_paths,
+    with_32_digits,
+    with_64_digits,
+)
+from gspcli.solver.strategies.turned_directions import from_turned_directions
+
+FURTHER: tuple[Callable[[Side], Iterator[None]], ...] = (
+    with_32_digits,
+    # Poses far away because directions are nearly parallel.
+    from_turned_directions,
+    # Eigenvectors, where most paths lead to no pose.
+    early_elimination,
+    with_64_digits,
+    # Eigenvectors with more and more bits.
+    by_elimination,
+    # Some paths have jumped.
+    along_other_paths,
+)
