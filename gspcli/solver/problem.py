@@ -148,16 +148,9 @@ class Problem:
         """The equations of paths, for each choice of sides."""
         return coefficients_at(self.arrangement.normalized)
 
-    @cached_property
-    def canonical(self) -> tuple[Structure, Coefficients]:
-        """The same in canonical order."""
-        structure, given = self.equations
-        order = list(structure.order)
-        return structure.canonical(), Coefficients(*(part[:, order] for part in given))
-
     @property
     def systems(self) -> list[System]:
-        """The same as systems, one for each choice of sides."""
+        """The equations of paths as systems, one for each choice of sides."""
         structure, given = self.equations
         return [System.of(structure, *rest) for rest in zip(*given, strict=True)]
 

@@ -20,15 +20,14 @@ from gspcli.geometry.numbers import Number
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
-    from gspcli.continuation.systems import Structure
     from gspcli.solver.pose_set import PoseSet
 
 _Entry = TypeVar("_Entry")
 
 #: So many of each sort are kept, those used last.
 _KEPT = 64
-#: After so many platforms of a structure one is solved from which paths to others are short. It
-#: takes as long as three to ten of them save (`make bench`, rows "6-6, one", "planar 6-6").
+#: After so many planar platforms one is solved from which paths to others are short. It takes as
+#: long as three to ten of them save (`make bench`, row "planar 6-6").
 OFTEN = 5
 _UNITS = Units("unit", AngleUnit.DEGREE)
 
@@ -36,8 +35,8 @@ _UNITS = Units("unit", AngleUnit.DEGREE)
 class Sort(Enum):
     """What is kept."""
 
-    MET = "structures of equations, how often they were solved"
-    REFERENCE = "solved platforms with complex values, one a structure"
+    MET = "sorts of planar platforms, how often they were solved"
+    PLANAR = "solved planar platforms with complex values"
     PLATFORM = "solved platforms of special geometries"
     SAME = "starts of special geometries, made from those"
     GEOMETRY = "solved systems of a geometry with complex values"
@@ -118,13 +117,10 @@ class SolvedStarts:
             return cast(_Entry, self.fetch(sort, key))
         return self.keep(sort, key, make())
 
-    def is_frequent(self, structure: Structure | tuple[bool, ...]) -> bool:
-        """Return whether `OFTEN` platforms of a structure, or with bodies as planar, were solved.
-
-        This one is counted, too.
-        """
-        met = cast(int, self.fetch(Sort.MET, structure) or 0)
-        self.keep(Sort.MET, structure, met + 1)
+    def is_frequent(self, flat: tuple[bool, bool]) -> bool:
+        """Return whether `OFTEN` platforms with bodies as planar were solved before; count this."""
+        met = cast(int, self.fetch(Sort.MET, flat) or 0)
+        self.keep(Sort.MET, flat, met + 1)
         return met >= OFTEN
 
     def keep_platform(self, solved: SolvedPlatform) -> None:

@@ -12,11 +12,9 @@ import pytest
 PROGRAM = """
 import numpy as np, gspcli
 from gspcli.resources import data_path
-from gspcli.solver.solved_starts import OFTEN
 instance = gspcli.load(data_path("examples", "dietmaier.yaml"))
 values = [[c.value.value for c in instance.constraints]] * 3
-# Where a structure is frequent a start is made, from which all later ones begin.
-*_, one, many = (gspcli.solve(instance, jobs=jobs) for jobs in (*[1] * OFTEN, 1, 16))
+one, many = (gspcli.solve(instance, jobs=jobs) for jobs in (1, 16))
 assert np.array_equal(one.R, many.R) and one.verdict == many.verdict == "complete"
 batch = gspcli.solve_values(instance, values, jobs=16)
 assert [len(result.R) for result in batch] == [40, 40, 40]

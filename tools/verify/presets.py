@@ -35,7 +35,6 @@ PRESETS = {
     "PARANOID": ("all unknowns", False),
     "SHORT": ("all unknowns", False),
     "FROM_START": ("fewer unknowns", True),
-    "LONG_STEPS": ("fewer unknowns", True),
     "MEDIUM_STEPS": ("fewer unknowns", True),
     "VALUE_STEPS": ("fewer unknowns", True),
     "SHORT_STEPS": ("fewer unknowns", True),

@@ -1,4 +1,4 @@
-"""Paths from the stored start system of a structure, or from a reference: the quickest first."""
+"""Paths from the stored start system of a structure, or from a planar platform."""
 
 from __future__ import annotations
 
@@ -18,11 +18,7 @@ if TYPE_CHECKING:
 
 
 def reduced_paths(problem: Problem) -> Iterator[Ends]:
-    """Yield the ends of paths with fewer unknowns, of equations without products.
-
-    From a reference first, where the structure is frequent: a 6-6 takes two thirds of the time then
-    (`make bench`, row "6-6, one").
-    """
+    """Yield the ends of paths with fewer unknowns, of equations without products."""
     from gspcli.continuation.reduced_homotopy import ends_from_start
 
     structure, given = problem.equations
@@ -39,36 +35,27 @@ def _ways(problem: Problem, structure: Structure) -> Iterator[tuple[StartSystem,
     from gspcli.continuation.start import start_system
     from gspcli.continuation.tracker_options import (
         FROM_START,
-        LONG_STEPS,
         MEDIUM_STEPS,
         SHORT_STEPS,
     )
     from gspcli.solver.planar_start import planar_starts
-    from gspcli.solver.reference_start import reference_start
 
     planar = planar_starts(problem.arrangement.normalized, problem.starts)
     if planar:
         yield planar[0], MEDIUM_STEPS
         yield from ((start, SHORT_STEPS) for start in planar)
         return
-    if (reference := reference_start(structure, problem.starts)) is not None:
-        yield reference.start, LONG_STEPS
     yield start_system(structure), FROM_START
 
 
 def short_series(problem: Problem) -> Iterator[Ends]:
-    """Yield the ends of paths of products, with series of few terms: the shortest paths first."""
+    """Yield the ends of paths of products, with series of few terms."""
     from gspcli.continuation.tracked_paths import track_all
     from gspcli.continuation.tracker_options import SHORT
-    from gspcli.solver.reference_start import reference_start, track_near
 
-    structure, given = problem.canonical
-    if not structure.is_product.any():
+    if not problem.equations[0].is_product.any():
         return
     seed, jobs = problem.seed, problem.jobs
-    reference = reference_start(structure, problem.starts)
-    if reference is not None:
-        yield ends_of(problem, list(track_near(reference, given, seed=seed, jobs=jobs)))
     yield ends_of(problem, list(track_all(problem.systems, seed=seed, jobs=jobs, options=SHORT)))
 
 

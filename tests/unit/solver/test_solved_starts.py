@@ -12,9 +12,9 @@ import pytest
 
 from gspcli.catalogue.names import parse_type
 from gspcli.resources import data_path
-from gspcli.solver import reference_start, solve, solve_batch, solve_values
+from gspcli.solver import solve, solve_batch, solve_values
 from gspcli.solver.generate import random_instance
-from gspcli.solver.solved_starts import OFTEN, STARTS, SolvedStarts, Sort
+from gspcli.solver.solved_starts import STARTS, SolvedStarts, Sort
 from gspcli.spec import load
 
 NONE = dict.fromkeys(Sort, 0)
@@ -58,8 +58,8 @@ def test_of_each_sort_the_last_are_kept():
 
 def test_what_is_kept_is_told():
     starts = SolvedStarts()
-    starts.keep(Sort.REFERENCE, 1, 2)
-    assert "1 solved platforms with complex values" in repr(starts)
+    starts.keep(Sort.PLANAR, 1, 2)
+    assert "1 solved planar platforms with complex values" in repr(starts)
     for sort in Sort:
         assert sort.value in repr(starts)
 
@@ -115,21 +115,6 @@ def test_nothing_is_remembered_elsewhere(monkeypatch):
         calls.append(list(seen))
     first, second, cleared = calls
     assert cleared == first != second
-
-
-def test_a_reference_is_made_for_a_frequent_structure(monkeypatch):
-    made, solved = [], reference_start._solved_reference
-    monkeypatch.setattr(
-        reference_start, "_solved_reference", lambda given: made.append(given) or solved(given)
-    )
-    starts, instance = SolvedStarts(), platform("5PP PL")
-    for expected in (*[0] * OFTEN, 1, 1):
-        solve(instance, starts=starts)
-        assert len(made) == expected
-    starts.clear()
-    solve(instance, starts=starts)
-    assert len(made) == 1
-    assert sizes(starts) == {Sort.MET: 1}
 
 
 def test_importing_keeps_nothing():
