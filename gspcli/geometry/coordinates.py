@@ -14,7 +14,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Point, Vector
 from gspcli.records import dataclass
-from gspcli.wording import shown, suggestion
+from gspcli.wording import counted, shown, suggestion
 
 Array = NDArray[np.float64]
 Body = Literal["platform", "base"]
@@ -67,6 +67,27 @@ def coordinates(instance: Instance) -> tuple[Coordinate, ...]:
                 for k, axis in enumerate(AXES)
             ]
     return tuple(found)
+
+
+def refuse_cranks(instance: Instance, message: str) -> None:
+    """Raise if an instance has cranks, for work that does not take account of them.
+
+    Parameters
+    ----------
+    instance
+        The platform.
+    message
+        What is not possible, and what is instead; the names of the cranks are put before it.
+
+    Raises
+    ------
+    ArgumentError
+        If a point has a crank.
+    """
+    names = [one.name for one in coordinates(instance) if one.vector == "crank"]
+    if names:
+        found = f"found {counted(len(names), 'crank')} ({', '.join(names)}): {message}"
+        raise ArgumentError(found)
 
 
 def choose(instance: Instance, names: Sequence[str]) -> tuple[Coordinate, ...]:

@@ -159,3 +159,18 @@ def test_only_what_is_connected_with_a_stated_home_is_counted(gsp):
     assert every["volume"]["lower"] > 1.3 * document["volume"]["lower"]
     assert (document["modes_inside"], every["modes_inside"]) == ([], [7, 8])
     assert run.err == "home is mode 8: nearest to the stated home\n"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["workspace", "@t-top-head"],
+        ["workspace", "@t-top-head", "--over", "z", "--within", "z=0:1"],
+        ["export", "@t-top-head", "--to", "mjcf"],
+    ],
+)
+def test_cranks_are_refused_by_name(gsp, words):
+    """Their legs have fixed lengths: the answer was about another machine."""
+    run = gsp(*words)
+    assert (run.code, run.out) == (2, "")
+    assert "error: found 6 cranks (crank.B1, crank.B2, crank.B3, crank.B4," in run.err

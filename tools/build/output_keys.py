@@ -322,7 +322,7 @@ KEYS: dict[str, str] = {
     "complete": "whether every mode was followed to the last row",
     "track.coordinates": "where the coordinates that move are at each row, by their names",
     "parts": "proved segments of the motion",
-    "departures": "rows at which a mode that is followed along poses is not at the pose of the file",
+    "departures": "rows at which a mode that follows poses is not at the pose of the file",
     "departures.distance": "between the origins of the platform at the two poses",
     "departures.turn": "angle between the two orientations",
     "events": "where a mode ends, and why",

@@ -14,10 +14,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import ArgumentError
+from gspcli.geometry.coordinates import refuse_cranks
 from gspcli.geometry.instance import Instance
 from gspcli.motion.workspace.box_sets import BoxSet, Layer
 from gspcli.motion.workspace.home_part import HomePart
-from gspcli.motion.workspace.pose_boxes import PARAMETERS, REGULAR, Conditions, Keys, PoseBoxes
+from gspcli.motion.workspace.pose_boxes import (
+    CRANKS,
+    PARAMETERS,
+    REGULAR,
+    Conditions,
+    Keys,
+    PoseBoxes,
+)
 from gspcli.motion.workspace.workspaces import ROUNDING, Workspace
 from gspcli.progress import Progress, silent
 
@@ -81,6 +89,7 @@ def workspace(
         If an argument is wrong, nothing is limited, or, with `connected`, home is not proved to
         keep the limits and to be regular.
     """
+    refuse_cranks(instance, CRANKS)
     boxes = PoseBoxes(instance, R, T, pivot=pivot, sequence=sequence, regular=connected)
     division = _Division(boxes, _names(free), dict(within or {}), jobs)
     return division.run(tolerance, lambda: division.judged >= most_boxes or stop(), progress)

@@ -19,6 +19,11 @@ Array = NDArray[np.float64]
 Keys = NDArray[np.uint64]
 Conditions = NDArray[np.uint32]
 
+#: Why machines with cranks are refused: their motors are not the legs.
+CRANKS = (
+    "what cranks can reach is not computed yet, only what legs can; "
+    "gsp measure --cranks has their angles at poses"
+)
 #: Position of the pivot in the base, and angles about the axes of the base, from home.
 PARAMETERS = ("x", "y", "z", "rx", "ry", "rz")
 REGULAR, NEGATIVE = np.uint32(_kernel.REGULAR), np.uint32(_kernel.NEGATIVE)

@@ -9,12 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.coordinates import refuse_cranks
 from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.limits import joint_cones, out_of_cone, out_of_range, tilts
 from gspcli.geometry.readings import readings_of
 from gspcli.motion.poses.inverse_kinematics import values_at
-from gspcli.motion.workspace.pose_boxes import NEGATIVE, PARAMETERS, REGULAR, PoseBoxes
+from gspcli.motion.workspace.pose_boxes import CRANKS, NEGATIVE, PARAMETERS, REGULAR, PoseBoxes
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -118,6 +119,7 @@ def travels(
     ArgumentError
         If home does not keep the limits, or an argument is wrong.
     """
+    refuse_cranks(instance, CRANKS)
     boxes = PoseBoxes(instance, R, T, pivot=pivot, sequence=sequence, regular=connected)
     if not boxes.conditions & ~REGULAR and not connected:
         message = "no constraint has a range and no joint a cone: every pose can be reached"

@@ -30,7 +30,7 @@ def without_text(model: str) -> str:
     return re.sub(r"<custom>.*?</custom>", "", model, flags=re.DOTALL)
 
 
-@pytest.mark.parametrize("name", ["rubin-m2", "reachy-mini-head", "figure-4", "fixture-3-2-1"])
+@pytest.mark.parametrize("name", ["rubin-m2", "nano-hexapod", "figure-4", "fixture-3-2-1"])
 def test_a_model_of_gsp_leads_back_exactly(read, name: str) -> None:
     instance = gspcli.example(name)
     found = read(str(gspcli.exported(instance, "mjcf")))
@@ -53,7 +53,7 @@ def test_a_changed_model_is_read_itself(read) -> None:
 @pytest.mark.parametrize(
     "name",
     ["dietmaier", "figure-2", "figure-3", "figure-4", "example-6.8", "fixture-3-2-1", "six-planes",
-     "octahedral-3-3", "t-top-head"],
+     "octahedral-3-3", "rubin-camera"],
 )  # fmt: skip
 def test_the_joints_of_a_model_of_gsp_have_its_modes(read, name: str) -> None:
     instance = gspcli.example(name)
