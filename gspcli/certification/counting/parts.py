@@ -113,14 +113,15 @@ def count_parts(instance: Instance, seed: int, max_work: int) -> tuple[PartCount
     return tuple(found)
 
 
-def on_a_hyperplane(instance: Instance, seed: int, max_work: int) -> PartCount:
-    """Return the poses without parallel lines on a random hyperplane.
+def on_a_hyperplane(instance: Instance, seed: int, max_work: int, *, slices: int = 1) -> PartCount:
+    """Return the poses without parallel lines on random hyperplanes.
 
     If there are any, the platform has infinitely many poses, and the count says so.
 
-    Parameters and errors are those of `count_parts`.
+    Parameters and errors are those of `count_parts`; with more hyperplanes (`slices`) only sets of
+    as many dimensions are seen, with less work.
     """
-    found = _part(instance, (), 1, seed, max_work)
+    found = _part(instance, (), slices, seed, max_work)
     return replace(found, solutions=None) if found.solutions else found
 
 

@@ -86,6 +86,11 @@ def count_exactly(
         exceeds `limit`.
     """
     max_work = work_limit(limit)
+    if (repeated := repeated_constraints(instance)) and suspect:
+        # Each solution lies on a set of as many dimensions: the elimination would be long.
+        infinite = _infinite(instance, seed, max_work, slices=repeated)
+        if infinite is not None:
+            return infinite
     try:
         found = count_equations(instance, seed, max_work, values_free=False)
     except NotCountedError:
@@ -147,12 +152,23 @@ def work_limit(limit: float | None) -> int:
     return _UNLIMITED if limit is None else int(min(limit * BILLION, _UNLIMITED))
 
 
-def _infinite(instance: Instance, seed: int, max_work: int) -> ExactCount | None:
-    """Return the count of a platform whose poses meet a random hyperplane, else None."""
+def repeated_constraints(instance: Instance) -> int:
+    """Return how many constraints say the same as one before them, in the same numbers."""
+    rows = {
+        (row.kind, row.platform, row.base, str(row.value), row.side) for row in instance.constraints
+    }
+    return len(instance.constraints) - len(rows)
+
+
+def _infinite(
+    instance: Instance, seed: int, max_work: int, *, slices: int = 1
+) -> ExactCount | None:
+    """Return the count of a platform whose poses meet random hyperplanes, else None."""
     platform = ModularPlatform(instance, seed)
     for signs in platform.choices:
         try:
-            part = on_a_hyperplane(instance.on_sides(signs), seed, max_work)
+            chosen = instance.on_sides(signs)
+            part = on_a_hyperplane(chosen, seed, max_work, slices=slices)
         except NotCountedError:
             return None
         max_work = max(0, max_work - part.work)
