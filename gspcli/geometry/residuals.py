@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import DLL
+from gspcli.catalogue.kinds import DLL, Law
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import Field, apply, cross, dot
@@ -115,10 +115,26 @@ def known_sides(arrangement: Arrangement, R: Field, T: Field) -> NDArray[np.int6
     For poses ``(n, 3, 3), (n, 3)`` rounded to doubles, the error of a height is some units in the
     last place of the largest length in its sum.
     """
-    extent = max(np.abs(arrangement.y).max(initial=0), np.abs(arrangement.x).max(initial=0))
-    size = (1 + np.abs(R).max(axis=(-1, -2))) * extent + np.abs(T).max(axis=-1)
-    small = np.abs(arrangement.targets) <= _SIGN_KNOWN * size[..., None]
+    small = np.abs(arrangement.targets) <= _SIGN_KNOWN * _size(arrangement, R, T)[..., None]
     return np.where(small & (arrangement.signs == 0), 0, sides_of(arrangement, R, T))
+
+
+def without_derivative(arrangement: Arrangement, R: Field, T: Field) -> NDArray[np.bool_]:
+    """Return which constraints measure a distance to a point or line that may be zero, (..., n).
+
+    There the distance has no derivative: what is computed has the direction of rounding errors.
+    """
+    roots = np.array([kind.law is Law.SQUARE for kind in arrangement.kinds])
+    if not roots.any():
+        return np.zeros((*T.shape[:-1], len(roots)), np.bool_)
+    values = np.abs(measured(arrangement, R, T))
+    return np.asarray(roots & (values <= _SIGN_KNOWN * _size(arrangement, R, T)[..., None]))
+
+
+def _size(arrangement: Arrangement, R: Field, T: Field) -> Array:
+    """Return the largest length that values at poses are made of, shape (...)."""
+    extent = max(np.abs(arrangement.y).max(initial=0), np.abs(arrangement.x).max(initial=0))
+    return np.asarray((1 + np.abs(R).max(axis=(-1, -2))) * extent + np.abs(T).max(axis=-1))
 
 
 def condition_numbers(
@@ -149,6 +165,7 @@ def condition_numbers(
         rows[..., :3] /= unit
         norms = np.linalg.norm(rows, axis=-1, keepdims=True)
         defined = np.isfinite(norms).all(axis=(-1, -2)) & (norms > 0).all(axis=(-1, -2))
+        defined &= ~without_derivative(arrangement, R, T).any(axis=-1)
         rows = np.where(defined[..., None, None], rows / np.where(norms > 0, norms, 1.0), 0.0)
         values = np.linalg.svd(rows, compute_uv=False)
         condition = values[..., 0] / values[..., -1]

@@ -16,7 +16,7 @@ from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import apply, cross
-from gspcli.geometry.residuals import condition_numbers
+from gspcli.geometry.residuals import condition_numbers, without_derivative
 from gspcli.motion.poses.inverse_kinematics import value_slopes
 from gspcli.records import dataclass
 
@@ -244,7 +244,7 @@ def wrenches(
     )
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         rows = value_slopes(arrangement, R, T)
-    undefined = ~np.isfinite(rows).all(axis=-1)
+    undefined = ~np.isfinite(rows).all(axis=-1) | without_derivative(arrangement, R, T)
     if undefined.any():
         *place, k = np.argwhere(undefined)[0].tolist()
         pose = f"pose {place[0] + 1} of {len(T)}" if place and len(T) > 1 else "this pose"

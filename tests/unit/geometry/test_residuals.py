@@ -157,3 +157,13 @@ def test_sides_are_told_where_doubles_know_them(value, side, expected):
     arrangement = Arrangement.of(Instance((row,), Units("m", AngleUnit.DEGREE)))
     pose = np.eye(3)[None], np.array([[0.0, 0.0, 3 + value]])
     np.testing.assert_array_equal(known_sides(arrangement, *pose), [[expected]])
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-17, -3e-16])
+def test_a_leg_of_length_zero_has_no_direction(arrangement_of_all_kinds, off) -> None:
+    """A pose that is off by rounding errors gives the leg the direction of rounding errors."""
+    arrangement = six_of(arrangement_of_all_kinds(np.random.default_rng(5)))
+    R, T = np.eye(3), arrangement.x[0] - arrangement.y[0] + np.array([off, 0, 0])
+    assert arrangement.kinds[0].name == "DPP"
+    assert condition_numbers(arrangement, R, T) == np.inf
+    assert np.isfinite(condition_numbers(arrangement, R, T + np.array([0.1, 0, 0])))
