@@ -87,9 +87,11 @@ def scan_poses(
 def _node_rows(found: PoseScan, names: list[str], *, cleared: bool) -> list[dict[str, Any]]:
     import numpy as np
 
-    rows = []
+    from gspcli.geometry.printed_numbers import printed_conditions
+
+    conditions, rows = printed_conditions(found.conditions), []
     for node in np.ndindex(*found.determinants.shape):
-        determinant, condition = found.determinants[node], found.conditions[node]
+        determinant, condition = found.determinants[node], conditions[node]
         rows.append(
             {
                 **dict(zip(names, found.places[node].tolist(), strict=True)),

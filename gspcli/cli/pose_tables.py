@@ -13,6 +13,7 @@ from gspcli.catalogue.types import MAX_ANGLES
 from gspcli.cli.digits import DECIMALS
 from gspcli.cli.output import Column, Table
 from gspcli.cli.summary import proved
+from gspcli.geometry.printed_numbers import printed_residual
 from gspcli.records import dataclass
 from gspcli.solver.columns import FACTS, TRANSLATION, PoseColumn
 
@@ -193,7 +194,7 @@ def _rows(result: SolveResult, shown: Shown) -> list[dict[str, Any]]:
         if solution.sides and (not constant or not _fixed_sides(result)):
             row["sides"] = "".join("+" if s == "positive" else "-" for s in solution.sides.values())
         if not known[index]:
-            row["residual"] = float(f"{solution.residual:.1e}")
+            row["residual"] = printed_residual(solution.residual, result.arrangement.length)
         remarks = ["home"] if solution.home else []
         remarks += ["nearest"] if shown.distances is not None and place == 0 else []
         fit = _fit_of(result, shown, index)

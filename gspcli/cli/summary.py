@@ -9,6 +9,7 @@ import numpy as np
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.primitives import Line
+from gspcli.geometry.printed_numbers import printed_residual
 from gspcli.solver.proof import CountKind
 
 if TYPE_CHECKING:
@@ -138,8 +139,8 @@ def remarks(result: SolveResult, numbers: Sequence[int]) -> list[str]:
         return [*_far(result), *_parallel(result), *_ground(result)]
     limits = _limits(result, numbers)
     shown = [number - 1 for number in numbers]
-    residual = result.residuals[shown].max()
-    notes = [f"residuals at most {residual:.1e}"]
+    residual = printed_residual(float(result.residuals[shown].max()), result.arrangement.length)
+    notes = [f"residuals at most {residual:.0e}"]
     # Mirrored poses differ in the last digits: the first of those that are alike is named.
     condition = np.array([float(f"{x:.{_DIGITS}g}") for x in result.conditions[shown]])
     best, worst = int(np.argmin(condition)), int(np.argmax(condition))

@@ -12,6 +12,7 @@ from gspcli.dynamics.arrays import make_read_only
 from gspcli.dynamics.drive_forces import inverse_dynamics
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.printed_numbers import printed_condition
 from gspcli.motion.files.requirements import Parts
 from gspcli.motion.statics.accuracy import Accuracy, accuracy
 from gspcli.motion.statics.geometry_errors import GeometryAccuracy, geometry_accuracy
@@ -124,7 +125,7 @@ class Analysis:
             "R": given.R[k].tolist(),
             "T": given.T[k].tolist(),
             "point": given.point[k].tolist(),
-            "condition": finite(given.conditions[k]),
+            "condition": finite(printed_condition(given.conditions[k])),
             "manipulability": float(given.manipulability[k]),
             "singular_values": given.singular_values[k].tolist(),
             "forces": given.forces[k].tolist(),

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from gspcli import __version__
 from gspcli.catalogue.kinds import Kind, Primitive
+from gspcli.geometry.printed_numbers import printed_conditions
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -270,7 +271,7 @@ class Scene:
             "T": series.T.tolist(),
             "q": series.quaternions.tolist(),
             "measured": _numbers(series.measured),
-            "condition": _numbers(series.conditions),
+            "condition": _numbers(printed_conditions(series.conditions)),
             "strokes": [
                 [{"style": s.style.value, "points": self._drawn(s.points)} for s in strokes]
                 for strokes in series.strokes

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from gspcli.geometry.printed_numbers import printed_residual
 from gspcli.pictures.scene import DrawnConstraint, Scene, Stroke
 from gspcli.pictures.shown_poses import Poses, moving_series, names_of, series_of
 from gspcli.pictures.stage import Stage
@@ -84,7 +85,8 @@ def first_mode(result: SolveResult) -> int:
 def _modes(result: SolveResult, only: int | None) -> Poses:
     chosen = slice(result.counts.real) if only is None else slice(only, only + 1)
     real = result.solutions[chosen]
-    facts: dict[str, list[Any]] = {"residual": [float(f"{s.residual:.1e}") for s in real]}
+    length = result.arrangement.length
+    facts: dict[str, list[Any]] = {"residual": [printed_residual(s.residual, length) for s in real]}
     if any(solution.sides for solution in real):
         signs = {"positive": "+", "negative": "−"}
         facts["sides"] = ["".join(signs[side] for side in s.sides.values()) for s in real]

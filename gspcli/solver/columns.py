@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gspcli.errors import GspError
 from gspcli.geometry.euler import check_sequence, euler_from_rotation
+from gspcli.geometry.printed_numbers import printed_conditions, printed_residuals
 from gspcli.geometry.quaternions import vector_from_rotation
 from gspcli.records import dataclass
 
@@ -127,8 +128,11 @@ FACTS = (
     PoseColumn("real", lambda r: r.real),
     PoseColumn("sides", _sides),
     PoseColumn("multiplicity", lambda r: r.multiplicity),
-    PoseColumn("residual", lambda r: r.residuals.max(axis=1, initial=0.0)),
-    PoseColumn("condition", lambda r: r.conditions),
+    PoseColumn(
+        "residual",
+        lambda r: printed_residuals(r.residuals.max(axis=1, initial=0.0), r.arrangement.length),
+    ),
+    PoseColumn("condition", lambda r: printed_conditions(r.conditions)),
     PoseColumn("certified", lambda r: r.certified),
     PoseColumn("home", lambda r: [solution.home for solution in r.solutions]),
 )

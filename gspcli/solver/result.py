@@ -263,7 +263,7 @@ class SolveResult:
             "exact_count": self.exact_count,
             "counts": self._counts_json(),
             "home": None if self.home is None else self.home.to_json(),
-            "solutions": [solution.to_json() for solution in chosen],
+            "solutions": [solution.to_json(self.arrangement.length) for solution in chosen],
         }
         if self.motions:
             document["motions"] = [_motion_json(motion) for motion in self.motions]

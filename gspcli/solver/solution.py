@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from gspcli.geometry.limits import LeftLimit
+from gspcli.geometry.printed_numbers import printed_condition, printed_residual
 from gspcli.geometry.quaternions import Field
 from gspcli.records import dataclass
 
@@ -79,8 +80,14 @@ class Solution:
         size = f"residual {self.residual:.1e}, condition {self.condition:.4g}"
         return f"<Solution: {sort}, {size}, T {np.array2string(self.T, precision=6)}>"
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the pose as plain data (see `SolveResult.to_json`)."""
+    def to_json(self, length: float = 0.0) -> dict[str, Any]:
+        """Return the pose as plain data (see `SolveResult.to_json`).
+
+        Parameters
+        ----------
+        length
+            Of the platform: the residual is written up to the rounding errors of this length.
+        """
         document: dict[str, Any] = {
             "number": self.number,
             "real": self.real,
@@ -90,8 +97,8 @@ class Solution:
             "R": self.R.real.tolist(),
             "T": self.T.real.tolist(),
             "quaternion": self.quaternion.real.tolist(),
-            "residual": self.residual,
-            "condition": self.condition if np.isfinite(self.condition) else None,
+            "residual": printed_residual(self.residual, length),
+            "condition": printed_condition(self.condition) if np.isfinite(self.condition) else None,
             "sides": {str(number): side for number, side in self.sides.items()},
         }
         if self.limits is not None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.coordinates import Coordinate, moved
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.printed_numbers import printed_conditions
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.records import dataclass
@@ -199,7 +200,8 @@ class Track:
             Further columns, each of shape (m, r).
         """
         keys = ("t", "mode", *POSE, "condition", *more)
-        numbers = np.dstack((self.T, self.quaternions, self.conditions, *more.values()))
+        conditions = printed_conditions(self.conditions)
+        numbers = np.dstack((self.T, self.quaternions, conditions, *more.values()))
         there = ~np.isnan(self.T[..., 0])
         modes = self.modes.tolist()
         return [

@@ -13,6 +13,7 @@ from gspcli.defaults import SEED
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
+from gspcli.geometry.printed_numbers import printed_conditions
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.geometry.ranges import wrong_value
 from gspcli.geometry.readings import factors, is_corrected, offsets, without_corrections
@@ -95,6 +96,7 @@ class ScanResult:
 
     def _nodes(self) -> list[dict[str, Any]]:
         found, rows = self.found, []
+        conditions = printed_conditions(found.conditions)
         for node in np.ndindex(*found.modes.shape):
             axes = zip(self.names, found.axes, node, strict=True)
             row: dict[str, Any] = {name: axis.values[k] for name, axis, k in axes}
@@ -103,7 +105,7 @@ class ScanResult:
                 continue
             row |= {
                 "modes": None if modes < 0 else modes,
-                "condition": _finite(found.conditions[node]),
+                "condition": _finite(conditions[node]),
             }
             if found.clearances is not None:
                 row["clearance"] = _finite(found.clearances[node])
