@@ -136,18 +136,18 @@ def clearance(
     if points is not None and of == KINDS[0]:
         message = "points count for the clearance of a pose only"
         raise ArgumentError(message, "points")
-    poses = list(zip(np.reshape(R, (-1, 3, 3)), np.reshape(T, (-1, 3)), strict=True))
-    weights = clearances.range_weights(instance)
-    found: list[Clearance | PoseClearance] = []
-    for turn, place in progress(poses, total=len(poses), label="poses"):
-        if of == KINDS[0]:
-            bounds = clearances.clearance(instance, turn, place, weights=weights, refine=refine)
-            found.append(bounds)
-        else:
-            reach = pose_clearances.pose_clearance(
-                instance, turn, place, points=points, refine=refine
-            )
-            found.append(reach)
+    R, T = np.reshape(np.asarray(R, float), (-1, 3, 3)), np.reshape(np.asarray(T, float), (-1, 3))
+    if of == KINDS[0]:
+        weights = clearances.range_weights(instance)
+        each = clearances.each_clearance(
+            instance, R, T, weights=weights, refine=refine, progress=progress
+        )
+        return Clearances(instance, of, tuple(each))
+    poses = list(zip(R, T, strict=True))
+    found = [
+        pose_clearances.pose_clearance(instance, turn, place, points=points, refine=refine)
+        for turn, place in progress(poses, total=len(poses), label="poses")
+    ]
     return Clearances(instance, of, tuple(found))
 
 

@@ -7,7 +7,7 @@ combination.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import replace
 from itertools import product
 
@@ -21,10 +21,12 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.ranges import value_range
 from gspcli.motion.following.branch_follower import MovingPlatform, Stop, apart
+from gspcli.motion.following.row_instances import over_rows
 from gspcli.motion.following.tracks import Event
 from gspcli.motion.following.trajectories import track_from
 from gspcli.motion.poses.inverse_kinematics import value_slopes, values_at
 from gspcli.motion.singularities.enclosures import Neighbourhood
+from gspcli.progress import Progress, silent
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
@@ -146,7 +148,23 @@ def clearance(
     refine: bool = False,
     seed: int = SEED,
 ) -> Clearance:
-    """Return proved bounds of the clearance of a pose.
+    """Return proved bounds of the clearance of a pose, as `each_clearance` of several."""
+    R, T = np.asarray(R, float)[None], np.asarray(T, float)[None]
+    (found,) = each_clearance(instance, R, T, weights=weights, refine=refine, seed=seed)
+    return found
+
+
+def each_clearance(
+    instance: Instance,
+    R: Array,
+    T: Array,
+    *,
+    weights: ArrayLike | None = None,
+    refine: bool = False,
+    seed: int = SEED,
+    progress: Progress = silent,
+) -> list[Clearance]:
+    """Return proved bounds of the clearance of each of some poses.
 
     For the upper bound the mode is followed along straight lines of values until it ends in a
     fold, or until a value reaches the end of its range, such as a distance of zero. At the nearest
@@ -158,24 +176,84 @@ def clearance(
     instance
         Geometry and units; its values are not used.
     R, T
-        The pose, shapes (3, 3) and (3,).
+        The poses, shapes (n, 3, 3) and (n, 3).
     weights
         As for `clearances`.
     refine
-        Whether to prove the box in 64 parts and to try more directions, which takes some seconds.
+        Whether to prove the box in 64 parts and to try more directions, which takes some seconds
+        a pose.
     seed
         The seed of the random directions.
+    progress
+        Receives each pose that is done.
+
+    Notes
+    -----
+    One call of the kernel follows the lines of all poses. Only the modes that do not reach the end
+    of a line are followed one by one.
     """
-    R, T = np.asarray(R, float), np.asarray(T, float)
+    if not len(R):
+        return []
     units = _weights(weights)
-    lower = float(clearances(instance, R[None], T[None], weights=units)[0])
+    lowers = clearances(instance, R, T, weights=units)
+    starts = _MANY_STARTS if refine else _STARTS
+    searches = [
+        _search(instance, R[k], T[k], units, float(lowers[k]), starts, seed) for k in range(len(R))
+    ]
+    found: dict[int, Clearance] = {}
+    # What is sent to each search next: None first, then whether the mode reaches the end of a line.
+    answers: dict[int, bool | None] = dict.fromkeys(range(len(R)))
+    steps = iter(progress(range(len(R)), total=len(R), label="poses"))
+    while answers:
+        lines: dict[int, Array] = {}
+        for k, answer in answers.items():
+            try:
+                lines[k] = searches[k].send(answer)
+            except StopIteration as end:
+                found[k] = end.value
+                if refine:
+                    found[k] = _refined(instance, R[k], T[k], units, found[k])
+                next(steps, None)
+        answers = dict(zip(lines, _reach_ends(instance, R, T, lines), strict=True))
+    next(steps, None)
+    return [found[k] for k in range(len(R))]
+
+
+def _reach_ends(
+    instance: Instance, R: Array, T: Array, lines: dict[int, Array]
+) -> list[bool | None]:
+    """Return of lines of values, by the indices of their poses, whether modes reach their ends."""
+    if not lines:
+        return []
+    ends, chosen = np.array(list(lines.values())), list(lines)
+    platform = MovingPlatform(over_rows(instance, ends.reshape(-1, 6)))
+    followed = platform.follow(
+        platform.internal(ends), np.arange(len(ends)), platform.points(R[chosen], T[chosen])
+    )
+    return [bool(stop == Stop.END) for stop in followed.stop]
+
+
+def _refined(instance: Instance, R: Array, T: Array, units: Array, found: Clearance) -> Clearance:
+    if not np.isfinite(found.upper) or found.lower == 0:
+        return found
+    values = values_at(instance, R, T)
+    better = _in_octants(instance, values, R, T, units, found.lower, found.upper)
+    return replace(found, lower=better)
+
+
+def _search(
+    instance: Instance, R: Array, T: Array, units: Array, lower: float, starts: int, seed: int
+) -> Generator[Array, bool | None, Clearance]:
+    """Look for the nearest fold of one pose; return it with the bounds.
+
+    The generator yields lines of values (2, 6), and receives whether the mode reaches the end.
+    """
     values = values_at(instance, R, T)
     best = _range_end(instance, values, units, lower)
     room = best.upper * _SHORT
     if lower == 0:
         # No branch leads away from a singular pose.
         return best
-    starts = _MANY_STARTS if refine else _STARTS
     seen: set[tuple[int, ...]] = set()
     for signs in _directions(instance, R, T, units, starts, seed):
         for _ in range(_ROUNDS):
@@ -185,16 +263,13 @@ def clearance(
             seen.add(key)
             most = min(best.upper, room)
             first = min(most, max(8 * lower, 1e-6)) if best.fold is None else most
-            found = _along(instance, values, R, T, signs * units, first, most)
+            found = yield from _along(instance, values, R, T, signs * units, first, most)
             if found is None:
                 break
             size, fold, following = found
             if size < best.upper:
                 best = Clearance(lower, size, values + size * signs * units, fold)
             signs = following
-    if refine and np.isfinite(best.upper) and lower > 0:
-        better = _in_octants(instance, values, R, T, units, lower, best.upper)
-        best = replace(best, lower=better)
     return best
 
 
@@ -257,16 +332,19 @@ def _range_end(instance: Instance, values: Array, units: Array, lower: float) ->
 
 def _along(
     instance: Instance, values: Array, R: Array, T: Array, step: Array, reach: float, most: float
-) -> tuple[float, Event, Array] | None:
+) -> Generator[Array, bool | None, tuple[float, Event, Array] | None]:
     """Return the distance of the fold on a line of values, the fold, and the next signs to try.
 
-    The search goes up to ``reach`` first, and then up to ``most`` if nothing was found.
+    The search goes up to ``reach`` first, and then up to ``most`` if nothing was found. It yields
+    lines of values as `_search` does.
     """
     while True:
         ends = np.stack((values, values + reach * step))
-        found = track_from(instance, ends, R[None], T[None])
-        if found.events:
-            break
+        reaches_end = yield ends
+        if not reaches_end:
+            found = track_from(instance, ends, R[None], T[None])
+            if found.events:
+                break
         if reach == most or reach > _FARTHEST:
             return None
         reach = min(8 * reach, most)

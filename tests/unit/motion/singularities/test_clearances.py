@@ -7,9 +7,10 @@ import gspcli
 from gspcli.errors import ArgumentError
 from gspcli.motion import MovingPlatform, measure
 from gspcli.motion.following.branch_follower import Stop
+from gspcli.motion.singularities import clearances as module
 from gspcli.motion.singularities.clearances import clearance, clearances, range_weights
 from gspcli.motion.singularities.enclosures import SIGNS
-from gspcli.resources import data_path
+from gspcli.resources import data_path, instance_files
 from gspcli.solver.generate import random_instance
 
 TYPES = ["6PP", "6PH", "6PL", "6DLL", "PP PL LP PH HP DLL", "PL PL LP ALL ALH AHH"]
@@ -120,3 +121,25 @@ def test_mistakes_are_named():
     instance, R, T = platform("6PP", 0)
     with pytest.raises(ArgumentError, match="weights: found"):
         clearances(instance, R[None], T[None], weights=[1, 2, 3])
+
+
+@pytest.mark.parametrize("name", ["rubin-m2", "figure-3"])
+def test_many_poses_have_the_clearances_of_each(name: str, monkeypatch) -> None:
+    """And what can be done for all of them at once is: lower bounds, and first looks at lines."""
+    instance = gspcli.load(instance_files()[name])
+    result = gspcli.solve(instance)
+    R, T = result.R[result.real].real[:3], result.T[result.real].real[:3]
+    T = T + 1e-3 * result.arrangement.length
+    alone = [clearance(instance, turn, place) for turn, place in zip(R, T, strict=True)]
+    calls = []
+    counting = lambda *a, **k: calls.append(a) or clearances(*a, **k)  # noqa: E731
+    monkeypatch.setattr(module, "clearances", counting)
+    together = module.each_clearance(instance, R, T)
+    assert len(calls) == 1
+    for one, other in zip(alone, together, strict=True):
+        assert (one.lower, one.upper, one.end) == (other.lower, other.upper, other.end)
+
+
+def test_no_poses_have_no_clearances() -> None:
+    instance = gspcli.load(instance_files()["rubin-m2"])
+    assert not module.each_clearance(instance, np.zeros((0, 3, 3)), np.zeros((0, 3)))
