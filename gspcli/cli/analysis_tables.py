@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from gspcli.cli.output import Column, Table
+from gspcli.cli.output.cells import vector_text
 
 if TYPE_CHECKING:
     from gspcli.motion.statics.wrenches import Wrenches
@@ -136,14 +137,14 @@ def _notes(entry: dict[str, Any], given: Wrenches) -> list[str]:
     worst = entry["worst_force"]
     values = " ".join(f"{value:.4g}" for value in entry["singular_values"])
     condition = "infinite" if entry["condition"] is None else f"{entry['condition']:.6g}"
-    point = ", ".join(f"{x:.6g}" for x in entry["point"])
+    point = vector_text(entry["point"], size=given.length)
     notes = [
         f"about the point ({point}) {unit}; lengths divided by {given.length:.6g} {unit}:",
         f"singular values {values}; manipulability {entry['manipulability']:.6g}; "
         f"condition {condition} (rows scaled to one)",
     ]
     if worst["reaction"] is not None:
-        along = ", ".join(f"{x:.4g}" for x in worst["direction"])
+        along = vector_text(worst["direction"], 4)
         notes.append(
             f"worst unit force: ({along}) loads constraint {worst['constraint']} with "
             f"{worst['reaction']:.6g}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from gspcli.cli.output.cells import vector_text
 from gspcli.cli.real_poses import one_mode
 from gspcli.errors import GspError
 from gspcli.records import dataclass
@@ -20,9 +21,6 @@ if TYPE_CHECKING:
     from gspcli.motion import PoseFormat
 
     Array = NDArray[np.float64]
-
-
-_ZERO = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +66,7 @@ class Home:
 
         at = self.T + self.R @ self.pivot
         position, rotation = (
-            ", ".join(f"{x:.6g}" if abs(x) > _ZERO * size else "0" for x in part)
+            vector_text(part.tolist(), size=size)
             for part, size in ((at, self.size), (quaternion_from_rotation(self.R), 1.0))
         )
         if not self.placed:

@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 FREQUENCIES = tuple(f"f{k}" for k in range(1, 7))
 #: Poses computed at a time: their intermediate arrays stay in the cache of a core.
 _CHUNK = 200
+#: Numbers that differ by this part of their size are the same but for rounding errors.
+_ALIKE = 1e-9
 #: The corners between two unit twists, at which quadratic forms are evaluated.
 _PAIRS = np.eye(6)[:, None] + np.eye(6)[None]
 
@@ -170,12 +172,49 @@ def _modes(
     half = np.linalg.solve(C, np.swapaxes(np.linalg.solve(C, K), -1, -2))
     squares: Array
     squares, vectors = np.linalg.eigh((half + np.swapaxes(half, -1, -2)) / 2)
+    vectors = _chosen_basis(squares, vectors)
     shapes: Array = np.swapaxes(np.linalg.solve(np.swapaxes(C, -1, -2), vectors), -1, -2)
     weighted = shapes * np.repeat([model.bodies.length, 1.0], 3)
-    largest = np.take_along_axis(weighted, np.abs(weighted).argmax(-1)[..., None], axis=-1)
-    shapes = shapes / largest * model.bodies.length / np.repeat([1.0, model.metre], 3)
+    sizes = np.abs(weighted)
+    # The first of entries that differ by rounding errors; divided by itself it is exactly one.
+    first = (sizes >= sizes.max(-1, keepdims=True) * (1 - _ALIKE)).argmax(-1)
+    weighted = weighted / np.take_along_axis(weighted, first[..., None], axis=-1)
+    shapes = weighted * np.repeat([1.0, model.bodies.length / model.metre], 3)
+    # Rounding errors of entries that are zero; and zero has one sign.
+    shapes = np.where(np.abs(weighted) < _ALIKE, 0.0, shapes)
     squares[singular], shapes[singular], preload[singular] = np.nan, np.nan, np.nan
     return squares, shapes, preload, singular, conditions
+
+
+def _chosen_basis(squares: Array, vectors: Array) -> Array:
+    """Return eigenvectors that do not depend on rounding errors where eigenvalues are equal.
+
+    Symmetric platforms have pairs of equal frequencies, and any orthonormal basis of their modes is
+    right. The one is chosen that begins with the projection of the coordinate axis that is nearest
+    to these modes. Shapes (n, 6) and (n, 6, 6), eigenvectors are columns.
+    """
+    vectors = vectors.copy()
+    tolerance = _ALIKE * np.abs(squares).max(axis=-1)
+    close = np.diff(squares, axis=-1) <= tolerance[:, None]
+    for row in np.flatnonzero(close.any(axis=-1)).tolist():
+        groups = np.split(np.arange(6), np.flatnonzero(~close[row]) + 1)
+        for group in groups:
+            if len(group) > 1:
+                vectors[row][:, group] = _nearest_axes(vectors[row][:, group])
+    return vectors
+
+
+def _nearest_axes(basis: Array) -> Array:
+    """Return an orthonormal basis of the same space (6, k) that begins near coordinate axes."""
+    projector = basis @ basis.T
+    chosen = []
+    for _ in range(basis.shape[1]):
+        sizes = np.diagonal(projector)
+        axis = int((sizes >= sizes.max() * (1 - _ALIKE)).argmax())
+        vector = projector[axis] / np.sqrt(sizes[axis])
+        chosen.append(vector)
+        projector = projector - np.outer(vector, vector)
+    return np.stack(chosen, axis=1)
 
 
 def _weight_stiffness(model: MassModel, R: Array, T: Array) -> Array:

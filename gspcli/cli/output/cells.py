@@ -12,6 +12,8 @@ from gspcli.cli.output.tables import DIGITS, Column, Table
 _SMALLEST, _LARGEST = 1e-3, 1e5
 #: Decimals that an aligned column has at least at full width.
 _FEWEST_DECIMALS = 2
+#: Components of a vector below this part of its size are rounding errors.
+_NOTHING = 1e-9
 #: What a terminal would obey instead of showing: control characters, changes of direction.
 _OBEYED = re.compile("[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 
@@ -44,12 +46,27 @@ def cell_text(value: object, digits: int = DIGITS) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return f"{value:.{digits}g}"
+        # Zero has one sign.
+        return f"{value + 0.0:.{digits}g}"
     if isinstance(value, complex):
         return f"{value.real:.{digits}g}{value.imag:+.{digits}g}i"
     if isinstance(value, (list, tuple)):
         return " ".join(cell_text(item, digits) for item in value)
     return printable(str(value).replace("\n", " "))
+
+
+def vector_text(numbers: Sequence[float], digits: int = DIGITS, *, size: float = 1.0) -> str:
+    """Return components as people read them, one after the other.
+
+    Parameters
+    ----------
+    numbers, digits
+        The components, and their significant digits.
+    size
+        Of a typical component: what is below `_NOTHING` of it is a rounding error, and zero.
+    """
+    shown = (x if abs(x) > _NOTHING * size else 0.0 for x in numbers)
+    return ", ".join(f"{x:.{digits}g}" for x in shown)
 
 
 def column_texts(table: Table, column: Column, digits: int = DIGITS) -> list[str]:
@@ -75,7 +92,8 @@ def _fixed(value: object, decimals: int, digits: int) -> str:
 
 def _decimals(values: Sequence[float], digits: int) -> int | None:
     """Return how many decimals leave the largest number so many digits; None if that is no way."""
-    largest = max(map(abs, values), default=0.0)
+    # Rounded, so that 0.9999999999 and 1 have the same decimals.
+    largest = float(f"{max(map(abs, values), default=0.0):.{digits}g}")
     if largest == 0:
         return 0
     if not _SMALLEST <= largest < _LARGEST:
