@@ -7,7 +7,7 @@ STAMP  := $(VENV)/.installed
 NATIVE := $(wildcard native/*) CMakeLists.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test lint types docs bench verify verify-fast verify-solve verify-exports verify-pages count-families msolve wheel clean
+.PHONY: help install demo test lint types docs bench verify verify-fast verify-solve verify-exports verify-pages count-families msolve wheel clean machines machines-fast
 
 help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
@@ -32,6 +32,12 @@ demo: $(STAMP) ## the paper's tables checked, its platform and Dietmaier's solve
 
 test: $(STAMP) ## the test suite (some minutes on two cores)
 	$(BIN)/python -m pytest -q -n auto -m 'not slow'
+
+machines: $(STAMP) ## everything that pages show, with the instructions of three processors (ten minutes)
+	$(BIN)/python -m tools.verify.machines
+
+machines-fast: $(STAMP) ## two pages of it (seconds)
+	$(BIN)/python -m tools.verify.machines --fast
 
 lint: $(STAMP) ## style of the code and of its sentences
 	$(BIN)/ruff format --check .

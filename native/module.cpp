@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cmath>
 #include <complex>
+#include <cstdlib>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -87,9 +88,16 @@ Build choose_build() {
   return kPortable;
 }
 
+// The environment variable that names a build for a whole process: what is printed is compared with.
+constexpr const char* kVariable = "GSP_BUILD";
+
 Build build_named(const std::string& name) {
   const Build best = choose_build();
-  if (name.empty() || name == best.name) return best;
+  if (name.empty()) {
+    const char* const wanted = std::getenv(kVariable);
+    return wanted && *wanted ? build_named(wanted) : best;
+  }
+  if (name == best.name) return best;
   if (name == kPortable.name) return kPortable;
 #if defined(GSP_X86)
   if (name == kAvx2.name && has_avx2()) return kAvx2;
@@ -331,6 +339,7 @@ NB_MODULE(_kernel, m) {
   gsp::bind_ends(m, [](const std::string& name) { return gsp::build_named(name).decide; });
   gsp::bind_far_poses(m, [](const std::string& name) { return gsp::build_named(name).decide_far; });
   gsp::bind_reduced(m, [](const std::string& name) { return gsp::build_named(name).track_values; });
-  m.def("build", [] { return gsp::choose_build().name; },
-        "Name of the build that this processor runs: avx512, avx2 or portable.");
+  m.def("build", [] { return gsp::build_named("").name; },
+        "Name of the build that is used: avx512, avx2 or portable; the quickest that the processor "
+        "runs, or that of the environment variable GSP_BUILD.");
 }

@@ -10,7 +10,7 @@ import pytest
 
 from gspcli.cli.main import cli
 from tools.build import shown_commands, shown_output, stand_ins
-from tools.build.shown_commands import Shown
+from tools.build.shown_commands import ENDLESS, LONG, Shown, is_short
 
 PAGES = {page.name: shown_commands.shown_in(page) for page in shown_commands.pages()}
 PAGES = {name: shown for name, shown in PAGES.items() if shown}
@@ -18,17 +18,6 @@ HELPS = shown_commands.helps()
 ALL = [shown for group in (*PAGES.values(), *HELPS.values()) for shown in group]
 #: Pages whose commands are run by tests of their own, which look at more.
 ELSEWHERE = {"calibration.md", "mount.md"}
-#: What takes hours, a cluster, or a limit of time that it uses up: it is only read.
-ENDLESS = re.compile(
-    r"gsp atlas (build|verify)|--time|--count 100000|=5:7:500"
-    r"|gsp maximize-real (?!.*--show)"
-)
-#: What takes seconds.
-LONG = re.compile(
-    r"table (all|errata) --check|--all-modes|gsp workspace platform|--of pose|--folds|gsp sample"
-    r"|gsp calibrate|gsp clearance platform.yaml( --mode| path| *$|  )|--random 200|cranks"
-    r"|sensors platform|3DLL 3ALL|=-9:9:60|atlas summary --format"
-)
 #: Exit codes that are meant; 0 otherwise. What a machine of the reader's keeps is not known.
 CODES = {
     "hexapod.yaml path.csv --require": (1,),
@@ -38,10 +27,6 @@ CODES = {
     # What it lists depends on its random numbers.
     r"certify .*\.phc": (0, 1),
 }
-
-
-def _short(shown: Shown) -> bool:
-    return not (ENDLESS.search(shown.line) or LONG.search(shown.line))
 
 
 def _run(commands: list[Shown]) -> None:
@@ -68,7 +53,7 @@ def test_the_commands_of_a_page_run(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    _run([shown for shown in PAGES[name] if _short(shown)])
+    _run([shown for shown in PAGES[name] if is_short(shown)])
 
 
 @pytest.mark.parametrize("name", HELPS)
@@ -77,7 +62,7 @@ def test_the_examples_of_a_help_run(
 ) -> None:
     assert HELPS[name]
     monkeypatch.chdir(tmp_path)
-    _run([shown for shown in HELPS[name] if _short(shown)])
+    _run([shown for shown in HELPS[name] if is_short(shown)])
 
 
 @pytest.mark.slow
@@ -96,7 +81,7 @@ def test_commands_that_are_not_run_are_written_correctly(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     for shown in ALL:
-        if not _short(shown) or shown.missing:
+        if not is_short(shown) or shown.missing:
             for words in shown.calls:
                 stand_ins.prepare(shown, set())
                 _parse(words)

@@ -33,6 +33,17 @@ _CONSOLE = re.compile(r"^```console\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _ROW = re.compile(r"^\|.*\| `(gsp [^`]+)` \|(?: `([^`]+)`)? \|$", re.MULTILINE)
 _INDENTED = re.compile(r"^ {4}(?:\$ |(?=gsp ))(.+)$", re.MULTILINE)
 _THEN = ("&&", "|")
+#: What takes hours, a cluster, or a limit of time that it uses up: it is only read.
+ENDLESS = re.compile(
+    r"gsp atlas (build|verify)|--time|--count 100000|=5:7:500"
+    r"|gsp maximize-real (?!.*--show)"
+)
+#: What takes seconds.
+LONG = re.compile(
+    r"table (all|errata) --check|--all-modes|gsp workspace platform|--of pose|--folds|gsp sample"
+    r"|gsp calibrate|gsp clearance platform.yaml( --mode| path| *$|  )|--random 200|cranks"
+    r"|sensors platform|3DLL 3ALL|=-9:9:60|atlas summary --format"
+)
 
 
 @dataclass(frozen=True)
@@ -91,6 +102,11 @@ class Done:
     def output(self) -> str:
         """What was printed, results before errors."""
         return self.results + self.errors
+
+
+def is_short(shown: Shown) -> bool:
+    """Return whether a command takes no longer than tests can wait for."""
+    return not (ENDLESS.search(shown.line) or LONG.search(shown.line))
 
 
 def pages() -> list[Path]:

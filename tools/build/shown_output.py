@@ -9,7 +9,6 @@ results before errors; a command under which nothing stands only leaves its file
 from __future__ import annotations
 
 import contextlib
-import re
 import sys
 import tempfile
 from pathlib import Path
@@ -17,9 +16,6 @@ from pathlib import Path
 from tools.build.shown_commands import Done, Shown, pages, run_line, shown_in
 from tools.build.stand_ins import prepare
 from tools.recording import ROOT, parser, save
-
-#: Rounding errors: other last digits on another processor.
-_RESIDUALS = re.compile(r"residuals at most [\d.e-]+")
 
 
 def run_in_order(commands: list[Shown]) -> list[Done]:
@@ -34,7 +30,7 @@ def run_in_order(commands: list[Shown]) -> list[Done]:
 
 
 def same(found: str, shown: str) -> bool:
-    """Return whether two outputs agree but for blanks at the ends of lines and residuals."""
+    """Return whether two outputs agree but for blanks at the ends of lines."""
     return _comparable(found) == _comparable(shown)
 
 
@@ -56,7 +52,7 @@ def renewed(page: Path) -> str:
 
 
 def _comparable(output: str) -> list[str]:
-    return [_RESIDUALS.sub("", line).rstrip() for line in output.strip().splitlines()]
+    return [line.rstrip() for line in output.strip().splitlines()]
 
 
 def _written() -> dict[str, int]:

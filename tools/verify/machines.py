@@ -1,0 +1,181 @@
+"""What pages show, run as on other processors: nothing that people read may depend on them.
+
+    python -m tools.verify.machines [--fast]
+
+Every command that a page or a help shows, but for those that take long, and the runs of all
+commands that the reference of output is made from, are run with three sets of instructions: those
+of the kernel (``GSP_BUILD``), of OpenBLAS (``OPENBLAS_CORETYPE``) and of NumPy. Tables and
+sentences must be the same, byte for byte. In JSON and CSV so must be condition numbers and
+residuals; other numbers are doubles with all their digits, and agree to 1e-9. ``--fast`` runs
+some pages only.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import csv
+import io
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from tools.recording import ROOT, UNABLE, report
+
+#: Environment variables by machine, the oldest first.
+MACHINES = {
+    "portable": {
+        "GSP_BUILD": "portable",
+        "OPENBLAS_CORETYPE": "Prescott",
+        "NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL AVX512_SPR",
+    },
+    "avx2": {
+        "GSP_BUILD": "avx2",
+        "OPENBLAS_CORETYPE": "Haswell",
+        "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL AVX512_SPR",
+    },
+    "avx512": {"GSP_BUILD": "avx512", "OPENBLAS_CORETYPE": "SkylakeX"},
+}
+#: Pages that are run with --fast: modes of vibration, conditions, forces, clearances.
+FAST = ("README.md", "dynamics.md")
+#: Keys whose numbers are written with no more digits than are known.
+ROUNDED = ("condition", "residual")
+#: Other numbers of JSON and CSV agree to this part of the largest beside them.
+_AGREE = 1e-9
+
+Outputs = dict[str, str]
+
+
+def outputs(*, fast: bool) -> Iterator[tuple[str, str]]:
+    """Yield what is run, and what it prints, on this machine."""
+    from tools.build import samples, shown_commands, shown_output
+
+    groups = {page.name: shown_commands.shown_in(page) for page in shown_commands.pages()}
+    if fast:
+        groups = {name: groups[name] for name in FAST}
+    else:
+        groups |= {f"gsp {name} --help": shown for name, shown in shown_commands.helps().items()}
+    for name, group in groups.items():
+        chosen = [one for one in group if shown_commands.is_short(one) and not one.missing]
+        with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+            for one, done in zip(chosen, shown_output.run_in_order(chosen), strict=True):
+                yield f"{name}: {one.line}", done.output
+    if not fast:
+        with tempfile.TemporaryDirectory() as folder:
+            for name, command in samples.described().items():
+                if "json" not in samples.choices(command, "format"):
+                    continue
+                for sample in samples.samples(name, command):
+                    line = [*samples.words(name, sample, Path(folder)), "--format", "json"]
+                    yield f"gsp {' '.join(line)}".replace(folder, "."), samples.output(line)
+
+
+def differences(first: str, second: str) -> list[str]:
+    """Return how two outputs of one command differ that should not."""
+    if first == second:
+        return []
+    for parsed in (_json, _csv):
+        one, other = parsed(first), parsed(second)
+        if one is not None and other is not None:
+            return list(_apart(one, other, "", 0.0))
+    lines = zip(first.splitlines(), second.splitlines(), strict=False)
+    differing = next(((a, b) for a, b in lines if a != b), ("", "another number of lines"))
+    return [f"{differing[0]!r} is not {differing[1]!r}"]
+
+
+def _json(text: str) -> object | None:
+    try:
+        return json.loads(text)
+    except ValueError:
+        return None
+
+
+def _csv(text: str) -> object | None:
+    rows = list(csv.reader(io.StringIO(text)))
+    if len(rows) < 2 or len(rows[0]) < 2 or len({len(row) for row in rows}) > 1:
+        return None
+    return [dict(zip(rows[0], map(_number, row), strict=True)) for row in rows[1:]]
+
+
+def _number(text: str) -> object:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def _apart(one: object, other: object, key: str, size: float) -> Iterator[str]:
+    if isinstance(one, dict) and isinstance(other, dict) and one.keys() == other.keys():
+        size = _largest(one.values(), size)
+        for name, value in one.items():
+            yield from _apart(value, other[name], name, size)
+    elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        size = _largest(one, size)
+        for value, same in zip(one, other, strict=True):
+            yield from _apart(value, same, key, size)
+    elif isinstance(one, float) and isinstance(other, float) and key not in ROUNDED:
+        if not abs(one - other) <= _AGREE * max(abs(one), size) and str(one) != str(other):
+            yield f"{key}: {one} is not {other}"
+    elif one != other and str(one) != str(other):
+        yield f"{key}: {one} is not {other}"
+
+
+def _largest(values: object, size: float) -> float:
+    numbers = [abs(x) for x in values if isinstance(x, float)]  # type: ignore[attr-defined]
+    return max(numbers, default=size)
+
+
+def _of(machine: str, *, fast: bool) -> Outputs | None:
+    """Return what a machine prints; None if this processor is not able to be it."""
+    words = [sys.executable, "-m", "tools.verify.machines", "--print", *(["--fast"] * fast)]
+    done = subprocess.run(
+        words,
+        cwd=ROOT,
+        env={**os.environ, **MACHINES[machine]},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode == UNABLE:
+        return None
+    if done.returncode:
+        raise SystemExit(done.stderr)
+    printed: Outputs = json.loads(done.stdout)
+    return printed
+
+
+def main() -> int:
+    """Compare what the machines print; return the exit code."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--fast", action="store_true", help="some pages only")
+    parser.add_argument("--print", action="store_true", help="what this machine prints, as JSON")
+    arguments = parser.parse_args()
+    if arguments.print:
+        from gspcli import _kernel
+
+        try:
+            _kernel.build()
+        except ValueError:
+            return UNABLE
+        print(json.dumps(dict(outputs(fast=arguments.fast))))
+        return 0
+    found = {name: _of(name, fast=arguments.fast) for name in MACHINES}
+    able = {name: printed for name, printed in found.items() if printed is not None}
+    first, *others = able
+    remarks = [
+        f"{line}: {first} and {other}: {remark}"
+        for other in others
+        for line, text in able[first].items()
+        for remark in differences(text, able[other][line])
+    ]
+    return report(remarks, f"{len(able[first])} commands print the same on {', '.join(able)}")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
