@@ -1,4 +1,4 @@
-"""Condition numbers and residuals as they are written to files: digits that rounding cannot change.
+"""Condition numbers and residuals in files: the digits that rounding errors cannot change.
 
 Both are computed in double precision, and another processor rounds differently. The numbers of
 results keep all their digits; these are the ones of JSON, CSV and tables of poses.
@@ -19,7 +19,7 @@ _ROUNDING = 64 * float(np.finfo(np.float64).eps)
 
 
 def printed_condition(condition: float) -> float:
-    """Return a condition number with the digits that are known; infinity and NaN as they are."""
+    """Return a condition number with the digits that are known; infinity and NaN unchanged."""
     if not math.isfinite(condition) or condition <= 0:
         return condition
     digits = min(_DIGITS, max(1, _KNOWN - math.ceil(math.log10(condition))))
@@ -40,7 +40,7 @@ def printed_residual(residual: float, length: float) -> float:
     residual
         The largest residual of a pose, in the units of the instance.
     length
-        Of the platform. Residuals are not told from rounding errors below `_ROUNDING` of it.
+        Of the platform. A residual below `_ROUNDING` of it may be a rounding error.
     """
     if not math.isfinite(residual):
         return residual
