@@ -1,4 +1,7 @@
-"""The examples of docs/controller.md, compiled and run, where their tools are."""
+"""The examples of docs/controller.md, compiled and run, where their tools are.
+
+The one for LinuxCNC is in test_linuxcnc.py.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,7 @@ ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "docs" / "controller"
 SUPPORT = ROOT / "tests" / "support"
 STRICT = ["-O2", "-Wall", "-Wextra", "-Werror"]
-HOMES = {"nano-hexapod": [0, 0, 0.09], "linuxcnc-hexapod": [0, 0, 20]}
+HOMES = {"nano-hexapod": [0, 0, 0.09]}
 
 
 def needs(*programs):
@@ -70,27 +73,6 @@ def test_loop(tmp_path):
         cwd=tmp_path,
     )
     assert said("./loop", cwd=tmp_path).startswith("lifted to z = 0.091000 m, exact within ")
-
-
-@needs("gcc")
-def test_linuxcnc_module(tmp_path):
-    export("linuxcnc-hexapod", "hexapod", tmp_path)
-    linuxcnc = SUPPORT / "linuxcnc"
-    run(
-        "gcc",
-        "-std=gnu99",
-        *STRICT,
-        f"-I{linuxcnc}",
-        f"-I{tmp_path}",
-        EXAMPLES / "provedkins.c",
-        linuxcnc / "main.c",
-        "-lm",
-        "-o",
-        "module",
-        cwd=tmp_path,
-    )
-    # Poses came back, and a fold was refused with -1.
-    assert said("./module", cwd=tmp_path).split() == ["1", "-1"]
 
 
 @needs("gcc", "ar", "rustc")

@@ -190,6 +190,12 @@ STEPS = (
         "tools.verify.controllers.rounding --check --jobs {jobs} --work {work}",
         sample="--sample 6",
     ),
+    Step(
+        "linuxcnc",
+        ("data/verification/linuxcnc.csv",),
+        "tools.verify.controllers.linuxcnc --check --jobs {jobs} --work {work}",
+        sample="--sample 1",
+    ),
     Step("view", ("data/view/*",), "tools.build.view --check"),
     Step(
         "live",

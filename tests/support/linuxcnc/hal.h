@@ -1,3 +1,0 @@
-int hal_init(const char *name);
-int hal_ready(int component);
-int hal_exit(int component);
