@@ -40,6 +40,30 @@ def draw(chromium: Browser) -> Any:
     return run
 
 
+CORNERS = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]
+
+
+@pytest.mark.parametrize("foot", [[3, 0.5, 0], [-1.5, -3, 0], [0, 1.2, 0]])
+def test_planes_reach_to_feet_on_them(draw: Any, chromium: Browser, foot: list[float]) -> None:
+    plane = {"primitive": "H", "outline": CORNERS, "direction": [0, 0, 1]}
+    reaching = f"reaching({json.dumps(plane)}, {foot}, 2)"
+    outline = np.array(chromium.run(reaching))
+    inside, before = np.array(foot), np.array(CORNERS)
+    assert (outline.min(axis=0) <= np.minimum(inside, before.min(axis=0)) + 1e-12).all()
+    assert (outline.max(axis=0) >= np.maximum(inside, before.max(axis=0)) - 1e-12).all()
+    # No farther than beyond the foot by the margin, and a rectangle still.
+    assert np.abs(outline).max() <= np.abs(inside).max() + 0.25
+    assert np.allclose(outline[1] - outline[0], outline[2] - outline[3])
+
+
+@pytest.mark.parametrize("foot", [[0.9, -0.9, 0], [1, 1, 0], [9, 0, 0]])
+def test_planes_do_not_grow_without_need_or_without_end(
+    draw: Any, chromium: Browser, foot: list[float]
+) -> None:
+    plane = {"primitive": "H", "outline": CORNERS, "direction": [0, 0, 1]}
+    assert chromium.run(f"reaching({json.dumps(plane)}, {foot}, 2)") is None
+
+
 def bodies(scene: Scene) -> list[dict[str, Any]]:
     """Return each constraint with both primitives as they are drawn."""
     found = {

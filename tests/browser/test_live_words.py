@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from tests.support.live_pages import opened, text
+from tests.support.live_pages import give, opened, text
 
 if TYPE_CHECKING:
     from tools.browser import Browser
@@ -84,6 +84,23 @@ def test_the_map_with_its_axes_is_seen_whole(browser: Browser, live: Callable[..
         )
         == 0
     )
+
+
+def test_the_dot_of_the_map_is_seen_where_the_pose_is_moved(
+    browser: Browser, live: Callable[..., Path]
+) -> None:
+    opened(browser, live("nano-hexapod"))
+    browser.run("document.querySelector('input[value=pose]').click()")
+    # So far that both values are beyond the map.
+    give(browser, "pose-z", 0.2)
+    inside = browser.run(
+        "(() => { const [dot, map] = ['map-dot', 'map']"
+        "   .map((id) => document.getElementById(id).getBoundingClientRect());"
+        " return dot.width > 0 && dot.left > map.left - 12 && dot.right < map.right + 12"
+        "   && dot.top > map.top - 12 && dot.bottom < map.bottom + 12; })()"
+    )
+    assert inside
+    assert browser.run("document.getElementById('map-dot').className") == "beyond"
 
 
 def cues(browser: Browser) -> list[Any]:

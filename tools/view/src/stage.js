@@ -104,7 +104,12 @@ export class Stage {
     this.scene.add(this[name].group);
     if (name === "platform") this[name].group.add(this.frames.platform);
     before.group.removeFromParent();
-    before.group.traverse((part) => part.geometry?.dispose());
+    before.group.traverse((part) => {
+      // Rods share their geometry; the places of each are its own.
+      if (part.isInstancedMesh) part.dispose();
+      else part.geometry?.dispose();
+      part.material?.dispose();
+    });
   }
 
   buildLabels() {

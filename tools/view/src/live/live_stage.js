@@ -184,9 +184,10 @@ export class LiveStage extends Stage {
 }
 
 function dispose(ghost) {
-  ghost.traverse(({ geometry, material, isInstancedMesh }) => {
-    // Rods share their geometry.
-    if (!isInstancedMesh) geometry?.dispose();
-    material?.dispose();
+  ghost.traverse((part) => {
+    // Rods share their geometry; the places of each are its own.
+    if (part.isInstancedMesh) part.dispose();
+    else part.geometry?.dispose();
+    part.material?.dispose();
   });
 }

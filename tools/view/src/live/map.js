@@ -63,9 +63,11 @@ export class ModeMap {
     byId("map-y").value = String(this.which[1]);
     const [x, y] = this.which.map((i) => part(values[i], this.live.ranges[i]));
     const dot = byId("map-dot");
-    dot.style.left = `${100 * x}%`;
-    dot.style.top = `${100 * (1 - y)}%`;
-    dot.hidden = !(x >= 0 && x <= 1 && y >= 0 && y <= 1);
+    // Beyond the map, as moves of the pose may lead, it stays at the edge.
+    const [left, up] = [x, y].map((t) => Math.min(Math.max(t, 0), 1));
+    dot.style.left = `${100 * left}%`;
+    dot.style.top = `${100 * (1 - up)}%`;
+    dot.classList.toggle("beyond", left !== x || up !== y);
     const drawn = values.map((v, i) => (this.which.includes(i) ? this.which.indexOf(i) : `=${v}`)).join();
     if (drawn === this.drawn) return;
     this.drawn = drawn;
