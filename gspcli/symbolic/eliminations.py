@@ -1,9 +1,9 @@
 """The reduction of three surfaces to a triangular set (paper, proof of Proposition 6.7).
 
 Every function takes the surfaces as polynomials in ``x, y, z``. It returns ``h1(x)``, ``h2(x, y)``
-and ``h3(x, y, z)`` with the conditions under which they describe all common points. h2 and h3 are
-linear in their leading variables. h1 is the resultant of the surfaces with respect to y and z;
-extraneous factors are stated.
+and ``h3(x, y, z)`` with the conditions under which they describe all common points. The elements h2
+and h3 are linear in their leading variables. The element h1 is the resultant of the surfaces with
+respect to y and z; extraneous factors are stated.
 """
 
 from __future__ import annotations
