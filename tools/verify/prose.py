@@ -69,6 +69,8 @@ CHECKED = (
     "gspcli/sensing",
     "gspcli/spec",
     "gspcli/symbolic",
+    "docs/how-gsp-works.md",
+    "tools/build/how_it_works.py",
     "tools/verify/prose.py",
 )
 

@@ -237,6 +237,7 @@ STEPS = (
         ),
         "tools.build.drawings --check",
     ),
+    Step("how-it-works", ("docs/images/paths.svg",), "tools.build.how_it_works --check"),
     Step("live-picture", ("docs/images/live.webp",), "tools.build.live_picture --check"),
     Step("peer-table", ("README.md",), "tools.build.peer_table --check"),
     Step("shown-output", ("README.md", "docs/*.md"), "tools.build.shown_output --check"),
