@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.calibration.causes import likely_cause
 from gspcli.calibration.fitting import HUBER, Fit, fit
-from gspcli.calibration.measurements import Measurements, Noise, value_rows
+from gspcli.calibration.measurements import Measurements, Noise, constant_rods, value_rows
 from gspcli.calibration.options import PRIOR, Options, chosen_model, noise_of
 from gspcli.calibration.parameters import Model
 from gspcli.calibration.results import Calibration
@@ -61,7 +61,8 @@ def calibrate(
     instance
         The platform as stated.
     values
-        Readings in the units and order of the instance; DPH and DHP signed. Shape (n, 6).
+        Readings in the units and order of the instance; DPH and DHP signed. Shape (n, 6). A leg
+        with a crank that has no reading in any row is a rod of constant length, without noise.
     R, T
         Rotations (n, 3, 3) and positions of the platform's origin (n, 3), as far as measured.
     points
@@ -76,8 +77,9 @@ def calibrate(
     sigma
         Standard deviations: ``value`` and ``position`` (lengths); ``angle``, ``rotation``,
         ``inclination`` and ``crank`` (in the angle unit). Poses are exact if those of position and
-        rotation are 0. What is not stated is 1e-5 of a typical length or of a radian; if
-        nothing is stated the scatter of the data says how large all are.
+        rotation are 0; value may be 0 where all legs have cranks. What is not stated is 1e-5 of a
+        typical length or of a radian; if nothing is stated the scatter of the data says how large
+        all are.
     estimate
         What is estimated besides primitives and offsets: ``scales``, ``frames`` (of the measuring
         device and the target), or parameters by name, as ``offset.2`` of a plane.
@@ -127,7 +129,7 @@ def calibrate_rows(
     """
     checked(instance)
     model = chosen_model(instance, options, cranks=seen.cranks is not None)
-    noise = noise_of(model, sigma)
+    noise, seen = noise_of(model, sigma), constant_rods(instance, model, seen)
     if noise.exact and not (seen.whole.all() and len(seen)):
         message = "found poses that are not whole, expected whole ones where they are exact"
         raise ArgumentError(message, "sigma")

@@ -25,7 +25,7 @@ from gspcli.motion.files.pose_files import (
     PoseFormat,
     rotations_of,
 )
-from gspcli.motion.files.value_files import nominal_values, note_legs
+from gspcli.motion.files.value_files import note_legs
 from gspcli.wording import listed, shown
 
 Array = NDArray[np.float64]
@@ -80,7 +80,7 @@ def read_measurements(
     note_legs(table, instance)
     found = [number for number in _NUMBERS if number in table.heading]
     readings[:, [int(number) - 1 for number in found]] = table.numbers(found, blanks=True)
-    cranks = _cranks(table, instance, readings)
+    cranks = _cranks(table, instance)
     positions, rotations = _poses(table, form)
     seen = {one: table.numbers([f"{one}.{axis}" for axis in "xyz"], blanks=True) for one in groups}
     tilts = np.zeros((0, 2))
@@ -128,8 +128,8 @@ def _groups(table: NumberTable, instance: Instance, targets: Mapping[str, Array]
     return [head for head, axes in found.items() if len(axes) == 3] if not table.problems else []
 
 
-def _cranks(table: NumberTable, instance: Instance, readings: Array) -> Array | None:
-    """Return the angles of cranks in radians, if any; fill in the lengths of their legs."""
+def _cranks(table: NumberTable, instance: Instance) -> Array | None:
+    """Return the angles of cranks in radians, if any."""
     written = {
         name: one
         for one, name in zip(table.written, table.heading, strict=True)
@@ -147,11 +147,6 @@ def _cranks(table: NumberTable, instance: Instance, readings: Array) -> Array | 
         table.note_heading(f"the columns of cranks lack {listed(lacking, 'and')}")
     if table.problems:
         return None
-    stated = nominal_values(instance)
-    for crank in cranks:
-        for row in crank.rows:
-            if str(row + 1) not in table.heading:
-                readings[:, row] = stated[row]
     return table.numbers(names, blanks=True) * instance.units.angle.in_radians
 
 

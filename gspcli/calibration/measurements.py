@@ -18,13 +18,17 @@ from gspcli.calibration.blocks import Block
 from gspcli.calibration.parameters import Model
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.constraint_polynomials import Gradient
+from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import by_twist, gradients, measured
 from gspcli.geometry.quaternions import rotation_from_vector, vector_from_rotation
+from gspcli.motion.files.value_files import nominal_values
 from gspcli.records import dataclass
 
 Array = NDArray[np.float64]
 
 _VERTICAL = np.array([0.0, 0.0, 1.0])
+#: What is exact has a deviation of this part of a length: of rounding.
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -34,7 +38,7 @@ class Noise:
     Attributes
     ----------
     value, angle
-        Of readings of distances and of angles.
+        Of readings of distances and of angles; value may be zero where cranks have all the noise.
     position, rotation
         Of a coordinate of a position (or point), and of a turn of a pose about an axis; both zero
         if poses are exact.
@@ -95,6 +99,9 @@ class Measurements:
         Angles of the cranks, radians, a column for each, shape (n, m); None if there are none.
     lines
         Where each row stands, for people: its t or its number, shape (n,).
+    rods
+        Which values are those of rods without readings, which are constants of the machine and
+        have no noise but that of the cranks that turn them, shape (6,); see `constant_rods`.
     """
 
     readings: Array
@@ -106,6 +113,7 @@ class Measurements:
     inclinations: Array = field(default_factory=lambda: np.zeros((0, 2)))
     cranks: Array | None = None
     lines: tuple[str, ...] = ()
+    rods: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(6, bool))
 
     def __len__(self) -> int:
         return len(self.readings)
@@ -119,7 +127,7 @@ class Measurements:
                 part = {name: seen[rows] for name, seen in part.items()}
             elif one.name == "lines":
                 part = tuple(np.array(part, object)[rows].tolist())
-            elif one.name not in ("pivot", "targets") and part is not None and len(part):
+            elif one.name not in ("pivot", "targets", "rods") and part is not None and len(part):
                 part = part[rows]
             changes[one.name] = part
         return replace(self, **changes)
@@ -158,6 +166,28 @@ class Measurements:
         return Rows(*(np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True)))
 
 
+def constant_rods(instance: Instance, model: Model, seen: Measurements) -> Measurements:
+    """Return what was measured, with the stated lengths of rods that cranks turn and nobody reads.
+
+    Parameters
+    ----------
+    instance
+        The platform as stated.
+    model
+        With its cranks, if their angles were measured.
+    seen
+        What was measured; a leg with a crank is a rod if it has no reading in any row.
+    """
+    unread = ~np.asarray(np.isfinite(seen.readings).any(axis=0))
+    rods: NDArray[np.bool_] = np.zeros(len(unread), np.bool_)
+    for crank in model.cranks if seen.cranks is not None else ():
+        rods[list(crank.rows)] = unread[list(crank.rows)]
+    if not rods.any():
+        return seen
+    readings = np.where(rods, nominal_values(instance), seen.readings)
+    return replace(seen, readings=readings, rods=seen.rods | rods)
+
+
 def hat(a: Array) -> Array:
     """Return the matrices of cross products, ``hat(a) b = a x b``, (..., 3) -> (..., 3, 3)."""
     x, y, z = np.moveaxis(a, -1, 0)
@@ -189,6 +219,8 @@ def value_rows(model: Model, R: Array, T: Array, seen: Measurements, noise: Nois
     sigma = np.array([noise.value if kind.is_distance else noise.angle for kind in model.kinds])
     weight = 1 / np.broadcast_to(sigma, residual.shape)
     if seen.cranks is not None:
+        if noise.crank > 0:
+            sigma = np.maximum(np.where(seen.rods, 0.0, sigma), _ROUNDING * model.length)
         weight = 1 / np.hypot(sigma, noise.crank * _by_cranks(model, R, by, seen.cranks))
     _, w, arm = bodies.placed(R, T)
     by_pose = by_twist(by, arm, w)

@@ -102,17 +102,24 @@ def noise_of(model: Model, sigma: Mapping[str, float]) -> Noise:
         If a name or a number is wrong.
     """
     changes: dict[str, Any] = {}
+    exact = {"position", "rotation", "crank"}
+    turned = {k for crank in model.cranks for k in crank.rows}
+    if all(k in turned for k, kind in enumerate(model.kinds) if kind.is_distance):
+        exact.add("value")
     for name, number in sigma.items():
         if name not in SIGMAS:
             message = f"found {shown(name)}, expected {listed(SIGMAS)}{suggestion(name, SIGMAS)}"
             raise ArgumentError(message, "sigma")
-        least = 0.0 if name in ("position", "rotation", "crank") else np.nextafter(0, 1)
+        least = 0.0 if name in exact else np.nextafter(0, 1)
         if not (np.isfinite(number) and number >= least):
             expected = "a positive number" if least else "a number of at least 0"
             message = f"found {number:g}, expected {expected}"
             raise ArgumentError(message, f"sigma[{name!r}]")
         changes[name] = float(number) * (model.in_radians if name in _ANGLES else 1.0)
     noise = replace(Noise.usual(model.length), **changes)
+    if noise.value == noise.crank == 0:
+        message = "found both value and crank zero, expected one of them positive"
+        raise ArgumentError(message, "sigma")
     if (noise.position == 0) != (noise.rotation == 0):
         message = "found one of position and rotation zero, expected both (poses are exact) or none"
         raise ArgumentError(message, "sigma")

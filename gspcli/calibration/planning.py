@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from gspcli.calibration.candidate_poses import CRANK_TURN, Places, candidates
 from gspcli.calibration.fitting import fit, reduced
-from gspcli.calibration.measurements import Measurements, Noise, hat, value_rows
+from gspcli.calibration.measurements import Measurements, Noise, constant_rods, hat, value_rows
 from gspcli.calibration.numbers import file_numbers
 from gspcli.calibration.optimal_designs import d_optimal, exchanged
 from gspcli.calibration.options import PRIOR, Options, chosen_model, noise_of
@@ -198,6 +198,8 @@ def planned(
         driven = seen.cranks is not None
     model = chosen_model(instance, options, cranks=driven)
     noise = noise_of(model, sigma or {})
+    if seen is not None:
+        seen = constant_rods(instance, model, seen)
     places = candidates(instance, model, R, T, seed)
     prior = options.prior or PRIOR * model.length
     nothing = before = np.eye(int(model.free.sum())) / prior**2
@@ -254,21 +256,23 @@ def told_by(model: Model, places: Places, seen: Measurements | None, noise: Nois
     """Return the derivatives of what each pose tells by the scaled free parameters, (n, q, f)."""
     R, T, _ = places
     n = len(R)
-    one = _whole(places) if seen is None else _alike(seen, places)
+    one = _whole(model, places) if seen is None else _alike(seen, places)
     slopes = reduced(model, R, T, one, noise).slopes * model.sizes[model.free]
     found: Array = slopes.reshape(n, -1, slopes.shape[1])
     return found
 
 
-def _whole(places: Places) -> Measurements:
-    """Return measurements of all values and whole poses."""
-    n = len(places.T)
+def _whole(model: Model, places: Places) -> Measurements:
+    """Return measurements of whole poses and of all values; rods that cranks turn are not read."""
+    n, rods = len(places.T), np.zeros(len(model.kinds), bool)
+    rods[[k for crank in model.cranks for k in crank.rows]] = True
     return Measurements(
         np.zeros((n, 6)),
         places.R,
         places.T,
         np.zeros(3),
         cranks=places.cranks,
+        rods=rods,
         lines=("",) * n,
     )
 
@@ -300,7 +304,7 @@ def pose_errors(model: Model, places: Places) -> Array:
     """
     some = places.taken(slice(0, _ERRORS))
     R, T, _ = some
-    _, by_model, by_pose = value_rows(model, R, T, _whole(some), Noise(1, 1, 1, 1, 1, 0))
+    _, by_model, by_pose = value_rows(model, R, T, _whole(model, some), Noise(1, 1, 1, 1, 1, 0))
     free = model.free.copy()
     free[model.geometry + 6 :] = False
     scaled = np.where(free, by_model * model.sizes, 0.0)[..., model.free]

@@ -71,7 +71,7 @@ def _modes(
         same = seen.taken(np.full(len(found[0]), k))
         apart = np.abs(value_rows(model, *found, same, noise).residual).max(axis=1, initial=0.0)
         # Readings of distances to planes have a sign.
-        right = apart < 1e-3 * model.length / noise.value
+        right = apart * noise.value < 1e-3 * model.length
         if not right.any():
             message = (
                 f"row {seen.lines[k]}: no real pose has these readings with the stated geometry: "

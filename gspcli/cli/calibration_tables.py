@@ -69,10 +69,14 @@ def _summary(result: Calibration) -> list[str]:
             f"between {quantile(freedom, -1.96):.4g} and {quantile(freedom, 1.96):.4g} in 95 %"
         )
     else:
-        noise = result.noise.value * result.scatter
+        units, noise = result.stated.units, f"{result.noise.value * result.scatter:.2g}"
+        noise += f" {units.length}"
+        if result.seen.rods.all():
+            # Nothing is read but cranks.
+            crank = result.noise.crank / units.angle.in_radians * result.scatter
+            noise = f"{crank:.2g} {units.angle.value} of cranks"
         lines.append(
-            f"the noise was not stated: {noise:.2g} {result.stated.units.length} by the scatter "
-            f"({freedom} degrees of freedom)"
+            f"the noise was not stated: {noise} by the scatter ({freedom} degrees of freedom)"
         )
     if result.unknowns.missing:
         what = counted(result.unknowns.missing, "direction")

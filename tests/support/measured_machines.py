@@ -99,3 +99,40 @@ def pose_error(model, R, T):
     short = measured(model.bodies(), R, T) - readings(truth, R, T) - model.offsets
     twists = np.linalg.solve(jacobian(truth.bodies(), R, T), short[..., None])[..., 0]
     return float(np.sqrt((twists[:, 3:] ** 2).sum(axis=1).mean()))
+
+
+#: Noise of a rotary machine: cranks and rotations in degrees, positions of a machine of metres.
+ROTARY_SIGMA = {"crank": 2e-3, "position": 1e-5, "rotation": 1e-3}
+
+
+def rotary(rng, count):
+    """A rotary machine as stated, the true model, and exact cranks (radians) and poses of it."""
+    from gspcli.geometry.measurement import jacobian
+    from gspcli.motion import crank_angles
+    from gspcli.resources import data_path
+
+    instance = gspcli.load(data_path("platforms", "t-top-head.yaml"))
+    home = gspcli.solve(instance).home
+    model = Model.of(instance, cranks=True)
+    turns = rotation_from_vector(0.12 * rng.normal(size=(4 * count, 3)))
+    R, T = turns @ home.R, home.T + 0.08 * model.length * rng.uniform(-1, 1, (4 * count, 3))
+    _, angles = crank_angles(instance, R, T)
+    there = np.flatnonzero(np.isfinite(angles).all(axis=1))[:count]
+    R, T, angles = R[there], T[there], np.deg2rad(angles[there])
+    step = 1e-3 * model.length * model.sizes * rng.normal(size=len(model.free))
+    truth = model.moved(np.where(model.free, step, 0.0))
+    stated = np.array([float(row.value.value) for row in instance.constraints])
+    for _ in range(20):
+        bodies = truth.bodies(angles)
+        short = measured(bodies, R, T) - stated - truth.offsets
+        twist = np.linalg.solve(jacobian(bodies, R, T), -short[..., None])[..., 0]
+        R, T = rotation_from_vector(twist[:, :3]) @ R, T + twist[:, 3:]
+    return instance, truth, angles, R, T
+
+
+def noisy_rotary(angles, R, T, rng):
+    """Cranks (degrees) and poses with the noise of `ROTARY_SIGMA`."""
+    cranks = np.rad2deg(angles) + ROTARY_SIGMA["crank"] * rng.normal(size=angles.shape)
+    turn = np.deg2rad(ROTARY_SIGMA["rotation"]) * rng.normal(size=T.shape)
+    places = T + ROTARY_SIGMA["position"] * rng.normal(size=T.shape)
+    return cranks, rotation_from_vector(turn) @ R, places

@@ -7,22 +7,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from measured_machines import (
+    ROTARY_SIGMA,
     SIGMA,
     noisy,
+    noisy_rotary,
     nominal,
     numbers,
     reachable,
     readings,
     real,
+    rotary,
 )
 
 import gspcli
 from gspcli.calibration.instance_files import calibrated_text
 from gspcli.calibration.parameters import Model
 from gspcli.errors import ArgumentError, IncompleteError
-from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import rotation_from_vector
-from gspcli.motion import crank_angles
 from gspcli.resources import data_path
 
 EXACT = {"position": 0, "rotation": 0}
@@ -220,34 +221,43 @@ def test_other_machines(folder, name):
 
 def test_a_rotary_hexapod():
     """Eleven numbers a leg: axis and point of the crank (7), rod, joint of the platform (3)."""
-    rng = np.random.default_rng(10)
-    instance = gspcli.load(data_path("platforms", "t-top-head.yaml"))
-    R, T = _near(instance, 150, rng, turn=0.2, shift=0.08)
-    _, angles = crank_angles(instance, R, T)
-    there = np.isfinite(angles).all(axis=1)
-    angles = np.deg2rad(angles[there][:60])
-    model = Model.of(instance, cranks=True)
-    assert model.free.sum() == 66
-    step = np.where(
-        model.free, 1e-3 * model.length * model.sizes * rng.normal(size=len(model.free)), 0
-    )
-    truth = model.moved(step)
-    # The true poses at these angles, by Newton's method on the true machine.
-    R, T = R[there][:60], T[there][:60]
-    stated = np.array([row.value.value for row in instance.constraints])
-    for _ in range(20):
-        bodies = truth.bodies(angles)
-        from gspcli.geometry.measurement import jacobian
-
-        short = measured(bodies, R, T) - stated - truth.offsets
-        twist = np.linalg.solve(jacobian(bodies, R, T), -short[..., None])[..., 0]
-        R, T = rotation_from_vector(twist[:, :3]) @ R, T + twist[:, 3:]
-    assert np.abs(short).max() < 1e-12
+    instance, truth, angles, R, T = rotary(np.random.default_rng(10), 60)
+    assert Model.of(instance, cranks=True).free.sum() == 66
+    stated = [float(row.value.value) for row in instance.constraints]
     values = np.tile(stated, (len(T), 1))
     result = gspcli.calibrate(instance, values, R, T, cranks=np.rad2deg(angles))
     assert result.unknowns.count == 0
     found, true = (readings(m, R, T, angles + 0.1) for m in (result.fit.model, truth))
-    assert np.abs(found - true).max() < 1e-9 * model.length
+    assert np.abs(found - true).max() < 1e-9 * truth.length
+
+
+def test_rods_that_nobody_reads_have_no_noise():
+    """Chi-squared is right with the right sigmas; noise of rods that is made up halves it."""
+    rng = np.random.default_rng(12)
+    instance, _, angles, R, T = rotary(rng, 60)
+    cranks, turns, places = noisy_rotary(angles, R, T, rng)
+    blank = np.full((len(T), 6), np.nan)
+    given = {"cranks": cranks, "prior": 0.1}
+    found = gspcli.calibrate(instance, blank, turns, places, sigma=ROTARY_SIGMA, **given)
+    spread = np.sqrt(2 * found.freedom)
+    assert abs(found.chi_squared - found.freedom) < 3 * spread
+    stated = np.tile([float(row.value.value) for row in instance.constraints], (len(T), 1))
+    exact = gspcli.calibrate(
+        instance, stated, turns, places, sigma=ROTARY_SIGMA | {"value": 0}, **given
+    )
+    assert exact.chi_squared == pytest.approx(found.chi_squared, rel=1e-6)
+    assert np.allclose(exact.sigma, found.sigma, rtol=1e-6)
+    # A deviation of readings does not count where nothing is read.
+    loud = gspcli.calibrate(
+        instance, blank, turns, places, sigma=ROTARY_SIGMA | {"value": 1.0}, **given
+    )
+    assert loud.chi_squared == found.chi_squared
+    read = gspcli.calibrate(
+        instance, stated, turns, places, sigma=ROTARY_SIGMA | {"value": 1e-5}, **given
+    )
+    assert read.chi_squared < found.chi_squared
+    with pytest.raises(ArgumentError, match="found both value and crank zero"):
+        gspcli.calibrate(instance, blank, R, T, cranks=cranks, sigma={"value": 0, "crank": 0})
 
 
 def test_scales_and_held_numbers():
