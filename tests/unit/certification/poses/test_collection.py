@@ -155,3 +155,35 @@ def test_what_is_known_only_up_to_its_neighbour_is_compared_in_balls(tangent, di
     assert collection.add([other]) == 1
     assert collection.add([one, other]) == 0
     assert collection.real.tolist() == [sign > 0] * 2
+
+
+def test_a_known_pose_that_balls_do_not_find_may_be_any_near_one(all_forty, monkeypatch):
+    """What may be a pose that is known, and is not proved to be another one, is not added."""
+    collection, points = all_forty
+    R, T, quaternions, real, _ = proved(collection, points[3:4])
+    collection.add_proved(R, T + 1e-7, quaternions, real, np.array([1e-6]))
+    located = collection.locator.locate(points[3:4], None, SIDES)
+    monkeypatch.setattr(collection.locator, "near", lambda *_: None)
+    assert collection.add(located) == 0
+    assert len(collection) == 1
+
+
+def test_a_pose_that_balls_find_elsewhere_is_not_the_one_that_is_known(all_forty):
+    """A pose of doubles is proved within its bound: what is found farther away is another one."""
+    collection, points = all_forty
+    R, T, quaternions, real, _ = proved(collection, points[3:4])
+    for gap, found in ((0.9e-6, True), (1.2e-6, False)):
+        known = Collection(collection.locator, SIDES)
+        moved = T + gap * collection.locator.scale
+        known.add_proved(R, moved, quaternions, real, np.array([1e-6]))
+        assert (known._exactly(0) is not None) is found
+
+
+def test_the_bounds_of_both_count_for_the_place(all_forty):
+    collection, points = all_forty
+    R, T, quaternions, real, _ = proved(collection, points[3:4])
+    collection.add_proved(R, T, quaternions, real, np.array([1e-6]))
+    scale = collection.locator.scale
+    assert collection.place_near(R[0], T[0] + 0.9e-6 * scale, 1e-9) == 0
+    assert collection.place_near(R[0], T[0] + 0.9e-6 * scale, 0.0) == 0
+    assert collection.place_near(R[0], T[0] + 3e-6 * scale, 0.0) == -1

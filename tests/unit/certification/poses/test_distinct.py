@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from flint import acb, arb, ctx
 
-from gspcli.certification.poses.distinct import all_different, places
+from gspcli.certification.equations.pose_balls import PoseBall
+from gspcli.certification.poses.distinct import all_different, close_pairs, places
 
 
 def test_poses_are_different_only_beyond_their_deviations() -> None:
@@ -33,3 +35,34 @@ def test_what_is_left_out_is_no_place_for_others() -> None:
     entries = np.tile(np.random.default_rng(3).normal(size=12) + 0j, (3, 1))
     entries[:, 4] += [0, 1.5e-6, 3e-6]
     assert places(entries, np.full(3, 1e-6), 0).tolist() == [0, 0, 2]
+
+
+def test_poses_that_differ_in_all_entries_by_less_than_their_bounds_may_be_the_same() -> None:
+    """Their linear forms differ by much more than the entries."""
+    pose = np.random.default_rng(4).normal(size=12) + 1j
+    pair = np.array([pose, pose + (1 + 1j) * 1.3e-6])
+    assert np.abs(pair[1] - pair[0]).max() < 2e-6
+    assert not all_different(pair, np.full(2, 1e-6))
+    assert places(pair, np.full(2, 1e-6), 0).tolist() == [0, 0]
+    assert all_different(pair, np.full(2, 0.9e-6))
+    assert places(pair, np.full(2, 0.9e-6), 0).tolist() == [0, 1]
+
+
+def test_the_bounds_of_both_poses_count() -> None:
+    entries = np.tile(np.random.default_rng(5).normal(size=12) + 0j, (2, 1))
+    entries[1, 7] += 1.5e-6
+    for bounds in ([1e-6, 1e-6], [2e-6, 1e-9], [1e-9, 2e-6]):
+        assert not all_different(entries, np.array(bounds))
+        assert places(entries, np.array(bounds), 0).tolist() == [0, 0]
+
+
+def _balls(shift: float, radius: float) -> PoseBall:
+    entries = [acb(arb(k + shift, radius), arb(0, radius)) for k in range(12)]
+    return PoseBall([entries[:3], entries[3:6], entries[6:9]], entries[9:])
+
+
+def test_balls_with_a_common_point_are_pairs() -> None:
+    with ctx.workprec(64):
+        balls = [_balls(shift, 1e-6) for shift in (0, 1.9e-6, 5e-6, 6.5e-6, 1)]
+        assert sorted(close_pairs(balls)) == [(0, 1), (2, 3)]
+        assert sorted(close_pairs(balls[::-1])) == [(1, 2), (3, 4)]

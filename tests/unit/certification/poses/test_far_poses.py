@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from fractions import Fraction
 
 import numpy as np
@@ -10,8 +11,10 @@ import pytest
 
 import gspcli
 from gspcli import _kernel
+from gspcli.certification.numbers.rounding import ISOLATED
 from gspcli.certification.poses.far_poses import FarPoses
 from gspcli.certification.poses.locator import Located
+from gspcli.certification.poses.many_values import ProvedPoses
 from gspcli.geometry.building import hexapod
 from gspcli.geometry.numbers import Number
 from gspcli.resources import data_path
@@ -153,3 +156,90 @@ def test_poses_not_that_far_are_rounded_for_nearly_all_values():
     batch = gspcli.solve_batch(instance, rows)
     assert batch.proved.all()
     assert len(batch.others) < 20
+
+
+def poses_at(size, deviation):
+    """Return one set of values with one pose, whose largest entry has a size."""
+    yes = np.ones((1, 1), bool)
+    R, T = np.eye(3, dtype=complex)[None, None], np.array([[[size, 0, 0]]], complex)
+    e = np.array([[[1, 0, 0, 0]]], complex)
+    return ProvedPoses(R, T, e, yes, yes, yes, np.array([[deviation]]), np.ones(1, bool))
+
+
+@pytest.mark.parametrize(
+    ("near", "far", "deviations", "complete"),
+    [
+        (2.0, 5.0, (1.0, 1.0), True),
+        (5.0, 5.0, (1e-9, 1e-9), False),
+        (5.0, 2.0, (1e-9, 1e-9), False),
+        (4.0, 5.0, (0.4, 0.7), False),
+        (4.0, 5.0, (1.1, 1e-9), False),
+        (4.0, 5.0, (1e-9, 1.1), False),
+    ],
+)
+def test_far_poses_are_others_only_beyond_all_near_ones(near, far, deviations, complete):
+    """A far pose may be found by paths, too: only what is larger than all of those is another."""
+    there = SimpleNamespace(decide=lambda *_, jobs: poses_at(far, deviations[1]))
+    found = FarPoses.beside(there, poses_at(near, deviations[0]), None, None, 1.0, None)
+    assert found.complete.tolist() == [complete]
+    assert found.T.shape == (1, 2, 3)
+
+
+def made_up(constant, square, *, real=True, slope=1.0):
+    """Return one far pose whose first equation is constant + slope s + square s^2.
+
+    The others are linear, and the pose is the identity, with e = (1, s, 0, 0).
+    """
+    numbers = np.zeros((2, 1, 752), complex)
+    forms = numbers[0, 0, : 20 * 36].reshape(20, 36)
+    for k in range(7):
+        forms[k, 1 + k] = 1
+    forms[0, [0, 1, 8]] = constant, slope, square
+    forms[[7, 8, 12, 16], 0] = 1
+    quaternion = numbers[0, 0, 20 * 36 :].reshape(4, 8)
+    quaternion[0, 0] = quaternion[1, 1] = 1
+    return numbers
+
+
+def decide_made_up(numbers, *, error=0.0, shift=0.0, gap=0.0, real=1):
+    shifts = np.zeros((1, 3, 6))
+    shifts[0, 0, 0], shifts[0, 2, 0] = shift, gap
+    *_, e, deviation, bits, complete = _kernel.decide_far(
+        numbers,
+        np.array([error]),
+        np.array([real], np.uint8),
+        shifts,
+        np.zeros((1, 1, 7), complex),
+        np.ones(1),
+        scale=1.0,
+        tolerance=1e9,
+    )
+    return e[0], deviation[0], bits[0], complete
+
+
+def test_a_simple_root_of_a_made_up_equation_is_proved():
+    e, _, bits, _ = decide_made_up(made_up(0.1, 1.0))
+    root = (-1 + np.sqrt(1 - 0.4)) / 2
+    assert bits[0] & ISOLATED
+    np.testing.assert_allclose(e[0, 1], root, rtol=1e-12)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("constant", [0.4, 1e-3])
+def test_next_to_two_roots_of_a_made_up_equation_none_is_isolated(sign, constant):
+    """The discriminant is nearly zero: Newton's method only halves the distance."""
+    _, _, bits, _ = decide_made_up(made_up(constant, (1 - sign * 1e-8) / (4 * constant)))
+    assert not bits.any()
+
+
+@pytest.mark.parametrize("doubt", [1e-3, 1e-2, 2e-2])
+def test_what_is_not_known_of_the_numbers_is_not_known_of_the_root(doubt):
+    """The constant of a nearly double root may be off by as much: then there may be none."""
+    numbers = made_up(0.1, 2.5 * (1 - doubt))
+    assert not decide_made_up(numbers, error=doubt)[2].any()
+    shifted = made_up(0.0, 1.0)
+    numbers = np.concatenate((shifted[:, :, 36:72], shifted[:, :, :36], shifted[:, :, 72:]), axis=2)
+    # s_1 + s_1^2 = D N with D next to -1/4, known within a gap.
+    assert decide_made_up(numbers, shift=-0.1)[2][0] & ISOLATED
+    assert not decide_made_up(numbers, shift=-0.2, gap=0.06)[2].any()
+    assert not decide_made_up(numbers, shift=-0.26)[2].any()

@@ -1,0 +1,186 @@
+"""The theorem of native/isolation.hpp on equations whose solutions are known: no claim is false.
+
+The kernel takes any quadrics for N, e.f and the equations. Here each equation is in one coordinate
+alone, so that all solutions are known. The kernel takes up to three steps of Newton's method: where
+two roots are nearly one, each of them only halves the distance.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from gspcli import _kernel
+from gspcli.certification.numbers.rounding import COMPLEX, ISOLATED, REAL, ROUNDED
+
+#: Nearly a double root: the roots are as far apart.
+NEAR = 1e-3
+
+
+class Decided(NamedTuple):
+    """What the kernel says of points."""
+
+    R: np.ndarray
+    bits: np.ndarray
+    deviation: np.ndarray
+    complete: bool
+
+
+def form(constant: float = 0, slope: float = 0, square: float = 0, k: int = 1) -> np.ndarray:
+    """Return the Hessian matrix of constant + slope z + square z^2, z coordinate k over the first."""
+    matrix = np.zeros((8, 8))
+    matrix[0, 0], matrix[0, k], matrix[k, 0], matrix[k, k] = 2 * constant, slope, slope, 2 * square
+    return matrix
+
+
+NORM = np.diag([2.0] * 4 + [0.0] * 4)
+
+
+def decide(
+    rows: dict[int, list[np.ndarray]],
+    points: list[complex],
+    *,
+    gap: float = 0.0,
+    moduli: float = 1.0,
+) -> Decided:
+    """Decide about points z of the first free coordinate; the others are zero.
+
+    Parameters
+    ----------
+    rows
+        For equations 1 to 6 the main quadric and those whose squares are subtracted; of the others
+        each makes one coordinate zero. The first of all, that of e.f, makes the last one zero.
+    points
+        Values of the first coordinate.
+    gap
+        By how much each equation is unknown, as a multiple of N.
+    moduli
+        The moduli of the terms, as a multiple of those of the entries.
+    """
+    quadrics = [NORM, form(slope=1, k=7)]
+    table = np.full((6, 3), -1, np.int32)
+    for r in range(6):
+        for j, matrix in enumerate(rows.get(r, [form(slope=1, k=r + 1)])):
+            table[r, j] = len(quadrics)
+            quadrics.append(matrix)
+    hessians = np.array(quadrics)
+    weights = np.zeros((4, 6))
+    weights[1] = 1.0
+    values = np.zeros((1, 6, 6))
+    values[0, 4] = gap
+    study = np.zeros((1, len(points), 8), complex)
+    study[0, :, 0], study[0, :, 1] = 1, points
+    R, _, _, deviation, bits, complete = _kernel.decide(
+        hessians,
+        np.zeros_like(hessians),
+        np.abs(hessians) * moduli,
+        table,
+        weights,
+        np.full(6, -1, np.int32),
+        values,
+        np.ones(1),
+        study,
+        unit=1.0,
+        origins=np.zeros((2, 3)),
+        scale=1.0,
+        tolerance=1e9,
+    )
+    return Decided(R[0], bits[0], deviation[0], bool(complete[0]))
+
+
+def rotation(z: complex) -> np.ndarray:
+    """Return the rotation of the quaternion (1, z, 0, 0)."""
+    n = 1 + z * z
+    c, s = (1 - z * z) / n, 2 * z / n
+    return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+
+
+def test_simple_roots_are_proved_and_told_apart() -> None:
+    found = decide({0: [form(-0.01, 0, 1)]}, [0.11, -0.09])
+    assert (found.bits == ISOLATED | REAL | ROUNDED).all()
+    assert found.complete
+    np.testing.assert_allclose(found.R, [rotation(0.1), rotation(-0.1)], atol=1e-15)
+    pair = decide({0: [form(0.01, 0, 1)]}, [0.11j, -0.09j])
+    assert (pair.bits == ISOLATED | COMPLEX | ROUNDED).all()
+    assert not decide({0: [form(-0.01, 0, 1)]}, [0.11, 0.09]).complete
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("scale", [1.0, 1e-2])
+def test_next_to_two_roots_none_is_isolated(sign: int, scale: float) -> None:
+    """Newton's step is half as long as the distance: a quarter of that is the most for a proof."""
+    near = NEAR * scale
+    starts = [scale * x for x in (0.02, 0.05, 0.1, 0.02j, 0.1j)]
+    found = decide({0: [form(-sign * near**2, 0, 1)]}, starts)
+    assert not (found.bits & ISOLATED).any()
+
+
+def test_next_to_two_roots_of_a_product_none_is_isolated() -> None:
+    """N A = B^2 with A = e z_0^2 and B = z_0 z: the second derivatives are those of the square."""
+    found = decide({0: [form(NEAR**2), form(slope=1)]}, [0.02, 0.05, 0.1])
+    assert not (found.bits & ISOLATED).any()
+
+
+def test_next_to_two_roots_of_a_quartic_none_is_isolated() -> None:
+    """N A = B^2 with A = e z_0^2 and B = z^2 is z^4 = e N: four roots about zero."""
+    found = decide({0: [form(1e-12), form(square=1)]}, [0.01, 0.05])
+    assert not (found.bits & ISOLATED).any()
+
+
+def test_curvature_away_from_the_point_counts() -> None:
+    """Newton's method goes from 0 to s and back, and second derivatives vanish at 0.
+
+    N A = B^2 with A = -s + z + s z^2 and B = c z^2 is s = z + z^3 - K z^4. All four roots are
+    nearer to 0 than 2 s, so that none is alone there.
+    """
+    s = 0.01
+    quartic = (1 + 2 * s**2) / (3 * s**3)
+    assert np.abs(np.roots([-quartic, 1, 0, 1, -s])).max() < 2 * s
+    found = decide({0: [form(-s, 1, s), form(square=np.sqrt(quartic + s))]}, [s])
+    assert not found.bits.any()
+
+
+def test_what_is_known_within_a_gap_is_proved_within_it() -> None:
+    """The constant of the equation is known within the gap: so is the root, at least."""
+    for gap in (1e-9, 1e-5, 1e-3):
+        found = decide({0: [form(-0.01, 0, 1)]}, [0.1], gap=gap)
+        assert found.bits[0] & ISOLATED
+        assert not found.bits[0] & ROUNDED
+        for moved in (-0.99 * gap, 0.99 * gap):
+            # z^2 (1 - g) = 0.01 + g: a multiple g of N is added.
+            root = np.sqrt((0.01 + moved) / (1 - moved))
+            assert np.abs(found.R[0] - rotation(root)).max() <= found.deviation[0]
+
+
+def test_a_gap_that_hides_two_roots_hides_their_reality() -> None:
+    found = decide({0: [form(-0.01, 0, 1)]}, [0.1], gap=0.02)
+    assert not found.bits.any()
+    # The root is real for all numbers in the gap, or for none: else nothing is said.
+    for constant, gap in ((-1e-4, 0.9e-4), (-1e-4, 1.1e-4), (1e-4, 1.1e-4)):
+        z = np.sqrt(complex(-constant))
+        bits = int(decide({0: [form(constant, 0, 1)]}, [z], gap=gap).bits[0])
+        if bits & REAL:
+            assert constant + gap < 0
+        if bits & COMPLEX:
+            assert constant - gap > 0
+
+
+def test_errors_of_the_entries_are_errors_of_the_proof() -> None:
+    """Entries are sums of terms whose moduli may be much larger than the entries."""
+    assert decide({0: [form(-0.01, 0, 1)]}, [0.1], moduli=1e3).bits[0] & ISOLATED
+    assert not decide({0: [form(-0.01, 0, 1)]}, [0.1], moduli=1e16).bits.any()
+    known = decide({0: [form(-0.01, 0, 1)]}, [0.1], moduli=1e20)
+    assert not known.bits.any()
+
+
+def test_reality_is_not_claimed_beyond_the_theorem() -> None:
+    """Where the conjugate of the solution may lie outside of the ball nothing is said of it."""
+    steps = np.geomspace(0.02, 2, 60)
+    points = (-0.25 + steps[:, None] + 1j * steps).ravel()
+    bits = decide({0: [form(0, 1, 2)]}, points.tolist()).bits
+    assert ((bits == 0) | (bits & ISOLATED)).all()
+    assert not (bits & COMPLEX).any()
+    assert (bits & REAL).sum() > 1000
+    assert (bits == ISOLATED).sum() > 40

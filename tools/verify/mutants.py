@@ -1,0 +1,321 @@
+"""Weaken one inequality of a proof after the other: a test of the suite must notice each.
+
+    python -m tools.verify.mutants [NAME ...] [--check [--sample N]]
+
+``tools/verify/weakened/*.toml`` lists the mutants: a file, a text that occurs once in it, what
+replaces it, what the inequality proves, and the tests that fail then. All files of the project
+are copied; each mutant is written there alone, a mutant in C++ is compiled, and its tests are run.
+It is killed if they fail. Without NAME all mutants are tried, and the record is
+``data/verification/mutants.csv``. Only the object files that depend on the changed file are compiled again,
+and of the instruction sets only the one that this processor uses.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import cached_property
+from pathlib import Path
+
+from gspcli import __version__, _kernel
+from tools.recording import (
+    ROOT,
+    UNABLE,
+    add_sample,
+    csv_text,
+    parser,
+    report,
+    sampled,
+    save,
+    sha256,
+    versions,
+)
+
+LIST = ROOT / "tools" / "verify" / "weakened"
+RECORD = ROOT / "data" / "verification" / "mutants.csv"
+MANIFEST = RECORD.with_suffix(".manifest.json")
+WORK = ROOT / "build" / "mutants"
+#: Where the kernel is compiled, in a copy of the project.
+_KERNEL = Path("build", "mutants", "kernel")
+_NATIVE = (".c", ".cpp", ".hpp")
+#: What pytest returns when tests have failed; it returns more when it could not run them.
+_PASSED, _FAILED = 0, 1
+#: The installed package is found by an import hook: without it the copy is.
+_SITE = """\
+import sys
+
+sys.meta_path = [one for one in sys.meta_path if type(one).__name__ != "ScikitBuildRedirectingFinder"]
+"""
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A weakened inequality.
+
+    Attributes
+    ----------
+    name
+        Its name.
+    file
+        The file, from the folder of the project.
+    old, new
+        A text that occurs once in the file, and what replaces it.
+    proves
+        What the inequality is good for.
+    tests
+        Tests of which one fails then, as pytest names them.
+    """
+
+    name: str
+    file: str
+    old: str
+    new: str
+    proves: str
+    tests: tuple[str, ...]
+
+    @property
+    def is_native(self) -> bool:
+        """Whether the kernel is to be compiled again."""
+        return self.file.endswith(_NATIVE) and not self.file.startswith("tools/")
+
+
+def mutants(folder: Path = LIST) -> list[Mutant]:
+    """Return the list, in the order of its files."""
+    found = []
+    for path in sorted(folder.glob("*.toml")):
+        for entry in tomllib.loads(path.read_text(encoding="utf-8"))["mutant"]:
+            found.append(Mutant(**{**entry, "tests": tuple(entry["tests"])}))
+    return found
+
+
+def problems(listed: Sequence[Mutant], root: Path = ROOT) -> Iterator[str]:
+    """Yield what is wrong with the list: texts that are not in their file, tests that are none."""
+    names = [one.name for one in listed]
+    yield from (f"{name}: the name occurs twice" for name in sorted({n for n in names if names.count(n) > 1}))
+    for one in listed:
+        path = root / one.file
+        count = path.read_text(encoding="utf-8").count(one.old) if path.is_file() else 0
+        if count != 1:
+            yield f"{one.name}: the text occurs {count} times in {one.file}, expected once"
+        if one.old == one.new or not one.proves or not one.tests:
+            yield f"{one.name}: found no change, no reason or no test"
+        yield from (f"{one.name}: no such test: {test}" for test in one.tests if not _is_test(test, root))
+
+
+def _is_test(test: str, root: Path) -> bool:
+    file, _, function = test.partition("::")
+    path = root / file
+    name = re.escape(function.partition("[")[0])
+    return path.is_file() and bool(
+        re.search(rf"^def {name}\(", path.read_text(encoding="utf-8"), re.MULTILINE)
+    )
+
+
+class Copy:
+    """A copy of the project, in which one file at a time is changed."""
+
+    def __init__(self, folder: Path) -> None:
+        self.root = folder / "project"
+        self._site = folder / "site"
+        self._site.mkdir(parents=True, exist_ok=True)
+        (self._site / "sitecustomize.py").write_text(_SITE, encoding="utf-8")
+        listed = subprocess.run(
+            ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT, check=True, capture_output=True, text=True
+        )
+        for name in filter(None, listed.stdout.split("\0")):
+            source, target = ROOT / name, self.root / name
+            if source.is_file() and not _is_same(source, target):
+                target.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy(source, target)
+        self._kernel = Path(_kernel.__file__)
+        shutil.copy(self._kernel, self.root / "gspcli")
+
+    @cached_property
+    def objects(self) -> Objects:
+        """The object files of the kernel."""
+        return Objects(self.root)
+
+    @contextmanager
+    def changed(self, mutant: Mutant) -> Iterator[bool]:
+        """Change a file, and the kernel with it; give whether that can be compiled."""
+        path = self.root / mutant.file
+        objects = self.objects if mutant.is_native else None
+        before = path.read_text(encoding="utf-8")
+        path.write_text(before.replace(mutant.old, mutant.new), encoding="utf-8")
+        try:
+            if objects is None:
+                yield True
+            else:
+                with objects.compiled_again(path) as library:
+                    if library:
+                        shutil.copy(library, self.root / "gspcli" / self._kernel.name)
+                    yield library is not None
+        finally:
+            path.write_text(before, encoding="utf-8")
+            if objects is not None:
+                shutil.copy(self._kernel, self.root / "gspcli")
+
+    def test(self, tests: Sequence[str], *options: str) -> tuple[int, str]:
+        """Return what pytest returns and prints."""
+        paths = [self._site, self.root]
+        environment = {
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join(map(str, paths)),
+            "PYTHONDONTWRITEBYTECODE": "1",
+        }
+        command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider"]
+        done = subprocess.run(
+            [*command, *options, *tests],
+            cwd=self.root,
+            env=environment,
+            check=False,
+            capture_output=True,
+            text=True,
+        )
+        return done.returncode, done.stdout
+
+
+def _is_same(source: Path, target: Path) -> bool:
+    return target.is_file() and source.read_bytes() == target.read_bytes()
+
+
+class Objects:
+    """The object files of the kernel of a copy of the project.
+
+    Parameters
+    ----------
+    root
+        The copy.
+    """
+
+    def __init__(self, root: Path) -> None:
+        self._folder = root / _KERNEL
+        options = ["-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"]
+        options += [f"-DPython_EXECUTABLE={sys.executable}"]
+        command = ["cmake", "-G", "Ninja", *options, "-S", str(root), "-B", str(self._folder)]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(["ninja"], cwd=self._folder, check=True, stdout=subprocess.DEVNULL)
+        commands = json.loads((self._folder / "compile_commands.json").read_text(encoding="utf-8"))
+        self._commands = {one["output"]: one["command"] for one in commands}
+        [self._library] = self._folder.glob(f"{_kernel.__name__.rpartition('.')[2]}*.so")
+        link = ["ninja", "-t", "commands", "-s", self._library.name]
+        self._link = self._printed(link).strip()
+
+    def _printed(self, command: Sequence[str]) -> str:
+        return subprocess.run(
+            command, cwd=self._folder, check=True, capture_output=True, text=True
+        ).stdout
+
+    def _depending_on(self, path: Path) -> list[str]:
+        """Return the object files that are made of a file, without those of other processors."""
+        found, name = [], ""
+        for line in self._printed(["ninja", "-t", "deps"]).splitlines():
+            if line and not line[0].isspace():
+                name = line.partition(":")[0]
+            elif line.strip() and (self._folder / line.strip()).resolve() == path.resolve():
+                found.append(name)
+        others = {"portable", "avx2", "avx512"} - {_kernel.build()}
+        return [name for name in found if not others & set(re.split(r"[_.]", name.split("/")[1]))]
+
+    @contextmanager
+    def compiled_again(self, path: Path) -> Iterator[Path | None]:
+        """Compile what is made of a file; give the library, or None if that cannot be done."""
+        chosen = self._depending_on(path)
+        assert chosen, path
+        kept = {name: (self._folder / name).read_bytes() for name in chosen}
+        try:
+            good = all(self._runs(self._commands[name]) for name in chosen) and self._runs(self._link)
+            yield self._library if good else None
+        finally:
+            for name, content in kept.items():
+                (self._folder / name).write_bytes(content)
+
+    def _runs(self, command: str) -> bool:
+        words = ["sh", "-c", command]
+        return not subprocess.run(words, cwd=self._folder, check=False, capture_output=True).returncode
+
+
+def tried(copy: Copy, mutant: Mutant) -> str:
+    """Return what becomes of a mutant: ``killed``, ``survives`` or why it could not be tried."""
+    with copy.changed(mutant) as compiled:
+        if not compiled:
+            return "not compiled"
+        code, printed = copy.test(mutant.tests, "-x")
+    if code not in (_PASSED, _FAILED):
+        print(printed, file=sys.stderr)
+        return "not tested"
+    return "survives" if code == _PASSED else "killed"
+
+
+def main() -> int:
+    """Try the mutants; return the exit code."""
+    arguments = parser(__doc__)
+    add_sample(arguments)
+    arguments.add_argument("names", nargs="*", metavar="NAME", help="only these mutants")
+    options = arguments.parse_args()
+    listed = mutants()
+    chosen = [one for one in listed if not options.names or one.name in options.names]
+    chosen = sampled(chosen, options.sample)
+    wrong = [*problems(listed), *(f"no such mutant: {name}" for name in set(options.names) - {one.name for one in listed})]
+    if wrong:
+        return report(wrong, "")
+    copy = Copy(WORK)
+    code, printed = copy.test(sorted({test for one in chosen for test in one.tests}), "-x")
+    if code != _PASSED:
+        print(f"{printed}\nwithout any change tests fail, or cannot be run", file=sys.stderr)
+        return UNABLE
+    ends = {}
+    for number, one in enumerate(chosen, 1):
+        ends[one.name] = tried(copy, one)
+        print(f"{number:3}/{len(chosen)}  {ends[one.name]:10}  {one.name}", file=sys.stderr, flush=True)
+    left = [f"{name}: {end}" for name, end in ends.items() if end != "killed"]
+    if left or options.names or options.check:
+        if options.check and not options.names:
+            left += _unlike_the_record(listed)
+        return report(left, f"{len(chosen)} mutants killed")
+    return save(_record(listed), check=False, confirmed="")
+
+
+def _rows(listed: Sequence[Mutant]) -> list[dict[str, object]]:
+    return [
+        {
+            "mutant": one.name,
+            "file": one.file,
+            "proves": one.proves,
+            "result": "killed",
+            "tests": " ".join(one.tests),
+        }
+        for one in listed
+    ]
+
+
+def _record(listed: Sequence[Mutant]) -> dict[Path, str | bytes]:
+    text = csv_text(_rows(listed))
+    manifest = {
+        "command": "python -m tools.verify.mutants",
+        "date": datetime.now(UTC).date().isoformat(),
+        "mutants": len(listed),
+        "killed": len(listed),
+        "sha256": sha256(text),
+        "versions": {"gsp": __version__, "kernel": _kernel.build(), **versions("pytest", "numpy")},
+    }
+    return {RECORD: text, MANIFEST: json.dumps(manifest, indent=1) + "\n"}
+
+
+def _unlike_the_record(listed: Sequence[Mutant]) -> list[str]:
+    recorded = RECORD.read_text(encoding="utf-8") if RECORD.is_file() else ""
+    return [] if recorded == csv_text(_rows(listed)) else [f"{RECORD.name}: differs from the list"]
+
+
+if __name__ == "__main__":
+    sys.exit(main())
