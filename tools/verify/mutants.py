@@ -206,7 +206,7 @@ class Objects:
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         subprocess.run(["ninja"], cwd=self._folder, check=True, stdout=subprocess.DEVNULL)
         commands = json.loads((self._folder / "compile_commands.json").read_text(encoding="utf-8"))
-        self._commands = {one["output"]: one["command"] for one in commands}
+        self._commands = {_output(one["command"]): one["command"] for one in commands}
         [self._library] = self._folder.glob(f"{_kernel.__name__.rpartition('.')[2]}*.so")
         link = ["ninja", "-t", "commands", "-s", self._library.name]
         self._link = self._printed(link).strip()
@@ -245,6 +245,11 @@ class Objects:
         return not subprocess.run(words, cwd=self._folder, check=False, capture_output=True).returncode
 
 
+def _output(command: str) -> str:
+    words = shlex.split(command)
+    return words[words.index("-o") + 1]
+
+
 def tried(copy: Copy, mutant: Mutant) -> str:
     """Return what becomes of a mutant: ``killed``, ``survives`` or why it could not be tried."""
     with copy.changed(mutant) as compiled:
@@ -262,6 +267,8 @@ def main() -> int:
     arguments = parser(__doc__)
     add_sample(arguments)
     arguments.add_argument("names", nargs="*", metavar="NAME", help="only these mutants")
+    help_text = "where the copy of the project is (build/mutants); one for each run"
+    arguments.add_argument("--copy", type=Path, default=WORK, metavar="FOLDER", help=help_text)
     options = arguments.parse_args()
     listed = mutants()
     chosen = [one for one in listed if not options.names or one.name in options.names]
@@ -269,7 +276,7 @@ def main() -> int:
     wrong = [*problems(listed), *(f"no such mutant: {name}" for name in set(options.names) - {one.name for one in listed})]
     if wrong:
         return report(wrong, "")
-    copy = Copy(WORK)
+    copy = Copy(options.copy.resolve())
     code, printed = copy.test(sorted({test for one in chosen for test in one.tests}), "-x")
     if code != _PASSED:
         print(f"{printed}\nwithout any change tests fail, or cannot be run", file=sys.stderr)

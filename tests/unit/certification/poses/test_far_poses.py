@@ -11,7 +11,7 @@ import pytest
 
 import gspcli
 from gspcli import _kernel
-from gspcli.certification.numbers.rounding import ISOLATED
+from gspcli.certification.numbers.rounding import COMPLEX, ISOLATED
 from gspcli.certification.poses.far_poses import FarPoses
 from gspcli.certification.poses.locator import Located
 from gspcli.certification.poses.many_values import ProvedPoses
@@ -185,8 +185,8 @@ def test_far_poses_are_others_only_beyond_all_near_ones(near, far, deviations, c
     assert found.T.shape == (1, 2, 3)
 
 
-def made_up(constant, square, *, real=True, slope=1.0):
-    """Return one far pose whose first equation is constant + slope s + square s^2.
+def made_up(constant, square):
+    """Return one far pose whose first equation is constant + s + square s^2.
 
     The others are linear, and the pose is the identity, with e = (1, s, 0, 0).
     """
@@ -194,17 +194,17 @@ def made_up(constant, square, *, real=True, slope=1.0):
     forms = numbers[0, 0, : 20 * 36].reshape(20, 36)
     for k in range(7):
         forms[k, 1 + k] = 1
-    forms[0, [0, 1, 8]] = constant, slope, square
+    forms[0, [0, 1, 8]] = constant, 1, square
     forms[[7, 8, 12, 16], 0] = 1
     quaternion = numbers[0, 0, 20 * 36 :].reshape(4, 8)
     quaternion[0, 0] = quaternion[1, 1] = 1
     return numbers
 
 
-def decide_made_up(numbers, *, error=0.0, shift=0.0, gap=0.0, real=1):
+def decide_made_up(numbers, *, error=0.0, shift=0.0, gap=0.0, real=1, entry=2):
     shifts = np.zeros((1, 3, 6))
     shifts[0, 0, 0], shifts[0, 2, 0] = shift, gap
-    *_, e, deviation, bits, complete = _kernel.decide_far(
+    *poses, deviation, bits, complete = _kernel.decide_far(
         numbers,
         np.array([error]),
         np.array([real], np.uint8),
@@ -214,7 +214,7 @@ def decide_made_up(numbers, *, error=0.0, shift=0.0, gap=0.0, real=1):
         scale=1.0,
         tolerance=1e9,
     )
-    return e[0], deviation[0], bits[0], complete
+    return poses[entry][0], deviation[0], bits[0], complete
 
 
 def test_a_simple_root_of_a_made_up_equation_is_proved():
@@ -235,11 +235,44 @@ def test_next_to_two_roots_of_a_made_up_equation_none_is_isolated(sign, constant
 @pytest.mark.parametrize("doubt", [1e-3, 1e-2, 2e-2])
 def test_what_is_not_known_of_the_numbers_is_not_known_of_the_root(doubt):
     """The constant of a nearly double root may be off by as much: then there may be none."""
-    numbers = made_up(0.1, 2.5 * (1 - doubt))
-    assert not decide_made_up(numbers, error=doubt)[2].any()
-    shifted = made_up(0.0, 1.0)
-    numbers = np.concatenate((shifted[:, :, 36:72], shifted[:, :, :36], shifted[:, :, 72:]), axis=2)
-    # s_1 + s_1^2 = D N with D next to -1/4, known within a gap.
-    assert decide_made_up(numbers, shift=-0.1)[2][0] & ISOLATED
-    assert not decide_made_up(numbers, shift=-0.2, gap=0.06)[2].any()
-    assert not decide_made_up(numbers, shift=-0.26)[2].any()
+    assert not decide_made_up(made_up(0.1, 2.5 * (1 - doubt)), error=doubt)[2].any()
+
+
+def of_a_value(square=1.0, square_of_norm=0.0):
+    """Return one whose second equation is s_1 + square s_1^2 = D (1 + square_of_norm s_1^2)."""
+    numbers = made_up(0.0, 0.0)
+    forms = numbers[0, 0, : 20 * 36].reshape(20, 36)
+    forms[[0, 1]] = forms[[1, 0]]
+    forms[1, 8], forms[7, 8] = square, square_of_norm
+    # The first entry of the rotation moves with it.
+    forms[8, 1] = 1
+    return numbers
+
+
+def test_values_that_may_have_two_roots_have_no_proof():
+    """s + s^2 = D has a double root at D = -1/4."""
+    assert decide_made_up(of_a_value(), shift=-0.1)[2][0] & ISOLATED
+    assert not decide_made_up(of_a_value(), shift=-0.2, gap=0.06)[2].any()
+    assert not decide_made_up(of_a_value(), shift=-0.26)[2].any()
+    # s = D (1 + m s^2) has one where 4 m D^2 = 1.
+    assert decide_made_up(of_a_value(0, 0.2), shift=0.4)[2][0] & ISOLATED
+    for sign in (1, -1):
+        assert not decide_made_up(of_a_value(0, (1 + sign * 1e-8) / 0.64), shift=0.4)[2].any()
+
+
+@pytest.mark.parametrize("gap", [1e-9, 1e-6, 1e-3])
+def test_the_bound_of_a_pose_covers_what_is_not_known_of_its_values(gap):
+    def root(value):
+        return (-1 + np.sqrt(1 + 4 * value)) / 2
+
+    R, deviation, bits, _ = decide_made_up(of_a_value(), shift=-0.1, gap=gap, entry=0)
+    assert bits[0] & ISOLATED
+    for moved in (-gap, gap):
+        assert abs(R[0, 0, 0] - 1 - root(-0.1 + moved)) <= deviation[0]
+
+
+def test_a_height_that_may_be_rounding_does_not_make_a_pose_complex():
+    numbers = made_up(0.1, 1.0)
+    numbers[0, 0, 8 * 36] += 1e-12j
+    assert decide_made_up(numbers, error=1e-10, real=0)[2][0] == ISOLATED
+    assert decide_made_up(numbers, error=1e-15, real=0)[2][0] & COMPLEX
