@@ -67,6 +67,9 @@ verify-exports: $(STAMP) msolve ## 100 random types in MuJoCo, forces of 200, 50
 verify-pages: $(STAMP) ## live pages of all platforms drawn in every mode, compared with ordinary pages (minutes; chromium)
 	$(BIN)/python -m tools.verify.live_pictures
 
+mutants: $(STAMP) ## inequalities of proofs weakened one at a time: a test must notice each (an hour)
+	$(BIN)/python -m tools.verify.mutants
+
 count-families: $(STAMP) ## a random platform of each of 626 families counted exactly (minutes)
 	$(BIN)/python -m tools.verify.counts families --check
 

@@ -147,7 +147,7 @@ Proof prove(const MovingSystem& system, const D* from, const D* to, D* z0, D* z1
   // The tube stays within reach, its chord is short, and N does not vanish in it.
   const D r = 2.0 * beta / left * kOutward;
   const D size = length(d), patch = dot(p, z);
-  const Mask good = (left > 0.0) & (r < proof.uniqueness) & (size < kLongest) &
+  const Mask good = (proof.measure < 1.0) & (r < kReach) & (size < kLongest) &
                     (length(z) < kNorm) & (patch > 0.9) &
                     (length(z, 4) - 0.5 * length(d, 4) > r * kOutward);
   proof.measure = good ? proof.measure : larger(proof.measure, splat(2.0));

@@ -6,8 +6,8 @@
 replaces it, what the inequality proves, and the tests that fail then. All files of the project
 are copied; each mutant is written there alone, a mutant in C++ is compiled, and its tests are run.
 It is killed if they fail. Without NAME all mutants are tried, and the record is
-``data/verification/mutants.csv``. Only the object files that depend on the changed file are compiled again,
-and of the instruction sets only the one that this processor uses.
+``data/verification/mutants.csv``. Only the object files that depend on the changed file are
+compiled again, and of the instruction sets only the one that this processor uses.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cached_property
+from itertools import chain
 from pathlib import Path
 
 from gspcli import __version__, _kernel
@@ -54,7 +55,8 @@ _PASSED, _FAILED = 0, 1
 _SITE = """\
 import sys
 
-sys.meta_path = [one for one in sys.meta_path if type(one).__name__ != "ScikitBuildRedirectingFinder"]
+for one in [one for one in sys.meta_path if type(one).__name__ == "ScikitBuildRedirectingFinder"]:
+    sys.meta_path.remove(one)
 """
 
 
@@ -91,17 +93,18 @@ class Mutant:
 
 def mutants(folder: Path = LIST) -> list[Mutant]:
     """Return the list, in the order of its files."""
-    found = []
-    for path in sorted(folder.glob("*.toml")):
-        for entry in tomllib.loads(path.read_text(encoding="utf-8"))["mutant"]:
-            found.append(Mutant(**{**entry, "tests": tuple(entry["tests"])}))
-    return found
+    texts = (path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.toml")))
+    entries = chain.from_iterable(tomllib.loads(text)["mutant"] for text in texts)
+    return [Mutant(**{**entry, "tests": tuple(entry["tests"])}) for entry in entries]
 
 
 def problems(listed: Sequence[Mutant], root: Path = ROOT) -> Iterator[str]:
     """Yield what is wrong with the list: texts that are not in their file, tests that are none."""
     names = [one.name for one in listed]
-    yield from (f"{name}: the name occurs twice" for name in sorted({n for n in names if names.count(n) > 1}))
+    yield from (
+        f"{name}: the name occurs twice"
+        for name in sorted({n for n in names if names.count(n) > 1})
+    )
     for one in listed:
         path = root / one.file
         count = path.read_text(encoding="utf-8").count(one.old) if path.is_file() else 0
@@ -109,7 +112,9 @@ def problems(listed: Sequence[Mutant], root: Path = ROOT) -> Iterator[str]:
             yield f"{one.name}: the text occurs {count} times in {one.file}, expected once"
         if one.old == one.new or not one.proves or not one.tests:
             yield f"{one.name}: found no change, no reason or no test"
-        yield from (f"{one.name}: no such test: {test}" for test in one.tests if not _is_test(test, root))
+        yield from (
+            f"{one.name}: no such test: {test}" for test in one.tests if not _is_test(test, root)
+        )
 
 
 def _is_test(test: str, root: Path) -> bool:
@@ -130,7 +135,11 @@ class Copy:
         self._site.mkdir(parents=True, exist_ok=True)
         (self._site / "sitecustomize.py").write_text(_SITE, encoding="utf-8")
         listed = subprocess.run(
-            ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT, check=True, capture_output=True, text=True
+            ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+            cwd=ROOT,
+            check=True,
+            capture_output=True,
+            text=True,
         )
         for name in filter(None, listed.stdout.split("\0")):
             source, target = ROOT / name, self.root / name
@@ -234,7 +243,9 @@ class Objects:
         assert chosen, path
         kept = {name: (self._folder / name).read_bytes() for name in chosen}
         try:
-            good = all(self._runs(self._commands[name]) for name in chosen) and self._runs(self._link)
+            good = all(self._runs(self._commands[name]) for name in chosen) and self._runs(
+                self._link
+            )
             yield self._library if good else None
         finally:
             for name, content in kept.items():
@@ -242,7 +253,9 @@ class Objects:
 
     def _runs(self, command: str) -> bool:
         words = ["sh", "-c", command]
-        return not subprocess.run(words, cwd=self._folder, check=False, capture_output=True).returncode
+        return not subprocess.run(
+            words, cwd=self._folder, check=False, capture_output=True
+        ).returncode
 
 
 def _output(command: str) -> str:
@@ -273,7 +286,10 @@ def main() -> int:
     listed = mutants()
     chosen = [one for one in listed if not options.names or one.name in options.names]
     chosen = sampled(chosen, options.sample)
-    wrong = [*problems(listed), *(f"no such mutant: {name}" for name in set(options.names) - {one.name for one in listed})]
+    wrong = [
+        *problems(listed),
+        *(f"no such mutant: {name}" for name in set(options.names) - {one.name for one in listed}),
+    ]
     if wrong:
         return report(wrong, "")
     copy = Copy(options.copy.resolve())
@@ -284,7 +300,11 @@ def main() -> int:
     ends = {}
     for number, one in enumerate(chosen, 1):
         ends[one.name] = tried(copy, one)
-        print(f"{number:3}/{len(chosen)}  {ends[one.name]:10}  {one.name}", file=sys.stderr, flush=True)
+        print(
+            f"{number:3}/{len(chosen)}  {ends[one.name]:10}  {one.name}",
+            file=sys.stderr,
+            flush=True,
+        )
     left = [f"{name}: {end}" for name, end in ends.items() if end != "killed"]
     if left or options.names or options.check:
         if options.check and not options.names:

@@ -200,7 +200,7 @@ def _prove_in(chord: Chord, middle: Array, frame: Array, bends: Bends | None) ->
     measure = (q + np.sqrt(2 * kappa * beta)) * _OUTWARD
     uniqueness = np.minimum(left / kappa, reach / longer) / _OUTWARD
     e, de = np.linalg.norm(z[:, :4], axis=1), np.linalg.norm(d[:, :4], axis=1)
-    good = regular & (off < 0.5) & (left > 0) & (radius < uniqueness)
+    good = regular & (off < 0.5) & (measure < 1) & (radius < reach / longer)
     good &= (np.linalg.norm(d, axis=1) < LONGEST) & (np.linalg.norm(z, axis=1) < _NORM)
     good &= (np.sum(patch * z, axis=1) > 0.9) & (e - de / 2 > radius * longer * _OUTWARD)
     measure = np.where(good, measure, np.fmax(measure, 2.0))

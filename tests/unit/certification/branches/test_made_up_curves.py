@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from flint import arb, arb_mat, arb_poly
 
+from gspcli.catalogue.names import parse_type
 from gspcli.certification.branches.arcs import Arc, at_time
 from gspcli.certification.branches.folds import Fold, _krawczyk, _Turn
 from gspcli.certification.branches.parametric_quadrics import moving_equations
 from gspcli.certification.branches.taylor import MovingSystem
-from gspcli.catalogue.names import parse_type
 from gspcli.motion import MovingPlatform
 from gspcli.motion.following.branch_runs import _same
 from gspcli.solver.generate import random_instance
@@ -33,7 +33,7 @@ def _precision():
 class Curve:
     """A polynomial in z and t, by its coefficients: ``{(1, 0): 1}`` is z."""
 
-    gauge = [arb(1), *[arb(0)] * 7]
+    gauge = (arb(1), *[arb(0)] * 7)
 
     def __init__(self, coefficients: dict[tuple[int, int], float]) -> None:
         self.coefficients = coefficients
@@ -100,6 +100,22 @@ def test_a_box_that_holds_has_just_the_points_of_the_curve() -> None:
                 ]
                 assert len(inside) == 1
         assert claims
+
+
+def test_a_box_that_newtons_method_leaves_does_not_hold() -> None:
+    """Of t - t^2 = 0.24 Newton's step from 0 is 0.24, and the solution is 0.4."""
+    for constant, holds in ((0.05, True), (0.24, False), (0.26, False)):
+        curve = Curve({(0, 0): -constant, (0, 1): 1, (0, 2): -1})
+        arc = Arc(curve, place(0, 0), place(1, 0), place(1, 0))
+        assert arc.holds(arb(1e-3), NOTHING) is holds
+
+
+def test_an_arc_ends_at_its_reach() -> None:
+    arc = Arc(Curve({(0, 1): 1, (1, 0): -1}), place(0, 0), place(1, 1), place(1, 0))
+    assert arc.holds(arb(0.1), NOTHING)
+    assert arc.contains(place(0.09, 0.09))
+    assert not arc.contains(place(0.11, 0.11))
+    assert not arc.contains([arb(0.095, 0.01), *[arb(0)] * 7, arb(0.095)])
 
 
 def test_where_time_turns_back_the_arc_says_so() -> None:
@@ -170,7 +186,7 @@ def test_a_fold_is_proved_where_there_is_just_one() -> None:
 
 def fold_of(curve, z: float, t: float) -> Fold:
     zero = (*place(z, t)[:8], *[arb(int(k == 0)) for k in range(8)], arb(t))
-    ball = tuple(a + arb(0, 2.0**-80) for a in zero)
+    ball = tuple(a + arb(0, 2.0**-100) for a in zero)
     return Fold(t, t, np.eye(8)[0], np.eye(8)[0], -1, curve, ball)
 
 
@@ -179,9 +195,13 @@ def test_a_mode_beyond_another_fold_is_on_no_side() -> None:
     c = 0.01
     curve = Curve({(0, 1): 1, (1, 0): -3 * c, (3, 0): 1})
     fold = fold_of(curve, 0.1, 2 * c * 0.1)
-    for z, side in ((0.11, 1), (0.08, -1), (0.09, -1), (-0.11, 0), (-0.14, 0), (-0.3, 0)):
+    for z, side in ((0.14, 1), (0.06, -1), (0.09, -1), (-0.11, 0), (-0.14, 0), (-0.3, 0)):
         t = 3 * c * z - z**3
         assert _Turn(fold, place(z, t)).side(place(z, t)) == side
+    turn = _Turn(fold, place(0.11, 3 * c * 0.11 - 0.11**3))
+    assert turn.side(place(0.105, 3 * c * 0.105 - 0.105**3)) == 1
+    assert turn.side(place(0.105, 1.0)) == 0
+    assert turn.side(place(0.3, 3 * c * 0.3 - 0.3**3)) == 0
     # The other place may be on either side.
     near = [arb(0.1, 0.01), *[arb(0)] * 7, arb(0.002, 1e-4)]
     assert _Turn(fold, near).side(near) == 0

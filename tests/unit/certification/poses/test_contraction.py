@@ -169,5 +169,3 @@ def test_a_solution_whose_conjugate_may_be_another_is_not_real(imaginary: float)
 def test_only_what_is_off_the_real_numbers_by_more_than_its_error_is_not_real() -> None:
     assert record(0.01j, 0.011, 0.02).real is None
     assert record(0.01j, 0.009, 0.02).real is False
-
-

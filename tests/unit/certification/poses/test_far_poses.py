@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
 from fractions import Fraction
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -236,6 +236,12 @@ def test_next_to_two_roots_of_a_made_up_equation_none_is_isolated(sign, constant
 def test_what_is_not_known_of_the_numbers_is_not_known_of_the_root(doubt):
     """The constant of a nearly double root may be off by as much: then there may be none."""
     assert not decide_made_up(made_up(0.1, 2.5 * (1 - doubt)), error=doubt)[2].any()
+
+
+def test_a_root_that_a_little_more_would_remove_is_proved_only_if_it_is_known():
+    numbers = made_up(0.1, 2.5 * (1 - 2.5e-3))
+    assert decide_made_up(numbers, error=1e-9)[2][0] & ISOLATED
+    assert not decide_made_up(numbers, error=2.6e-4)[2].any()
 
 
 def of_a_value(square=1.0, square_of_norm=0.0):

@@ -29,7 +29,7 @@ class Decided(NamedTuple):
 
 
 def form(constant: float = 0, slope: float = 0, square: float = 0, k: int = 1) -> np.ndarray:
-    """Return the Hessian matrix of constant + slope z + square z^2, z coordinate k over the first."""
+    """Return the Hessian matrix of constant + slope z + square z^2, z coordinate k by the first."""
     matrix = np.zeros((8, 8))
     matrix[0, 0], matrix[0, k], matrix[k, 0], matrix[k, k] = 2 * constant, slope, slope, 2 * square
     return matrix

@@ -1,8 +1,8 @@
 """Branches of made-up equations whose solutions are known: nothing false is proved of a segment.
 
 On the points (1, x, 0, ..., 0) five equations and the Study condition say that all other
-coordinates are zero. The sixth is about x^2 = v^2, in each form that an equation can have: two branches
-cross at v = 0, and the solution there is double. No segment across it can be proved.
+coordinates are zero. The sixth is about x^2 = v^2, in each form that an equation can have: two
+branches cross at v = 0, and the solution there is double. No segment across it can be proved.
 """
 
 from __future__ import annotations
@@ -41,6 +41,7 @@ EQUATIONS = {
     "cosine": (Shape.PLAIN, Law.COSINE, quadric(e00=1), None),
     "product": (Shape.PRODUCT, Law.SQUARE, quadric(e11=2), quadric(e01=1)),
     "product of squares": (Shape.PRODUCT, Law.SQUARE, quadric(e11=1), quadric(e11=3)),
+    "product without A": (Shape.PRODUCT, Law.COSINE, NORM, quadric(e01=1)),
     "lines": (Shape.LINES, Law.SQUARE, quadric(e01=1), quadric(e01=1)),
     "lines that turn": (Shape.LINES, Law.SQUARE, quadric(e01=1), quadric(e11=3)),
 }
@@ -71,7 +72,8 @@ def follow(name: str, rows, x: float, *, near=0.0, halvings=0, moduli=1.0, build
         laws,
         np.ones(6),
         largest,
-        np.maximum(sizes[:, 0], np.abs(sizes[:, 0] - 2 * largest)) + 2 * largest * (law is Law.COSINE),
+        np.maximum(sizes[:, 0], np.abs(sizes[:, 0] - 2 * largest))
+        + 2 * largest * (law is Law.COSINE),
         hessians,
         sizes,
         sizes * moduli,
@@ -104,7 +106,9 @@ def test_away_from_the_crossing_branches_are_followed(name: str, size: float) ->
 @pytest.mark.parametrize("halvings", [0, 2, 12])
 def test_no_branch_is_followed_across_the_crossing(name: str, size: float, halvings: int) -> None:
     for (before, after), sign in ((span, sign) for span in SPANS for sign in (1, -1)):
-        found = follow(name, [-before * size, after * size], sign * size * before, halvings=halvings)
+        found = follow(
+            name, [-before * size, after * size], sign * size * before, halvings=halvings
+        )
         assert found.stop != Stop.END
 
 
@@ -118,7 +122,7 @@ def test_where_the_pose_may_be_another_one_no_branch_begins(name: str) -> None:
         assert follow(name, [0.05, 0.052], x, near=share * alone, halvings=3).stop != Stop.END
 
 
-@pytest.mark.parametrize("name", [name for name in EQUATIONS if name != "cosine"])
+@pytest.mark.parametrize("name", [x for x, row in EQUATIONS.items() if row[1] is Law.SQUARE])
 def test_terms_that_cancel_make_errors(name: str) -> None:
     """Entries are sums of terms whose moduli may be much larger than the entries."""
     exact, rough = (follow(name, [0.1, 0.103], 0.1, moduli=m) for m in (1.0, 1e4))
@@ -135,8 +139,10 @@ def piece(name: str, begin: float, end: float) -> MovingQuadrics:
     if b is not None:
         quadrics[0, 1, 0] = b
     middle, change = (begin + end) / 2, end - begin
-    assert law is Law.SQUARE
     c = np.array([middle**2, 2 * middle * change, change**2, 0])
+    if law is Law.COSINE:
+        # 1 - v^2 / 2 instead.
+        c = np.array([1, 0, 0, 0]) - c / 2
     factors = np.zeros((6, DEGREE + 1))
     if shape is Shape.LINES:
         factors[0] = c
@@ -153,27 +159,27 @@ def shapes_of(name: str) -> np.ndarray:
 
 def solution(name: str, v: float, sign: int) -> float:
     """Return x for a value."""
-    x = sign * abs(v)
-    _, law, a, b = EQUATIONS[name]
-    if law is Law.COSINE:
-        return sign * np.sqrt(1 / np.cos(v) - 1)
-    for _ in range(60):
+    shape, law, a, b = EQUATIONS[name]
+    c = 1 - v * v / 2 if law is Law.COSINE else v * v
+
+    def value(x: float) -> float:
         z = np.array([1, x, 0, 0, 0, 0, 0, 0])
-        n, value = 1 + x * x, z @ a @ z / 2
-        square = 0.0 if b is None else (z @ b @ z / 2) ** 2
-        wanted = {
-            Shape.PLAIN: v * v * n,
-            Shape.PRODUCT: v * v * n + square / n,
-            Shape.LINES: 0.0,
-        }[EQUATIONS[name][0]]
-        if EQUATIONS[name][0] is Shape.LINES:
-            x = sign * abs(v) * np.sqrt(n * n - square)
-        else:
-            x = sign * np.sqrt(max(wanted, 0.0) * x * x / value) if value else 0.0
-    return x
+        n, first = 1 + x * x, z @ a @ z / 2
+        second = 0.0 if b is None else z @ b @ z / 2
+        return {
+            Shape.PLAIN: first - c * n,
+            Shape.PRODUCT: n * (first - c * n) - second**2,
+            Shape.LINES: first**2 - c * (n * n - second**2),
+        }[shape]
+
+    low, high = 0.0, 1.5 * abs(v)
+    for _ in range(80):
+        middle = (low + high) / 2
+        low, high = (low, middle) if value(middle) * value(1.5 * abs(v)) > 0 else (middle, high)
+    return sign * low
 
 
-NAMES = [name for name in EQUATIONS if name != "cosine"]
+NAMES = list(EQUATIONS)
 
 
 def chord_proof(name: str, begin: float, end: float, x: float, y: float, *, exact: bool, **changes):
@@ -302,7 +308,9 @@ def test_quadrics_on_a_segment_are_within_their_bounds() -> None:
         quadrics[0, 0, 0] = rng.normal(size=(DEGREE + 1, 8, 8)) * [[[1]], [[0.2]], [[0.1]], [[0.1]]]
         quadrics += np.swapaxes(quadrics, -1, -2)
         errors = np.array([[[0.1 * (seed % 2), 0.0]]])
-        parts = Parts(np.zeros(1, np.int32), quadrics, errors, np.zeros((1, 1, 4)), np.zeros((1, 1)))
+        parts = Parts(
+            np.zeros(1, np.int32), quadrics, errors, np.zeros((1, 1, 4)), np.zeros((1, 1))
+        )
         radius = [0.0, 0.01, 0.1][seed % 3]
         one = replace(segment(0.0, 1.0), first=first, last=last, radius=radius)
         middle, _, wide, _ = (x[0, 0] for x in _enclosed(parts, [one]))
