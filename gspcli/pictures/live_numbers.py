@@ -210,17 +210,9 @@ def _limits(instance: Instance) -> list[list[float | None]]:
 
 def _geometry(problem: Problem, rows: Array) -> Geometry | None:
     from gspcli.solver.all_poses import all_poses
-    from gspcli.solver.kept_geometry import kept_among
-    from gspcli.solver.row_groups import geometry_of_rows
+    from gspcli.solver.row_groups import start_among
 
-    return geometry_of_rows(
-        problem.arrangement,
-        rows,
-        count=problem.count_geometry,
-        seed=problem.seed,
-        starts=problem.starts,
-        kept=lambda *given: kept_among(problem, all_poses, *given),
-    )
+    return start_among(problem.with_rows(rows), all_poses)
 
 
 def _put_values(numbers: _Numbers, instance: Instance, geometry: Geometry) -> None:

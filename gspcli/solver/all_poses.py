@@ -1,10 +1,11 @@
-"""All poses of one platform: strategies in the order of their cost, until a count is reached."""
+"""All poses: strategies in the order of their cost, until as many are proved as there are."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from gspcli.solver.ledger import Ends, Ledger
+from gspcli.solver.ends import Ends
+from gspcli.solver.ledger import Ledger
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.problem import Problem
 
@@ -13,20 +14,27 @@ Strategy = Callable[[Problem], Iterator[Ends]]
 
 def all_poses(problem: Problem) -> PoseSet:
     """Return all poses of a platform near the origins of its frames, in any order."""
+    ledger = first_poses(problem)
+    if (poses := ledger.complete) is None:
+        from gspcli.solver.by_count import poses_by_count
+
+        poses = poses_by_count(problem, ledger, all_poses)
+    # What quick paths find at once is found as quickly the next time.
+    if not ledger.is_quick:
+        problem.keep(poses)
+    return poses
+
+
+def first_poses(problem: Problem) -> Ledger:
+    """Return what the first strategies find of a platform, or of it with many sets of values."""
     ledger = Ledger(problem)
     for strategy, is_quick in first_strategies(problem):
-        for ends in strategy(problem):
+        for ends in strategy(ledger.open):
             ledger.add(ends)
-            if (poses := ledger.complete) is not None:
-                # What quick paths find at once is found as quickly the next time.
-                if not (is_quick and ledger.is_at_once):
-                    problem.keep(poses)
-                return poses
-    from gspcli.solver.by_count import poses_by_count
-
-    poses = poses_by_count(problem, ledger, all_poses)
-    problem.keep(poses)
-    return poses
+            if ledger.is_complete:
+                ledger.is_quick = is_quick and ledger.is_at_once
+                return ledger
+    return ledger
 
 
 def first_strategies(problem: Problem) -> Iterator[tuple[Strategy, bool]]:
@@ -39,7 +47,17 @@ def first_strategies(problem: Problem) -> Iterator[tuple[Strategy, bool]]:
         from gspcli.solver.strategies.closed_form import closed_form
 
         yield closed_form, True
-    elif problem.has_kept_geometry:
+    if problem.rows is not None:
+        # Many sets of values: from one start, the quickest paths first.
+        from gspcli.solver.strategies.same_geometry import (
+            by_careful_steps,
+            by_short_steps,
+            from_nearest,
+        )
+
+        yield from ((way, True) for way in (from_nearest, by_short_steps, by_careful_steps))
+        return
+    if problem.has_kept_geometry and not problem.has_closed_form:
         # Planar or symmetric bodies, shared joints: from the second platform of a geometry on.
         from gspcli.solver.strategies.same_geometry import same_geometry
 

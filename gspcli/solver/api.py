@@ -16,7 +16,7 @@ from gspcli.geometry.readings import values_of
 from gspcli.solver.all_poses import all_poses
 from gspcli.solver.arguments import value_rows, warn_of_certify, whole
 from gspcli.solver.batch import PoseBatch, joined
-from gspcli.solver.pose_blocks import pose_blocks
+from gspcli.solver.many_poses import many_poses
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.problem import Problem
 from gspcli.solver.result import SolveResult
@@ -112,7 +112,8 @@ def solve_values(
         a negative distance) only spoils its own `PoseSet`, whose `problem` says so.
     """
     warn_of_certify(certify)
-    return chain.from_iterable(pose_blocks(instance, values, seed=seed, jobs=jobs, starts=starts))
+    answers = many_poses(instance, values, seed=seed, jobs=jobs, starts=starts)
+    return chain.from_iterable(each.poses() for each in answers)
 
 
 def solve_batch(
@@ -142,9 +143,9 @@ def solve_batch(
         As for `solve_values`.
     """
     warn_of_certify(certify)
-    blocks, steps = [], iter(progress)
-    for block in pose_blocks(instance, values, seed=seed, jobs=jobs, starts=starts):
-        blocks.append(block)
-        deque(islice(steps, len(block)), maxlen=0)
+    answers, steps = [], iter(progress)
+    for each in many_poses(instance, values, seed=seed, jobs=jobs, starts=starts):
+        answers.append(each)
+        deque(islice(steps, len(each.rows)), maxlen=0)
     rows = values_of(instance, value_rows(values), signed=False)
-    return joined(Arrangement.of(instance), rows, blocks)
+    return joined(Arrangement.of(instance), rows, answers)

@@ -2,99 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from collections.abc import Mapping
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.equations.local_frames import LocalFrames
-from gspcli.continuation.paths import PathAccount
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.residuals import condition_numbers, proved_residuals, residuals
 from gspcli.records import dataclass
+from gspcli.solver.many_poses import Answers
 from gspcli.solver.pose_set import PoseSet
-from gspcli.solver.proof import Proof
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-
-
-@dataclass(frozen=True, eq=False)
-class Block:
-    """Sets of values that all have the same number of certified poses, or another answer.
-
-    Attributes
-    ----------
-    quaternions, R, T, real
-        Shapes (b, n, 4), (b, n, 3, 3), (b, n, 3) and (b, n); see `PoseSet`.
-    account, proof
-        Of each set.
-    others
-        The sets that have another answer; their rows in the arrays have no meaning.
-    """
-
-    quaternions: Complex
-    R: Complex
-    T: Complex
-    real: NDArray[np.bool_]
-    account: PathAccount
-    proof: Proof | None
-    others: Mapping[int, PoseSet] = field(default_factory=dict)
-
-    @classmethod
-    def nothing(cls, size: int) -> Block:
-        """Return a block of so many sets of values, each of which is to get its own answer."""
-        empty = np.zeros((size, 0), np.complex128)
-        return cls(
-            quaternions=empty.reshape(size, 0, 4),
-            R=empty.reshape(size, 0, 3, 3),
-            T=empty.reshape(size, 0, 3),
-            real=np.zeros((size, 0), np.bool_),
-            account=PathAccount(expected=0),
-            proof=None,
-        )
-
-    @classmethod
-    def of(cls, answers: Sequence[PoseSet]) -> Block:
-        """Return a block of sets of values with these answers."""
-        return replace(cls.nothing(len(answers)), others=dict(enumerate(answers)))
-
-    def __len__(self) -> int:
-        return len(self.R)
-
-    @cached_property
-    def _ones(self) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
-        number = self.real.shape[1]
-        return np.ones(number, np.bool_), np.ones(number, np.int64)
-
-    def pose_set(self, k: int) -> PoseSet:
-        """Return the answer for one set of values; its arrays are parts of those here."""
-        other = self.others.get(k)
-        if other is not None:
-            return other
-        certified, once = self._ones
-        return PoseSet(
-            quaternions=self.quaternions[k],
-            R=self.R[k],
-            T=self.T[k],
-            real=self.real[k],
-            certified=certified,
-            multiplicity=once,
-            motions=(),
-            account=self.account,
-            proof=self.proof,
-        )
-
-    def __iter__(self) -> Iterator[PoseSet]:
-        return map(self.pose_set, range(len(self)))
-
-    def taken_back(self, local_frames: LocalFrames) -> Block:
-        """Return poses that were found near the bodies in the frames of the instance."""
-        others = {k: poses.taken_back(local_frames) for k, poses in self.others.items()}
-        return replace(self, T=local_frames.doubles_back(self.R, self.T), others=others)
 
 
 #: Poses that are measured together: enough that their number does not matter.
@@ -179,52 +100,38 @@ class PoseBatch:
         return result
 
 
-def joined(arrangement: Arrangement, values: Array, blocks: list[Block]) -> PoseBatch:
-    """Return blocks, one after the other, as one batch (see its attributes)."""
-    others: dict[int, PoseSet] = {}
-    begin, widths = 0, [0]
-    for block in blocks:
-        others |= {begin + k: poses for k, poses in block.others.items()}
-        widths += [len(poses.R) for poses in block.others.values()]
-        widths.append(block.real.shape[1] if len(block.others) < len(block) else 0)
-        begin += len(block)
-    shape = begin, max(widths)
+def joined(arrangement: Arrangement, values: Array, answers: list[Answers]) -> PoseBatch:
+    """Return answers, one after the other, as one batch (see its attributes)."""
+    others = {k: poses for each in answers for k, poses in each.alone.items()}
+    together = [part for each in answers for part in each.together if len(part.rows)]
+    widths = [len(poses.R) for poses in others.values()] + [len(part.ledger) for part in together]
+    shape = len(values), max(widths, default=0)
     batch = PoseBatch(
         arrangement=arrangement,
         values=values,
-        number=np.zeros(begin, np.int64),
+        number=np.zeros(len(values), np.int64),
         R=np.full((*shape, 3, 3), np.nan, np.complex128),
         T=np.full((*shape, 3), np.nan, np.complex128),
         real=np.zeros(shape, np.bool_),
         certified=np.zeros(shape, np.bool_),
         multiplicity=np.zeros(shape, np.int64),
-        complete=np.zeros(begin, np.bool_),
-        proved=np.zeros(begin, np.bool_),
+        complete=np.zeros(len(values), np.bool_),
+        proved=np.zeros(len(values), np.bool_),
         others=others,
     )
-    begin = 0
-    for block in blocks:
-        rows, width = slice(begin, begin + len(block)), block.real.shape[1]
-        if len(block.others) < len(block):
-            batch.R[rows, :width], batch.T[rows, :width] = block.R, block.T
-            batch.real[rows, :width] = block.real
-            batch.certified[rows, :width] = batch.multiplicity[rows, :width] = 1
-            batch.number[rows] = width
-            batch.complete[rows] = True
-            batch.proved[rows] = block.proof is not None
-        for k, poses in block.others.items():
-            _enter(batch, begin + k, poses)
-        begin += len(block)
+    for rows, places, ledger in together:
+        found, width = ledger.proved, len(ledger)
+        assert found is not None
+        batch.R[rows, :width], batch.T[rows, :width] = found.R[places], found.T[places]
+        batch.real[rows, :width] = found.real[places]
+        batch.certified[rows, :width] = batch.multiplicity[rows, :width] = 1
+        batch.number[rows] = width
+        batch.complete[rows] = batch.proved[rows] = True
+    for k, poses in others.items():
+        number = len(poses.R)
+        for name in ("R", "T", "real", "certified", "multiplicity"):
+            getattr(batch, name)[k, :number] = getattr(poses, name)
+        batch.number[k] = number
+        batch.complete[k] = poses.problem is None and poses.account.verdict == "complete"
+        batch.proved[k] = batch.complete[k] and poses.proof is not None
     return batch
-
-
-def _enter(batch: PoseBatch, k: int, poses: PoseSet) -> None:
-    """Write one answer into its row."""
-    number = len(poses.R)
-    rest: dict[str, Any] = {"R": np.nan, "T": np.nan, "real": 0, "certified": 0, "multiplicity": 0}
-    for name, nothing in rest.items():
-        part = getattr(batch, name)
-        part[k, :number], part[k, number:] = getattr(poses, name), nothing
-    batch.number[k] = number
-    batch.complete[k] = poses.problem is None and poses.account.verdict == "complete"
-    batch.proved[k] = batch.complete[k] and poses.proof is not None

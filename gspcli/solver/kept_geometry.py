@@ -64,19 +64,18 @@ def kept_geometry(problem: Problem) -> Geometry | None:
 
 
 def kept_among(
-    problem: Problem, solve: Callable[[Problem], PoseSet], rows: Array, begin: bool
+    problem: Problem, solve: Callable[[Problem], PoseSet], *, begin: bool
 ) -> Geometry | None:
     """Return a geometry with poses far away and starts among sets of values; None if it has none.
 
     Parameters
     ----------
     problem, solve
-        The platform, and what returns all poses of one.
-    rows
-        Sets of values, shape (b, 6).
+        The platform with its sets of values, and what returns all poses of one.
     begin
         Whether to solve one of them if no platform of the geometry is kept.
     """
+    rows = problem.values
     one = problem.with_values(rows[len(rows) // 2])
     if not one.is_kept or one.limit == 0:
         return None
@@ -109,9 +108,9 @@ def _with_far_poses(
         found = _about(problem, _flattened(known.arrangement), near, problem.seed + attempt, far)
         if found is None:
             continue
-        points, unit = found.quick_ends(rows, 1)
-        ends = found.ends(points, unit)
-        if solved.proofs.decide(rows, solved.choices, ends.points, ends.frames).complete[0]:
+        ends = found.quick_ends(rows)
+        proved = solved.proofs.decide(solved.choices, ends.points, ends.frames, rows=rows)
+        if proved.complete[0]:
             return found
     return None
 

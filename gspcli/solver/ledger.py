@@ -3,93 +3,108 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from gspcli.certification.equations.frames import Frames
 from gspcli.certification.poses.many_values import ProvedPoses
 from gspcli.continuation.paths import Basis, PathAccount
-from gspcli.continuation.quadrics import ComplexArray
+from gspcli.solver.ends import Ends
 from gspcli.solver.pose_set import PoseSet, joined, on_sides
 from gspcli.solver.problem import Problem
 from gspcli.solver.proof import CountKind, Proof
 
 if TYPE_CHECKING:
-    from gspcli.certification.poses.far_poses import FarPoses
     from gspcli.solver.side import Side
 
+
+Index = NDArray[np.intp]
 
 #: What `ProvedPoses` has of each pose.
 _OF_POSES = tuple(name for name in ProvedPoses._fields if name != "complete")
 
 
-class Ends(NamedTuple):
-    """Study points of any norm that may be poses, shape (k, m, 8) for k choices of sides.
-
-    With poses far away, known for other values, and approximations of them (`FarPoses`), if there
-    is one choice of sides.
-    """
-
-    points: ComplexArray
-    frames: Frames
-    far: FarPoses | None = None
-    local: ComplexArray | None = None
-
-
 class Ledger:
-    """The proved poses of a platform.
+    """The proved poses of a platform, or of one geometry with each of b sets of values.
 
     Parameters
     ----------
     problem
         The platform.
+
+    Attributes
+    ----------
+    proved
+        What a strategy has found that found everything of a set of values at once; the other sets
+        in it have no meaning. None if there are none.
+    left
+        The sets of values that have not all their poses there.
+    is_quick
+        Whether everything was found by quick paths, and proved at once.
     """
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
-        #: What a strategy has found that found everything at once.
-        self._whole: ProvedPoses | None = None
+        self.proved: ProvedPoses | None = None
+        self.left: Index = np.arange(len(problem.values))
+        self.is_quick = False
         self._sides: list[Side] = []
 
     @property
     def sides(self) -> list[Side]:
-        """The poses for each choice of sides, from the first time on that some are missing."""
+        """The poses of one platform for each choice of sides, when some of them are missing."""
         if not self._sides:
             from gspcli.solver.side import Side
 
             self._sides = [Side(self.problem, k) for k in range(len(self.problem.choices))]
         return self._sides
 
+    @property
+    def open(self) -> Problem:
+        """What there is still to be solved: the platform with the sets of values that are left."""
+        return self.problem if self.proved is None else self.problem.part(self.left)
+
     def add(self, ends: Ends) -> None:
-        """Prove poses near ends of all choices of sides by the kernel: many at a time."""
+        """Prove poses near the ends of paths to the sets of values that are left, by the kernel."""
         problem = self.problem
         if problem.proofs is None:
             return
-        proofs, choices = problem.proofs, problem.choices
-        found = proofs.decide_own(choices, ends.points, ends.frames)
+        proofs, choices, jobs = problem.proofs, problem.choices, problem.jobs
+        rows = None if problem.rows is None else problem.rows[self.left]
+        found = proofs.decide(choices, ends.points, ends.frames, rows=rows, jobs=jobs)
         if ends.far is not None:
-            values = proofs.own_values(choices), np.ones(1), proofs.scale
-            found = ends.far.beside(found, *values, ends.local)
-        number = found.certified.size
-        if found.complete[0] and not self._sides and self._counted(number):
-            self._whole = found
-            return
-        for k, side in enumerate(self.sides):
-            each = slice(k * number // len(choices), (k + 1) * number // len(choices))
-            side.add_first(
-                found._replace(**{name: getattr(found, name)[:, each] for name in _OF_POSES})
-            )
+            values = proofs.values(choices, rows)[:, 0], proofs.units(rows), proofs.scale
+            found = ends.far.beside(found, *values, ends.local, jobs=jobs)
+        number = found.certified.shape[1]
+        if not self._sides and found.complete.any() and self._counted(number):
+            self._keep(found)
+        if problem.rows is None and len(self.left):
+            for k, side in enumerate(self.sides):
+                each = slice(k * number // len(choices), (k + 1) * number // len(choices))
+                side.add_first(
+                    found._replace(**{name: getattr(found, name)[:, each] for name in _OF_POSES})
+                )
+
+    def _keep(self, found: ProvedPoses) -> None:
+        """Keep the sets of values of which all poses are found, of those that were left."""
+        if self.proved is None:
+            self.proved = found
+        else:
+            for part, better in zip(self.proved, found, strict=True):
+                part[self.left] = better
+        self.left = self.left[~found.complete]
 
     @property
     def is_at_once(self) -> bool:
         """Whether a strategy has found everything, and the kernel proved it."""
-        return self._whole is not None
+        return not len(self.left)
 
     def __len__(self) -> int:
-        """Return how many poses are proved."""
-        if self._whole is not None:
-            return self._whole.certified.size
+        """Return how many poses of one platform are proved."""
+        if self.proved is not None:
+            return int(self.proved.certified.shape[1])
         return sum(len(side.found) for side in self.sides)
 
     def _counted(self, number: int) -> Proof | None:
@@ -104,33 +119,60 @@ class Ledger:
         return Proof.modulo(CountKind.GEOMETRY, count.error)
 
     @property
+    def is_complete(self) -> bool:
+        """Whether all poses are proved: as many as the type or the geometry has."""
+        return self.is_at_once or (self.problem.rows is None and self._answer is not None)
+
+    @property
     def complete(self) -> PoseSet | None:
-        """All poses, if they are as many as the type or the geometry has."""
+        """All poses of one platform, if they are as many as the type or the geometry has."""
+        if self.is_at_once:
+            return self.poses(0)
+        answer = self._answer
+        if answer is None:
+            return None
+        account, proof = answer
+        poses = joined([side.poses() for side in self.sides])
+        return replace(poses, account=account, proof=proof)
+
+    def poses(self, k: int) -> PoseSet:
+        """Return the poses for a set of values that is not left; its arrays are parts of those."""
+        found, shared = self.proved, self._shared
+        assert found is not None
+        return PoseSet(
+            quaternions=found.quaternions[k],
+            R=found.R[k],
+            T=found.T[k],
+            real=found.real[k],
+            motions=(),
+            **shared,
+        )
+
+    @cached_property
+    def _shared(self) -> dict[str, Any]:
+        """What the poses for each set of values have that is not left."""
+        number, answer = len(self), self._answer
+        assert answer is not None
+        return {
+            "certified": np.ones(number, np.bool_),
+            "multiplicity": np.ones(number, np.int64),
+            "account": answer[0],
+            "proof": answer[1],
+            "signs": on_sides(self.problem.choices, number),
+        }
+
+    @property
+    def _answer(self) -> tuple[PathAccount, Proof] | None:
+        """The account and the proof of as many poses as are proved, if these are all."""
         number, expected = len(self), self.problem.expected
         proof = self._counted(number) if number else None
         if proof is None:
             return None
+        by_paths = number == expected and not self.problem.has_closed_form
         account = PathAccount(
             expected=expected,
             found=number,
             at_infinity=expected - number,
-            basis=Basis.PATHS
-            if number == expected and not self.problem.has_closed_form
-            else Basis.COUNT,
+            basis=Basis.PATHS if by_paths else Basis.COUNT,
         )
-        if self._whole is None:
-            poses = joined([side.poses() for side in self.sides])
-            return replace(poses, account=account, proof=proof)
-        found = self._whole
-        return PoseSet(
-            quaternions=found.quaternions[0],
-            R=found.R[0],
-            T=found.T[0],
-            real=found.real[0],
-            certified=found.certified[0],
-            multiplicity=np.ones(number, np.int64),
-            motions=(),
-            account=account,
-            proof=proof,
-            signs=on_sides(self.problem.choices, number),
-        )
+        return account, proof

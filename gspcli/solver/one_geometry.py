@@ -12,14 +12,12 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 from math import ceil, log2
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.certification.equations.frames import Frames
-from gspcli.certification.poses.many_values import ProvedPoses, ValueProofs
-from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.start import path_count
 from gspcli.continuation.systems import Coefficients
@@ -34,6 +32,7 @@ from gspcli.continuation.tracker_options import (
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import apply, study_from_pose
 from gspcli.records import dataclass
+from gspcli.solver.ends import Ends
 from gspcli.solver.geometry_start import GeometryStart, SolvedSystem, StartMethod, geometry_start
 from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.proof import CountKind, Proof
@@ -57,41 +56,8 @@ _LEAST_DEVIATION = 0.125
 _GRID = 0.125
 
 
-class Solved(NamedTuple):
-    """The poses for sets of values, of which those that are complete have all there are.
-
-    Attributes
-    ----------
-    poses
-        What was found and proved.
-    account, proof
-        Of each set that is complete.
-    """
-
-    poses: ProvedPoses
-    account: PathAccount
-    proof: Proof | None
-
-
-class GeometryEnds(NamedTuple):
-    """The ends of paths to b sets of values of a geometry.
-
-    Attributes
-    ----------
-    points, frames
-        Study points of any norm for k choices of sides, shape (b, k, m, 8), and their frames.
-    far, local
-        The poses to which no paths lead, and their approximations (`FarPoses.local`).
-    """
-
-    points: ComplexArray
-    frames: Frames
-    far: FarPoses | None = None
-    local: ComplexArray | None = None
-
-
 def geometry_among(
-    arrangement: Arrangement,
+    given: Arrangement,
     rows: Array,
     count: Callable[[], ExactCount | None],
     seed: int,
@@ -102,12 +68,17 @@ def geometry_among(
 
     Parameters
     ----------
-    arrangement, count, seed, jobs, starts
-        As for `row_groups.solve_rows`.
+    given
+        The geometry; the same of its distances are zero as in the sets of values.
     rows
-        Sets of values with the same distances zero, shape (b, 6).
+        Sets of values in the units of the instance, shape (b, 6).
+    count
+        Returns the exact count of the geometry, with values in general position, for the sides
+        asked for; None if it is not known. Called only if the geometry seems to have fewer
+        solutions than its type.
+    seed, jobs, starts
+        As for `gspcli.solve`.
     """
-    given = arrangement.with_values(rows[0])
     length = 2.0 ** ceil(log2(given.length_with(rows)))
     values = _inner_values(given, rows, length, side_choices(given))
     parameters = _squared(given, values).reshape(-1, 6)
@@ -143,7 +114,7 @@ def geometry_about(
     mean, spread
         Of the start's parameters, what the equations are linear in, in that unit, shape (6,).
     count, seed, starts
-        As for `row_groups.solve_rows`.
+        As for `geometry_among`.
     ways
         To the start, which are tried in turn.
     solved
@@ -241,16 +212,6 @@ class Geometry:
         return len(self.start.points) * len(self.choices) + _besides(self.far)
 
     @property
-    def account(self) -> PathAccount:
-        """What became of the paths to a platform with as many poses."""
-        return PathAccount(
-            expected=self.expected,
-            found=self.found,
-            at_infinity=self.expected - self.found,
-            basis=Basis.PATHS if self.found == self.expected else Basis.COUNT,
-        )
-
-    @property
     def batch(self) -> int:
         """How many sets of values are solved together."""
         return max(1, _BATCH_PATHS // self.found)
@@ -261,74 +222,45 @@ class Geometry:
             return self
         return replace(self, pool=self.pool.about(self._parameters(rows), jobs))
 
-    def frames(self, unit: float) -> Frames:
-        """Return the frames of the ends of paths, with the unit of f in them."""
-        given = self.given
-        return Frames(length=unit, platform=given.platform_centre, base=given.base_centre)
-
-    def solve(self, rows: Array, proofs: ValueProofs, jobs: int) -> Solved:
-        """Return the poses for sets of values (b, 6)."""
-
-        def proved(rows: Array, points: ComplexArray, unit: float) -> ProvedPoses:
-            ends = self.ends(points, unit)
-            poses = proofs.decide(rows, self.choices, ends.points, ends.frames, jobs=jobs)
-            if ends.far is None:
-                return poses
-            values = proofs.values(rows, self.choices)[:, 0], proofs.units(rows), proofs.scale
-            return ends.far.beside(poses, *values, ends.local, jobs=jobs)
-
-        poses = proved(rows, *self.quick_ends(rows, jobs))
-        for ends in (self._short_ends, self._careful_ends):
-            again = np.flatnonzero(~poses.complete)
-            if not len(again):
-                break
-            found = ends(rows[again], jobs)
-            if found is None:
-                continue
-            for part, better in zip(poses, proved(rows[again], *found), strict=True):
-                part[again] = better
-        return Solved(poses, self.account, self.proof)
-
-    def ends(self, points: ComplexArray, unit: float) -> GeometryEnds:
-        """Return ends of paths to sets of values by choices of sides, and what is known besides.
-
-        Parameters
-        ----------
-        points, unit
-            As `quick_ends` returns them.
-        """
-        choices, frames = len(self.choices), self.frames(unit)
-        points = points.reshape(-1, choices, len(self.start.points), 8)
-        if self.far is None:
-            return GeometryEnds(points, frames)
-        near = points.shape[2] - self.far.approached
-        local = self.far.local(points[:, 0, near:], frames)
-        return GeometryEnds(points[:, :, :near], frames, self.far, local)
-
-    def quick_ends(self, rows: Array, jobs: int) -> tuple[ComplexArray, float]:
-        """Return Study points of the ends of paths to sets of values, and their unit of f."""
+    def quick_ends(self, rows: Array, jobs: int = 1) -> Ends:
+        """Return the ends of paths to sets of values (b, 6), from the nearest start."""
         if self.pool is None:
             return self._whole_ends(rows, SHORT, jobs)
-        return self.pool.follow(self._parameters(rows), VALUE_STEPS, jobs), self.length
+        return self._ends(self.pool.follow(self._parameters(rows), VALUE_STEPS, jobs), self.length)
 
-    def _short_ends(self, rows: Array, jobs: int) -> tuple[ComplexArray, float] | None:
+    def short_ends(self, rows: Array, jobs: int = 1) -> Ends | None:
         """Return the same, by short steps from the geometry's own start; None without a pool."""
         if self.start.pool is None:
             return None
         ends = self.start.pool.follow(self._parameters(rows), SHORT_STEPS, jobs)
-        return ends, self.length
+        return self._ends(ends, self.length)
 
-    def _careful_ends(self, rows: Array, jobs: int) -> tuple[ComplexArray, float]:
+    def careful_ends(self, rows: Array, jobs: int = 1) -> Ends:
+        """Return the same, by paths of the equations as they are."""
         return self._whole_ends(rows, CAREFUL, jobs)
+
+    def _ends(self, points: ComplexArray, unit: float) -> Ends:
+        """Return ends by choices of sides, and the poses far away.
+
+        Parameters
+        ----------
+        points, unit
+            Study points for each set of values and choice of sides, and their unit of f.
+        """
+        choices, given = len(self.choices), self.given
+        frames = Frames(length=unit, platform=given.platform_centre, base=given.base_centre)
+        points = points.reshape(-1, choices, len(self.start.points), 8)
+        if self.far is None:
+            return Ends(points, frames)
+        near = points.shape[2] - self.far.approached
+        local = self.far.local(points[:, 0, near:], frames)
+        return Ends(points[:, :, :near], frames, self.far, local)
 
     def _parameters(self, rows: Array) -> Array:
         values = _inner_values(self.given, rows, self.length, self.choices).reshape(-1, 6)
         return _squared(self.given, values)
 
-    def _whole_ends(
-        self, rows: Array, options: TrackerOptions, jobs: int
-    ) -> tuple[ComplexArray, float]:
-        """Return the same, by paths of the system as it is."""
+    def _whole_ends(self, rows: Array, options: TrackerOptions, jobs: int) -> Ends:
         values = _inner_values(self.given, rows, self.length, self.choices)
         inner, start = self.inner, self.start
         structure, coefficients = coefficients_of(
@@ -338,4 +270,4 @@ class Geometry:
         targets = ordered.in_units(start.scale).normalized()
         ends = track(start.system, targets, start.points, options=options, jobs=jobs)
         ends.points[ends.status != PathStatus.REGULAR] = np.nan
-        return ends.points, self.length * float(start.scale)
+        return self._ends(ends.points, self.length * float(start.scale))

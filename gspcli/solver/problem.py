@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from fractions import Fraction
 from functools import cached_property
 from math import ceil, log2
@@ -27,7 +28,11 @@ if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
     from gspcli.certification.poses.locator import Locator
     from gspcli.continuation.tracked_paths import TrackedPaths
+    from gspcli.solver.one_geometry import Geometry
     from gspcli.solver.pose_set import PoseSet
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
 
 #: Whose equations are each one quadric that depends on e, e ^ f and f.f alone.
 _REDUCIBLE = frozenset({DPP, DPH, DHP, *ANGLE_KINDS})
@@ -40,6 +45,10 @@ class Problem:
     ----------
     instance, arrangement
         The platform, exactly and in floating point.
+    rows
+        Sets of values in place of those of the instance, doubles that are meant exactly, shape
+        (b, 6); the same distances are zero in all of them, and in the arrangement. None for the
+        values of the instance, exactly as they are written.
     seed, jobs, prove, starts
         As for `gspcli.solve`.
     """
@@ -49,6 +58,7 @@ class Problem:
         instance: Instance,
         arrangement: Arrangement | None = None,
         *,
+        rows: Array | None = None,
         seed: int = SEED,
         jobs: int = 1,
         prove: bool | None = None,
@@ -56,12 +66,15 @@ class Problem:
     ) -> None:
         self.instance = instance
         self.arrangement = Arrangement.of(instance) if arrangement is None else arrangement
+        self.rows = rows
         self.seed, self.jobs, self.starts = seed, jobs, starts
         #: Work that a count may take, None for no limit; if it is zero, nothing is counted.
         self.limit = {True: None, False: 0.0, None: PATIENCE}[prove]
         #: The count of the geometry, if it was asked for before.
         self.known_geometry_count: ExactCount | None = None
         self._has_counted = False
+        #: From where paths lead to the sets of values, if they have a start together.
+        self.start: Geometry | None = None
 
     def like(self, instance: Instance) -> Problem:
         """Return another platform, to be solved likewise."""
@@ -80,6 +93,30 @@ class Problem:
             jobs=self.jobs,
             starts=self.starts,
         )
+
+    def with_rows(self, rows: Array) -> Problem:
+        """Return the same geometry with sets of values (b, 6), to be solved together."""
+        other = Problem(
+            self.instance,
+            self.arrangement.with_values(rows[0]),
+            rows=rows,
+            seed=self.seed,
+            jobs=self.jobs,
+            starts=self.starts,
+        )
+        other.limit = self.limit
+        return other
+
+    def part(self, chosen: Index) -> Problem:
+        """Return the same with some of its sets of values."""
+        other = copy(self)
+        other.rows = self.values[chosen]
+        return other
+
+    @property
+    def values(self) -> Array:
+        """The sets of values, in doubles, shape (b, 6)."""
+        return self.arrangement.values[None] if self.rows is None else self.rows
 
     @cached_property
     def local_frames(self) -> LocalFrames:
@@ -174,7 +211,7 @@ class Problem:
     @cached_property
     def proofs(self) -> ValueProofs | None:
         """The equations of proofs for the kernel; None if the frames are too far away for it."""
-        return ValueProofs(self.instance, None) if self.local_frames.is_none else None
+        return ValueProofs(self.instance, self.rows) if self.local_frames.is_none else None
 
     @cached_property
     def locator(self) -> Locator:
@@ -214,4 +251,5 @@ class Problem:
 
     def count_geometry(self) -> ExactCount | None:
         """Return the count of the geometry with values in general position."""
-        return self.starts.count(self.instance, self.seed, self.limit)
+        self.known_geometry_count = self.starts.count(self.instance, self.seed, self.limit)
+        return self.known_geometry_count

@@ -131,7 +131,7 @@ class Side:
             return new
         if problem.proofs is not None:
             choice = problem.choices[self.k : self.k + 1]
-            found = problem.proofs.decide_own(choice, ends.points[None], problem.frames)
+            found = problem.proofs.decide(choice, ends.points[None, None], problem.frames)
             place = self.add_proved(found)
             first = np.unique(place, return_index=True)[1]
             new[first[place[first] >= before]] = True

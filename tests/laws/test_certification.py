@@ -7,6 +7,7 @@ from fractions import Fraction
 from functools import cache
 
 import numpy as np
+from closed_forms import closed_form_poses
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -18,7 +19,6 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.solver import solve
-from gspcli.solver.closed_form import solve_closed_forms
 from gspcli.solver.generate import random_instance
 
 #: Families with few poses, so that many platforms can be tried.
@@ -40,7 +40,7 @@ def platform(key: tuple[str, int]) -> tuple[Instance, np.ndarray, np.ndarray, np
     source = np.random.default_rng(seed)
     instance, _ = random_instance(parse_type(name), source, one_sided=True)
     arrangement = Arrangement.of(instance)
-    poses = next(solve_closed_forms(arrangement, arrangement.values[None]))
+    poses = closed_form_poses(arrangement)
     assert poses is not None
     return instance, poses.R, poses.T, poses.real
 

@@ -54,7 +54,7 @@ STATEMENTS: dict[str, Callable[[Kind], Any]] = {
     "forms of distances": lambda kind: measures(arrangement(kind)),
     "quadrics": lambda kind: target_systems(arrangement(kind).normalized),
     "proofs of values": lambda kind: ValueProofs(platform(kind), ONE).decide(
-        ONE, ONE, np.zeros((1, 1, 1, 8), complex), OWN
+        ONE, np.zeros((1, 1, 1, 8), complex), OWN, rows=ONE
     ),
     "exact count": lambda kind: count_exactly(platform(kind)),
     "equation modulo a prime": lambda kind: equation(kind, BODY, BODY, 1),

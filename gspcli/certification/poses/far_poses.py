@@ -46,7 +46,7 @@ class FarPoses:
     real
         Which of the poses are real, shape (n,); a pair of conjugates is stored as one pose.
     values
-        The values in the form of the kernel (`ValueProofs.own_values`), shape (6, 6).
+        The values in the form of the kernel (`ValueProofs.values`), shape (6, 6).
     powers
         The power of a length that each value is in its equation, shape (6,).
     scale
@@ -105,7 +105,7 @@ class FarPoses:
             numbers=np.ascontiguousarray(np.stack([each.numbers for each in known], axis=1)),
             errors=np.array([each.error for each in known]),
             real=np.array([each.real for each in known], np.uint8),
-            values=proofs.own_values(choice[None])[0],
+            values=proofs.values(choice[None])[0, 0],
             powers=np.array([2 * k.is_distance - k.has_sides for k in kinds]),
             scale=locator.scale,
             approached=sum(each.is_bent for each in known),

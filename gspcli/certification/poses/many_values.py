@@ -146,8 +146,13 @@ class ValueProofs:
         high, low = sines(rows[:, self._angles], complements, degrees=degrees)
         return high * signs, low * signs
 
-    def values(self, rows: Array, choices: Array) -> Array:
-        """Return the numbers of each value for the kernel (native/ends.hpp), shape (b, k, 6, 6)."""
+    def values(self, choices: Array, rows: Array | None = None) -> Array:
+        """Return the numbers of each value for the kernel (native/ends.hpp), shape (b, k, 6, 6).
+
+        Parameters are those of `decide`.
+        """
+        if rows is None:
+            return self._own_values(choices)[None]
         values = np.repeat(rows[:, None, :], len(choices), axis=1)
         bounds, lows, gaps = np.empty_like(values), np.zeros_like(values), np.zeros_like(values)
         for i in self._distances:
@@ -167,43 +172,40 @@ class ValueProofs:
         return np.stack((values, bounds, distances, lows, gaps, np.zeros_like(gaps)), axis=2)
 
     def decide(
-        self, rows: Array, choices: Array, points: Complex, frames: Frames, *, jobs: int = 1
+        self,
+        choices: Array,
+        points: Complex,
+        frames: Frames,
+        *,
+        rows: Array | None = None,
+        jobs: int = 1,
     ) -> ProvedPoses:
         """Prove poses near the ends of paths in double precision.
 
         Parameters
         ----------
-        rows
-            Sets of values, shape (b, 6); a distance of lines is zero in all of them or in none.
         choices
             For each choice of sides the sign of each constraint, shape (k, 6).
         points
-            Study points of any norm for each set and choice, shape (b, k, m, 8), n = k m.
+            Study points of any norm for each set of values and choice, shape (b, k, m, 8),
+            n = k m.
         frames
             The frames of the points.
+        rows
+            Sets of values, shape (b, 6); a distance of lines is zero in all of them or in none.
+            None for the values of the instance, exactly as they are written; b = 1.
         jobs
             Threads.
         """
-        return self._decide(self.values(rows, choices), self.units(rows), points, frames, jobs)
+        return self._decide(self.values(choices, rows), self.units(rows), points, frames, jobs)
 
-    def units(self, rows: Array) -> Array:
+    def units(self, rows: Array | None) -> Array:
         """Return the units of the last digits of translations, in lengths of the equations."""
+        if rows is None:
+            return np.ones(1)
         return length_scales(self.instance, rows[:, self._distances]) / self.scale
 
-    def decide_own(self, choices: Array, points: Complex, frames: Frames) -> ProvedPoses:
-        """Prove poses in double precision for the values of the instance, exactly as written.
-
-        Parameters
-        ----------
-        choices, frames
-            As for `decide`.
-        points
-            Shape (k, m, 8).
-        """
-        values = self.own_values(choices)[None]
-        return self._decide(values, np.ones(1), points[None], frames, jobs=1)
-
-    def own_values(self, choices: Array) -> Array:
+    def _own_values(self, choices: Array) -> Array:
         """Return the numbers of the instance's values for the kernel, shape (k, 6, 6)."""
         rows = self.instance.constraints
         exact = [row.value.fraction if row.kind.is_distance else None for row in rows]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from gspcli.solver.ends import Ends
 from gspcli.solver.kept_geometry import kept_geometry
-from gspcli.solver.ledger import Ends
 from gspcli.solver.problem import Problem
 
 
@@ -16,6 +16,24 @@ def same_geometry(problem: Problem) -> Iterator[Ends]:
     if geometry is not None and (
         geometry.found == problem.expected or problem.geometry_count is not None
     ):
-        points, unit = geometry.quick_ends(problem.arrangement.values[None], 1)
-        ends = geometry.ends(points, unit)
-        yield Ends(ends.points[0], ends.frames, ends.far, ends.local)
+        yield geometry.quick_ends(problem.values)
+
+
+def from_nearest(problem: Problem) -> Iterator[Ends]:
+    """Yield the ends of paths to sets of values, each from the nearest start."""
+    if problem.start is not None:
+        yield problem.start.quick_ends(problem.values, problem.jobs)
+
+
+def by_short_steps(problem: Problem) -> Iterator[Ends]:
+    """Yield the ends of paths from the geometry's own start, with short steps."""
+    start = problem.start
+    ends = None if start is None else start.short_ends(problem.values, problem.jobs)
+    if ends is not None:
+        yield ends
+
+
+def by_careful_steps(problem: Problem) -> Iterator[Ends]:
+    """Yield the ends of paths of the equations as they are, from the geometry's own start."""
+    if problem.start is not None:
+        yield problem.start.careful_ends(problem.values, problem.jobs)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gspcli.solver.ledger import Ends
+from gspcli.solver.ends import Ends
 from gspcli.solver.problem import Problem
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ def reduced_paths(problem: Problem) -> Iterator[Ends]:
         found = [ends_from_start(start, quadrics, options) for quadrics in targets]
         ends = [points for points in found if points is not None]
         if len(ends) == len(found):
-            yield Ends(np.array(ends), problem.frames)
+            yield Ends(np.array(ends)[None], problem.frames)
 
 
 def _ways(problem: Problem, structure: Structure) -> Iterator[tuple[StartSystem, TrackerOptions]]:
@@ -66,4 +66,4 @@ def careful_paths(problem: Problem) -> Iterator[Ends]:
 
 def ends_of(problem: Problem, tracked: Sequence[TrackedPaths]) -> Ends:
     """Return the ends of paths for each choice of sides."""
-    return Ends(np.stack([paths.first().points for paths in tracked]), problem.frames)
+    return Ends(np.stack([paths.first().points for paths in tracked])[None], problem.frames)

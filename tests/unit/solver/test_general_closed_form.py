@@ -7,13 +7,10 @@ import numpy as np
 import pytest
 
 from bench.cases import random_instances
-from gspcli import load, solve
-from gspcli.certification.poses.many_values import ValueProofs
+from gspcli import load, solve, solve_values
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.numbers import Number
 from gspcli.resources import data_path
-from gspcli.solver.all_poses import all_poses
-from gspcli.solver.closed_form import solve_closed_forms
-from gspcli.solver.closed_form_proofs import block_of, prove_closed_forms
 from gspcli.solver.problem import Problem
 from gspcli.solver.proof import CountKind
 from gspcli.solver.strategies.closed_form import closed_form
@@ -41,15 +38,12 @@ def test_poses_accounts_and_proofs_are_those_of_many_sets_of_values(type_text, m
     for given in islice(random_instances(type_text, 5), 4):
         values = np.array([row.value.value for row in given.constraints])
         instance = given.with_values(exactly(values))
-        problem, proofs = Problem(instance), ValueProofs.of(instance, values[None])
-        found = list(solve_closed_forms(problem.arrangement, values[None]))
-        _, poses = prove_closed_forms(proofs, problem.arrangement, values[None], found)
-        assert poses.complete.all()
-        (many,) = block_of(poses, np.zeros(1, int))
-        one, many = (x.in_order(problem.arrangement.length) for x in (all_poses(problem), many))
+        one = solve(instance).poses
+        (many,) = solve_values(instance, values[None])
+        many = many.in_order(Arrangement.of(instance).length)
         assert (one.account, one.proof) == (many.account, many.proof)
         assert len(one.R) == instance.expected
-        for name in ("quaternions", "R", "T", "real"):
+        for name in ("quaternions", "R", "T", "real", "signs"):
             np.testing.assert_array_equal(getattr(one, name), getattr(many, name))
 
 

@@ -56,7 +56,7 @@ def test_each_start_leads_to_all_poses():
     targets = coefficients.g[:, list(structure.order)]
     for start in found:
         ends = ends_from_start(start, targets[0], SHORT_STEPS)
-        proved = problem.proofs.decide_own(problem.choices, ends[None], problem.frames)
+        proved = problem.proofs.decide(problem.choices, ends[None, None], problem.frames)
         assert proved.certified.sum() == 40
 
 

@@ -50,8 +50,8 @@ def test_what_is_not_proved_is_found_by_careful_paths(name, monkeypatch):
         def ends(problem):
             for found in ways(problem):
                 # With a pair of conjugates each pose of which is lost.
-                found.points[:, :30] = found.points[:, 30:31]
-                found.points[:, 31] = np.nan
+                found.points[..., :30, :] = found.points[..., 30:31, :]
+                found.points[..., 31, :] = np.nan
                 yield found
 
         return ends
@@ -84,7 +84,7 @@ def test_poses_that_every_first_path_misses_are_found_with_more_digits(lost, mon
 
     def careful(problem):
         for found in careful_paths(problem):
-            found.points[:, :lost] = np.nan
+            found.points[..., :lost, :] = np.nan
             yield found
 
     careful_paths = stored_start.careful_paths
@@ -100,4 +100,4 @@ def test_platforms_without_products_have_quicker_paths():
     problem = Problem(legs, starts=SolvedStarts())
     assert list(stored_start.short_series(problem)) == []
     [ends] = stored_start.reduced_paths(problem)
-    assert ends.points.shape == (1, 40, 8)
+    assert ends.points.shape == (1, 1, 40, 8)

@@ -9,7 +9,6 @@ from matching import pose_set_distance
 
 from gspcli import hexapod
 from gspcli.catalogue.names import parse_type
-from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.continuation.paths import Basis
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.arrangement import Arrangement
@@ -19,10 +18,12 @@ from gspcli.geometry.residuals import condition_numbers, residuals
 from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.solver import batch as batch_module
 from gspcli.solver import solve, solve_batch, solve_values
-from gspcli.solver.batch import Block
+from gspcli.solver.all_poses import all_poses, first_poses
 from gspcli.solver.generate import random_instance
+from gspcli.solver.problem import Problem
 from gspcli.solver.proof import CountKind
-from gspcli.solver.row_groups import solve_rows
+from gspcli.solver.row_groups import groups_of
+from gspcli.solver.solved_starts import SolvedStarts
 
 
 def instance_of(name: str):
@@ -143,20 +144,15 @@ def _same(one, other, length: float) -> bool:
     return distance < 1e-7 and bool(one.real.sum() == other.real.sum())
 
 
-def _quickly(instance, values, count, seed):
+def _quickly(instance, values, monkeypatch=None, count=None):
     """Return what is found from the geometry's own start, None where nothing is."""
-    arrangement, found = Arrangement.of(instance), []
-
-    def proofs(rows):
-        return ValueProofs.of(instance, rows)
-
-    for size, solved in solve_rows(arrangement, values, count=count, proofs=proofs, seed=seed):
-        if solved is None:
-            found += [None] * size
-            continue
-        poses = solved.poses
-        block = Block(poses.quaternions, poses.R, poses.T, poses.real, *solved[1:])
-        found += [p if c else None for p, c in zip(block, poses.complete, strict=True)]
+    problem, found = Problem(instance, starts=SolvedStarts()), [None] * len(values)
+    if monkeypatch is not None:
+        monkeypatch.setattr(SolvedStarts, "count", lambda *_: count)
+    for rows, group in groups_of(problem, values, all_poses):
+        ledger = first_poses(group)
+        for k in np.delete(np.arange(len(rows)), ledger.left).tolist():
+            found[rows[k]] = ledger.poses(k)
     return found
 
 
@@ -173,7 +169,7 @@ def test_values_of_one_geometry_are_followed_from_its_own_start(name):
     instance = instance_of(name)
     arrangement = Arrangement.of(instance)
     values = _near(instance, 0.1, 6, 1)
-    found = _quickly(instance, values, lambda: None, 3)
+    found = _quickly(instance, values)
     for row, poses in zip(values, found, strict=True):
         alone = solve_by_tracking(arrangement.with_values(row), seed=4)
         assert poses.account == alone.account
@@ -189,7 +185,7 @@ def _three_three():
     return hexapod(x[[0, 0, 1, 1, 2, 2]], y[[0, 1, 1, 2, 2, 0]], [2.0, 2.1, 2.2, 2.3, 2.4, 2.5])
 
 
-def test_a_special_geometry_is_followed_if_its_exact_count_says_that_nothing_is_missing():
+def test_a_special_geometry_is_followed_if_its_count_says_that_nothing_is_missing(monkeypatch):
     instance = _three_three()
     values = _near(instance, 0.02, 5, 6)
     for number, trusted in ((16, True), (18, False), (None, False)):
@@ -198,7 +194,8 @@ def test_a_special_geometry_is_followed_if_its_exact_count_says_that_nothing_is_
             if number is None
             else SimpleNamespace(solutions=number, error=1e-9, has_lone_lines=True)
         )
-        found = _quickly(instance, values, lambda n=count: n, 7)
+        with monkeypatch.context() as patch:
+            found = _quickly(instance, values, patch, count)
         assert [poses is not None for poses in found] == [trusted] * 5
         for poses in found if trusted else []:
             assert poses.account.verdict == "complete"
@@ -225,14 +222,14 @@ def _singular():
 def test_special_values_of_a_general_geometry_are_left_to_others():
     instance, lengths = _singular()
     values = lengths * (1 + np.array([0.0, 0.01, 0.02, 0.0, 0.03]))[:, None]
-    found = _quickly(instance, values, lambda: None, 10)
+    found = _quickly(instance, values)
     assert [poses is None for poses in found] == [True, False, False, True, False]
 
 
 def test_few_sets_of_values_are_not_worth_a_start():
     instance = instance_of("DPP DPP DPP DPP DPP DPP")
     values = _near(instance, 0.1, 3, 11)
-    assert _quickly(instance, values, lambda: None, 12) == [None] * 3
+    assert _quickly(instance, values) == [None] * 3
     assert len(list(solve_values(instance, values))) == 3
 
 

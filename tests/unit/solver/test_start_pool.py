@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 
 from gspcli.catalogue.names import parse_type
-from gspcli.certification.poses.many_values import ValueProofs
 from gspcli.continuation.reduced_homotopy import ReducedHomotopy
 from gspcli.continuation.tracker import PathStatus
 from gspcli.continuation.tracker_options import FROM_START, VALUE_STEPS
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.solver import one_geometry, solve_batch, solve_values
+from gspcli.solver.all_poses import first_poses
 from gspcli.solver.generate import random_instance
+from gspcli.solver.problem import Problem
 from gspcli.solver.solved_starts import SolvedStarts
 from gspcli.solver.start_pool import StartPool
 
@@ -116,8 +117,9 @@ def test_what_long_steps_lose_is_found_by_short_ones(monkeypatch):
 
     monkeypatch.setattr(ReducedHomotopy, "track", losing)
     monkeypatch.setattr(one_geometry, "track", None)  # the paths of the equations as they are
-    found = geometry.solve(rows[:4], ValueProofs.of(instance, rows), 1)
-    assert found.poses.complete.all()
+    problem = Problem(instance, Arrangement.of(instance), rows=rows[:4])
+    problem.start = geometry
+    assert not len(first_poses(problem).left)
     assert len(tolerances) == 2
     assert tolerances[1] < tolerances[0]
 

@@ -30,7 +30,7 @@ def all_forty(dietmaier, forty) -> tuple[Collection, np.ndarray]:
 def proved(collection: Collection, points: np.ndarray) -> tuple[np.ndarray, ...]:
     """Return what the kernel proves near points in lengths of the instance."""
     proofs = ValueProofs(collection.locator.instance, None)
-    found = proofs.decide_own(np.ones((1, 6)), points[None], OWN)
+    found = proofs.decide(np.ones((1, 6)), points[None, None], OWN)
     known = (found.certified & found.rounded)[0]
     assert known.any()
     parts = found.R, found.T, found.quaternions, found.real, found.deviation

@@ -61,7 +61,7 @@ def others(instance, count, spread, seed=1):
 
 
 def decided(far, problem):
-    values = problem.proofs.own_values(problem.choices)
+    values = problem.proofs.values(problem.choices)[0]
     return far.decide(values, np.ones(1), problem.proofs.scale)
 
 
@@ -86,7 +86,7 @@ def test_many_sets_of_values_are_as_each_alone_with_each_build(known):
     alone = [decided(far, problem) for problem in problems]
     scale = max(problem.proofs.scale for problem in problems)
     assert all(problem.proofs.scale == scale for problem in problems)
-    values = np.concatenate([p.proofs.own_values(p.choices) for p in problems])
+    values = np.concatenate([p.proofs.values(p.choices)[0] for p in problems])
     together = far.decide(values, np.ones(len(values)), scale, jobs=2)
     for name in PARTS:
         one = np.concatenate([getattr(each, name) for each in alone])
@@ -133,7 +133,7 @@ def test_the_bound_of_a_pose_covers_what_is_wrong_with_its_numbers(known):
 def test_values_out_of_reach_are_left_to_others(known):
     instance, far = known
     for problem in others(instance, 2, 0.0):
-        values = problem.proofs.own_values(problem.choices)
+        values = problem.proofs.values(problem.choices)[0]
         values[:, [0, 1]] *= 1e6
         values[:, 3] *= 1e6
         assert not far.decide(values, np.ones(1), problem.proofs.scale).complete.any()

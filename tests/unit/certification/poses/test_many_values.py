@@ -62,7 +62,7 @@ class Batch:
     def decide(self, rows=None, points=None):
         points = self.points if points is None else points
         rows = self.rows if rows is None else rows
-        return self.proofs.decide(rows, self.choices, points, self.frames)
+        return self.proofs.decide(self.choices, points, self.frames, rows=rows)
 
 
 @pytest.fixture(scope="module", params=TYPES)
@@ -137,15 +137,15 @@ def test_poses_far_away_are_proved_with_more_digits(error):
     poses = solve_by_tracking(arrangement, seed=26)
     points = np.concatenate(study_from_pose(poses.R, poses.T), axis=-1)[None, None]
     proofs = ValueProofs(platform, lengths[None])
-    found = proofs.decide(lengths[None], np.ones((1, 6)), points, OWN)
+    found = proofs.decide(np.ones((1, 6)), points, OWN, rows=lengths[None])
     assert len(poses.R) == 40
     assert np.abs(found.T).max() > 100
     assert found.certified.all()
     # What is that far away 32 digits prove, but do not round correctly; else they do.
     assert found.rounded[0][np.abs(found.T[0]).max(axis=1) < 100].all()
     proofs.numbers[1][:] = np.nan
-    frames = OWN
-    assert not proofs.decide(lengths[None], np.ones((1, 6)), points, frames).certified.all()
+    again = proofs.decide(np.ones((1, 6)), points, OWN, rows=lengths[None])
+    assert not again.certified.all()
     single = certify(platform, found.R[0], found.T[0])
     assert all(item.certified for item in single)
     np.testing.assert_array_equal([item.real for item in single], found.real[0])
@@ -174,7 +174,7 @@ def test_the_kernel_writes_the_equations_of_ball_arithmetic(name, change):
     rng = np.random.default_rng(27)
     instance = change(random_instance(parse_type(name), rng, one_sided=True)[0])
     proofs = ValueProofs(instance, None)
-    values = proofs.own_values(side_choices(Arrangement.of(instance)))[0].tolist()
+    values = proofs.values(side_choices(Arrangement.of(instance)))[0, 0].tolist()
     hessians, lows, moduli, table, weights, turned = proofs.numbers
     weights = weights.tolist()
     with ctx.workprec(200):

@@ -1,0 +1,30 @@
+"""Where paths end: what strategies yield, and the ledger proves."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from gspcli.certification.equations.frames import Frames
+from gspcli.continuation.quadrics import ComplexArray
+
+if TYPE_CHECKING:
+    from gspcli.certification.poses.far_poses import FarPoses
+
+
+class Ends(NamedTuple):
+    """Points that may be poses, for each of b sets of values.
+
+    Attributes
+    ----------
+    points, frames
+        Study points of any norm for k choices of sides, shape (b, k, m, 8), and their frames; not
+        a number where a path is lost.
+    far, local
+        Poses far away, to which no paths lead, and approximations of them (`FarPoses.local`), if
+        there is one choice of sides.
+    """
+
+    points: ComplexArray
+    frames: Frames
+    far: FarPoses | None = None
+    local: ComplexArray | None = None

@@ -1,0 +1,143 @@
+"""All poses for each of many sets of values: together where that proves all, else one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gspcli.certification.equations.local_frames import LocalFrames
+from gspcli.geometry.checking import checked
+from gspcli.geometry.instance import Instance
+from gspcli.geometry.readings import values_of
+from gspcli.solver.all_poses import all_poses, first_poses
+from gspcli.solver.arguments import problems_of, value_rows, whole
+from gspcli.solver.ledger import Ledger
+from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.problem import Problem
+from gspcli.solver.solved_starts import SolvedStarts
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+#: So many sets of values are solved together in closed form.
+_TOGETHER = 64
+
+
+class Together(NamedTuple):
+    """Sets of values that were solved together, by their indices, and the rows of their ledger."""
+
+    rows: Index
+    places: Index
+    ledger: Ledger
+
+
+class Answers(NamedTuple):
+    """The poses for some sets of values, one after the other.
+
+    Attributes
+    ----------
+    rows
+        Their indices.
+    together
+        Those of which the first strategies have found all poses, in groups.
+    alone
+        The poses for each of the others.
+    """
+
+    rows: range
+    together: list[Together]
+    alone: Mapping[int, PoseSet]
+
+    def poses(self) -> Iterator[PoseSet]:
+        """Yield the poses for each set of values."""
+        places = {
+            k: (part.ledger, place)
+            for part in self.together
+            for k, place in zip(part.rows.tolist(), part.places.tolist(), strict=True)
+        }
+        for k in self.rows:
+            if k in self.alone:
+                yield self.alone[k]
+            else:
+                ledger, place = places[k]
+                yield ledger.poses(place)
+
+
+def many_poses(
+    instance: Instance, values: ArrayLike, *, seed: int, jobs: int, starts: SolvedStarts
+) -> Iterator[Answers]:
+    """Yield the poses for each set of values, wrong ones included.
+
+    Parameters and errors are those of `gspcli.solve_values`.
+    """
+    checked(instance)
+    seed, jobs = whole(seed, "seed", least=0), whole(jobs, "jobs", least=1)
+    rows = values_of(instance, value_rows(values), signed=False)
+    wrong = {
+        k: PoseSet.unsolved(instance.expected, problem)
+        for k, problem in problems_of(instance, rows).items()
+    }
+    if len(wrong) == len(rows):
+        return iter([Answers(range(len(rows)), [], wrong)])
+    right = np.delete(np.arange(len(rows)), list(wrong))
+    local_frames = LocalFrames.of(instance, _distances(instance, rows[right]))
+    near = local_frames.applied(instance)
+    problem = Problem(near, seed=seed, jobs=jobs, starts=starts)
+    return _solved(problem, rows, right, wrong, local_frames)
+
+
+def _distances(instance: Instance, rows: Array) -> list[float]:
+    """Return those of the set of values whose largest distance is the smallest."""
+    distances = [i for i, c in enumerate(instance.constraints) if c.kind.is_distance]
+    lengths = np.abs(rows[:, distances])
+    return list(lengths[lengths.max(axis=1).argmin()])
+
+
+def _solved(
+    problem: Problem,
+    rows: Array,
+    right: Index,
+    wrong: Mapping[int, PoseSet],
+    local_frames: LocalFrames,
+) -> Iterator[Answers]:
+    """Yield the poses for sets of values, of which some are right."""
+    from gspcli.solver.row_groups import groups_of
+
+    groups: list[Problem] = []
+    #: Of each set of values the group, none if it is -1, and its place there.
+    which, place = np.full(len(rows), -1), np.zeros(len(rows), np.intp)
+    for members, group in groups_of(problem, rows[right], all_poses):
+        which[right[members]], place[right[members]] = len(groups), np.arange(len(members))
+        groups.append(group)
+    batches = [group.start.batch if group.start else _TOGETHER for group in groups]
+    step = min(batches, default=1)
+    for begin in range(0, len(rows), step):
+        chosen = range(begin, min(begin + step, len(rows)))
+        index, alone = np.arange(chosen.start, chosen.stop), {}
+        together = []
+        for k, group in enumerate(groups):
+            here = index[which[index] == k]
+            if len(here):
+                together.append(_first(group, here, place[here], local_frames))
+        left = set(index.tolist()).difference(*(part.rows.tolist() for part in together))
+        for k in sorted(left):
+            if k in wrong:
+                alone[k] = wrong[k]
+            else:
+                one = problem.with_values(rows[k])
+                poses = all_poses(one).in_order(one.arrangement.length)
+                alone[k] = poses if local_frames.is_none else poses.taken_back(local_frames)
+        yield Answers(chosen, together, alone)
+
+
+def _first(group: Problem, rows: Index, places: Index, local_frames: LocalFrames) -> Together:
+    """Return those sets of values of a group of which the first strategies find all poses."""
+    ledger = first_poses(group.part(places))
+    done = np.delete(np.arange(len(rows)), ledger.left)
+    if not local_frames.is_none and ledger.proved is not None:
+        back = local_frames.doubles_back(ledger.proved.R, ledger.proved.T)
+        ledger.proved = ledger.proved._replace(T=back)
+    return Together(rows[done], done, ledger)
