@@ -101,12 +101,13 @@ def read_state(path: Path, subject: str, seed: int) -> State:
             if [part.shape for part in parts] != _SHAPES or not all(map(_finite, parts)):
                 raise ValueError
             platform = Platforms(kinds, *parts)
-        if any(type(n) is not int or n < 0 for n in map(document.get, ("attempts", "real"))):
+        counts = map(document.get, ("attempts", "real"))
+        if any(type(n) is not int or not 0 <= n < 2**63 for n in counts):
             raise ValueError
         state = State(
             document["subject"], document["seed"], document["attempts"], document["real"], platform
         )
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
+    except (ArithmeticError, ValueError, KeyError, TypeError, RecursionError) as error:
         message = f"{path}: this is not a state of gsp maximize-real: choose another file"
         raise GspError(message) from error
     if (state.subject, state.seed) != (subject, seed):

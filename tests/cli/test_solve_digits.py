@@ -7,6 +7,7 @@ import io
 import json
 from collections.abc import Callable
 from fractions import Fraction
+from pathlib import Path
 
 Run = Callable[..., object]
 SPEC = "data/examples/octahedral-3-3.yaml"
@@ -38,3 +39,14 @@ def test_jobs_do_not_change_the_answer(gsp: Run) -> None:
     one = gsp("solve", SPEC, "--all", "--format", "csv").out
     for jobs in ("2", "256"):
         assert one == gsp("solve", SPEC, "--all", "--format", "csv", "--jobs", jobs).out
+
+
+def test_more_digits_than_python_converts(gsp: Run, tmp_path: Path) -> None:
+    """Python refuses to write integers of more than 4300 digits."""
+    path = tmp_path / "poses.json"
+    gsp("solve", SPEC, "--digits", "4310", "-o", str(path))
+    (first, *_) = json.loads(path.read_text())["solutions"]
+    assert all(len(text) > 4310 for row in first["refined"]["R"] for text in row)
+    proved = gsp("certify", SPEC, str(path), "--digits", "4310", "--format", "json")
+    assert proved.code == 0
+    assert first["refined"]["T"][0] in proved.out

@@ -144,7 +144,8 @@ def _decimals(values: Sequence[arb], places: int) -> list[str] | None:
         nearest = (shifted.mid() + arb(0.5)).floor().unique_fmpz()
         if nearest is None or not abs(shifted - nearest) < 0.51:
             return None
-        digits = str(abs(int(nearest))).rjust(places + 1, "0")
+        # Python converts no integer of more than 4300 digits; an integer of FLINT has no such limit.
+        digits = str(abs(nearest)).rjust(places + 1, "0")
         whole, fraction = digits[: len(digits) - places], digits[len(digits) - places :]
         sign = "-" if nearest < 0 else ""
         texts.append(f"{sign}{whole}.{fraction}" if places else f"{sign}{whole}")

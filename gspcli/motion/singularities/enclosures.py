@@ -207,6 +207,9 @@ class Neighbourhood:
         beta, q = beta * _OUTWARD, q * _OUTWARD + 2.0**-40
         flat = norm.flattened(self.hessians)
         combined = np.einsum("nrk,nkij->nrij", right, flat)
+        # Poses beyond the range of doubles have no clearance.
+        known = np.isfinite(combined).all(axis=(1, 2, 3))
+        combined[~known], beta = 0.0, np.where(known, beta, np.inf)
         norms = (
             np.abs(np.linalg.eigvalsh(combined)).max(axis=2)
             + _BASIS * np.abs(flat).sum(axis=(1, 2, 3))[:, None]

@@ -201,9 +201,10 @@ def test_states_are_read_back(tmp_path: Path) -> None:
     assert read_state(tmp_path / "none.json", "6PP", 3).attempts == 0
     with pytest.raises(GspError, match="another seed"):
         read_state(path, "6PP", 4)
-    path.write_text("{}")
-    with pytest.raises(GspError, match="not a state"):
-        read_state(path, "6PP", 3)
+    for wrong in ("{}", state.text().replace('"attempts": 2', f'"attempts": {10**400}')):
+        path.write_text(wrong)
+        with pytest.raises(GspError, match="not a state"):
+            read_state(path, "6PP", 3)
 
 
 def test_attempts_begin_anew_and_with_the_best_platform_in_turn() -> None:
