@@ -104,6 +104,8 @@ def _with_far_poses(
     if far is None:
         return None
     near, rows = _beside(known.poses.reordered(~is_far), far), known.arrangement.values[None]
+    if not (np.isfinite(near.R).all() and np.isfinite(near.T).all()):
+        return None
     for attempt in range(_ATTEMPTS):
         found = _about(problem, _flattened(known.arrangement), near, problem.seed + attempt, far)
         if found is None:

@@ -33,6 +33,7 @@ def close_pairs(poses: Sequence[PoseBall]) -> Iterator[tuple[int, int]]:
                 yield min(first, second), max(first, second)
 
 
+@np.errstate(all="ignore")
 def all_different(entries: NDArray[np.complex128], deviations: NDArray[np.float64]) -> bool:
     """Whether poses with error bounds are proved to be pairwise different.
 
@@ -49,6 +50,8 @@ def all_different(entries: NDArray[np.complex128], deviations: NDArray[np.float6
     # The error of the form, with its few roundings.
     reach = (weights.sum() * deviations + (OUTWARD - 1) * (np.abs(parts) @ weights)) * OUTWARD
     low, high = forms - reach, forms + reach
+    if not np.isfinite(high - low).all():
+        return False
     order = np.argsort(low)
     following = np.searchsorted(low[order], high[order], side="right")
     for position, end in enumerate(following.tolist()):
@@ -61,6 +64,7 @@ def all_different(entries: NDArray[np.complex128], deviations: NDArray[np.float6
     return True
 
 
+@np.errstate(all="ignore")
 def places(
     entries: NDArray[np.complex128], deviations: NDArray[np.float64], known: int
 ) -> NDArray[np.intp]:
@@ -78,13 +82,16 @@ def places(
     forms = parts @ weights
     reach = (weights.sum() * deviations + (OUTWARD - 1) * (np.abs(parts) @ weights)) * OUTWARD
     low, high = forms - reach, forms + reach
+    unknown = ~np.isfinite(high - low)
+    low, high = np.where(unknown, -np.inf, low), np.where(unknown, np.inf, high)
     order = np.argsort(low)
     following = np.searchsorted(low[order], high[order], side="right")
     alike: dict[int, list[int]] = {}
     for position in np.flatnonzero(following > np.arange(len(order)) + 1).tolist():
         first, others = int(order[position]), order[position + 1 : following[position]]
         gaps = np.abs(entries[others] - entries[first]).max(axis=1)
-        for other in others[gaps <= (deviations[others] + deviations[first]) * OUTWARD].tolist():
+        apart = gaps > (deviations[others] + deviations[first]) * OUTWARD
+        for other in others[~apart].tolist():
             alike.setdefault(max(first, other), []).append(min(first, other))
     found = np.arange(len(entries))
     for k in sorted(alike):

@@ -119,9 +119,13 @@ class FarPoses:
 
     @property
     def points(self) -> tuple[Complex, Complex]:
-        """R (k, 3, 3) and T (k, 3) of the poses, in the frames of the instance."""
+        """R (k, 3, 3) and T (k, 3) of the poses, in the frames of the instance.
+
+        They are not finite where doubles do not tell a pose from a point with N = 0.
+        """
         chosen = self.centres[len(self.centres) - self.approached :]
-        R, T = pose_from_study(chosen[:, :4], chosen[:, 4:])
+        with np.errstate(all="ignore"):
+            R, T = pose_from_study(chosen[:, :4], chosen[:, 4:])
         return np.asarray(R, np.complex128), np.asarray(T * self.scale, np.complex128)
 
     def local(self, points: Complex, frames: Frames) -> Complex:

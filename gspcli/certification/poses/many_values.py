@@ -280,7 +280,8 @@ class ValueProofs:
             from gspcli.certification.poses.distinct import all_different
 
             # One linear form does not separate them.
-            entries = np.concatenate((R[k].reshape(-1, 9), T[k] / self.scale), axis=1)
+            with np.errstate(all="ignore"):
+                entries = np.concatenate((R[k].reshape(-1, 9), T[k] / self.scale), axis=1)
             different[k] = all_different(entries, deviation[k])
         if DLL in self.kinds:
             skew = are_skew(self.instance, R.reshape(-1, 3, 3), deviation.ravel())

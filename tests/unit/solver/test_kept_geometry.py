@@ -246,3 +246,15 @@ def test_cranks_are_no_part_of_a_geometry():
     batch = solve_batch(standing(instance), rows, starts=starts)
     assert batch.proved.all()
     assert not batch.others
+
+
+def test_a_far_pose_that_doubles_do_not_tell_from_infinity_is_not_approached(load_tool) -> None:
+    """Nothing is divided by zero: a warning of NumPy is an error here."""
+    made = load_tool("special.platforms")
+    starts = SolvedStarts()
+    for digits in (15, 16, 17):
+        wanted = f"many-digits/6-4/planar/{digits}-digits"
+        [platform] = [one for one in made.platforms(["many-digits"]) if one.id == wanted]
+        result = solve(platform.instance, starts=starts)
+        assert result.verdict == "complete"
+        assert result.proof is not None

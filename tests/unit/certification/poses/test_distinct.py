@@ -66,3 +66,10 @@ def test_balls_with_a_common_point_are_pairs() -> None:
         balls = [_balls(shift, 1e-6) for shift in (0, 1.9e-6, 5e-6, 6.5e-6, 1)]
         assert sorted(close_pairs(balls)) == [(0, 1), (2, 3)]
         assert sorted(close_pairs(balls[::-1])) == [(1, 2), (3, 4)]
+
+
+def test_entries_beyond_the_range_of_doubles_are_not_proved_different() -> None:
+    entries = np.ones((3, 12), complex)
+    entries[1, 3], entries[2, 3] = np.inf, np.inf
+    assert not all_different(entries, np.zeros(3))
+    assert places(entries, np.zeros(3), 1).tolist()[2] == 1
