@@ -144,7 +144,7 @@ def _decimals(values: Sequence[arb], places: int) -> list[str] | None:
         nearest = (shifted.mid() + arb(0.5)).floor().unique_fmpz()
         if nearest is None or not abs(shifted - nearest) < 0.51:
             return None
-        # Python converts no integer of more than 4300 digits; an integer of FLINT has no such limit.
+        # Python refuses to write an integer of more than 4300 digits; FLINT does not.
         digits = str(abs(nearest)).rjust(places + 1, "0")
         whole, fraction = digits[: len(digits) - places], digits[len(digits) - places :]
         sign = "-" if nearest < 0 else ""

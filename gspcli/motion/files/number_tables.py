@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import Location, Problem, SpecError
-from gspcli.geometry.evaluation import LARGEST
 from gspcli.motion.files.column_units import FileUnits
 from gspcli.motion.files.headings import Heading, hints
 from gspcli.motion.files.known_columns import BESIDE, left_out, unknown
@@ -258,7 +257,7 @@ class NumberTable:
             except (ValueError, IndexError):
                 found.append(wrong)
         rows = np.array(found, float).reshape(len(found), len(places))
-        for k in np.flatnonzero(~(np.abs(rows) <= LARGEST).all(axis=1)).tolist():
+        for k in np.flatnonzero(~np.isfinite(rows).all(axis=1)).tolist():
             rows[k] = self._complain(*self._lines[k], places, columns, blanks=blanks)
         return rows * self._factors(columns) if self._units else rows
 
@@ -313,10 +312,9 @@ def _are_numbers(cells: Sequence[str]) -> bool:
 
 def wrong_number(text: str) -> str:
     """Return what is wrong with the text of a number, or nothing."""
+    if _NUMBER.fullmatch(text) and math.isfinite(float(text)):
+        return ""
     found = shown(text) if text else "nothing"
-    if _NUMBER.fullmatch(text) and math.isfinite(number := float(text)):
-        # As in instance files: products of such numbers are finite.
-        return "" if abs(number) <= LARGEST else f"found {found}, expected at most {LARGEST:g}"
     comma = "," in text and _NUMBER.fullmatch(text.replace(",", "."))
     hint = " (decimals are written with a point)" if comma else ""
     return f"found {found}, expected a finite number{hint}"

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from gspcli.errors import Location, Problem, SpecError
 from gspcli.geometry.euler import euler_from_rotation, rotation_from_euler
+from gspcli.geometry.evaluation import LARGEST
 from gspcli.geometry.quaternions import apply, quaternion_from_rotation, rotation_from_quaternion
 from gspcli.motion.files.column_units import FileUnits
 from gspcli.motion.files.headings import ROLL_PITCH_YAW, SEQUENCE
@@ -173,6 +174,10 @@ def poses_in(table: NumberTable, form: PoseFormat, more: Collection[str] = ()) -
         table.note_cell(int(whole[row]), rotation[0], message)
     if position is None:
         return None
+    # As in instance files: products of such numbers are finite.
+    for row, axis in np.argwhere(np.abs(points) > LARGEST).tolist():
+        message = f"found {points[row, axis]:g}, expected a magnitude up to {LARGEST:g}"
+        table.note_cell(row, position[axis], message)
     return PoseTable(times[:, 0] if timed else None, R, points - apply(R, np.array(form.pivot)))
 
 
