@@ -69,7 +69,11 @@ CHECKED = (
     "gspcli/sensing",
     "gspcli/spec",
     "gspcli/symbolic",
+    "docs/closed-forms.md",
+    "docs/coincident-primitives.md",
+    "docs/equations.md",
     "docs/how-gsp-works.md",
+    "docs/realization.md",
     "tools/build/how_it_works.py",
     "tools/verify/prose.py",
 )
