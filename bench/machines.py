@@ -23,7 +23,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.resources import data_path
 from gspcli.solver import solve, solve_values
 from gspcli.solver.result import SolveResult
-from gspcli.solver.solved_starts import SolvedStarts
+from gspcli.solver.starts.solved_starts import SolvedStarts
 from gspcli.spec import load
 
 #: Shipped machines of six legs with poses far away, or of planar and symmetric bodies.

@@ -31,7 +31,7 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.motion import FollowOptions, MovingPlatform, measure
 from gspcli.motion.following.trajectories import track_from
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 Array = NDArray[np.float64]
 

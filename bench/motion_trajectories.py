@@ -15,7 +15,7 @@ from gspcli.geometry.measurement import jacobian
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.motion import measure
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import loads
 
 Array = NDArray[np.float64]

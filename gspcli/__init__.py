@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from gspcli.reality.sample_results import sample
     from gspcli.sensing import fit_readings, sensors
     from gspcli.solver import solve, solve_batch, solve_values
-    from gspcli.solver.new_instance import new
+    from gspcli.solver.instances.new_instance import new
     from gspcli.solver.parallel_certificates import certify
     from gspcli.spec import dump, dumps, load, loads, read, set_values
     from gspcli.spec.checks import check
@@ -114,7 +114,7 @@ _HOMES = {
     "measure": "gspcli.motion.poses.measured_values",
     "mechanism": "gspcli.catalogue.mechanism",
     "natural_modes": "gspcli.dynamics",
-    "new": "gspcli.solver.new_instance",
+    "new": "gspcli.solver.instances.new_instance",
     "notebook_view": "gspcli.pictures.notebook",
     "parse_class": "gspcli.catalogue.names",
     "parse_kind": "gspcli.catalogue.names",

@@ -14,7 +14,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import study_from_pose
 from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.records import dataclass
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.study_systems import target_systems
 
 

@@ -67,7 +67,7 @@ def command(
       gsp new P1-p1 P1-p2 P2-p2 P2-p3 P3-p3 P3-p1
       gsp new 421 --template -o platform.yaml
     """
-    from gspcli.solver.new_instance import new
+    from gspcli.solver.instances.new_instance import new
     from gspcli.spec import dumps
 
     instance = new(

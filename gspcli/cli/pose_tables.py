@@ -15,7 +15,7 @@ from gspcli.cli.output import Column, Table
 from gspcli.cli.summary import proved
 from gspcli.geometry.printed_numbers import printed_residual
 from gspcli.records import dataclass
-from gspcli.solver.columns import FACTS, TRANSLATION, PoseColumn
+from gspcli.solver.results.columns import FACTS, TRANSLATION, PoseColumn
 
 if TYPE_CHECKING:
     from gspcli.solver import SolveResult

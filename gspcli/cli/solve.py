@@ -117,7 +117,7 @@ def command(
     from gspcli.cli.pose_tables import Shown, data_table, lone_tables, pose_tables
     from gspcli.cli.summary import summary
     from gspcli.solver import solve
-    from gspcli.solver.columns import rotation_columns
+    from gspcli.solver.results.columns import rotation_columns
 
     if no_certify:
         click.echo("--no-certify is ignored: every pose is proved", err=True)

@@ -10,7 +10,7 @@ import numpy as np
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.primitives import Line
 from gspcli.geometry.printed_numbers import printed_residual
-from gspcli.solver.proof import CountKind
+from gspcli.solver.results.proof import CountKind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

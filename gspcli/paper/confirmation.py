@@ -17,7 +17,7 @@ from gspcli.paper.table3 import Entry, compute
 from gspcli.progress import Progress, silent
 from gspcli.records import dataclass
 from gspcli.solver import SolveResult, solve
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 
 @dataclass(frozen=True)

@@ -37,14 +37,14 @@ from gspcli.geometry.readings import factors, offsets, readings_of
 from gspcli.motion.following.platform_numbers import platform_numbers
 from gspcli.motion.singularities.displacements import Displacements
 from gspcli.resources import data_path
-from gspcli.solver.one_geometry import Geometry
 from gspcli.solver.problem import Problem
-from gspcli.solver.solved_starts import SolvedStarts
+from gspcli.solver.starts.geometry_starts import Geometry
+from gspcli.solver.starts.solved_starts import SolvedStarts
 from gspcli.solver.study_systems import coefficients_of
 
 if TYPE_CHECKING:
     from gspcli.solver.result import SolveResult
-    from gspcli.solver.start_pool import StartPool
+    from gspcli.solver.starts.start_pool import StartPool
 
 Array = NDArray[np.float64]
 
@@ -210,7 +210,7 @@ def _limits(instance: Instance) -> list[list[float | None]]:
 
 def _geometry(problem: Problem, rows: Array) -> Geometry | None:
     from gspcli.solver.all_poses import all_poses
-    from gspcli.solver.row_groups import start_among
+    from gspcli.solver.strategies.row_groups import start_among
 
     return start_among(problem.with_rows(rows), all_poses)
 

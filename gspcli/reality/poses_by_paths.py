@@ -23,7 +23,7 @@ from gspcli.geometry.quaternions import (
     unit_quaternion,
 )
 from gspcli.reality.parallel_lines import judge_parallel_lines, polish_parallel_lines
-from gspcli.solver.pose_set import Motion, PoseSet
+from gspcli.solver.results.pose_set import Motion, PoseSet
 from gspcli.solver.study_systems import target_systems
 
 Complex = NDArray[np.complex128]

@@ -34,8 +34,8 @@ from gspcli.reality.poses_by_paths import (
 )
 from gspcli.reality.recognition import look_real
 from gspcli.solver.ledger import Ledger
-from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.problem import Problem
+from gspcli.solver.results.pose_set import PoseSet
 from gspcli.solver.strategies.stored_start import careful_paths
 
 Array = NDArray[np.float64]

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 
 from gspcli.solver.ends import Ends
 from gspcli.solver.ledger import Ledger
-from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.problem import Problem
+from gspcli.solver.results.pose_set import PoseSet
 
 Strategy = Callable[[Problem], Iterator[Ends]]
 
@@ -16,7 +16,7 @@ def all_poses(problem: Problem) -> PoseSet:
     """Return all poses of a platform near the origins of its frames, in any order."""
     ledger = first_poses(problem)
     if (poses := ledger.complete) is None:
-        from gspcli.solver.by_count import poses_by_count
+        from gspcli.solver.special.by_count import poses_by_count
 
         poses = poses_by_count(problem, ledger, all_poses)
     # What quick paths find at once is found as quickly the next time.

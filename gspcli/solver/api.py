@@ -15,12 +15,12 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import values_of
 from gspcli.solver.all_poses import all_poses
 from gspcli.solver.arguments import value_rows, warn_of_certify, whole
-from gspcli.solver.batch import PoseBatch, joined
-from gspcli.solver.many_poses import many_poses
-from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.many_poses import batch_of, many_poses
 from gspcli.solver.problem import Problem
 from gspcli.solver.result import SolveResult
-from gspcli.solver.solved_starts import STARTS, SolvedStarts
+from gspcli.solver.results.pose_batch import PoseBatch
+from gspcli.solver.results.pose_set import PoseSet
+from gspcli.solver.starts.solved_starts import STARTS, SolvedStarts
 
 
 def solve(
@@ -148,4 +148,4 @@ def solve_batch(
         answers.append(each)
         deque(islice(steps, len(each.rows)), maxlen=0)
     rows = values_of(instance, value_rows(values), signed=False)
-    return joined(Arrangement.of(instance), rows, answers)
+    return batch_of(Arrangement.of(instance), rows, answers)

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from gspcli.certification.poses.many_values import ProvedPoses
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.solver.ends import Ends
-from gspcli.solver.pose_set import PoseSet, joined, on_sides
 from gspcli.solver.problem import Problem
-from gspcli.solver.proof import CountKind, Proof
+from gspcli.solver.results.pose_set import PoseSet, joined, on_sides
+from gspcli.solver.results.proof import CountKind, Proof
 
 if TYPE_CHECKING:
-    from gspcli.solver.side import Side
+    from gspcli.solver.side_poses import SidePoses
 
 
 Index = NDArray[np.intp]
@@ -50,15 +50,15 @@ class Ledger:
         self.proved: ProvedPoses | None = None
         self.left: Index = np.arange(len(problem.values))
         self.is_quick = False
-        self._sides: list[Side] = []
+        self._sides: list[SidePoses] = []
 
     @property
-    def sides(self) -> list[Side]:
+    def sides(self) -> list[SidePoses]:
         """The poses of one platform for each choice of sides, when some of them are missing."""
         if not self._sides:
-            from gspcli.solver.side import Side
+            from gspcli.solver.side_poses import SidePoses
 
-            self._sides = [Side(self.problem, k) for k in range(len(self.problem.choices))]
+            self._sides = [SidePoses(self.problem, k) for k in range(len(self.problem.choices))]
         return self._sides
 
     @property

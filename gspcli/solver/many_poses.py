@@ -9,15 +9,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.certification.equations.local_frames import LocalFrames
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.readings import values_of
 from gspcli.solver.all_poses import all_poses, first_poses
 from gspcli.solver.arguments import problems_of, value_rows, whole
 from gspcli.solver.ledger import Ledger
-from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.problem import Problem
-from gspcli.solver.solved_starts import SolvedStarts
+from gspcli.solver.results.pose_batch import PoseBatch
+from gspcli.solver.results.pose_set import PoseSet
+from gspcli.solver.starts.solved_starts import SolvedStarts
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -104,7 +106,7 @@ def _solved(
     local_frames: LocalFrames,
 ) -> Iterator[Answers]:
     """Yield the poses for sets of values, of which some are right."""
-    from gspcli.solver.row_groups import groups_of
+    from gspcli.solver.strategies.row_groups import groups_of
 
     groups: list[Problem] = []
     #: Of each set of values the group, none if it is -1, and its place there.
@@ -141,3 +143,40 @@ def _first(group: Problem, rows: Index, places: Index, local_frames: LocalFrames
         back = local_frames.doubles_back(ledger.proved.R, ledger.proved.T)
         ledger.proved = ledger.proved._replace(T=back)
     return Together(rows[done], done, ledger)
+
+
+def batch_of(arrangement: Arrangement, values: Array, answers: list[Answers]) -> PoseBatch:
+    """Return answers, one after the other, as one batch (see its attributes)."""
+    others = {k: poses for each in answers for k, poses in each.alone.items()}
+    together = [part for each in answers for part in each.together if len(part.rows)]
+    widths = [len(poses.R) for poses in others.values()] + [len(part.ledger) for part in together]
+    shape = len(values), max(widths, default=0)
+    batch = PoseBatch(
+        arrangement=arrangement,
+        values=values,
+        number=np.zeros(len(values), np.int64),
+        R=np.full((*shape, 3, 3), np.nan, np.complex128),
+        T=np.full((*shape, 3), np.nan, np.complex128),
+        real=np.zeros(shape, np.bool_),
+        certified=np.zeros(shape, np.bool_),
+        multiplicity=np.zeros(shape, np.int64),
+        complete=np.zeros(len(values), np.bool_),
+        proved=np.zeros(len(values), np.bool_),
+        others=others,
+    )
+    for rows, places, ledger in together:
+        found, width = ledger.proved, len(ledger)
+        assert found is not None
+        batch.R[rows, :width], batch.T[rows, :width] = found.R[places], found.T[places]
+        batch.real[rows, :width] = found.real[places]
+        batch.certified[rows, :width] = batch.multiplicity[rows, :width] = 1
+        batch.number[rows] = width
+        batch.complete[rows] = batch.proved[rows] = True
+    for k, poses in others.items():
+        number = len(poses.R)
+        for name in ("R", "T", "real", "certified", "multiplicity"):
+            getattr(batch, name)[k, :number] = getattr(poses, name)
+        batch.number[k] = number
+        batch.complete[k] = poses.problem is None and poses.account.verdict == "complete"
+        batch.proved[k] = batch.complete[k] and poses.proof is not None
+    return batch

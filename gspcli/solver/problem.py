@@ -21,15 +21,15 @@ from gspcli.defaults import PATIENCE, SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
-from gspcli.solver.solved_starts import STARTS, SolvedPlatform, SolvedStarts
+from gspcli.solver.starts.solved_starts import STARTS, SolvedPlatform, SolvedStarts
 from gspcli.solver.study_systems import coefficients_at, coefficients_of, side_choices
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
     from gspcli.certification.poses.locator import Locator
     from gspcli.continuation.tracked_paths import TrackedPaths
-    from gspcli.solver.one_geometry import Geometry
-    from gspcli.solver.pose_set import PoseSet
+    from gspcli.solver.results.pose_set import PoseSet
+    from gspcli.solver.starts.geometry_starts import Geometry
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]

@@ -24,9 +24,9 @@ from gspcli.geometry.residuals import (
 )
 from gspcli.records import dataclass
 from gspcli.solver.home_mode import HomeMode, home_mode
-from gspcli.solver.pose_set import Motion, PoseSet
-from gspcli.solver.proof import CountKind, Proof
-from gspcli.solver.solution import Counts, Solution
+from gspcli.solver.results.pose_set import Motion, PoseSet
+from gspcli.solver.results.proof import CountKind, Proof
+from gspcli.solver.results.solution import Counts, Solution
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -67,7 +67,7 @@ class SolveResult:
         return f"<SolveResult of {name}: {self.poses.account_text}>"
 
     def __str__(self) -> str:
-        from gspcli.solver.columns import plain_table
+        from gspcli.solver.results.columns import plain_table
 
         return plain_table(self, self.poses.account_text)
 
@@ -160,7 +160,7 @@ class SolveResult:
         if self.exact_count is None and self.verdict != "infinite":
             return None
         from gspcli.certification.counting import geometry_count
-        from gspcli.solver.solved_starts import STARTS
+        from gspcli.solver.starts.solved_starts import STARTS
 
         # Distances of zero leave no sides to choose, and are no values in general position.
         known = None
@@ -289,12 +289,13 @@ class SolveResult:
     def to_frame(self, *, everything: bool = False) -> pd.DataFrame:
         """Return the poses as a table with a row for each (pandas is imported now).
 
-        The columns are those of `gspcli.solver.columns`, as in the CSV of `gsp solve`; the index is
-        the number, from 1. With ``everything`` the quaternions and translations are complex.
+        The columns are those of `gspcli.solver.results.columns`, as in the CSV of `gsp solve`; the
+        index is the number, from 1. With ``everything`` the quaternions and translations are
+        complex.
         """
         import pandas as pd
 
-        from gspcli.solver.columns import COLUMNS
+        from gspcli.solver.results.columns import COLUMNS
 
         count = len(self.R) if everything else self.counts.real
         data: dict[str, Any] = {}

@@ -10,7 +10,7 @@ import pytest
 
 from gspcli.pictures.live_numbers import live_module
 from gspcli.resources import instance_files
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import load
 from tools.recording import ROOT
 from tools.verify.live import compared

@@ -9,7 +9,7 @@ from gspcli.catalogue.types import CLASSES, families
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
 from gspcli.motion import measure
 from gspcli.motion.statics.wrenches import wrenches
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 #: Of central differences; they are exact to its square.
 STEP = 1e-5

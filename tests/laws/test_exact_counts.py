@@ -17,7 +17,7 @@ from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point
 from gspcli.resources import data_directory
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import load
 
 #: A rotation with rational entries, of the quaternion (1, 2, 3, 4), and a translation.

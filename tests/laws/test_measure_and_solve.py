@@ -14,7 +14,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.motion import measure
 from gspcli.solver import solve
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 #: Types with more poses are left to tools/verify/round_trips.py, which takes all types.
 FEW = 64

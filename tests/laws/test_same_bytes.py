@@ -27,10 +27,10 @@ from gspcli.geometry.residuals import residuals, sides_of
 from gspcli.motion import track
 from gspcli.resources import data_path
 from gspcli.solver import all_poses, solve, solve_batch, solve_values
-from gspcli.solver.generate import random_instance
-from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.problem import Problem
-from gspcli.solver.solved_starts import SolvedStarts
+from gspcli.solver.results.pose_set import PoseSet
+from gspcli.solver.starts.solved_starts import SolvedStarts
 from gspcli.solver.strategies import stored_start
 
 #: Files: general and special geometries, and lines; types: all relations, sides and angles.

@@ -16,7 +16,7 @@ from gspcli.resources import instance_files
 from gspcli.sensing.candidates import candidates
 from gspcli.sensing.mirror import mirror_of
 from gspcli.sensing.notation import parse_sensor
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 SIGMA = {"leg": 0.001, "coordinate": 0.001, "joint": 0.1, "inclinometer": 0.1}
 HEXAPODS = range(3)

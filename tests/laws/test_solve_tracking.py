@@ -15,7 +15,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import study_from_pose
 from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.solver import solve
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.study_systems import target_systems
 
 seeds = st.integers(0, 10**6)

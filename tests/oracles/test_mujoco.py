@@ -23,7 +23,7 @@ from gspcli.motion import measure
 from gspcli.motion.statics.wrenches import wrenches
 from gspcli.resources import instance_files
 from gspcli.solver import solve
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import load
 from tests.support.masses import random_platform
 from tests.support.simulated_trees import signs

@@ -22,7 +22,7 @@ from gspcli.geometry.quaternions import Field, normalized, rotation_from_quatern
 from gspcli.geometry.residuals import residuals
 from gspcli.reality.poses_by_paths import solve_by_tracking
 from gspcli.solver import SolveResult, solve
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 DATA = Path(__file__).parents[2] / "data"
 EXAMPLES = DATA / "examples"

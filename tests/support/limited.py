@@ -10,7 +10,7 @@ from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Cone
 from gspcli.geometry.ranges import wrong_value
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 
 def study(base_angle=30, platform_angle=60, legs=(80, 160)):

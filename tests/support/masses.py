@@ -16,7 +16,7 @@ from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.geometry.residuals import condition_numbers
 from gspcli.resources import data_directory, instance_files
 from gspcli.solver import solve
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import load
 
 MACHINES = sorted(path.stem for path in (data_directory() / "platforms").glob("*.yaml"))

@@ -54,10 +54,30 @@ ROOMS = {
     "matplotlib": {"pictures"},
     "scipy": {"dynamics"},
 }
-#: Rooms within rooms, the lowest first: each imports itself and those before it.
+#: Rooms and files within rooms, the lowest first: each imports itself and those before it.
 INNER_ROOMS = {
     "certification": ("numbers", "equations", "counting", "poses", "branches"),
     "motion": ("poses", "files", "following", "workspace", "singularities", "statics"),
+    "solver": (
+        "study_systems",
+        "arguments",
+        "home_mode",
+        "contradiction",
+        "ends",
+        "instances",
+        "results",
+        "starts",
+        "problem",
+        "side_poses",
+        "ledger",
+        "strategies",
+        "special",
+        "all_poses",
+        "many_poses",
+        "result",
+        "api",
+        "parallel_certificates",
+    ),
 }
 #: Rooms that know less than their place allows: the engine knows no platform words.
 STRANGERS = {"continuation": {"geometry", "catalogue", "symbolic"}}
@@ -123,14 +143,35 @@ def test_imports_point_one_way(path: Path) -> None:
 @pytest.mark.parametrize("room", INNER_ROOMS)
 def test_imports_within_a_room_point_one_way(room: str) -> None:
     inner = INNER_ROOMS[room]
-    folders = {path.parent.name for path in (PACKAGE / room).glob("*/*.py")}
-    assert folders == set(inner)
-    for path in sorted((PACKAGE / room).glob("*/*.py")):
-        place = inner.index(path.parent.name)
-        for name in _imports(path):
-            parts = name.split(".")
+    places = {path: path.relative_to(PACKAGE / room).parts[0] for path in _files_of(room)}
+    assert {name.removesuffix(".py") for name in places.values()} == set(inner)
+    for path, name in places.items():
+        place = inner.index(name.removesuffix(".py"))
+        for imported in _imports(path):
+            parts = imported.split(".")
             if parts[:2] == ["gspcli", room]:
-                assert parts[2] in inner[: place + 1], f"{path}: {name}"
+                assert parts[2] in inner[: place + 1], f"{path}: {imported}"
+
+
+def _files_of(room: str) -> list[Path]:
+    """Return the files of a room but for its face."""
+    return sorted(set((PACKAGE / room).rglob("*.py")) - {PACKAGE / room / "__init__.py"})
+
+
+def test_no_string_names_a_module_of_the_solver() -> None:
+    """What calls a function there can be seen: it is imported, not looked up by its name."""
+    for path in sorted((PACKAGE / "solver").rglob("*.py")):
+        assert "importlib" not in path.read_text(encoding="utf-8"), path
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        said = {
+            node.body[0].value
+            for node in ast.walk(tree)
+            if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
+            if node.body and isinstance(node.body[0], ast.Expr)
+        }
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Constant) and isinstance(node.value, str) and node not in said:
+                assert not node.value.startswith("gspcli"), f"{path}: {node.value}"
 
 
 #: Lines of a file and of a function at most, and the tables that may have more.

@@ -46,7 +46,7 @@ from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import measure
 from gspcli.motion.following.row_instances import at_values
 from gspcli.solver import solve
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import dumps
 from tools.fuzz.attacks import attack_by_seeds, call
 

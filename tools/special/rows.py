@@ -18,8 +18,8 @@ from gspcli.certification.counting import exact_count
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.numbers import Number
 from gspcli.solver import solve, solve_batch, solve_values
-from gspcli.solver.batch import PoseBatch
-from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.results.pose_batch import PoseBatch
+from gspcli.solver.results.pose_set import PoseSet
 from tools.recording import SEED
 from tools.special.answers import HONEST, Answer, judged
 from tools.special.parts import Draws

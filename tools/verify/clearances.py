@@ -24,7 +24,7 @@ from gspcli.defaults import SEED
 from gspcli.motion.singularities.clearances import clearance
 from gspcli.motion.singularities.displacements import Displacements
 from gspcli.motion.singularities.pose_clearances import pose_clearance
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from tools.recording import ROOT, add_workers, csv_text, parser, sampled, workers_of
 from tools.verify.campaigns import conclude
 

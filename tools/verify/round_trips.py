@@ -27,7 +27,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.motion import measure
 from gspcli.solver import SolveResult, solve
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from tools.recording import ROOT, csv_text, sampled
 from tools.verify.campaigns import conclude, options, results
 

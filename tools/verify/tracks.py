@@ -39,7 +39,7 @@ from gspcli.errors import INTERRUPTED
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import MovingPlatform, PoseFormat, Track, measure, read_values, track
 from gspcli.motion.following.branch_follower import Stop
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from tools.recording import ROOT, csv_text, sampled
 from tools.verify.campaigns import conclude, options, results
 

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from gspcli.certification.counting import ApproximatePose, poses_by_elimination
-from gspcli.solver.pose_set import are_far
-from gspcli.solver.side import Side
+from gspcli.solver.results.pose_set import are_far
+from gspcli.solver.side_poses import SidePoses
 
 #: Bits in which all poses are computed, and the largest number of paths for which that is worth it
 #: (some seconds); with the fewest bits, where most paths lead to none.
@@ -19,7 +19,7 @@ _ELIMINABLE, _MOST = 130, 200
 _PATHS = 8, 1 / 8000
 
 
-def early_elimination(side: Side) -> Iterator[None]:
+def early_elimination(side: SidePoses) -> Iterator[None]:
     """Eliminate where that is quicker than to follow many paths with 64 digits."""
     paths, (few, of_cube) = side.paths.count, _PATHS
     # Where nothing is found at all, paths with more digits hardly find more.
@@ -29,13 +29,13 @@ def early_elimination(side: Side) -> Iterator[None]:
         yield from _eliminated(side, _BITS[0])
 
 
-def by_elimination(side: Side) -> Iterator[None]:
+def by_elimination(side: SidePoses) -> Iterator[None]:
     """Eliminate with more and more bits."""
     for bits in _BITS[side.eliminated :] if side.paths.count <= _ELIMINABLE else ():
         yield from _eliminated(side, bits)
 
 
-def _eliminated(side: Side, bits: int) -> Iterator[None]:
+def _eliminated(side: SidePoses, bits: int) -> Iterator[None]:
     """Add the poses that eigenvectors give: first those that doubles tell from all others."""
     problem, found, left = side.problem, side.found, []
     instance = problem.instance.on_sides(problem.choices[side.k].tolist())
@@ -53,7 +53,7 @@ def _eliminated(side: Side, bits: int) -> Iterator[None]:
     yield
 
 
-def _added(side: Side, pose: ApproximatePose, bits: int, *, only_new: bool) -> bool:
+def _added(side: SidePoses, pose: ApproximatePose, bits: int, *, only_new: bool) -> bool:
     """Add the pose near an approximation, and its conjugate; False if it seems to be known."""
     locator = side.locator
     if only_new:

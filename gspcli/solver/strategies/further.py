@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from gspcli.solver.side import Side
+from gspcli.solver.side_poses import SidePoses
 from gspcli.solver.strategies.elimination import by_elimination, early_elimination
 from gspcli.solver.strategies.more_digits import (
     along_other_paths,
@@ -13,7 +13,7 @@ from gspcli.solver.strategies.more_digits import (
 )
 from gspcli.solver.strategies.turned_directions import from_turned_directions
 
-FURTHER: tuple[Callable[[Side], Iterator[None]], ...] = (
+FURTHER: tuple[Callable[[SidePoses], Iterator[None]], ...] = (
     with_32_digits,
     # Poses far away because directions are nearly parallel.
     from_turned_directions,

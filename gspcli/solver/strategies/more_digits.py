@@ -7,13 +7,13 @@ from collections.abc import Generator, Iterator
 import numpy as np
 
 from gspcli.continuation.tracked_paths import joined_ends
-from gspcli.solver.side import Index, Side
+from gspcli.solver.side_poses import Index, SidePoses
 
 #: Sets of random paths that are tried, and at most if each of them leads to more poses.
 _ATTEMPTS, _MOST_ATTEMPTS = 3, 8
 
 
-def with_32_digits(side: Side) -> Iterator[None]:
+def with_32_digits(side: SidePoses) -> Iterator[None]:
     """Follow with 32 digits the paths whose ends in double precision are not proved.
 
     That some of these ends are simple beyond doubt, and could be proved in balls, gains nothing:
@@ -24,12 +24,12 @@ def with_32_digits(side: Side) -> Iterator[None]:
     side.unresolved = yield from _followed(side, np.flatnonzero(~reached), 0)
 
 
-def with_64_digits(side: Side) -> Iterator[None]:
+def with_64_digits(side: SidePoses) -> Iterator[None]:
     """Follow with 64 digits the paths that have led to no pose with 32."""
     yield from _followed_on(side, side.unresolved, 0)
 
 
-def along_other_paths(side: Side) -> Iterator[None]:
+def along_other_paths(side: SidePoses) -> Iterator[None]:
     """Follow all paths in other random ways, as long as that leads to more poses."""
     if not len(side.found) and side.left is not None and not side.left.converged.any():
         # All poses are farther away than any paths lead.
@@ -42,7 +42,7 @@ def along_other_paths(side: Side) -> Iterator[None]:
             break
 
 
-def _followed(side: Side, index: Index, attempt: int) -> Generator[None, None, Index]:
+def _followed(side: SidePoses, index: Index, attempt: int) -> Generator[None, None, Index]:
     """Add the poses at the ends of some paths, with 32 digits; return which led to none."""
     new = np.zeros(len(index), np.bool_)
     for which, ends in side.paths.track(index, side.target, digits=32, attempt=attempt):
@@ -54,7 +54,7 @@ def _followed(side: Side, index: Index, attempt: int) -> Generator[None, None, I
     return index[~new]
 
 
-def _followed_on(side: Side, index: Index, attempt: int) -> Iterator[None]:
+def _followed_on(side: SidePoses, index: Index, attempt: int) -> Iterator[None]:
     """Add the poses at the ends of some paths, with 64 digits, and keep those of the others."""
     left = []
     for _, ends in side.paths.track(index, side.target, digits=64, attempt=attempt):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from gspcli.solver.ends import Ends
-from gspcli.solver.kept_geometry import kept_geometry
 from gspcli.solver.problem import Problem
+from gspcli.solver.strategies.kept_geometry import kept_geometry
 
 
 def same_geometry(problem: Problem) -> Iterator[Ends]:

@@ -38,7 +38,7 @@ def _ways(problem: Problem, structure: Structure) -> Iterator[tuple[StartSystem,
         MEDIUM_STEPS,
         SHORT_STEPS,
     )
-    from gspcli.solver.planar_start import planar_starts
+    from gspcli.solver.starts.planar_starts import planar_starts
 
     planar = planar_starts(problem.arrangement.normalized, problem.starts)
     if planar:

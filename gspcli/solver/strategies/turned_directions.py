@@ -9,14 +9,14 @@ import numpy as np
 from gspcli.certification.poses.turned_directions import TurnedDirections, TurnedEquations
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.solver.problem import Problem
-from gspcli.solver.side import Side, conjugate_sources, is_nearly_real
+from gspcli.solver.side_poses import SidePoses, conjugate_sources, is_nearly_real
 
 #: By how much directions shall differ, each tried in turn, negative for the other side: poses are
 #: found there with 32 digits.
 _APART = (3e-3, -3e-3)
 
 
-def from_turned_directions(side: Side) -> Iterator[None]:
+def from_turned_directions(side: SidePoses) -> Iterator[None]:
     """Follow the poses of a platform whose directions are turned apart."""
     turned = TurnedDirections.of(side.problem.instance) if len(side.unresolved) else None
     if turned is None:

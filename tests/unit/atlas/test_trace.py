@@ -11,7 +11,7 @@ from gspcli.continuation.quadrics import ComplexArray
 from gspcli.continuation.solve import solve_system
 from gspcli.continuation.systems import Structure, System
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.study_systems import target_systems
 
 SEED = 4

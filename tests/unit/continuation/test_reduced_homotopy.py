@@ -12,7 +12,7 @@ from gspcli.continuation.solve import solve_system
 from gspcli.continuation.start import path_count, start_system
 from gspcli.continuation.systems import Coefficients, System
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.study_systems import coefficients_of, target_systems
 
 #: Types with the number of quantities that stay free.

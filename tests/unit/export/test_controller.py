@@ -15,7 +15,7 @@ from gspcli.motion import FollowerStatus
 from gspcli.motion.following import platform_numbers as numbers_module
 from gspcli.motion.following.platform_numbers import platform_numbers
 from gspcli.resources import instance_files
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from tools.verify.controllers.compiled import CompiledController, poses_of
 from tools.verify.controllers.rounding import ExactEquations
 

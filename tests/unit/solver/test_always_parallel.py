@@ -162,7 +162,7 @@ def test_both_sides_are_the_plate_on_both_faces(length: str) -> None:
 
 
 def test_one_pose_too_few_or_too_many_is_never_complete(monkeypatch: pytest.MonkeyPatch) -> None:
-    from gspcli.solver import by_count
+    from gspcli.solver.special import by_count
 
     count = by_count.exact_count(_spec(*LONG_FOOT))
     assert count is not None

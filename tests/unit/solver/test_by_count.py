@@ -17,11 +17,13 @@ from gspcli.defaults import SEED
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Units
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, Point, vector
-from gspcli.solver import by_count, side, solve
-from gspcli.solver.generate import random_instance
+from gspcli.solver import side_poses as side
+from gspcli.solver import solve
+from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.ledger import Ledger
 from gspcli.solver.problem import Problem
-from gspcli.solver.proof import CountKind
+from gspcli.solver.results.proof import CountKind
+from gspcli.solver.special import by_count
 
 ORIGIN, X, Y, Z = (vector(*v) for v in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
 P = Point(ORIGIN)
@@ -94,7 +96,7 @@ def test_a_geometry_without_poses_for_most_values_proves_nothing(
     assert count_geometry(platform).solutions == 0
     monkeypatch.setattr("gspcli.solver.strategies.more_digits._MOST_ATTEMPTS", 0)
     monkeypatch.setattr("gspcli.solver.strategies.elimination._ELIMINABLE", 0)
-    monkeypatch.setattr("gspcli.solver.by_count.exact_count", lambda *_, **__: None)
+    monkeypatch.setattr("gspcli.solver.special.by_count.exact_count", lambda *_, **__: None)
     assert solve(platform).verdict == "incomplete"
 
 

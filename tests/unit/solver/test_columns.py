@@ -8,7 +8,7 @@ import pytest
 from gspcli.errors import GspError
 from gspcli.resources import instance_files
 from gspcli.solver import solve
-from gspcli.solver.columns import COLUMNS, ROTATIONS, rotation_columns
+from gspcli.solver.results.columns import COLUMNS, ROTATIONS, rotation_columns
 from gspcli.spec import load
 
 

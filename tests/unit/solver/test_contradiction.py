@@ -11,7 +11,7 @@ from gspcli.catalogue.names import parse_type
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.resources import instance_files
 from gspcli.solver.contradiction import contradiction
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import load
 
 

@@ -12,7 +12,7 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.numbers import Number
 from gspcli.resources import data_path
 from gspcli.solver.problem import Problem
-from gspcli.solver.proof import CountKind
+from gspcli.solver.results.proof import CountKind
 from gspcli.solver.strategies.closed_form import closed_form
 
 TYPES = (

@@ -11,7 +11,7 @@ from gspcli.catalogue.types import all_types
 from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.residuals import residuals
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 
 @pytest.mark.parametrize("number", range(0, 3850, 193))

@@ -10,12 +10,13 @@ from gspcli.certification import counting
 from gspcli.geometry.numbers import Number
 from gspcli.pictures.live_numbers import standing
 from gspcli.resources import data_path
-from gspcli.solver import by_count, solve, solve_batch
-from gspcli.solver.geometry_start import StartMethod, geometry_start
-from gspcli.solver.kept_geometry import kept_geometry
+from gspcli.solver import solve, solve_batch
 from gspcli.solver.problem import Problem
-from gspcli.solver.proof import CountKind
-from gspcli.solver.solved_starts import STARTS, SolvedStarts
+from gspcli.solver.results.proof import CountKind
+from gspcli.solver.special import by_count
+from gspcli.solver.starts.complex_start import StartMethod, geometry_start
+from gspcli.solver.starts.solved_starts import STARTS, SolvedStarts
+from gspcli.solver.strategies.kept_geometry import kept_geometry
 from gspcli.spec import load
 
 SPECIAL = {
@@ -77,7 +78,7 @@ def test_a_start_that_lacks_a_solution_proves_nothing(monkeypatch):
         pool = replace(start.pool, points=start.pool.points[:, 1:])
         return replace(start, points=start.points[1:], pool=pool)
 
-    monkeypatch.setattr("gspcli.solver.one_geometry.geometry_start", lacking)
+    monkeypatch.setattr("gspcli.solver.starts.geometry_starts.geometry_start", lacking)
     starts = SolvedStarts()
     for _ in range(2):
         found = solve(instance, starts=starts)
@@ -97,8 +98,8 @@ def test_the_first_of_a_geometry_needs_neither_a_start_nor_an_exact_count(name, 
         raise AssertionError
 
     STARTS.clear()
-    monkeypatch.setattr("gspcli.solver.one_geometry.geometry_start", seen)
-    monkeypatch.setattr("gspcli.solver.by_count.exact_count", counted)
+    monkeypatch.setattr("gspcli.solver.starts.geometry_starts.geometry_start", seen)
+    monkeypatch.setattr("gspcli.solver.special.by_count.exact_count", counted)
     first = solve(platform("platforms", name))
     assert not ways
     second = solve(platform("platforms", name))
@@ -120,7 +121,7 @@ def test_a_start_from_a_solved_platform_has_the_solutions_of_any_other(name, mon
         return start
 
     STARTS.clear()
-    monkeypatch.setattr("gspcli.solver.one_geometry.geometry_start", each)
+    monkeypatch.setattr("gspcli.solver.starts.geometry_starts.geometry_start", each)
     for _ in range(2):
         solve(platform("platforms", name))
     found, known = (
@@ -151,7 +152,7 @@ def test_poses_of_which_two_are_the_same_are_no_start():
 
 def test_nearly_special_platforms_are_proved_by_their_geometry_too(monkeypatch):
     # Of its 36 poses doubles can prove 28.
-    monkeypatch.setattr("gspcli.solver.by_count.exact_count", lambda *_, **__: None)
+    monkeypatch.setattr("gspcli.solver.special.by_count.exact_count", lambda *_, **__: None)
     found = solve(platform("platforms", "rubin-camera"))
     assert found.proof.by is CountKind.GEOMETRY
     assert len(found.R) == found.certified.sum() == 36

@@ -13,7 +13,7 @@ from gspcli.geometry.measurement import measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line, vector
 from gspcli.solver import SolveResult, solve
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import loads
 
 SPEC = """

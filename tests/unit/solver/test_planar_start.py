@@ -13,9 +13,9 @@ from gspcli.continuation.reduced_homotopy import ends_from_start
 from gspcli.continuation.tracker_options import SHORT_STEPS
 from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.solver import solve
-from gspcli.solver.planar_start import planar_starts
 from gspcli.solver.problem import Problem
-from gspcli.solver.solved_starts import OFTEN, SolvedStarts
+from gspcli.solver.starts.planar_starts import planar_starts
+from gspcli.solver.starts.solved_starts import OFTEN, SolvedStarts
 from gspcli.solver.strategies import stored_start
 
 

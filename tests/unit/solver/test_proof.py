@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from gspcli.solver.proof import CountKind, Proof
+from gspcli.solver.results.proof import CountKind, Proof
 
 
 def test_a_count_for_every_prime_is_a_proof() -> None:

@@ -8,9 +8,9 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.residuals import relative_residuals
 from gspcli.solver.ledger import Ledger
-from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.problem import Problem
-from gspcli.solver.repeated_constraints import poses_of_repeated
+from gspcli.solver.results.pose_set import PoseSet
+from gspcli.solver.special.repeated_constraints import poses_of_repeated
 
 TEXT = """
 gsp: 1

@@ -11,7 +11,7 @@ from gspcli.defaults import SEED
 from gspcli.geometry.quaternions import quaternion_from_rotation
 from gspcli.resources import data_path
 from gspcli.solver import solve
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import load
 
 

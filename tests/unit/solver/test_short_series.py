@@ -5,10 +5,10 @@ import pytest
 
 from gspcli.catalogue.names import parse_type
 from gspcli.solver import solve
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.problem import Problem
-from gspcli.solver.proof import CountKind
-from gspcli.solver.solved_starts import SolvedStarts
+from gspcli.solver.results.proof import CountKind
+from gspcli.solver.starts.solved_starts import SolvedStarts
 from gspcli.solver.strategies import stored_start
 
 PARTS = ("quaternions", "R", "T", "real")

@@ -13,8 +13,8 @@ import pytest
 from gspcli.catalogue.names import parse_type
 from gspcli.resources import data_path
 from gspcli.solver import solve, solve_batch, solve_values
-from gspcli.solver.generate import random_instance
-from gspcli.solver.solved_starts import STARTS, SolvedStarts, Sort
+from gspcli.solver.instances.generate import random_instance
+from gspcli.solver.starts.solved_starts import STARTS, SolvedStarts, Sort
 from gspcli.spec import load
 
 NONE = dict.fromkeys(Sort, 0)
@@ -118,7 +118,9 @@ def test_nothing_is_remembered_elsewhere(monkeypatch):
 
 
 def test_importing_keeps_nothing():
-    code = "from gspcli.solver.solved_starts import STARTS; print(sum(STARTS.sizes.values()))"
+    code = (
+        "from gspcli.solver.starts.solved_starts import STARTS as s; print(sum(s.sizes.values()))"
+    )
     run = subprocess.run(
         [sys.executable, "-c", f"import gspcli; gspcli.solve; {code}"],
         capture_output=True,

@@ -14,7 +14,7 @@ from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Line
 from gspcli.solver import solve
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.strategies import turned_directions
 
 

@@ -44,7 +44,7 @@ from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_
 from gspcli.geometry.readings import values_of
 from gspcli.motion import MovingPlatform
 from gspcli.motion.following.trajectories import at_values
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from tools.recording import ROOT, csv_text, sampled
 from tools.verify.campaigns import conclude, options, results
 from tools.verify.controllers.compiled import CompiledController, Walks, poses_of

@@ -1,4 +1,4 @@
-// Paths from solved systems of a geometry to the values asked for (gspcli.solver.one_geometry).
+// Paths from solved systems of a geometry to the values asked for (gspcli.solver.starts.geometry_starts).
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@ struct Ends {
   double unit;
 };
 
-// With fewer unknowns: gspcli.solver.start_pool, and its two sizes of steps.
+// With fewer unknowns: gspcli.solver.starts.start_pool, and its two sizes of steps.
 class PoolPaths {
  public:
   explicit PoolPaths(Numbers& numbers);

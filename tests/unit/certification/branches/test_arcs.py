@@ -14,7 +14,7 @@ from gspcli.geometry.coordinates import choose
 from gspcli.motion import MovingPlatform
 from gspcli.motion.following.row_instances import at_values
 from gspcli.resources import data_path
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 NOW = [*[arb(0)] * 8, arb(1)]
 #: Two modes meet and vanish on the way.

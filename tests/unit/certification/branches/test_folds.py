@@ -12,7 +12,7 @@ from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion import MovingPlatform, measure, track
 from gspcli.motion.following.row_instances import at_values
 from gspcli.resources import data_path
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 #: The two modes of the example meet and vanish on the way.
 VALUES = np.array([[2.53, 2.08, 0.93, 1.97, 1.46, 1.73], [2.6, 2.0, 1.0, 1.9, 1.46, 1.73]])

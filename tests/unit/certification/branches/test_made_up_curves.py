@@ -19,7 +19,7 @@ from gspcli.certification.branches.parametric_quadrics import moving_equations
 from gspcli.certification.branches.taylor import MovingSystem
 from gspcli.motion import MovingPlatform
 from gspcli.motion.following.branch_runs import _same
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 NOTHING = [arb(0)] * 9
 

@@ -13,7 +13,7 @@ from gspcli.certification.counting import (
 )
 from gspcli.geometry.numbers import Number, parse_number
 from gspcli.resources import data_directory, data_json
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from gspcli.spec import load
 
 EXPECTED = data_json("examples", "expected.json")["examples"]

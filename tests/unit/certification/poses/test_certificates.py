@@ -21,7 +21,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import vector
 from gspcli.geometry.quaternions import pose_from_study
 from gspcli.geometry.residuals import residuals, sides_of
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 SHIFT = np.array([1, -1, 1])
 TYPES = [

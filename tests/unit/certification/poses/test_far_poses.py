@@ -20,7 +20,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.resources import data_path
 from gspcli.solver import solve
 from gspcli.solver.problem import Problem
-from gspcli.solver.solved_starts import SolvedStarts
+from gspcli.solver.starts.solved_starts import SolvedStarts
 from gspcli.spec import load
 
 PARTS = ("R", "T", "quaternions", "real", "certified", "rounded", "deviation")

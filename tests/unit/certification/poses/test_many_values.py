@@ -21,7 +21,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import quaternion_from_rotation, study_from_pose
 from gspcli.geometry.residuals import residuals
 from gspcli.reality.poses_by_paths import solve_by_tracking
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 from gspcli.solver.study_systems import side_choices
 
 TYPES = (

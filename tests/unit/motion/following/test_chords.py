@@ -15,7 +15,7 @@ from gspcli.motion.following import chords
 from gspcli.motion.following.chord_bends import Bends
 from gspcli.motion.following.chord_equations import DEGREE, Chord, Parts, equations_at
 from gspcli.motion.following.chords import prove
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 
 def moved(kinds, seed, step):

@@ -14,7 +14,7 @@ from gspcli.motion.following.branch_follower import Stop
 from gspcli.motion.following.platform_numbers import platform_numbers
 from gspcli.motion.poses.inverse_kinematics import value_slopes
 from gspcli.resources import instance_files
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 TYPES = list(all_types())
 

@@ -15,7 +15,7 @@ from gspcli.motion.following.chords import prove
 from gspcli.motion.following.moving_geometry import MovingGeometry
 from gspcli.motion.following.trajectories import track_from
 from gspcli.resources import data_path
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 MIXED = ["6PP", "6DLL", "PP PL LP PH HP DLL", "PL PL LP ALL ALH AHH"]
 

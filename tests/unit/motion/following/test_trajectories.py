@@ -13,7 +13,7 @@ from gspcli.motion.following.branch_runs import Run
 from gspcli.motion.following.row_instances import at_values
 from gspcli.motion.singularities.clearances import clearances
 from gspcli.resources import data_path
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.motion import measure
 from gspcli.motion.poses.inverse_kinematics import _CHUNK
 from gspcli.resources import data_path
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 
 def test_batches_of_any_shape_are_measured_as_single_poses():

@@ -11,7 +11,7 @@ from gspcli.motion.singularities import clearances as module
 from gspcli.motion.singularities.clearances import clearance, clearances, range_weights
 from gspcli.motion.singularities.enclosures import SIGNS
 from gspcli.resources import data_path, instance_files
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 TYPES = ["6PP", "6PH", "6PL", "6DLL", "PP PL LP PH HP DLL", "PL PL LP ALL ALH AHH"]
 

@@ -11,7 +11,7 @@ from gspcli.motion.singularities.enclosures import SIGNS
 from gspcli.motion.statics.accuracy import accuracy
 from gspcli.motion.statics.wrenches import wrenches
 from gspcli.resources import data_path
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 TYPES = ["6PP", "6PL", "6LP", "6PH", "6HP", "6DLL", "PP PL LP PH HP DLL", "PL PL LP ALL ALH AHH"]
 

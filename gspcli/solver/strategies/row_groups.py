@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.solver.kept_geometry import kept_among
-from gspcli.solver.one_geometry import Geometry, geometry_among
-from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.problem import Problem
+from gspcli.solver.results.pose_set import PoseSet
+from gspcli.solver.starts.geometry_starts import Geometry, geometry_among
+from gspcli.solver.strategies.kept_geometry import kept_among
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]

@@ -16,7 +16,7 @@ from gspcli.catalogue.kinds import DPP
 from gspcli.continuation.start import StartSystem, path_count
 from gspcli.continuation.systems import EQUATIONS, System
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.solver.solved_starts import SolvedStarts, Sort
+from gspcli.solver.starts.solved_starts import SolvedStarts, Sort
 from gspcli.solver.study_systems import complex_system
 
 #: Heights of points of a planar body over its plane, in lengths of order one.

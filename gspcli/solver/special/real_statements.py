@@ -25,7 +25,7 @@ from gspcli.geometry.instance import AngleUnit, Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Vector
 from gspcli.geometry.residuals import relative_residuals
-from gspcli.solver.pose_set import Motion, PoseSet
+from gspcli.solver.results.pose_set import Motion, PoseSet
 
 #: So many choices of six constraints are counted, of types with at most so many poses.
 _CHOICES, _MOST_POSES = 40, 640

@@ -20,11 +20,11 @@ from gspcli.certification import certify
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Point
-from gspcli.solver.infinite import solve_infinite
 from gspcli.solver.ledger import Ledger
-from gspcli.solver.pose_set import Motion, PoseSet
 from gspcli.solver.problem import Problem
-from gspcli.solver.proof import CountKind, Proof
+from gspcli.solver.results.pose_set import Motion, PoseSet
+from gspcli.solver.results.proof import CountKind, Proof
+from gspcli.solver.special.infinite_sets import solve_infinite
 
 #: A pose is certified with legs between so many sets of random points beside the constraints.
 _TRIES = 4

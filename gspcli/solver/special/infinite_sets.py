@@ -18,10 +18,10 @@ from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import Field
 from gspcli.geometry.residuals import relative_residuals
 from gspcli.solver.ledger import Ledger
-from gspcli.solver.pose_set import Motion, PoseSet, joined
 from gspcli.solver.problem import Problem
-from gspcli.solver.proof import Proof
-from gspcli.solver.self_motion import local_motion
+from gspcli.solver.results.pose_set import Motion, PoseSet, joined
+from gspcli.solver.results.proof import Proof
+from gspcli.solver.special.motions import local_motion
 
 #: Samples of a motion meet the constraints up to this part of their size.
 _ON_MOTION = 1e-8

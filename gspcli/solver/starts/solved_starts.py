@@ -20,7 +20,7 @@ from gspcli.geometry.numbers import Number
 
 if TYPE_CHECKING:
     from gspcli.certification.counting import ExactCount
-    from gspcli.solver.pose_set import PoseSet
+    from gspcli.solver.results.pose_set import PoseSet
 
 _Entry = TypeVar("_Entry")
 

@@ -14,13 +14,13 @@ from gspcli.certification.counting import PartCount, SideCount, by_points
 from gspcli.certification.poses.parallel_poses import where_parallel
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.instance import Instance
-from gspcli.solver.completion import complete
-from gspcli.solver.pose_set import PoseSet, joined
-from gspcli.solver.side import Side
+from gspcli.solver.results.pose_set import PoseSet, joined
+from gspcli.solver.side_poses import SidePoses
+from gspcli.solver.special.completion import complete
 
 
 def complete_parts(
-    side: Side, count: SideCount, solve_points: Callable[[Instance], PoseSet]
+    side: SidePoses, count: SideCount, solve_points: Callable[[Instance], PoseSet]
 ) -> PoseSet:
     """Return all poses for a choice of sides that was counted in parts.
 

@@ -10,7 +10,7 @@ from gspcli.catalogue.coincidence import Bond
 from gspcli.catalogue.types import GspType
 from gspcli.defaults import SEED
 from gspcli.geometry.instance import Instance
-from gspcli.solver.generate import random_instance
+from gspcli.solver.instances.generate import random_instance
 
 
 def new(

@@ -17,7 +17,7 @@ from gspcli.continuation.reduced_homotopy import ReducedHomotopy
 from gspcli.continuation.systems import EQUATIONS, System
 from gspcli.continuation.tracked_paths import TrackedPaths, track_all
 from gspcli.records import dataclass
-from gspcli.solver.start_pool import StartPool
+from gspcli.solver.starts.start_pool import StartPool
 from gspcli.solver.study_systems import coefficients_of, complex_system
 
 Array = NDArray[np.float64]

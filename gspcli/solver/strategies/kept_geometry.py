@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.solver.geometry_start import StartMethod
-from gspcli.solver.one_geometry import Geometry, geometry_about, solved_system
-from gspcli.solver.pose_set import PoseSet, are_far
 from gspcli.solver.problem import Problem
-from gspcli.solver.solved_starts import SolvedPlatform, Sort, geometry_key
+from gspcli.solver.results.pose_set import PoseSet, are_far
+from gspcli.solver.starts.complex_start import StartMethod
+from gspcli.solver.starts.geometry_starts import Geometry, geometry_about, solved_system
+from gspcli.solver.starts.solved_starts import SolvedPlatform, Sort, geometry_key
 
 if TYPE_CHECKING:
     from gspcli.certification.poses.far_poses import FarPoses

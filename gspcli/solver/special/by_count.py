@@ -15,16 +15,16 @@ from gspcli.certification.counting import (
 )
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.geometry.instance import Instance
-from gspcli.solver.completion import FEW, complete, go_on_until
-from gspcli.solver.infinite import along_points, solve_infinite
 from gspcli.solver.ledger import Ledger
-from gspcli.solver.pose_set import PoseSet, joined
-from gspcli.solver.poses_in_parts import complete_parts
 from gspcli.solver.problem import Problem
-from gspcli.solver.proof import CountKind, Proof
-from gspcli.solver.real_statements import isolated_real_poses
-from gspcli.solver.repeated_constraints import poses_of_repeated
-from gspcli.solver.side import Side
+from gspcli.solver.results.pose_set import PoseSet, joined
+from gspcli.solver.results.proof import CountKind, Proof
+from gspcli.solver.side_poses import SidePoses
+from gspcli.solver.special.completion import FEW, complete, go_on_until
+from gspcli.solver.special.infinite_sets import along_points, solve_infinite
+from gspcli.solver.special.poses_in_parts import complete_parts
+from gspcli.solver.special.real_statements import isolated_real_poses
+from gspcli.solver.special.repeated_constraints import poses_of_repeated
 
 #: A count takes longer than to follow this part of the paths with 32 digits, for each path that
 #: there is; and the part of which more are not followed: then the platform is a special one.
@@ -115,7 +115,7 @@ def _with_better_proof(problem: Problem, poses: PoseSet) -> PoseSet:
     return replace(poses, proof=min(proofs, key=_error) if proofs else None)
 
 
-def _of_side(side: Side, count: SideCount, solve: Callable[[Problem], PoseSet]) -> PoseSet:
+def _of_side(side: SidePoses, count: SideCount, solve: Callable[[Problem], PoseSet]) -> PoseSet:
     """Return the poses for a choice of sides by its count."""
 
     def solve_points(same: Instance) -> PoseSet:
@@ -128,13 +128,13 @@ def _of_side(side: Side, count: SideCount, solve: Callable[[Problem], PoseSet]) 
     return _counted(side, count)
 
 
-def _unresolved(side: Side) -> int:
+def _unresolved(side: SidePoses) -> int:
     """Return how many paths in double precision do not end at simple solutions."""
     ends = side.paths.first()
     return int((~(ends.simple & ends.converged)).sum())
 
 
-def _too_many_unresolved(side: Side) -> bool:
+def _too_many_unresolved(side: SidePoses) -> bool:
     paths = side.paths.count
     return not paths or _unresolved(side) > min(max(1 / FEW, _LONG * paths), _MOST) * paths
 
@@ -157,7 +157,7 @@ def _moving_with_parallel_lines(instance: Instance, count: ExactCount) -> Instan
     return None
 
 
-def _counted(side: Side, count: SideCount) -> PoseSet:
+def _counted(side: SidePoses, count: SideCount) -> PoseSet:
     """Return the poses for a choice of sides for which they were counted."""
     assert count.solutions is not None
     # Where distinct solutions were not counted, only simple ones can be all.
@@ -171,7 +171,7 @@ def _counted(side: Side, count: SideCount) -> PoseSet:
 
 
 def _with_parallel_lines(
-    side: Side, count: SideCount, solve_points: Callable[[Instance], PoseSet]
+    side: SidePoses, count: SideCount, solve_points: Callable[[Instance], PoseSet]
 ) -> PoseSet:
     """Return the poses for a choice of sides where some lines are parallel at all of them.
 

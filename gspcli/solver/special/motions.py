@@ -20,7 +20,7 @@ from gspcli.geometry.quaternions import (
     quaternion_from_rotation,
     rotation_from_quaternion,
 )
-from gspcli.solver.pose_set import Motion
+from gspcli.solver.results.pose_set import Motion
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from gspcli.continuation.paths import PathAccount
 from gspcli.geometry.pose_order import stable_order
 from gspcli.geometry.quaternions import Field, quaternion_from_rotation
 from gspcli.records import dataclass
-from gspcli.solver.proof import CountKind, Proof
+from gspcli.solver.results.proof import CountKind, Proof
 
 if TYPE_CHECKING:
     from gspcli.certification.equations.local_frames import LocalFrames
@@ -36,7 +36,7 @@ class Motion:
     ----------
     dimension
         Local dimension of the set, as far as independent steps were found. Zero is that of a real
-        pose from which no real motion begins (`gspcli.solver.real_statements`).
+        pose from which no real motion begins (`gspcli.solver.special.real_statements`).
     real
         Whether the poses are real, so that the platform really moves if the dimension is not
         zero; else the set is known only over the complex numbers.

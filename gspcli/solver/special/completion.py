@@ -17,15 +17,15 @@ from gspcli.continuation.endpoints import COUNTED
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.tracked_paths import PathEnds
 from gspcli.geometry.quaternions import canonical_sign
-from gspcli.solver.pose_set import PoseSet
-from gspcli.solver.side import Side
+from gspcli.solver.results.pose_set import PoseSet
+from gspcli.solver.side_poses import SidePoses
 
 #: If at most one path in so many is missing, paths have jumped rather than that the platform is
 #: special: other paths find what is missing. Else no count says whether more would be found.
 FEW = 50
 
 
-def is_exhausted(side: Side) -> bool:
+def is_exhausted(side: SidePoses) -> bool:
     """Return whether all further strategies have been tried."""
     # Imported where they are needed: for most platforms the first strategies are enough.
     from gspcli.solver.strategies.further import FURTHER
@@ -33,7 +33,7 @@ def is_exhausted(side: Side) -> bool:
     return side.begun == len(FURTHER)
 
 
-def go_on(side: Side) -> None:
+def go_on(side: SidePoses) -> None:
     """Do the next part of the further strategies, up to where the poses may be all."""
     from gspcli.solver.strategies.further import FURTHER
 
@@ -44,7 +44,7 @@ def go_on(side: Side) -> None:
 
 
 def go_on_until(
-    side: Side, last: Callable[[Side], Iterator[None]], most: int | None = None
+    side: SidePoses, last: Callable[[SidePoses], Iterator[None]], most: int | None = None
 ) -> None:
     """Go on as long as poses are missing.
 
@@ -71,7 +71,7 @@ def go_on_until(
         go_on(side)
 
 
-def complete(side: Side, solutions: int, distinct: int, spurious: int | None) -> PoseSet:
+def complete(side: SidePoses, solutions: int, distinct: int, spurious: int | None) -> PoseSet:
     """Return all poses if the counts are reached; what is missing is lost.
 
     Parameters
@@ -109,7 +109,7 @@ class _Candidates:
         The poses for a choice of sides.
     """
 
-    def __init__(self, side: Side) -> None:
+    def __init__(self, side: SidePoses) -> None:
         self._side = side
         self._tried: PathEnds | None = None
         self._poses: list[MultiplePose] | None = None

@@ -17,8 +17,8 @@ from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.systems import FineCoefficients
 from gspcli.continuation.tracked_paths import PathEnds, TrackedPaths
 from gspcli.geometry.quaternions import Field, canonical_sign, pose_from_study
-from gspcli.solver.pose_set import PoseSet
 from gspcli.solver.problem import Problem
+from gspcli.solver.results.pose_set import PoseSet
 
 Bits = NDArray[np.bool_]
 Index = NDArray[np.intp]
@@ -31,7 +31,7 @@ _MANY_BITS = 128
 _NEARLY_REAL = 1e-6
 
 
-class Side:
+class SidePoses:
     """The poses of a platform for one choice of sides.
 
     Parameters
@@ -60,7 +60,7 @@ class Side:
         Whether all poses are known to be simple ones.
     begun, running
         How many of the further strategies have ended, and the one that has begun
-        (`gspcli.solver.completion.go_on`).
+        (`gspcli.solver.special.completion.go_on`).
     """
 
     def __init__(self, problem: Problem, k: int) -> None:

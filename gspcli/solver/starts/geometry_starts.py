@@ -33,11 +33,16 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import apply, study_from_pose
 from gspcli.records import dataclass
 from gspcli.solver.ends import Ends
-from gspcli.solver.geometry_start import GeometryStart, SolvedSystem, StartMethod, geometry_start
-from gspcli.solver.pose_set import PoseSet
-from gspcli.solver.proof import CountKind, Proof
-from gspcli.solver.solved_starts import SolvedStarts, Sort
-from gspcli.solver.start_pool import StartPool
+from gspcli.solver.results.pose_set import PoseSet
+from gspcli.solver.results.proof import CountKind, Proof
+from gspcli.solver.starts.complex_start import (
+    GeometryStart,
+    SolvedSystem,
+    StartMethod,
+    geometry_start,
+)
+from gspcli.solver.starts.solved_starts import SolvedStarts, Sort
+from gspcli.solver.starts.start_pool import StartPool
 from gspcli.solver.study_systems import coefficients_of, side_choices
 
 if TYPE_CHECKING:

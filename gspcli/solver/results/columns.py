@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from gspcli.geometry.arrangement import Arrangement
     from gspcli.geometry.instance import Instance
     from gspcli.geometry.quaternions import Field
-    from gspcli.solver.solution import Solution
+    from gspcli.solver.results.solution import Solution
 
 
 class Poses(Protocol):

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.residuals import condition_numbers, proved_residuals, residuals
 from gspcli.records import dataclass
-from gspcli.solver.many_poses import Answers
-from gspcli.solver.pose_set import PoseSet
+from gspcli.solver.results.pose_set import PoseSet
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -98,40 +97,3 @@ class PoseBatch:
         result = np.full(self.real.shape, np.nan)
         result[self._there] = numbers
         return result
-
-
-def joined(arrangement: Arrangement, values: Array, answers: list[Answers]) -> PoseBatch:
-    """Return answers, one after the other, as one batch (see its attributes)."""
-    others = {k: poses for each in answers for k, poses in each.alone.items()}
-    together = [part for each in answers for part in each.together if len(part.rows)]
-    widths = [len(poses.R) for poses in others.values()] + [len(part.ledger) for part in together]
-    shape = len(values), max(widths, default=0)
-    batch = PoseBatch(
-        arrangement=arrangement,
-        values=values,
-        number=np.zeros(len(values), np.int64),
-        R=np.full((*shape, 3, 3), np.nan, np.complex128),
-        T=np.full((*shape, 3), np.nan, np.complex128),
-        real=np.zeros(shape, np.bool_),
-        certified=np.zeros(shape, np.bool_),
-        multiplicity=np.zeros(shape, np.int64),
-        complete=np.zeros(len(values), np.bool_),
-        proved=np.zeros(len(values), np.bool_),
-        others=others,
-    )
-    for rows, places, ledger in together:
-        found, width = ledger.proved, len(ledger)
-        assert found is not None
-        batch.R[rows, :width], batch.T[rows, :width] = found.R[places], found.T[places]
-        batch.real[rows, :width] = found.real[places]
-        batch.certified[rows, :width] = batch.multiplicity[rows, :width] = 1
-        batch.number[rows] = width
-        batch.complete[rows] = batch.proved[rows] = True
-    for k, poses in others.items():
-        number = len(poses.R)
-        for name in ("R", "T", "real", "certified", "multiplicity"):
-            getattr(batch, name)[k, :number] = getattr(poses, name)
-        batch.number[k] = number
-        batch.complete[k] = poses.problem is None and poses.account.verdict == "complete"
-        batch.proved[k] = batch.complete[k] and poses.proof is not None
-    return batch

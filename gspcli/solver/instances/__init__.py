@@ -1,0 +1,1 @@
+"""Platforms to begin with."""

@@ -1,0 +1,1 @@
+"""What is told of the poses of a platform."""

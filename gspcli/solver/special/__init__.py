@@ -1,0 +1,1 @@
+"""Platforms in special or nearly special position: poses are counted exactly."""

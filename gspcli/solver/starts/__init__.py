@@ -1,0 +1,1 @@
+"""Solved systems from which paths to the poses of platforms begin."""
