@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.calibration.causes import likely_cause
 from gspcli.calibration.fitting import HUBER, Fit, fit
 from gspcli.calibration.measurements import Measurements, Noise, constant_rods, value_rows
-from gspcli.calibration.options import PRIOR, Options, chosen_model, noise_of
+from gspcli.calibration.options import Options, chosen_model, noise_of, prior_of
 from gspcli.calibration.parameters import Model
 from gspcli.calibration.results import Calibration
 from gspcli.calibration.starts import started
@@ -133,10 +133,10 @@ def calibrate_rows(
     if noise.exact and not (seen.whole.all() and len(seen)):
         message = "found poses that are not whole, expected whole ones where they are exact"
         raise ArgumentError(message, "sigma")
+    prior = prior_of(options, model)
     _check_told(seen, noise)
     model, R, T = started(instance, model, seen, noise)
     start = model.anchored(R, T), R, T
-    prior = options.prior or PRIOR * model.length
     huber = HUBER if options.robust else None
     found, scatter = _fitted(start, seen, noise, huber, prior, stated=bool(sigma))
     unknown = unknowns(found, seen)

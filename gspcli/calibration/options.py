@@ -51,6 +51,22 @@ class Options:
     hold_unknown: bool = False
 
 
+def prior_of(options: Options, model: Model) -> float:
+    """Return how well the numbers are known before, a length.
+
+    Raises
+    ------
+    ArgumentError
+        If it is not a positive number.
+    """
+    if options.prior is None:
+        return PRIOR * model.length
+    if not 0 < options.prior < np.inf:
+        message = f"found {options.prior:g}, expected a positive number"
+        raise ArgumentError(message, "prior")
+    return float(options.prior)
+
+
 def chosen_model(instance: Instance, options: Options, *, cranks: bool) -> Model:
     """Return the model with the parameters free that are to be estimated.
 

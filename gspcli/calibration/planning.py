@@ -22,7 +22,7 @@ from gspcli.calibration.fitting import fit, reduced
 from gspcli.calibration.measurements import Measurements, Noise, constant_rods, hat, value_rows
 from gspcli.calibration.numbers import file_numbers
 from gspcli.calibration.optimal_designs import d_optimal, exchanged
-from gspcli.calibration.options import PRIOR, Options, chosen_model, noise_of
+from gspcli.calibration.options import Options, chosen_model, noise_of, prior_of
 from gspcli.calibration.parameters import Model
 from gspcli.calibration.starts import started
 from gspcli.defaults import SEED
@@ -201,7 +201,7 @@ def planned(
     if seen is not None:
         seen = constant_rods(instance, model, seen)
     places = candidates(instance, model, R, T, seed)
-    prior = options.prior or PRIOR * model.length
+    prior = prior_of(options, model)
     nothing = before = np.eye(int(model.free.sum())) / prior**2
     if seen is not None:
         # Where the machine is best known, the poses to come tell what they will.

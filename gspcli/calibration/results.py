@@ -13,7 +13,7 @@ from gspcli.calibration.doubts import doubts
 from gspcli.calibration.fitting import Fit
 from gspcli.calibration.measurements import Measurements, Noise
 from gspcli.calibration.numbers import FileNumbers, calibrated, file_numbers
-from gspcli.calibration.options import PRIOR, Options
+from gspcli.calibration.options import Options, prior_of
 from gspcli.calibration.parameters import Model
 from gspcli.calibration.unknowns import Unknowns
 from gspcli.geometry.instance import Instance
@@ -91,7 +91,7 @@ class Calibration:
             self._stated,
             self.noise,
             self.scatter,
-            self.options.prior or PRIOR * self.fit.model.length,
+            prior_of(self.options, self.fit.model),
             robust=self.options.robust,
         )
 

@@ -9,7 +9,7 @@ import click
 from gspcli.cli.calibration_tables import calibration_document, calibration_table
 from gspcli.cli.mode_option import Mode, mode_option
 from gspcli.cli.names import load_instance
-from gspcli.cli.number_types import seed_option
+from gspcli.cli.number_types import Positive, Whole, seed_option
 from gspcli.cli.output import DRAWINGS, FORMATS, Output, emit, output_options, write
 from gspcli.cli.pose_options import ignore_option, pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from gspcli.calibration import Calibration, Options
     from gspcli.calibration.measurements import Measurements
     from gspcli.geometry.instance import Instance
+
+#: Poses of a plan: more take hours to choose, and tell hardly more than as many at random.
+_MOST_PLANNED = 300
 
 
 @click.command()
@@ -57,7 +60,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--prior",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Positive(),
     metavar="D",
     help="How well the numbers are known before, a length.  [default: 1/200 of a typical length]",
 )
@@ -71,7 +74,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--plan",
-    type=click.IntRange(min=1),
+    type=Whole(1, _MOST_PLANNED),
     metavar="N",
     help="Which N poses to measure next, after those of DATA if it is given.",
 )
@@ -154,9 +157,9 @@ def command(
     instance = load_instance(spec)
     form = pose_format(instance, euler, pivot, ignore)
     noise, options = _numbers(sigmas), Options(estimate, hold, robust, prior, hold_unknown)
-    seen = None
+    places, seen = targets_of(targets), None
     if data is not None:
-        seen = read_measurements(*text_of(data), instance, form, targets_of(targets))
+        seen = read_measurements(*text_of(data), instance, form, places)
     if plan is not None:
         _plan(instance, seen, noise, options, plan, mode, seed, output)
         return

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from gspcli.cli.number_types import Whole
+from gspcli.cli.number_types import Finite, Whole
 from gspcli.cli.output import Output, file_option, write
 from gspcli.cli.streams import say
 from gspcli.defaults import IMPORTED_DIGITS, MEETING_SHARE
@@ -18,7 +18,7 @@ from gspcli.defaults import IMPORTED_DIGITS, MEETING_SHARE
 @click.option("--platform", metavar="NAME", help="Which is the platform.  [default: found]")
 @click.option(
     "--meet",
-    type=click.FloatRange(0, 1, max_open=True),
+    type=Finite(0, 1, max_open=True),
     default=MEETING_SHARE,
     show_default=True,
     metavar="SHARE",

@@ -42,11 +42,8 @@ class Seed(Whole):
         super().__init__(0, _LARGEST_SEED)
 
 
-class Positive(click.FloatRange):
-    """A number above zero that is finite."""
-
-    def __init__(self) -> None:
-        super().__init__(0, min_open=True)
+class Finite(click.FloatRange):
+    """A finite number: every option that is a number has this type, or one that is made of it."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the number, or fail."""
@@ -54,6 +51,13 @@ class Positive(click.FloatRange):
         if not math.isfinite(number):
             self.fail(f"{shortened(str(value))} is not a finite number.", param, ctx)
         return number
+
+
+class Positive(Finite):
+    """A number above zero that is finite."""
+
+    def __init__(self) -> None:
+        super().__init__(0, min_open=True)
 
 
 def seed_option(more: str = "") -> Callable[[Function], Function]:

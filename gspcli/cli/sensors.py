@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gspcli.cli.names import load_instance
-from gspcli.cli.number_types import seed_option
+from gspcli.cli.number_types import Positive, seed_option
 from gspcli.cli.output import Output, emit, output_options
 from gspcli.cli.pose_options import ignore_option, pose_format, pose_options, text_of
 from gspcli.cli.progress_bars import working
@@ -65,7 +65,7 @@ _KINDS = ("leg", "coordinate", "joint", "inclinometer")
 )
 @click.option(
     "--need",
-    type=click.FloatRange(0, min_open=True),
+    type=Positive(),
     default=6.0,
     show_default=True,
     metavar="N",

@@ -12,7 +12,7 @@ import click
 from gspcli.cli.grids import PARAMETERS, span_of
 from gspcli.cli.mode_option import Mode, mode_option
 from gspcli.cli.names import load_instance
-from gspcli.cli.number_types import Whole
+from gspcli.cli.number_types import Finite, Whole
 from gspcli.cli.output import (
     DRAWINGS,
     FORMATS,
@@ -75,7 +75,7 @@ _MOST_SHOWN = 2_000_000
 )
 @click.option(
     "--gap",
-    type=click.FloatRange(0, 1, min_open=True, max_open=True),
+    type=Finite(0, 1, min_open=True, max_open=True),
     metavar="R",
     help=f"How near the bounds of the volume are to come, relatively.  [default: {_TOLERANCE}, "
     f"for boxes and pictures of three or more parameters {_COARSE}]",

@@ -38,6 +38,8 @@ Array = NDArray[np.float64]
 _RELATIVE, _ABSOLUTE = 1e-11, 1e-14
 #: Calls of the equations of motion before a simulation is given up.
 _MOST_CALLS = 200_000
+#: After so many evaluations a motion ends that at this rate would need this many times the most.
+_FIRST_CALLS, _HOPELESS = 3000, 10
 #: The columns of a pose in files.
 POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
@@ -260,14 +262,18 @@ def _integrate(model: MassModel, start: Array, times: Array, forces: Array) -> A
             )
             while solver.status == "running" and calls + solver.nfev < _MOST_CALLS:
                 solver.step()
+                part = (solver.t - times[0]) / (times[-1] - times[0])
+                so_far = calls + solver.nfev
+                if so_far > max(_FIRST_CALLS, _HOPELESS * _MOST_CALLS * part):
+                    break
         except ArgumentError as error:
-            part = f"between t = {times[low]:g} and {times[low + 1]:g}"
-            message = f"the motion ends {part}: {error.message}"
+            where = f"between t = {times[low]:g} and {times[low + 1]:g}"
+            message = f"the motion ends {where}: {error.message}"
             raise IncompleteError(message) from None
         if solver.status != "finished":
             message = (
                 f"the motion cannot be followed beyond t = {solver.t:.6g}: it is too wild there\n"
-                "give forces that hold the platform, or fewer times"
+                "give forces that hold the platform (their units are N and N m), or fewer times"
             )
             raise IncompleteError(message)
         calls += solver.nfev

@@ -309,6 +309,8 @@ def test_the_result_is_plain_and_read_only():
         ({"sigma": {"valu": 1}}, "sigma: found 'valu', .*did you mean value"),
         ({"sigma": {"value": 0}}, "found 0, expected a positive number"),
         ({"sigma": {"position": 0}}, "expected both"),
+        *(({"prior": number}, "prior: found") for number in (np.nan, np.inf, 0, -1)),
+        ({"sigma": {"value": np.nan}}, "found nan, expected a positive number"),
         ({"T": np.zeros((3, 2))}, r"T: found shape \(3, 2\)"),
         ({"points": {"Q": np.zeros((12, 3))}}, "unknown point 'Q'"),
         ({"values": "no"}, "values: found shape"),

@@ -104,6 +104,16 @@ def test_a_motion_that_cannot_be_followed_is_no_motion(monkeypatch):
         simulate(hexapod(), *START, [0, 10.0], np.zeros(6))
 
 
+def test_forces_that_do_not_hold_the_platform_end_it_early(monkeypatch):
+    """By the rate at which it goes on, not after all evaluations that there may be."""
+    monkeypatch.setattr(forward, "_FIRST_CALLS", 300)
+    calls, found = [], forward._accelerations
+    monkeypatch.setattr(forward, "_accelerations", lambda *a: calls.append(0) or found(*a))
+    with pytest.raises(IncompleteError, match="too wild there\ngive forces that hold"):
+        simulate(hexapod(), *START, [0, 10.0], [1e9, -1e9] * 3)
+    assert len(calls) < 1000
+
+
 def test_a_motion_that_meets_a_value_without_derivative_ends_there(monkeypatch):
     """A leg's length, above zero at the start, is taken for zero from a little less on."""
     monkeypatch.setattr(drives, "_ZERO", 0.65)
