@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from gspcli.catalogue.names import parse_name
 from gspcli.catalogue.types import Family, GspType
 from gspcli.cli.streams import say
-from gspcli.errors import TypeNameError
-from gspcli.resources import shipped_file
-from gspcli.wording import brief
+from gspcli.errors import GspError, TypeNameError
+from gspcli.resources import instance_files, shipped_file
+from gspcli.wording import brief, named, nearest
 
 if TYPE_CHECKING:
     from gspcli.cli.value_options import Changes
@@ -37,7 +37,32 @@ def spec_source(word: str) -> str | Path:
     GspError
         If there is no such shipped file.
     """
-    return shipped_file(word[1:]) if word.startswith(_SHIPPED) else word
+    if word.startswith(_SHIPPED):
+        return shipped_file(word[1:])
+    if word != "-" and (meant := _meant(word)):
+        message = f"{named(word)}: there is no such file: did you mean {meant}?"
+        raise GspError(message)
+    return word
+
+
+def _meant(word: str) -> str | None:
+    """Return what was perhaps meant by the name of a file that does not exist."""
+    path = Path(word)
+    try:
+        if path.exists():
+            return None
+        beside = [one.name for one in path.parent.iterdir() if one.suffix.lower() in _SUFFIXES]
+    except (OSError, ValueError):
+        return None
+    same = [name for name in beside if Path(name).stem == path.stem]
+    near = same[0] if same else None
+    if near is None and path.name == word:
+        shipped = instance_files()
+        stem = path.stem if path.suffix.lower() in _SUFFIXES else word
+        if stem.lower() in shipped:
+            return f"{_SHIPPED}{stem.lower()}"
+    near = near or nearest(path.name, beside)
+    return None if near is None else str(path.with_name(near))
 
 
 def load_instance(word: str, changes: Changes | None = None) -> Instance:

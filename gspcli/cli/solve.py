@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from gspcli.cli.digits import digit_cells, digit_table, digits_option, refined
+from gspcli.cli.many_instances import LINES, are_many, solve_many
 from gspcli.cli.names import load_instance
 from gspcli.cli.number_types import decimals_option, seed_option
-from gspcli.cli.output import Output, Table, emit, output_options
+from gspcli.cli.output import FORMATS, Output, Table, emit, output_options
 from gspcli.cli.pose_options import pose_format, pose_options
 from gspcli.cli.pose_type import GivenPose, near_option
 from gspcli.cli.progress_bars import working
 from gspcli.cli.reading_options import add_fit, fitted, given_readings, refuse_misfit
 from gspcli.cli.value_options import Changes, value_options
 from gspcli.cli.worker_options import jobs_option
-from gspcli.errors import IncompleteError, NotFiniteError
+from gspcli.errors import GspError, IncompleteError, NotFiniteError
+from gspcli.records import dataclass
+from gspcli.wording import listed
 
 if TYPE_CHECKING:
     from gspcli.cli.pose_tables import Shown
@@ -30,7 +34,13 @@ _READABLE = ("table", "markdown", "latex")
 
 
 @click.command()
-@click.argument("spec", metavar="SPEC")
+@click.argument("specs", metavar="SPEC...", nargs=-1, required=True)
+@click.option(
+    "--lines",
+    "by_line",
+    is_flag=True,
+    help="SPEC has an instance in each line, as JSON; files that end with .jsonl have, too.",
+)
 @value_options
 @click.option("--all", "everything", is_flag=True, help="Also show poses that are not real.")
 @click.option(
@@ -67,9 +77,10 @@ _READABLE = ("table", "markdown", "latex")
 )
 @click.option("--legend", is_flag=True, help="Explain the columns.")
 @digits_option
-@output_options()
+@output_options(formats=(*FORMATS, LINES))
 def command(
-    spec: str,
+    specs: tuple[str, ...],
+    by_line: bool,
     changes: Changes,
     everything: bool,
     no_certify: bool,
@@ -85,7 +96,7 @@ def command(
     legend: bool,
     digits: int | None,
     output: Output,
-) -> None:
+) -> int:
     """Find every pose of a platform and account for every path.
 
     SPEC is an instance file, - for standard input, or @NAME of an example (`gsp example`). What
@@ -100,6 +111,10 @@ def command(
     standard deviations: gsp sensors says which sensor tells modes apart, and how readings are
     written.
 
+    Of several SPEC, or with --lines, each instance has one line of the answer, in their order, and
+    what is wrong with one stops no other; --format jsonl has everything of each, one document a
+    line. --jobs counts processes then. The exit code is the largest of any instance.
+
     Exit codes: 0 done (no real pose is an answer, too); 1 no mode or several fit the readings;
     2 bad input; 3 the poses are infinitely many; 4 something could not be found or certified.
 
@@ -110,6 +125,8 @@ def command(
       gsp solve @dietmaier --digits 50 -o poses.json
       gsp solve platform.yaml --rotation ZYX --near 0,0,250,0,0,0 --euler ZYX
       gsp solve @rubin-m2 --reading "leg P1 B2 = 2.913 ± 0.002"
+      gsp solve @dietmaier @figure-3 --format jsonl -o answers.jsonl
+      gsp solve instances.jsonl --jobs 2
       gsp new "DPL DPL DLP ALL ALL ALH" | gsp solve - --all -o poses.json
     """
     from dataclasses import replace
@@ -122,23 +139,25 @@ def command(
     if no_certify:
         click.echo("--no-certify is ignored: every pose is proved", err=True)
     columns = rotation_columns(rotation)
-    if everything:
-        _refuse_angles(rotation)
-    instance = load_instance(spec, changes)
+    _refuse_angles(rotation, everything=everything)
+    if are_many(specs, lines=by_line) or output.format == LINES:
+        _refuse_alone(near=near, euler=euler, pivot=pivot, reading=readings, legend=legend)
+        told = _Told(seed, prove, everything, digits, documented=output.format == LINES)
+        return solve_many(specs, partial(_solved, told), changes, jobs, output, lines=by_line)
+    instance = load_instance(specs[0], changes)
     given = given_readings(readings, instance)
     goal = _goal(near, euler, pivot, instance)
     with working("solving"):
         result = solve(instance, seed=seed, jobs=jobs, prove=prove)
-        indices = range(len(result.R) if everything else result.counts.real)
-        shown = Shown(indices, columns, decimals)
+        shown = Shown(_indices(result, everything=everything), columns, decimals)
         if goal is not None:
             shown = _sorted(result, shown, *goal)
         if (fit := fitted(result, given)) is not None:
             shown = replace(shown, fits=fit.rows())
         proved = _refined(result, shown, digits) if digits is not None else []
         contradicting = _contradicting(result)
-        lines = summary(result, contradicting=contradicting)
-        lines += [fit.sentence] if fit is not None else []
+        said = [] if fit is None else [fit.sentence]
+        lines = [*summary(result, contradicting=contradicting), *said]
     if output.format in _READABLE:
         notes = _notes(result, shown, everything=everything, legend=legend)
         tables = pose_tables(result, shown, summary=lines, notes=notes)
@@ -146,13 +165,62 @@ def command(
     else:
         flat = [digit_cells(pose or {}) for pose in proved]
         table = data_table(result, shown, flat, imaginary=everything, summary=lines)
-        document = None
-        if output.format == "json":
-            document = _document(result, shown, proved, contradicting, fit, everything=everything)
+        found = result, shown, proved, contradicting, fit
+        document = _document(*found, everything=everything) if output.format == "json" else None
         emit(output, table, document=document)
+    return _complained(result, fit)
+
+
+def _complained(result: SolveResult, fit: ReadingFit | None) -> int:
+    """Raise what the exit code is to say of the poses and of readings, else return 0."""
     _complain(result)
     if fit is not None:
         refuse_misfit(fit)
+    return 0
+
+
+def _indices(result: SolveResult, *, everything: bool) -> range:
+    """Return which poses are shown: the real ones are the first."""
+    return range(len(result.R) if everything else result.counts.real)
+
+
+def _refuse_alone(**options: object) -> None:
+    """Raise for options that are about the table of one instance."""
+    given = [f"--{name}" for name, value in options.items() if value]
+    if given:
+        message = f"{listed(given, 'and')}: for one SPEC and its table only"
+        raise click.UsageError(message)
+
+
+@dataclass(frozen=True)
+class _Told:
+    """How each of many instances is solved, and whether its document is asked for."""
+
+    seed: int
+    prove: bool | None
+    everything: bool
+    digits: int | None
+    documented: bool
+
+
+def _solved(told: _Told, instance: Instance) -> tuple[SolveResult, dict[str, Any], GspError | None]:
+    """Return the result of one of many instances, its document, and what its exit code says."""
+    from gspcli.cli.pose_tables import Shown
+    from gspcli.solver import solve
+
+    result = solve(instance, seed=told.seed, jobs=1, prove=told.prove)
+    document: dict[str, Any] = {}
+    if told.documented:
+        every = told.everything
+        shown = Shown(_indices(result, everything=every), (), None)
+        proved = _refined(result, shown, told.digits) if told.digits is not None else []
+        contradicting = _contradicting(result)
+        document = _document(result, shown, proved, contradicting, None, everything=every)
+    try:
+        _complain(result)
+    except GspError as error:
+        return result, document, error
+    return result, document, None
 
 
 def _sorted(result: SolveResult, shown: Shown, R: Any, T: Any) -> Shown:
@@ -174,9 +242,9 @@ def _sorted(result: SolveResult, shown: Shown, R: Any, T: Any) -> Shown:
     )
 
 
-def _refuse_angles(rotation: str) -> None:
-    """Raise if rotations that are not real cannot be written so."""
-    if rotation not in ("quaternion", "matrix"):
+def _refuse_angles(rotation: str, *, everything: bool) -> None:
+    """Raise if rotations that are not real are shown and cannot be written so."""
+    if everything and rotation not in ("quaternion", "matrix"):
         message = f"--rotation {rotation} says nothing of poses that are not real: leave out --all"
         raise click.UsageError(message)
 

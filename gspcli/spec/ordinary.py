@@ -1,7 +1,8 @@
 """A reader of files in the ordinary form of YAML; a parser of YAML takes longer to load.
 
 The ordinary form has mappings and lists by indentation, ``{...}`` and ``[...]`` over any number of
-lines, comments, and scalars on one line: plain ones, or in quotation marks without escapes.
+lines, comments, and scalars on one line: plain ones, or in quotation marks without escapes. A file
+in braces as a whole, as JSON, has it, too.
 `any_yaml` reads all other forms and files with mistakes. A file that is read here has the same
 content there, with the same places.
 """
@@ -71,7 +72,11 @@ class _Reader:
         self._gap()
         if self._column():
             raise _UnusualError
-        content = self._mapping("", 0)
+        if self._next() == "{":
+            content: Value = self._bracket("", 0)
+            self._gap()
+        else:
+            content = self._mapping("", 0)
         if self.at < len(self.text):
             raise _UnusualError
         return content

@@ -5,9 +5,12 @@ A page may have the file itself, as the first block of yaml or csv; else it is m
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable
 from pathlib import Path
+
+import yaml
 
 from gspcli.resources import data_path, instance_files
 from tools.build.shown_commands import Shown, run_line
@@ -126,6 +129,7 @@ _FILES: dict[str, Callable[[Shown], str]] = {
     "poses.csv": _poses,
     "poses.json": _printed("gsp solve platform.yaml --all --format json"),
     "values.csv": lambda shown: "t,1\n0,5.3\n1,5.4\n",
+    "instances.jsonl": lambda shown: json.dumps(yaml.safe_load(machine())) + "\n",
     "log.csv": lambda shown: "Zeit [s],motor 1,x,y,z,qw,qx,qy,qz\n0,7,0,0,5,1,0,0,0\n",
     "moves.csv": lambda shown: "t,1\n0,5.3\n1,5.4\n",
     "angles.csv": lambda shown: "t,crank.B1\n0,0\n1,5\n",

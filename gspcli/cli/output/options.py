@@ -18,6 +18,7 @@ DRAWINGS = ("svg", "png", "pdf")
 _SUFFIXES = {
     ".csv": "csv",
     ".json": "json",
+    ".jsonl": "jsonl",
     ".md": "markdown",
     ".tex": "latex",
     ".txt": "table",
