@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import ctypes
 import re
 import shutil
 import subprocess
@@ -114,6 +115,31 @@ def test_the_program_and_the_follower_are_one(kinds, tmp_path):
             break
         here = np.concatenate((follower.T, follower.quaternion))
         assert np.allclose(here, pose, rtol=0, atol=1e-13 * max(1, np.abs(here).max()))
+
+
+@pytest.mark.skipif("gcc" not in COMPILERS, reason="no gcc")
+def test_a_state_that_may_be_that_of_another_pose_goes_nowhere(tmp_path):
+    """The error of a state says how near its pose is: no other one may be as near as twice that."""
+    instance, (R, T) = platform("6PP")
+    library = CompiledController(instance, tmp_path)._library
+    pose = np.ascontiguousarray(poses_of(R, T))
+
+    def alone(error):
+        # Pose, values, error; fraction, sigma, alone, steps and tries.
+        state, report = np.zeros(14), np.zeros(4)
+        arguments = [ctypes.c_void_p(x.ctypes.data) for x in (pose, state)]
+        assert library.machine_start(*arguments) == FollowerStatus.PROVED
+        state[13] = error
+        values = state[7:13] * (1 + 1e-5)
+        arguments = [ctypes.c_void_p(x.ctypes.data) for x in (values, state, report)]
+        status = library.machine_forward(*arguments)
+        return report[2] if status == FollowerStatus.PROVED else None
+
+    radius = alone(0.0)
+    assert radius > 0
+    assert alone(0.4 * radius) == radius
+    for share in (0.6, 0.9, 1.5, 3, 1e6):
+        assert alone(share * radius) is None
 
 
 @pytest.mark.skipif("gcc" not in COMPILERS, reason="no gcc")

@@ -276,7 +276,7 @@ def test_a_ball_that_is_divided_ends_before_the_nearest_singular_pose(monkeypatc
         return SimpleNamespace(judge=judge, home=home)
 
     plane = judged(lambda s, half: (s + half)[:, 0] < 0.7)
-    assert 0.6 < _divided(plane, 0.1, 1.5) <= 0.7
+    assert 0.55 < _divided(plane, 0.5, 1.2) <= 0.7
     corner = judged(lambda s, half: ((s + half)[:, :2] < 0.7).any(axis=1))
     found = _divided(corner, 0.5, 1.2)
     assert 0.7 < found <= 0.7 * np.sqrt(2)
