@@ -73,3 +73,12 @@ def test_entries_beyond_the_range_of_doubles_are_not_proved_different() -> None:
     entries[1, 3], entries[2, 3] = np.inf, np.inf
     assert not all_different(entries, np.zeros(3))
     assert places(entries, np.zeros(3), 1).tolist()[2] == 1
+
+
+def test_a_pose_without_a_bound_may_be_any() -> None:
+    entries = np.random.default_rng(6).normal(size=(3, 12)) + 0j
+    for bound in (np.nan, np.inf):
+        bounds = np.array([1e-9, bound, 1e-9])
+        assert not all_different(entries, bounds)
+        found = places(entries, bounds, 0)
+        assert found[1] == 0 or found[0] == 1
