@@ -83,7 +83,7 @@ def proved(result: SolveResult) -> NDArray[np.bool_]:
 def _completeness(result: SolveResult) -> str:
     """Return the verdict, and what became of every path if not every one is a pose."""
     ends, found = result.account, result.counts.found
-    verdict = f"{result.verdict}, proved" if result.proof else result.verdict
+    verdict = f"{result.verdict}, {result.proof.words}" if result.proof else result.verdict
     if result.verdict == "complete" and found == result.expected:
         return f"{verdict}: all {found} of the type, real or not"
     poses = f"{found} pose{'s' * (found != 1)}, real or not"
@@ -107,7 +107,7 @@ def _completeness(result: SolveResult) -> str:
     geometry = result.geometry_count
     if geometry is None:
         return f"{verdict}: {poses}{where}, of the type's {result.expected}"
-    # What the type has more than the geometry frightens nobody: it is not counted out here.
+    # How many fewer the geometry has than the type is not listed by causes.
     gone = ends.on_curves + ends.spurious + ends.lost
     if geometry < ends.found:
         # For other values there is none: these are what others hold at any rate, as on a table.

@@ -181,7 +181,7 @@ def test_parallel_planes_without_a_pose_are_an_answer(gsp, spec):
     run = gsp("solve", spec(normal="1, 0, 0"))
     assert run.code == 0
     assert run.out.splitlines()[2:4] == [
-        "no real pose; complete, proved: 0 poses, real or not, "
+        "no real pose; complete, proved up to a random prime: 0 poses, real or not, "
         "of this geometry's 0; the type can have 8",
         "distances 1 and 3 contradict each other: no pose was found for them without the others",
     ]
@@ -193,7 +193,7 @@ def test_multiple_poses_are_proved_by_their_counts(gsp, spec):
     run = gsp("solve", path, *settings)
     assert run.code == 0
     assert "1 pose, real or not, 8 with multiplicities" in run.out
-    assert "proved by the exact count modulo a random prime" in run.out
+    assert "proved by the exact count up to a random prime" in run.out
     run = gsp("solve", path, *settings, "--no-prove")
     assert run.code == 4
     assert "try --prove" in run.err

@@ -113,7 +113,8 @@ class PoseSet:
             parts.append(f"{int(self.certified.sum())} certified")
         ends = ((name, getattr(self.account, name)) for name in _NO_POSES)
         parts += [f"{number} {name.replace('_', ' ')}" for name, number in ends if number]
-        return ", ".join([*parts, self.problem or self.account.verdict])
+        proved = f", {self.proof.words}" if self.proof and not self.problem else ""
+        return ", ".join([*parts, (self.problem or self.account.verdict) + proved])
 
     def __repr__(self) -> str:
         return f"<PoseSet: {self.account_text}>"

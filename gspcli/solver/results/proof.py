@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from enum import StrEnum
 from typing import Any
 
@@ -17,6 +18,15 @@ class CountKind(StrEnum):
     """As many as this geometry has with values in general position."""
     EXACT = "exact count"
     """As many as the numbers as written have, with multiplicities."""
+
+
+class Grade(StrEnum):
+    """How certain a proof is."""
+
+    CERTAIN = "certain"
+    """No random choice can make it wrong."""
+    PRIME = "up to a random prime"
+    """It is wrong if the random prime of a count is a bad one, with a probability that is known."""
 
 
 @dataclass(frozen=True)
@@ -41,12 +51,27 @@ class Proof:
         return cls(by, error) if error < 1 else None
 
     @property
+    def grade(self) -> Grade:
+        """Whether the proof is certain."""
+        return Grade.PRIME if self.error else Grade.CERTAIN
+
+    @property
+    def words(self) -> str:
+        """The grade in a sentence: proved, or proved up to a random prime."""
+        return f"proved {self.grade}" if self.error else "proved"
+
+    @property
     def reservation(self) -> str:
-        """What the proof rests on besides, in words; nothing if it holds for every prime."""
+        """What the proof rests on besides, in words; nothing if it is certain."""
         if not self.error:
             return ""
-        return f"proved by the {self.by} modulo a random prime: error below {self.error:.0e}"
+        bound = 10.0 ** math.ceil(math.log10(self.error))
+        return f"proved by the {self.by} up to a random prime: error below {bound:.0e}"
 
     def to_json(self) -> dict[str, Any]:
         """Return the proof as plain data: `modulo_random_prime` is false or the error bound."""
-        return {"by": self.by.value, "modulo_random_prime": self.error or False}
+        return {
+            "by": self.by.value,
+            "grade": self.grade.value,
+            "modulo_random_prime": self.error or False,
+        }
