@@ -278,9 +278,9 @@ less. For gsp it is `solve` in process, after loading, with certificates; for ms
 whole process (they start in milliseconds); for Macaulay2 the tracking alone, and for fkSGP its
 function with real poses only, in process, in turns with gsp: what else the machine does slows
 both. In brackets, as a multiple of gsp. msolve isolates the real solutions of an exact system; its
-tutorial says that its computations over the rationals stop by a probabilistic criterion, and that is
-no proof. Programs that prove poses are not in the table: HomotopyContinuation.jl certifies solutions
-that it has found, Cuik and ALIAS enclose all real ones in a box.
+tutorial says that its computations over the rationals stop by a probabilistic criterion, and that
+is no proof. Programs that prove poses are not in the table: HomotopyContinuation.jl certifies
+solutions that it has found, Cuik and ALIAS enclose all real ones in a box.
 """
 
 _ANSWERS = """\
