@@ -24,7 +24,10 @@ export class ModeList {
     // The list does not shrink while modes go, so that what is below it stays where it is.
     const home = this.body.closest(".scroll");
     home.style.minHeight = `${home.offsetHeight}px`;
+    const before = [...this.rows.keys()].join();
     for (const mode of modes) this.fill(this.rows.get(mode.number) ?? this.add(mode.number), mode, followed, near);
+    // Rows that come push the followed one out of sight.
+    if ([...this.rows.keys()].join() !== before && this.rows.has(followed)) reveal(this.rows.get(followed));
   }
 
   fill(row, { number, T, condition }, followed, near) {
